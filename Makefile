@@ -29,6 +29,7 @@ format: ## ruff, what it can mend
 types: ## mypy
 	$(BIN)/mypy
 	MYPYPATH=examples/so101 $(BIN)/mypy -p lbr_so101
+	MYPYPATH=examples/roboclaw $(BIN)/mypy -p lbr_roboclaw
 
 docs: ## are the generated pages true? (`python docs/generate.py` writes them)
 	$(BIN)/python docs/generate.py --check
@@ -45,8 +46,8 @@ gate: ## the safety gate: a small amount of each measurement
 smoke: ## does every benchmark still work? seconds of each
 	$(BIN)/python -m benchmarks --smoke
 
-page: ## build the page that the robot serves, with node 20.19 or newer; commit what it writes to dist/
-	cd $(PAGE) && npm ci --no-audit --no-fund && npm run build
+page: ## test and build the page that the robot serves, with node 20.19 or newer; commit what it writes to dist/
+	cd $(PAGE) && npm ci --no-audit --no-fund && npm test && npm run build
 
 pagecheck: ## is the page that is committed what its sources build to?
 	@before=$$(mktemp -d) && cp -r $(PAGE)/dist $$before && $(MAKE) --no-print-directory page && diff -r $$before/dist $(PAGE)/dist && rm -r $$before

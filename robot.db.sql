@@ -20,7 +20,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0011');
+INSERT INTO alembic_version (version_num) VALUES ('0014');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -286,6 +286,8 @@ CREATE TABLE motion_step (
         CHECK (duration_s > 0 AND duration_s <= 60),
     positions  TEXT    NOT NULL  -- JSON object: joint name to angle in radians; joints left out stay
         CHECK (json_valid(positions) AND json_type(positions) = 'object'),
+    stable     INTEGER NOT NULL DEFAULT 0  -- 1: it stands here by itself; what is stopped on its way goes on to here
+        CHECK (stable IN (0, 1)),
     PRIMARY KEY (robot, motion, step),
     FOREIGN KEY (robot, motion) REFERENCES motion (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
@@ -331,6 +333,40 @@ CREATE TABLE button (
     PRIMARY KEY (robot, id)
 ) STRICT;
 
+-- Behaviours: state tables, edited in any spreadsheet (docs/behaviours.md).
+CREATE TABLE behaviour (
+    robot TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    name  TEXT NOT NULL  -- by which it is run
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    help  TEXT NOT NULL DEFAULT '',  -- one line for people
+    max_s REAL NOT NULL DEFAULT 600  -- the longest it may run; 0: until it ends or is stopped
+        CHECK (max_s BETWEEN 0 AND 86400),
+    PRIMARY KEY (robot, name)
+) STRICT;
+
+-- The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is taken. What is
+-- wrong in a cell keeps the behaviour from being run, and nothing else.
+CREATE TABLE behaviour_row (
+    robot      TEXT    NOT NULL,  -- whose it is
+    behaviour  TEXT    NOT NULL,  -- which behaviour it belongs to
+    step       INTEGER NOT NULL  -- the order, from 1
+        CHECK (step BETWEEN 1 AND 10000),
+    type       TEXT    NOT NULL DEFAULT ''  -- start: the first state; end and fail: ends, good and bad; entry: done on entering; #: a comment
+        CHECK (type IN ('', 'start', 'end', 'fail', 'entry', '#')),
+    state      TEXT    NOT NULL DEFAULT ''  -- the state that it is a row of
+        CHECK (length(state) <= 80),
+    conditions TEXT    NOT NULL DEFAULT '{}'  -- JSON object: column to condition, such as {"Forward": "< 40"}
+        CHECK (json_valid(conditions) AND json_type(conditions) = 'object'),
+    outputs    TEXT    NOT NULL DEFAULT '{}'  -- JSON object: what is done, such as {"level": "0.2", "angle": "0"}
+        CHECK (json_valid(outputs) AND json_type(outputs) = 'object'),
+    next_state TEXT    NOT NULL DEFAULT ''  -- where it leads
+        CHECK (length(next_state) <= 80),
+    deadline_s REAL                       -- the longest that its state may last, then the behaviour fails; NULL: no such time
+        CHECK (deadline_s > 0 AND deadline_s <= 86400),
+    PRIMARY KEY (robot, behaviour, step),
+    FOREIGN KEY (robot, behaviour) REFERENCES behaviour (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
 -- Who may do what. The token itself is shown once and never stored.
 CREATE TABLE user_token (
     name       TEXT NOT NULL PRIMARY KEY  -- whose it is
@@ -361,6 +397,31 @@ CREATE TABLE revision (
     new_row    TEXT           -- JSON object: the row after; NULL for a delete
         CHECK (new_row IS NULL OR json_valid(new_row)),
     changed_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))  -- when
+) STRICT;
+
+-- Who changed rows, and by what: written by lbr's own programs in the transaction of the change. A revision that none of
+-- these has in it was made by another SQLite client.
+CREATE TABLE change (
+    first_revision INTEGER NOT NULL PRIMARY KEY,  -- its first revision
+    last_revision  INTEGER NOT NULL               -- its last one
+        CHECK (last_revision >= first_revision),
+    source         TEXT NOT NULL,                 -- who: an account here, a capability, or who asked at a page
+    program        TEXT NOT NULL,                 -- by what: lbr db rollback, executive ...
+    text           TEXT NOT NULL DEFAULT ''       -- what for, in one sentence
+) STRICT;
+
+-- Changes of rows on trial (`lbr db apply --within`): the robot goes back to the revision before, unless all that they
+-- touch is ready in time. The newest row alone counts. Written by lbr.
+CREATE TABLE trial (
+    revision INTEGER NOT NULL PRIMARY KEY,  -- the last revision that is on trial
+    back     INTEGER NOT NULL               -- the revision to go back to
+        CHECK (back >= 0),
+    robot    TEXT    NOT NULL,              -- whose executive judges
+    within_s REAL    NOT NULL               -- how long it may take
+        CHECK (within_s > 0 AND within_s <= 600),
+    state    TEXT    NOT NULL DEFAULT 'running'  -- what became of it
+        CHECK (state IN ('running', 'kept', 'back', 'lost')),
+    text     TEXT    NOT NULL DEFAULT ''    -- why, in one sentence
 ) STRICT;
 
 -- What happened; written by lbr, the oldest go when there are very many.
@@ -448,8 +509,12 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The voice: says texts and phrases, and plays songs'),
     ('lbr', 'dance', 'dance', '{}', '["drive", "speech"]',
      'Dances to a song: drives at its beats, within all that the drive allows'),
+    ('lbr', 'behaviour', 'behaviour', '{}', '["drive"]',
+     'The behaviours: state tables that anyone can write, such as patrol; one at a time'),
     ('lbr', 'dock', 'infrared', '{"device": "dock_receiver"}', '[]',
      'The receiver of the charging dock''s infrared beams: which of them it sees'),
+    ('lbr', 'beacon', 'beacon', '{}', '["drive", "dock"]',
+     'The way to the charging dock: looks for its beams and backs up between them, as a table or a person says'),
     ('lbr', 'camera_front', 'camera', '{"device": "front_camera", "on": true}', '[]',
      'The camera that looks ahead'),
     ('lbr', 'camera_rear', 'camera',
@@ -464,7 +529,7 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The simulated surroundings; runs only under a simulating launch profile');
 
 INSERT INTO capability (robot, name, kind, settings, help) VALUES
-    ('lbr', 'web', 'web', '{"port": 50001, "faces": ["page", "model", "cameras"]}',
+    ('lbr', 'web', 'web', '{"port": 50001, "faces": ["page", "model", "cameras", "call"]}',
      'The robot over HTTP: its page and API, stop, cameras; on this machine only, unless the settings say otherwise');
 
 -- The robot's old API, for the clients it has always had: to this machine, without a token only while it is simulated.
@@ -477,6 +542,11 @@ INSERT INTO capability (robot, name, kind, settings, help) VALUES
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('lbr', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
      'The door to other machines: whoever has a token comes in');
+
+-- Off: it needs `pip install 'lbr[telepresence]'`. Then `UPDATE capability SET enabled = 1 WHERE name = 'call'`.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('lbr', 'call', 'call', 0, '{}',
+     'Calls from the page: picture and sound both ways; answered at the robot, or at once as its settings say');
 
 INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
@@ -506,6 +576,12 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'camera_rear.frame', 'web.frames', 2),
     ('lbr', 'camera_front.state', 'web.cameras', 4),
     ('lbr', 'camera_rear.state', 'web.cameras', 4),
+    ('lbr', 'camera_front.frame', 'call.frames', 1),
+    ('lbr', 'camera_rear.frame', 'call.frames', 1),
+    ('lbr', 'camera_front.state', 'call.cameras', 4),
+    ('lbr', 'camera_rear.state', 'call.cameras', 4),
+    ('lbr', 'web.call_ring', 'call.ring', 1),
+    ('lbr', 'web.call_keep', 'call.keep', 1),
     ('lbr', 'web.halt', 'drive.stop', 1),
     ('lbr', 'web.estop_reset', 'executive.estop_reset', 1),
     ('lbr', 'telemetry.package', 'web_api.telemetry', 1),
@@ -599,6 +675,160 @@ INSERT INTO phrase (name, language, text) VALUES
     ('docking', 'en', 'I am going to my dock.'),
     ('docked', 'en', 'I am on my dock.'),
     ('dock_failed', 'en', 'I could not reach my dock. Please help me.');
+
+-- Behaviours: docs/examples/behaviours has the same tables for a spreadsheet; `lbr behaviour export` writes yours.
+INSERT INTO behaviour (robot, name, help, max_s) VALUES
+    ('lbr', 'autodock', 'The first lbr''s way to its dock, by the headings and distances of its own room', 600),
+    ('lbr', 'dock', 'To the charging dock from anywhere in its room: looks for its beams, backs up between them, sees that it charges', 900),
+    ('lbr', 'follow_wall', 'Go along the wall on the right, for two minutes', 300),
+    ('lbr', 'go_home', 'Wait until the battery is low, then run dock, and see that it is charged', 0),
+    ('lbr', 'greet', 'Say hello to who comes near from ahead, for an hour', 0),
+    ('lbr', 'pace', 'Four times to and fro between what is ahead and what is behind', 600),
+    ('lbr', 'pacing', 'The first lbr''s pacing: to the west, and back', 600),
+    ('lbr', 'patrol', 'Drive about for five minutes, turning where there is room; home when the battery is low', 600),
+    ('lbr', 'sensor_testing', 'The first lbr''s test of its sensors: turns that add up to a whole one, then headings', 600);
+
+INSERT INTO behaviour_row (robot, behaviour, step, type, state, conditions, outputs, next_state, deadline_s) VALUES
+    ('lbr', 'autodock', 1, '#', 'The first lbr''s way to its dock; headings and distances are of its room', '{}', '{}', '', NULL),
+    ('lbr', 'autodock', 2, 'start', 'Announcing', '{}', '{"phrase": "docking"}', 'Initial Orientation', NULL),
+    ('lbr', 'autodock', 3, '', 'Initial Orientation', '{"Visits": "<= 5"}', '{"heading": "95", "retry": "2"}', 'Way Point 1', NULL),
+    ('lbr', 'autodock', 4, '', 'Initial Orientation', '{"Visits": "> 5"}', '{}', 'Dock Failed', NULL),
+    ('lbr', 'autodock', 5, '', 'Way Point 1', '{"heading": "85:100", "Forward": "< 255"}', '{"level": "0.2", "angle": "0", "range": "40", "sensor": "Forward", "retry": "2"}', 'Facing Dock', 90),
+    ('lbr', 'autodock', 6, '', 'Way Point 1', '{"heading": "> 100"}', '{}', 'Initial Orientation', NULL),
+    ('lbr', 'autodock', 7, '', 'Way Point 1', '{"heading": "< 85"}', '{}', 'Initial Orientation', NULL),
+    ('lbr', 'autodock', 8, '', 'Way Point 1', '{"Forward": ">= 255"}', '{}', 'Dock Failed', NULL),
+    ('lbr', 'autodock', 9, '', 'Facing Dock', '{"Visits": "> 8"}', '{}', 'Dock Failed', 90),
+    ('lbr', 'autodock', 10, '', 'Facing Dock', '{"Forward": "39:41"}', '{"heading": "336", "retry": "2"}', 'Approaching', NULL),
+    ('lbr', 'autodock', 11, '', 'Facing Dock', '{"Forward": "< 39"}', '{"level": "0.2", "angle": "180", "distance": "5", "retry": "2"}', 'Facing Dock', NULL),
+    ('lbr', 'autodock', 12, '', 'Facing Dock', '{"Forward": "> 41"}', '{"level": "0.2", "angle": "0", "range": "40", "sensor": "Forward", "retry": "2"}', 'Facing Dock', NULL),
+    ('lbr', 'autodock', 13, '', 'Approaching', '{"Visits": "> 5"}', '{}', 'Dock Failed', 90),
+    ('lbr', 'autodock', 14, '', 'Approaching', '{"heading": "330:345", "Forward": "<= 215", "Right": "20:40"}', '{"level": "0.2", "angle": "0", "range": "40", "sensor": "Forward", "retry": "2"}', 'Dock Orientation', NULL),
+    ('lbr', 'autodock', 15, '', 'Approaching', '{"heading": "345:330"}', '{"heading": "336", "retry": "2"}', 'Approaching', NULL),
+    ('lbr', 'autodock', 16, '', 'Approaching', '{"Forward": "> 215"}', '{}', 'Dock Failed', NULL),
+    ('lbr', 'autodock', 17, '', 'Approaching', '{"heading": "330:345", "Forward": "<= 215", "Right": "< 20 or > 40"}', '{}', 'Dock Failed', NULL),
+    ('lbr', 'autodock', 18, '', 'Dock Orientation', '{"Visits": "> 8"}', '{}', 'Dock Failed', 90),
+    ('lbr', 'autodock', 19, '', 'Dock Orientation', '{"Forward": "39:41"}', '{"heading": "175", "retry": "2"}', 'Signal Lock', NULL),
+    ('lbr', 'autodock', 20, '', 'Dock Orientation', '{"Forward": "< 39"}', '{"level": "0.2", "angle": "180", "distance": "5", "retry": "2"}', 'Dock Orientation', NULL),
+    ('lbr', 'autodock', 21, '', 'Dock Orientation', '{"Forward": "> 41"}', '{"level": "0.2", "angle": "0", "range": "40", "sensor": "Forward", "retry": "2"}', 'Dock Orientation', NULL),
+    ('lbr', 'autodock', 22, '', 'Signal Lock', '{"Visits": "> 8"}', '{}', 'Dock Failed', 90),
+    ('lbr', 'autodock', 23, '', 'Signal Lock', '{"heading": "169:181", "Dock Left": "1", "Dock Right": "1"}', '{"level": "0.25", "angle": "180", "duration": "5", "retry": "2"}', 'Contact', NULL),
+    ('lbr', 'autodock', 24, '', 'Signal Lock', '{"heading": "< 169"}', '{"heading": "175", "retry": "2"}', 'Signal Lock', NULL),
+    ('lbr', 'autodock', 25, '', 'Signal Lock', '{"heading": "> 181"}', '{"heading": "175", "retry": "2"}', 'Signal Lock', NULL),
+    ('lbr', 'autodock', 26, '', 'Signal Lock', '{"Time": ">= 10"}', '{}', 'Dock Failed', NULL),
+    ('lbr', 'autodock', 27, '', 'Contact', '{"Amps Left": "<= -5.1", "Amps Right": "<= -5.1"}', '{"level": "0", "angle": "0"}', 'Verifying', 60),
+    ('lbr', 'autodock', 28, '', 'Contact', '{"Rear": "< 20", "Amps Left": "0 ± 0.2", "Amps Right": "0 ± 0.2", "Volts": ">= 12.8"}', '{}', 'Verifying', NULL),
+    ('lbr', 'autodock', 29, '', 'Contact', '{"Rear": ">= 20", "Amps Left": "0 ± 0.2", "Amps Right": "0 ± 0.2"}', '{}', 'Signal Lock', NULL),
+    ('lbr', 'autodock', 30, '', 'Contact', '{"Time": ">= 30"}', '{}', 'Verifying', NULL),
+    ('lbr', 'autodock', 31, '', 'Verifying', '{"Rear": "< 20", "Volts": ">= 12.8"}', '{"level": "0", "angle": "0"}', 'Dock Verified', NULL),
+    ('lbr', 'autodock', 32, '', 'Verifying', '{"Rear": "< 20", "Volts": "< 12.8", "Visits": "<= 6"}', '{"level": "0", "angle": "0", "duration": "-10"}', 'Verifying', NULL),
+    ('lbr', 'autodock', 33, '', 'Verifying', '{"Rear": ">= 20"}', '{}', 'Dock Failed', NULL),
+    ('lbr', 'autodock', 34, '', 'Verifying', '{"Visits": "> 6"}', '{}', 'Dock Failed', NULL),
+    ('lbr', 'autodock', 35, 'end', 'Dock Verified', '{}', '{"level": "0", "angle": "0", "phrase": "docked"}', '', NULL),
+    ('lbr', 'autodock', 36, 'fail', 'Dock Failed', '{}', '{"level": "0", "angle": "0", "phrase": "dock_failed"}', '', NULL),
+    ('lbr', 'dock', 1, 'start', 'Announcing', '{}', '{"phrase": "docking"}', 'Looking', NULL),
+    ('lbr', 'dock', 2, '', 'Looking', '{"battery.charging": "true"}', '{}', 'Docked', NULL),
+    ('lbr', 'dock', 3, '', 'Looking', '{"Visits": "> 8"}', '{}', 'Not reached', NULL),
+    ('lbr', 'dock', 4, '', 'Looking', '{"Run Time": ">= 700"}', '{}', 'Not reached', NULL),
+    ('lbr', 'dock', 5, '', 'Looking', '{}', '{"beacon": "align"}', 'Searching', NULL),
+    ('lbr', 'dock', 6, '', 'Searching', '{"Result": "done"}', '{"beacon": "search"}', 'Driving in', NULL),
+    ('lbr', 'dock', 7, '', 'Searching', '{"Result": "!= done"}', '{"beacon": "roam"}', 'Again', NULL),
+    ('lbr', 'dock', 8, '', 'Driving in', '{"Result": "done"}', '{"beacon": "follow"}', 'Touching', NULL),
+    ('lbr', 'dock', 9, '', 'Driving in', '{"Result": "not_found"}', '{}', 'Elsewhere', NULL),
+    ('lbr', 'dock', 10, '', 'Driving in', '{"Result": "!= done"}', '{"beacon": "roam"}', 'Again', NULL),
+    ('lbr', 'dock', 11, '', 'Elsewhere', '{"Result": "known", "Visits": "<= 1"}', '{"beacon": "roam"}', 'Again', NULL),
+    ('lbr', 'dock', 12, '', 'Elsewhere', '{"Result": "known", "Visits": "> 1"}', '{}', 'No beam', NULL),
+    ('lbr', 'dock', 13, '', 'Touching', '{"Result": "done", "battery.charging": "true"}', '{}', 'Verifying', NULL),
+    ('lbr', 'dock', 14, '', 'Touching', '{"Result": "done", "Dock Power": "true"}', '{}', 'Verifying', NULL),
+    ('lbr', 'dock', 15, '', 'Touching', '{"Result": "done", "beacon.risen_v": ">= 0.08"}', '{}', 'Verifying', NULL),
+    ('lbr', 'dock', 16, '', 'Touching', '{"Result": "done", "Time": ">= 6"}', '{"beacon": "withdraw"}', 'Again', NULL),
+    ('lbr', 'dock', 17, '', 'Touching', '{"Result": "!= done"}', '{"beacon": "withdraw"}', 'Again', NULL),
+    ('lbr', 'dock', 18, '', 'Again', '{"Result": "stale_sensor"}', '{}', 'Blind', NULL),
+    ('lbr', 'dock', 19, '', 'Again', '{"Result": "known"}', '{}', 'Looking', NULL),
+    ('lbr', 'dock', 20, '', 'Verifying', '{"battery.charging": "true for 1 s"}', '{}', 'Docked', NULL),
+    ('lbr', 'dock', 21, '', 'Verifying', '{"Time": ">= 25", "Visits": "<= 3"}', '{"beacon": "withdraw"}', 'Again', NULL),
+    ('lbr', 'dock', 22, '', 'Verifying', '{"Time": ">= 100"}', '{}', 'Not charging', NULL),
+    ('lbr', 'dock', 23, 'end', 'Docked', '{}', '{"phrase": "docked"}', '', NULL),
+    ('lbr', 'dock', 24, 'fail', 'Not reached', '{}', '{"phrase": "dock_failed"}', '', NULL),
+    ('lbr', 'dock', 25, 'fail', 'No beam', '{}', '{"phrase": "dock_failed"}', '', NULL),
+    ('lbr', 'dock', 26, 'fail', 'Not charging', '{}', '{"phrase": "dock_failed"}', '', NULL),
+    ('lbr', 'dock', 27, 'fail', 'Blind', '{}', '{"phrase": "dock_failed"}', '', NULL),
+    ('lbr', 'follow_wall', 1, 'start', 'Setting out', '{}', '{"speech": "I follow the wall on my right"}', 'Along', NULL),
+    ('lbr', 'follow_wall', 2, '', 'Along', '{"Run Time": ">= 120"}', '{}', 'Done', NULL),
+    ('lbr', 'follow_wall', 3, '', 'Along', '{"Forward": "< 75"}', '{"level": "0", "angle": "0"}', 'Corner', NULL),
+    ('lbr', 'follow_wall', 4, '', 'Along', '{"Forward": "missing"}', '{"level": "0", "angle": "0"}', 'Blind', NULL),
+    ('lbr', 'follow_wall', 5, '', 'Along', '{"Right": "< 40"}', '{"level": "0.2", "angle": "340", "retry": "2"}', 'Along', NULL),
+    ('lbr', 'follow_wall', 6, '', 'Along', '{"Right": "40:60"}', '{"level": "0.2", "angle": "0", "retry": "2"}', 'Along', NULL),
+    ('lbr', 'follow_wall', 7, '', 'Along', '{"Right": "> 60 or missing"}', '{"level": "0.2", "angle": "20", "retry": "2"}', 'Along', NULL),
+    ('lbr', 'follow_wall', 8, '', 'Corner', '{}', '{"turn": "-60", "retry": "2"}', 'Along', NULL),
+    ('lbr', 'follow_wall', 9, '', 'Blind', '{"Forward": "known"}', '{}', 'Along', NULL),
+    ('lbr', 'follow_wall', 10, '', 'Blind', '{"Time": ">= 3"}', '{}', 'Lost', NULL),
+    ('lbr', 'follow_wall', 11, 'end', 'Done', '{}', '{"level": "0", "angle": "0", "speech": "The wall is long"}', '', NULL),
+    ('lbr', 'follow_wall', 12, 'fail', 'Lost', '{}', '{"level": "0", "angle": "0", "speech": "I have lost the wall"}', '', NULL),
+    ('lbr', 'go_home', 1, 'start', 'Watching', '{"battery.charging": "true"}', '{}', 'On the dock', NULL),
+    ('lbr', 'go_home', 2, '', 'Watching', '{"battery.level": "low or critical for 10 s"}', '{"phrase": "battery_low"}', 'Going home', NULL),
+    ('lbr', 'go_home', 3, '', 'Going home', '{}', '{"run": "dock"}', 'On the dock', NULL),
+    ('lbr', 'go_home', 4, '', 'On the dock', '{"battery.charging": "true for 5 s"}', '{}', 'Home', NULL),
+    ('lbr', 'go_home', 5, '', 'On the dock', '{"battery.charging": "false for 60 s"}', '{}', 'Not charging', NULL),
+    ('lbr', 'go_home', 6, 'end', 'Home', '{}', '{"phrase": "charging"}', '', NULL),
+    ('lbr', 'go_home', 7, 'fail', 'Not charging', '{}', '{"phrase": "dock_failed"}', '', NULL),
+    ('lbr', 'greet', 1, 'start', 'Looking ahead', '{}', '{}', 'Waiting', NULL),
+    ('lbr', 'greet', 2, '', 'Waiting', '{"Run Time": ">= 3600"}', '{}', 'Done', NULL),
+    ('lbr', 'greet', 3, '', 'Waiting', '{"Forward": "becomes < 120"}', '{"speech": "Hello | Good day | Nice to see you"}', 'Met', NULL),
+    ('lbr', 'greet', 4, '', 'Met', '{"Forward": "> 150 for 3 s"}', '{}', 'Waiting', NULL),
+    ('lbr', 'greet', 5, '', 'Met', '{"Time": ">= 60"}', '{}', 'Waiting', NULL),
+    ('lbr', 'greet', 6, 'end', 'Done', '{}', '{}', '', NULL),
+    ('lbr', 'greet', 7, 'fail', 'Failed', '{}', '{}', '', NULL),
+    ('lbr', 'pace', 1, 'start', 'Ready', '{}', '{"set": "laps = 0", "speech": "I am pacing"}', 'Walking', NULL),
+    ('lbr', 'pace', 2, '', 'Walking', '{"$laps": ">= 4"}', '{}', 'Done', 60),
+    ('lbr', 'pace', 3, '', 'Walking', '{}', '{"set": "laps += 1", "level": "0.3", "angle": "0", "range": "90", "retry": "2"}', 'Turning', NULL),
+    ('lbr', 'pace', 4, '', 'Turning', '{"Result": "done or obstacle"}', '{"turn": "180", "retry": "2"}', 'Walking', 60),
+    ('lbr', 'pace', 5, '', 'Turning', '{"Result": "!= done and != obstacle"}', '{}', 'Stuck', NULL),
+    ('lbr', 'pace', 6, 'end', 'Done', '{}', '{"speech": "That was it"}', '', NULL),
+    ('lbr', 'pace', 7, 'fail', 'Stuck', '{}', '{"speech": "I am stuck"}', '', NULL),
+    ('lbr', 'pacing', 1, '#', 'The first lbr''s pacing between two walls: west and back', '{}', '{}', '', NULL),
+    ('lbr', 'pacing', 2, 'start', 'Initial Orientation', '{"Visits": "> 5"}', '{}', 'Pacing Failure', NULL),
+    ('lbr', 'pacing', 3, '', 'Initial Orientation', '{}', '{"heading": "270", "retry": "2"}', 'Westerly', NULL),
+    ('lbr', 'pacing', 4, '', 'Westerly', '{"heading": "255:280"}', '{"level": "0.25", "angle": "0", "range": "57", "sensor": "Forward", "retry": "2"}', 'Facing East', 90),
+    ('lbr', 'pacing', 5, '', 'Westerly', '{"heading": "280:255"}', '{}', 'Initial Orientation', NULL),
+    ('lbr', 'pacing', 6, '', 'Facing East', '{"Forward": "54:60"}', '{"heading": "90", "retry": "2"}', 'Easterly', 20),
+    ('lbr', 'pacing', 7, '', 'Facing East', '{"Visits": "> 5"}', '{}', 'Pacing Failure', NULL),
+    ('lbr', 'pacing', 8, '', 'Facing East', '{"Forward": "> 60"}', '{"level": "0.25", "angle": "0", "range": "57", "sensor": "Forward", "retry": "2"}', 'Facing East', NULL),
+    ('lbr', 'pacing', 9, '', 'Facing East', '{"Forward": "< 54"}', '{"heading": "90", "retry": "2"}', 'Easterly', NULL),
+    ('lbr', 'pacing', 10, '', 'Easterly', '{"Visits": "> 5"}', '{}', 'Pacing Failure', 90),
+    ('lbr', 'pacing', 11, '', 'Easterly', '{"heading": "75:100"}', '{"level": "0.25", "angle": "0", "range": "40", "sensor": "Forward", "retry": "2"}', 'Facing West', NULL),
+    ('lbr', 'pacing', 12, '', 'Easterly', '{"heading": "100:75"}', '{"heading": "90", "retry": "2"}', 'Easterly', NULL),
+    ('lbr', 'pacing', 13, '', 'Facing West', '{"Forward": "37:43"}', '{"heading": "270", "retry": "2"}', 'At Ease', 20),
+    ('lbr', 'pacing', 14, '', 'Facing West', '{"Visits": "> 5"}', '{}', 'Pacing Failure', NULL),
+    ('lbr', 'pacing', 15, '', 'Facing West', '{"Forward": "> 43"}', '{"level": "0.25", "angle": "0", "range": "40", "sensor": "Forward", "retry": "2"}', 'Facing West', NULL),
+    ('lbr', 'pacing', 16, '', 'Facing West', '{"Forward": "< 37"}', '{"heading": "270", "retry": "2"}', 'At Ease', NULL),
+    ('lbr', 'pacing', 17, 'end', 'At Ease', '{}', '{"level": "0", "angle": "0"}', '', NULL),
+    ('lbr', 'pacing', 18, 'fail', 'Pacing Failure', '{}', '{"level": "0", "angle": "0"}', '', NULL),
+    ('lbr', 'patrol', 1, 'start', 'Setting out', '{}', '{"speech": "I am on patrol"}', 'Deciding', NULL),
+    ('lbr', 'patrol', 2, '', 'Deciding', '{"Run Time": ">= 300"}', '{}', 'Home again', NULL),
+    ('lbr', 'patrol', 3, '', 'Deciding', '{"battery.level": "low or critical"}', '{}', 'Home again', NULL),
+    ('lbr', 'patrol', 4, '', 'Deciding', '{"Forward": "> 90"}', '{"level": "0.3", "angle": "0", "range": "70", "retry": "2"}', 'Deciding', 60),
+    ('lbr', 'patrol', 5, '', 'Deciding', '{"Left": "> 120"}', '{"turn": "-90", "retry": "2"}', 'Deciding', NULL),
+    ('lbr', 'patrol', 6, '', 'Deciding', '{"Right": "> 120"}', '{"turn": "90", "retry": "2"}', 'Deciding', NULL),
+    ('lbr', 'patrol', 7, '', 'Deciding', '{}', '{"turn": "180", "retry": "2"}', 'Deciding', NULL),
+    ('lbr', 'patrol', 8, 'end', 'Home again', '{}', '{"speech": "My patrol is over"}', '', NULL),
+    ('lbr', 'patrol', 9, 'fail', 'Stuck', '{}', '{"speech": "I cannot go on with my patrol"}', '', NULL),
+    ('lbr', 'sensor_testing', 1, '#', 'The first lbr''s test of its sensors: a whole turn in parts and then headings', '{}', '{}', '', NULL),
+    ('lbr', 'sensor_testing', 2, 'start', 'Begin', '{}', '{"speech": "I am testing my sensors"}', 'Right', NULL),
+    ('lbr', 'sensor_testing', 3, '', 'Right', '{}', '{"turn": "90", "retry": "2"}', 'Left', NULL),
+    ('lbr', 'sensor_testing', 4, '', 'Left', '{}', '{"turn": "-90", "retry": "2"}', 'About', NULL),
+    ('lbr', 'sensor_testing', 5, '', 'About', '{}', '{"turn": "180", "retry": "2"}', 'About again', NULL),
+    ('lbr', 'sensor_testing', 6, '', 'About again', '{}', '{"turn": "180", "retry": "2"}', 'Forty', NULL),
+    ('lbr', 'sensor_testing', 7, '', 'Forty', '{}', '{"turn": "40", "retry": "2"}', 'Sixty', NULL),
+    ('lbr', 'sensor_testing', 8, '', 'Sixty', '{}', '{"turn": "60", "retry": "2"}', 'Back to the origin', NULL),
+    ('lbr', 'sensor_testing', 9, '', 'Back to the origin', '{}', '{"turn": "-100", "speech": "Now the compass", "retry": "2"}', 'East', NULL),
+    ('lbr', 'sensor_testing', 10, '', 'East', '{}', '{"heading": "90", "retry": "2"}', 'North East', NULL),
+    ('lbr', 'sensor_testing', 11, '', 'North East', '{}', '{"heading": "45", "retry": "2"}', 'West', NULL),
+    ('lbr', 'sensor_testing', 12, '', 'West', '{}', '{"heading": "270", "retry": "2"}', 'North', NULL),
+    ('lbr', 'sensor_testing', 13, '', 'North', '{}', '{"heading": "0"}', 'South West', NULL),
+    ('lbr', 'sensor_testing', 14, '', 'South West', '{}', '{"heading": "225", "retry": "2"}', 'South', NULL),
+    ('lbr', 'sensor_testing', 15, '', 'South', '{}', '{"heading": "180", "retry": "2"}', 'End', NULL),
+    ('lbr', 'sensor_testing', 16, 'end', 'End', '{}', '{"speech": "That was the test"}', '', NULL),
+    ('lbr', 'sensor_testing', 17, 'fail', 'Failed', '{}', '{"speech": "My sensors failed the test"}', '', NULL);
 
 
 -- ---------------------------------------------------------------------------------------------------------------------
@@ -941,19 +1171,19 @@ BEGIN
     VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'insert',
             NULL,
             json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step, 'duration_s', NEW.duration_s,
-            'positions', NEW.positions));
+            'positions', NEW.positions, 'stable', NEW.stable));
 END;
 
 CREATE TRIGGER motion_step_update AFTER UPDATE ON motion_step
-WHEN (OLD.robot, OLD.motion, OLD.step, OLD.duration_s, OLD.positions)
-     IS NOT (NEW.robot, NEW.motion, NEW.step, NEW.duration_s, NEW.positions)
+WHEN (OLD.robot, OLD.motion, OLD.step, OLD.duration_s, OLD.positions, OLD.stable)
+     IS NOT (NEW.robot, NEW.motion, NEW.step, NEW.duration_s, NEW.positions, NEW.stable)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'update',
             json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step, 'duration_s', OLD.duration_s,
-            'positions', OLD.positions),
+            'positions', OLD.positions, 'stable', OLD.stable),
             json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step, 'duration_s', NEW.duration_s,
-            'positions', NEW.positions));
+            'positions', NEW.positions, 'stable', NEW.stable));
 END;
 
 CREATE TRIGGER motion_step_delete AFTER DELETE ON motion_step
@@ -961,7 +1191,7 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('motion_step', json_array(OLD.robot, OLD.motion, OLD.step), 'delete',
             json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step, 'duration_s', OLD.duration_s,
-            'positions', OLD.positions),
+            'positions', OLD.positions, 'stable', OLD.stable),
             NULL);
 END;
 
@@ -1118,6 +1348,58 @@ BEGIN
     VALUES ('wheel', json_array(OLD.robot, OLD.name), 'delete',
             json_object('robot', OLD.robot, 'name', OLD.name, 'motor', OLD.motor, 'x_m', OLD.x_m, 'y_m', OLD.y_m, 'yaw_rad',
             OLD.yaw_rad, 'roller_rad', OLD.roller_rad, 'diameter_m', OLD.diameter_m),
+            NULL);
+END;
+
+CREATE TRIGGER behaviour_insert AFTER INSERT ON behaviour
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('behaviour', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'max_s', NEW.max_s));
+END;
+
+CREATE TRIGGER behaviour_update AFTER UPDATE ON behaviour
+WHEN (OLD.robot, OLD.name, OLD.help, OLD.max_s)
+     IS NOT (NEW.robot, NEW.name, NEW.help, NEW.max_s)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('behaviour', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'max_s', OLD.max_s),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'max_s', NEW.max_s));
+END;
+
+CREATE TRIGGER behaviour_delete AFTER DELETE ON behaviour
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('behaviour', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'max_s', OLD.max_s),
+            NULL);
+END;
+
+CREATE TRIGGER behaviour_row_insert AFTER INSERT ON behaviour_row
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('behaviour_row', json_array(NEW.robot, NEW.behaviour, NEW.step), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'behaviour', NEW.behaviour, 'step', NEW.step, 'type', NEW.type, 'state', NEW.state, 'conditions', NEW.conditions, 'outputs', NEW.outputs, 'next_state', NEW.next_state, 'deadline_s', NEW.deadline_s));
+END;
+
+CREATE TRIGGER behaviour_row_update AFTER UPDATE ON behaviour_row
+WHEN (OLD.robot, OLD.behaviour, OLD.step, OLD.type, OLD.state, OLD.conditions, OLD.outputs, OLD.next_state, OLD.deadline_s)
+     IS NOT (NEW.robot, NEW.behaviour, NEW.step, NEW.type, NEW.state, NEW.conditions, NEW.outputs, NEW.next_state, NEW.deadline_s)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('behaviour_row', json_array(NEW.robot, NEW.behaviour, NEW.step), 'update',
+            json_object('robot', OLD.robot, 'behaviour', OLD.behaviour, 'step', OLD.step, 'type', OLD.type, 'state', OLD.state, 'conditions', OLD.conditions, 'outputs', OLD.outputs, 'next_state', OLD.next_state, 'deadline_s', OLD.deadline_s),
+            json_object('robot', NEW.robot, 'behaviour', NEW.behaviour, 'step', NEW.step, 'type', NEW.type, 'state', NEW.state, 'conditions', NEW.conditions, 'outputs', NEW.outputs, 'next_state', NEW.next_state, 'deadline_s', NEW.deadline_s));
+END;
+
+CREATE TRIGGER behaviour_row_delete AFTER DELETE ON behaviour_row
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('behaviour_row', json_array(OLD.robot, OLD.behaviour, OLD.step), 'delete',
+            json_object('robot', OLD.robot, 'behaviour', OLD.behaviour, 'step', OLD.step, 'type', OLD.type, 'state', OLD.state, 'conditions', OLD.conditions, 'outputs', OLD.outputs, 'next_state', OLD.next_state, 'deadline_s', OLD.deadline_s),
             NULL);
 END;
 

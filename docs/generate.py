@@ -5,6 +5,7 @@
 
 import re
 import sys
+import tomllib
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -43,6 +44,9 @@ FAMILIES = ("driver", "operation", "app", "program", "simulation")
 
 def main(arguments: list[str]) -> int:
     """Write or check every page; return the exit code."""
+    if missing := not_installed():
+        print(f"not installed yet: {', '.join(missing)}; run pip install -e . first", file=sys.stderr)
+        return 1
     stale = []
     for name, text in pages().items():
         path = PAGES / name
@@ -54,6 +58,12 @@ def main(arguments: list[str]) -> int:
         print(f"stale: {', '.join(stale)}; run python docs/generate.py", file=sys.stderr)
         return 1
     return 0
+
+
+def not_installed() -> list[str]:
+    """Return the kinds that the project declares and this environment has not heard of: the pages would leave them out."""
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["entry-points"]["lbr.capabilities"]
+    return sorted(declared.keys() - set(registry.names(NOWHERE)))
 
 
 def pages() -> dict[str, str]:
@@ -490,7 +500,7 @@ def _cell(text: str) -> str:
 
 
 def _escape(pattern: str) -> str:
-    return pattern.replace("\x00", "\\x00")
+    return pattern.replace("\x00", "\\x00").replace("$(?!\\n)", "$")
 
 
 def _doc_with_bases(of: type) -> str:

@@ -18,6 +18,7 @@ COMMANDS = {
     "console": ("console", "Open a console on a running robot, here or over the LAN."),
     "send": ("send", "Say one console line; its result is text and exit code."),
     "status": ("status", "Show what runs."),
+    "why": ("why", "Say what holds a part still, and what to type."),
     "stop": ("stop", "Shut a robot down and wait until it is gone."),
     "doctor": ("doctor", "Look for what is wrong with this machine, and say what to type."),
     "service": ("service", "Run a robot as a service, from the start of the machine on."),
@@ -26,6 +27,7 @@ COMMANDS = {
     "graph": ("graph", "Show who feeds whom."),
     "view": ("view", "Watch a simulated robot: its room from above, or its joints."),
     "motion": ("motion", "Take motions from files, and write them to files."),
+    "behaviour": ("behaviour", "Write state tables, check and take them, and run them."),
     "import": ("importing", "Take what a robot's former programs kept: databases, tables, motions."),
     "db": ("db", "Create, check and compare the robot's rows."),
     "new": ("new", "Write a robot, a driver, servos or a capability of your own, to begin with."),
@@ -38,6 +40,7 @@ HELP = """Run a robot that is rows in a database, and talk to it.
   lbr robots               which robots there are, and what to run
   lbr send /r/0.2/0        drive at a fifth of full power, for 5 s
   lbr status               what runs
+  lbr why drive            what holds the base still, and what to type
 
 Commands that talk to a robot mean the only one that runs here, unless --robot or --connect says otherwise.
 

@@ -13,7 +13,9 @@ class LbrError(Exception):
 class DeviceError(LbrError, OSError):
     """A device is missing, busy, wrong or silent; its capability goes degraded and tries again."""
 
-    code: "Code" = "unreachable"
+    def __init__(self, text: str = "", code: "Code" = "unreachable") -> None:
+        super().__init__(text)
+        self.code: Code = code
 
 
 class RowError(LbrError, ValueError):

@@ -21,6 +21,9 @@ from lbr.ownership import Fault
 LOOKERS_S = 0.1
 PUBLIC = ".crt"
 """How a file below `credentials/` ends that everybody may read."""
+RUN_VARIABLE = "LBR_RUN"
+"""What the processes of a running robot have in their environment."""
+_lived_in: Path | None = None
 SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a suffix for its lock file
 
 
@@ -43,8 +46,24 @@ class Running(Struct, frozen=True, kw_only=True):
 
 def home() -> Path:
     """Return the home, created for its owner alone if need be; whose it is, is not looked at."""
+    path = _place()
+    return path if _is_lived_in(path) else _made(path)
+
+
+def live_in() -> None:
+    """Create this home no more from now on: a robot runs from it, and is not found in another that is called the same."""
+    global _lived_in  # noqa: PLW0603 - of a process, as LBR_HOME is
+    _lived_in = _place()
+
+
+def _is_lived_in(path: Path) -> bool:
+    """Say whether a robot runs from there which this process is, or belongs to."""
+    return path == _lived_in or RUN_VARIABLE in os.environ
+
+
+def _place() -> Path:
     try:
-        return _made(_spoken(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute()))
+        return _spoken(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute())
     except RuntimeError:  # neither HOME nor an account says where
         raise InputError("it is not known where your home directory is: set HOME, or LBR_HOME") from None
 
@@ -61,8 +80,11 @@ def _spoken(path: Path) -> Path:
 
 def directory(name: str) -> Path:
     """Return a subdirectory of the home, created for its owner alone if need be; InputError if others could change it."""
-    ownership.refuse(ownership.faults(home()))
-    return _ours(_made(home() / name))
+    place = home()
+    if _is_lived_in(place) and not place.is_dir():
+        raise InputError(f"the robot's home {place} is gone: end the robot, put its home back, and start it again")
+    ownership.refuse(ownership.faults(place))
+    return _ours(_made(place / name))
 
 
 def default_database() -> Path:
@@ -99,6 +121,19 @@ def credentials(make: Callable[[], Iterable[bytes]], *names: str) -> tuple[Path,
     return paths
 
 
+def given_credentials(*names: str) -> tuple[Path, ...]:
+    """Return files that the owner has put below `credentials/`, none if there are none.
+
+    InputError says which is missing beside the others, or could have been read or changed by others.
+    """
+    paths = tuple(directory("credentials") / name for name in names)
+    there = [path for path in paths if path.exists()]
+    if there and (missing := [path for path in paths if path not in there]):
+        raise InputError(f"{missing[0]} is missing beside {there[0]}: put it there, or remove the other")
+    ownership.refuse(fault for path in there for fault in key_faults(path))
+    return tuple(there)
+
+
 def key_faults(path: Path) -> Iterator[Fault]:
     """Yield what is wrong with a file below `credentials/`: who could read or change it, and that it is empty."""
     yield from ownership.faults(path, secret=path.suffix != PUBLIC)
@@ -120,7 +155,9 @@ def write_private(path: Path, content: bytes) -> None:
 def running() -> list[Running]:
     """Return the robots that run here, by name."""
     found = []
-    run = home() / "run"
+    run = _place() / "run"
+    if not run.is_dir():
+        return []
     ownership.refuse(ownership.faults(run, owners=_owner_of_home()))
     for path in filter(Path.is_file, sorted(run.glob("*.json"))):
         try:
@@ -151,6 +188,7 @@ class RunLock:
             raise AlreadyRunningError(
                 f"robot '{robot}' already runs here; 'lbr status' shows it and 'lbr stop' ends it"
             )
+        live_in()
 
     def claim(self, database: Path) -> None:
         """Have this robot's rows for this run alone: another home may name the same file. AlreadyRunningError if one has.
@@ -202,7 +240,7 @@ def _ours(path: Path) -> Path:
 
 def _owner_of_home() -> tuple[int, ...]:
     """Return who else may have written down what runs: root may look at another user's robots."""
-    return (home().stat().st_uid,) if os.geteuid() == 0 else ()
+    return (_place().stat().st_uid,) if os.geteuid() == 0 else ()
 
 
 def _locked_within(fd: int, limit_s: float) -> bool:

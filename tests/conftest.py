@@ -38,11 +38,11 @@ CACHES = {".cache", ".config"}
 settings.register_profile("lbr", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("lbr")  # how long an example takes is the machine's affair; in CI, too, examples are random
 
-WAITERS = 2
+WAITERS = 1
 """Tests wait more than they compute, for lines, clocks and robots: this many more at a time than there are cores."""
-ROBOTS = 1
-"""This many more of them than there are cores have whole robots. With two more, on two cores, four robots at once went
-without the processor for longer than their leases last."""
+ROBOTS = 0
+"""This many more of them than there are cores have whole robots, or browsers, which draw without a graphics card. With one
+more, on two cores, three of them at once went without the processor for longer than leases last."""
 
 left_over = pytest.StashKey[list[str]]()
 
@@ -84,10 +84,10 @@ def pytest_timeout_set_timer(item: Any, settings: Any) -> bool | None:
     """Fail the test alone when this machine has given it its time; `faulthandler_timeout` ends what hears no signal."""
     if settings.method != "signal":
         return None
-    watch, waited_s = machine.Stopwatch(), slots.waited_s
+    watch, waited_s = machine.Stopwatch(), slots.waited()
 
     def ring(*_: object) -> None:
-        left_s = settings.timeout - watch.given_s + (slots.waited_s - waited_s)
+        left_s = settings.timeout - watch.given_s + (slots.waited() - waited_s)
         if left_s > 0.0:
             signal.setitimer(signal.ITIMER_REAL, max(AGAIN_S, left_s))
         else:
@@ -101,6 +101,13 @@ def pytest_timeout_set_timer(item: Any, settings: Any) -> bool | None:
     signal.signal(signal.SIGALRM, ring)
     signal.setitimer(signal.ITIMER_REAL, settings.timeout)
     return True
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Have what looks at pages wait for its turn: a browser takes as much of the machine as a robot does."""
+    if hasattr(getattr(item, "module", None), "sync_playwright"):
+        slots.take()
 
 
 def pytest_runtest_logfinish() -> None:

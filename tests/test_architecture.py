@@ -51,8 +51,10 @@ FLOORS = {
     "testing": CAPABILITY | {"database", "simulation", "testing"},
     "simulation": CAPABILITY | ROBOTS | {"simulation"},
     "database": GROUND | ROBOTS | {"database", "ownership"},
+    "client": BUS | {"client", "console"},
     "console": BUS | {"console", "database", "home", "ownership"},
-    "executive": CAPABILITY | ROBOTS | {"executive", "console", "database", "home", "qr"},
+    "why": GROUND | {"why"},
+    "executive": CAPABILITY | ROBOTS | {"executive", "console", "database", "home", "qr", "why"},
 }
 TOP = {"cli", "commands"}
 """What people start: may import everything below."""
@@ -68,7 +70,6 @@ OWNERS = {
     "numpy": {"apps", "operations", "simulation"},
     "cv2": {"apps"},
     "imufusion": {"operations"},
-    "matplotlib": {"operations"},
     "dbus_fast": {"operations"},
     "smbus2": {"drivers"},
     "Phidget22": {"drivers"},
@@ -96,7 +97,6 @@ HEAVY = (
     "numpy",
     "cv2",
     "imufusion",
-    "matplotlib",
     "mujoco",
     "pyttsx3",
     "starlette",

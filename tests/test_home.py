@@ -2,6 +2,7 @@
 
 import os
 import sqlite3
+import ssl
 import subprocess
 import sys
 import tempfile
@@ -9,9 +10,13 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from starlette.applications import Starlette
 
 from lbr import home
+from lbr.apps.http import listening, serving
 from lbr.apps.navcam import access
+from lbr.bus import certificates
+from lbr.capability import lifeline
 from lbr.commands import checks
 from lbr.console import token_store
 from lbr.database.store import create
@@ -139,6 +144,31 @@ def test_a_key_that_was_cut_is_no_key(place):
         credentials.token_key()
 
 
+def test_a_certificate_that_the_owner_put_there_is_what_browsers_are_shown(place):
+    folder = place / "credentials"
+    assert listening.certificate() == (str(folder / "bus.key"), str(folder / "bus.crt"))
+    assert not credentials.is_own_shown()
+    of_robot, bus = credentials.fingerprint_shown(), credentials.certificate_der()
+    key, own = certificates.self_signed()
+    home.write_private(folder / "web.crt", b"of an authority\n" + own + (folder / "bus.crt").read_bytes())
+    with pytest.raises(InputError, match=r"web.key is missing beside .*web.crt: put it there, or remove the other"):
+        listening.certificate()
+    home.write_private(folder / "web.key", key)
+    assert listening.certificate() == (str(folder / "web.key"), str(folder / "web.crt"))
+    assert certificates.first_der(folder / "web.crt") == ssl.PEM_cert_to_DER_cert(own.decode())
+    assert credentials.fingerprint_shown() != of_robot
+    assert credentials.certificate_der() == bus
+    (folder / "web.key").chmod(0o644)
+    with pytest.raises(InputError, match=r"web.key could be read by others"):
+        listening.certificate()
+    (folder / "web.key").chmod(0o600)
+    (folder / "web.crt").write_text("no certificate")
+    with pytest.raises(InputError, match=r"web.crt has no certificate in it"):
+        credentials.fingerprint_shown()
+    with pytest.raises(InputError, match=r"TLS cannot be spoken with .*web.key and .*web.crt"):
+        serving.config(Starlette(), tls=True)
+
+
 def test_a_certificate_may_be_read_by_everybody(place):
     (place / "credentials" / "bus.crt").chmod(0o644)
     credentials.bus_certificate()
@@ -214,3 +244,47 @@ def test_the_rows_of_a_robot_are_run_from_one_home_alone(tmp_path, monkeypatch):
         second.claim(database)
         second.release()
         other.release()
+
+
+def test_a_robot_that_runs_makes_no_second_home_where_its_own_was(tmp_path):
+    """A robot that runs makes no second home where its own was"""
+    script = (
+        "import shutil\n"
+        "from lbr import home\n"
+        "from lbr.errors import InputError\n"
+        "lock = home.RunLock('lbr')\n"
+        "shutil.rmtree(home.home())\n"
+        "for use in (lambda: home.directory('logs'), lambda: home.credentials(list, 'bus.key'), home.running):\n"
+        "    try:\n"
+        "        print(use())\n"
+        "    except InputError as err:\n"
+        "        print(err)\n"
+        "print(home.home().exists())\n"
+        "lock.release()\n"
+        "print(home.home().exists())\n"
+    )
+    place = tmp_path / "home"
+    told = programs.run(
+        [sys.executable, "-c", script], env=os.environ | {"LBR_HOME": str(place)}, text=True, check=True,
+        capture_output=True, timeout=10,
+    ).stdout.splitlines()  # fmt: skip
+    gone = f"the robot's home {place} is gone: end the robot, put its home back, and start it again"
+    assert told == [gone, gone, "[]", "False", "False"]
+
+
+def test_a_process_of_a_robot_makes_no_home_either(monkeypatch, tmp_path):
+    """A process of a robot makes no home either"""
+    assert lifeline.MARK == home.RUN_VARIABLE
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv(lifeline.MARK, "run")
+    assert not home.home().exists()
+    with pytest.raises(InputError, match="is gone: end the robot"):
+        home.directory("credentials")
+    assert not home.home().exists()
+
+
+def test_who_only_looks_whether_a_robot_runs_makes_no_home(monkeypatch, tmp_path):
+    """Who only looks whether a robot runs makes no home"""
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    assert home.running() == []
+    assert not (tmp_path / "home").exists()

@@ -68,9 +68,13 @@ _GIVEN = ("put", "delete", "reply", "liveliness_token")
 _ANNOUNCED = tuple(message for message in _EVERYTHING if message not in _GIVEN)
 
 
+_NOT_URGENT = ("interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
+"""Zenoh's priorities but the highest, at which our own clients ask."""
+
+
 def everything(robot: str) -> tuple[str, ...]:
     """Return the whole key space; `**` passes by the chunks that begin with `@`."""
-    system = ("console", "estop", "status", "event", "alive", "schema", "host", "edit", "pair")
+    system = ("console", "estop", "status", "event", "alive", "schema", "host", "edit", "pair", "manage")
     return (f"{robot}/**", *(f"{robot}/@{name}/**" for name in system), keys.ANY_STATUS)
 
 
@@ -150,20 +154,23 @@ def limits(found: Limits) -> dict[str, Any]:
     }
 
 
-def never_waiting(key_exprs: tuple[str, ...]) -> dict[str, Any]:
+def never_waiting(key_exprs: tuple[str, ...], *, urgent_waits: bool = False) -> dict[str, Any]:
     """Return Zenoh's overwriting of what is asked on these keys: no process waits for a client that asks and does not
     read.
 
-    An answer goes as its question came, and one that may not be dropped blocks who answers for seconds.
+    An answer goes as its question came, and one that may not be dropped blocks who answers for seconds. With
+    `urgent_waits` what is asked at the highest priority, as our own commands and stops are, is never dropped.
     """
     rule = {
-        "id": "never waiting",
         "messages": ["query"],
         "key_exprs": list(key_exprs),
         "flows": ["egress"],
         "overwrite": {"congestion_control": "drop"},
     }
-    return {"qos": {"network": [rule]}}
+    if not urgent_waits:
+        return {"qos": {"network": [{"id": "never waiting", **rule}]}}
+    rules = [{"id": f"never waiting {name}", "qos": {"priority": name}, **rule} for name in _NOT_URGENT]
+    return {"qos": {"network": rules}}
 
 
 class Dictionary:

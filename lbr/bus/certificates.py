@@ -2,12 +2,29 @@
 
 import datetime as dt
 import socket
+import ssl
+from pathlib import Path
+
+from lbr.errors import InputError
 
 NAME = "robot.lbr"
 """For whom every robot's certificate is; which robot it is, its fingerprint says."""
 CERTIFICATE_YEARS = 20
 FILES = ("bus.key", "bus.crt")
 """What they are called below `credentials/`."""
+OWN_FILES = ("web.key", "web.crt")
+"""What the owner puts there for browsers, such as a certificate by an authority that phones know."""
+
+
+def first_der(path: Path) -> bytes:
+    """Return the first certificate of a PEM file, the one that a server shows as its own; InputError if it has none."""
+    text = path.read_text(encoding="ascii", errors="replace")
+    begin = text.find(ssl.PEM_HEADER)
+    end = text.find(ssl.PEM_FOOTER, max(begin, 0))
+    try:
+        return ssl.PEM_cert_to_DER_cert(text[begin : end + len(ssl.PEM_FOOTER)] if 0 <= begin < end else "")
+    except ValueError:
+        raise InputError(f"{path} has no certificate in it: PEM begins with '{ssl.PEM_HEADER}'") from None
 
 
 def self_signed() -> tuple[bytes, bytes]:

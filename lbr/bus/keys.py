@@ -49,6 +49,11 @@ def pair(robot: str) -> str:
     return f"{robot}/@pair"
 
 
+def manage(robot: str) -> str:
+    """Return the key on which the executive takes what people ask of rows, tokens and logs, from who serves them."""
+    return f"{robot}/@manage"
+
+
 def status(robot: str) -> str:
     """Return the key of the robot's status, a stream and a query."""
     return f"{robot}/@status"

@@ -151,12 +151,13 @@ class LeaseClient:
         if len(self._results) > MOST_RESULTS:
             self._results.pop(next(iter(self._results)))
 
-    def release(self, why: str, *, lost: bool = False) -> PendingReply | None:
-        """Halt what was borrowed, if it is still ours to halt or may become so; `lost`: its sender is gone."""
+    def release(self, why: str, *, lost: bool = False, by: str = "", at_once: bool = False) -> PendingReply | None:
+        """Halt what was borrowed, if it is still ours to halt or may become so; `lost`: its sender is gone; `by`: who
+        stopped it; `at_once`: without a step to its feet."""
         if self.ended is not None:
             return None
         self.ended = Reason("cancelled", why)
-        return self._halt(why, lost=lost)
+        return self._halt(why, lost=lost, by=by, at_once=at_once)
 
     def _take(self, taking: PendingReply) -> None:
         answers = taking.answers()
@@ -202,8 +203,8 @@ class LeaseClient:
         ):
             self.ended, self.silent = Reason("unreachable", self._target.silent), True
 
-    def _halt(self, why: str, *, lost: bool = False) -> PendingReply | None:
+    def _halt(self, why: str, *, lost: bool = False, by: str = "", at_once: bool = False) -> PendingReply | None:
         if not self._target.halt:
             return None
-        stop = StopCommand(reason=why[:LONGEST_REASON], lost=lost)
+        stop = StopCommand(reason=why[:LONGEST_REASON], lost=lost, by=by[:LONGEST_REASON], at_once=at_once)
         return self._transport.ask(self._target.halt, stop, ANSWER_S)

@@ -48,7 +48,8 @@ class Router(Struct, frozen=True, kw_only=True):
     """A router to open: where it listens, whom it knows, what they may do, and the router it hangs on.
 
     Without `users` it asks for no password. `links` are the rights of routers it connects to, by their `id`.
-    What it asks others on the keys `never_waiting` is dropped where it cannot go on at once, and so are the answers.
+    What it asks others on the keys `never_waiting` is dropped where it cannot go on at once, and so are the answers;
+    with `urgent_waits` but for what is asked at the highest priority.
     """
 
     listen: tuple[str, ...]
@@ -62,6 +63,7 @@ class Router(Struct, frozen=True, kw_only=True):
     tls: Tls | None = None
     limits: Limits | None = None
     never_waiting: tuple[str, ...] = ()
+    urgent_waits: bool = False
     lease_ms: int = LINK_LEASE_MS
 
 
@@ -81,7 +83,7 @@ def open_router(router: Router) -> Session:
             settings["access_control"] = access.control(router.robot, router.rights, router.links)
         settings["transport"]["unicast"] = {"accept_timeout": ACCEPT_MS, "accept_pending": MOST_PENDING}
         if router.never_waiting:
-            settings |= access.never_waiting(router.never_waiting)
+            settings |= access.never_waiting(router.never_waiting, urgent_waits=router.urgent_waits)
         if router.limits is not None:
             settings |= access.limits(router.limits)
             settings["transport"]["link"]["tx"]["queue"] = {

@@ -7,7 +7,7 @@ from typing import Any, get_args
 import msgspec
 from msgspec import Struct
 
-from lbr.capability.kind import Command, Emulation, Family, Kind, Line, Rows
+from lbr.capability.kind import Command, Emulation, Family, Kind, Line, Rows, Wire
 from lbr.capability.program import ProgramSettings
 from lbr.capability.word import Word
 from lbr.messages.rows import Row
@@ -29,10 +29,12 @@ def _found(kind: Kind) -> Iterator[str]:
     yield from _entry(kind.entry)
     for group in PORTS:
         yield from _ports(group, getattr(kind, group))
+    yield from _wires(kind.wires)
     yield from _optional(kind)
     yield from _choices(kind)
     yield from _settings(kind)
     yield from _pairing(kind)
+    yield from _lets_in(kind)
     yield from _answers(kind)
     yield from _devices(kind)
     yield from _said(kind)
@@ -42,7 +44,7 @@ def _words(kind: Kind) -> Iterator[str]:
     for field in ("summary", "device", "extra", "package"):
         if not isinstance(getattr(kind, field), str):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a text"
-    for field in ("moves", "serves", "serves_people", "pairs", "emulates"):
+    for field in ("moves", "serves", "serves_people", "pairs", "emulates", "follows"):
         if not isinstance(getattr(kind, field), bool):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be True or False"
     if kind.family not in FAMILIES and not _is_struct(kind.settings, ProgramSettings):
@@ -70,6 +72,16 @@ def _rows(kind: Kind) -> Iterator[str]:
     for row in kind.learns:
         if row not in [read.row for read in kind.reads]:
             yield f"'learns' names {_shown(row)}, which is not one of its rows"
+
+
+def _lets_in(kind: Kind) -> Iterator[str]:
+    named: Any = kind.lets_in
+    if not isinstance(named, tuple):
+        yield f"'lets_in' is {_shown(named)}, and must be a tuple of settings"
+        return
+    for name in named:
+        if name != "enabled" and name not in getattr(kind.settings, "__struct_fields__", ()):
+            yield f"'lets_in' names {_shown(name)}, which is neither a field of {_shown(kind.settings)} nor 'enabled'"
 
 
 def _no_table(field: str, row: Any) -> str:
@@ -128,6 +140,15 @@ def _ports(group: str, ports: Any) -> Iterator[str]:
             yield f"port {_shown(name)} carries {message.__name__}, which must be frozen: class {message.__name__}(Struct, frozen=True)"
         elif fault := _unfit(message):
             yield f"port {_shown(name)} carries {message.__name__}, which is not JSON: {fault}"
+
+
+def _wires(wires: Any) -> Iterator[str]:
+    if not isinstance(wires, Mapping):
+        yield f"'wires' is {_shown(wires)}, and must be a dict of ports to Wire"
+        return
+    for port, wire in wires.items():
+        if not (isinstance(wire, Wire) and isinstance(wire.to, str) and isinstance(wire.history, int)):
+            yield f"'wires' has {_shown(wire)} for {_shown(port)}, which is no Wire of a port's name and a number"
 
 
 def _optional(kind: Kind) -> Iterator[str]:

@@ -43,6 +43,17 @@ class Rows:
     where: Mapping[str, str] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """What a port is wired to where no row wires it: each port `to` of the same type that a capability of the robot has.
+
+    `to` is the port's name, or `kind.port`; `history` is a channel's.
+    """
+
+    to: str
+    history: int = 1
+
+
 class Known(Protocol):
     """What a robot knows that a field of a command may be: its files, its rows, and what a capability is wired to."""
 
@@ -89,13 +100,16 @@ class Kind:
     which people move and stop the robot: it ranks with what moves. What `serves_people` may hear every stream, ask for
     every command and say console lines of each role; it answers for who asks it. `pairs` marks one by which their phones get
     tokens: by its request `pair` it may show the executive the digits that a person read at the console, and the words
-    `open` and `close` change its setting `host`. `device` is the type of the device row that the setting `device` must name;
+    `open` and `close` change its setting `host`. `lets_in` are its settings, or `enabled`, that decide who comes in: no page
+    changes them. `device` is the type of the device row that the setting `device` must name;
     empty if it owns none. `device_settings` is what rows of a type of device may set for
     it; a world that `emulates` every device that has a twin (see `lbr.capability.twins`) gets theirs. `line` says that
     its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked many times
     a second, so that what an adapter holds back matters. `emulated` is what stands in for its device in a simulation: a
     tty, a socket (`unix:PATH`) or a folder. `rows` are the tables whose rows it gets, and `learns` those of them that
     it may write back; `edits` are those that it may have written by `executive.edit`, where it is wired to that.
+    `wires` are the inputs and requests that need no channel row. One that `follows` goes on when rows that it reads are
+    edited: it gets them by its command `rows`, a `RowsChanged`, and begins again only if it refuses.
     `extra` is the extra of the package without which it cannot run at all, and `package` what that brings to import.
     """
 
@@ -117,6 +131,7 @@ class Kind:
     serves: bool = False
     pairs: bool = False
     serves_people: bool = False
+    lets_in: tuple[str, ...] = ()
     device: str = ""
     device_settings: Mapping[str, type[Struct]] = field(default_factory=dict)
     emulates: bool = False
@@ -125,6 +140,8 @@ class Kind:
     rows: tuple[type[Row] | Rows, ...] = ()
     learns: tuple[type[Row], ...] = ()
     edits: tuple[type[Row], ...] = ()
+    wires: Mapping[str, Wire] = field(default_factory=dict)
+    follows: bool = False
     extra: str = ""
     package: str = ""
 

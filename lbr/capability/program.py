@@ -6,7 +6,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 
-Word = Annotated[str, Meta(min_length=1, max_length=4096, pattern="^[^\\x00]*$")]
+Word = Annotated[str, Meta(min_length=1, max_length=4096, pattern="^[^\\x00]*$(?!\\n)")]
 Variable = Annotated[str, Meta(pattern="^[A-Za-z_][A-Za-z0-9_]*$(?!\\n)", max_length=100)]
 Port = Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$(?!\\n)", max_length=40)]
 """A dollar sign by itself would have a line break after it pass, and into a key of the bus."""

@@ -36,7 +36,7 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
         raise KindError(f"'{name}' is not a kind's name: kinds are words like 'drive', not paths or code")
     point = plugins.installed(GROUP).get(name)
     if point is not None:
-        return _from_package(point)
+        return declared(point)
     path = user_directory(home) / f"{name}.py"
     if not path.is_file():
         raise KindError(f"there is no kind '{name}': {', '.join(names(home))} exist; a new one is {path}")
@@ -50,7 +50,7 @@ def tables() -> frozenset[type[Row]]:
     found: set[type[Row]] = set()
     for point in plugins.installed(GROUP).values():
         with contextlib.suppress(KindError):  # told to those who name it
-            found |= {read.row for read in _from_package(point).reads}
+            found |= {read.row for read in declared(point).reads}
     return frozenset(found)
 
 
@@ -87,7 +87,7 @@ def _refuse_if_others_may_write(path: Path) -> None:
 
 
 @plugins.remembered
-def _from_package(point: Plugin) -> Kind:
+def declared(point: Plugin) -> Kind:
     """Return an installed kind; those that come with lbr are checked by its tests, and need not be at every start."""
     try:
         kind = point.checked(point.load(), Kind)

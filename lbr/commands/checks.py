@@ -20,7 +20,8 @@ EXTRAS = {
     "sim": (("mujoco", "PIL"), "simulated robots need it"),
     "camera": (("linuxpy",), "V4L2 cameras need it"),
     "phidgets": (("Phidget22",), "a PhidgetSpatial on USB needs it"),
-    "plots": (("matplotlib",), "a compass calibration goes without its picture"),
+    "polly": (("botocore",), "the cloud's voices need it"),
+    "recordings": (("av",), "recordings that are not PCM WAV need it"),
     "vision": (("cv2",), "a head that follows what it sees needs it"),
     "web": (
         ("segno", "starlette", "uvicorn", "websockets", "zeroconf"),

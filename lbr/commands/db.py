@@ -1,20 +1,15 @@
-"""`lbr db`: init, add, check, diff, audit and restore."""
+"""`lbr db`: init, add, check, diff, audit and restore, and what it has from other modules: the rows' past."""
 
-import time
 from pathlib import Path
 
 import click
 
-from lbr.commands.options import FileName, complete_robot, json_option, print_json
+from lbr.commands import row_apply, row_past
+from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
+from lbr.commands.row_past import local_time
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 from lbr.messages.rows import shown
-
-
-def _file(function: click.decorators.FC) -> click.decorators.FC:
-    return click.option("--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out.")(
-        function
-    )
 
 
 @click.group("db")
@@ -23,7 +18,7 @@ def command() -> None:
 
 
 @command.command("init")
-@_file
+@database_option
 @click.option("--sql", type=FileName(exists=True, dir_okay=False), help="Instead of the rows of all robots.")
 def init(database: Path | None, sql: Path | None) -> int:
     """Create the database with the rows of all robots that there are (lbr robots); a file that is there is left alone."""
@@ -39,7 +34,7 @@ def init(database: Path | None, sql: Path | None) -> int:
 
 @command.command("add")
 @click.argument("robot", shell_complete=complete_robot)
-@_file
+@database_option
 @json_option
 def add(robot: str, database: Path | None, as_json: bool) -> int:
     """Add the rows of ROBOT that its package brings and that are not in the database yet; others stay as they are.
@@ -62,7 +57,7 @@ def add(robot: str, database: Path | None, as_json: bool) -> int:
 
 
 @command.command("check")
-@_file
+@database_option
 @click.option("--robot", metavar="NAME", help="Check one robot alone.")
 @json_option
 def check(database: Path | None, robot: str | None, as_json: bool) -> int:
@@ -111,28 +106,35 @@ def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
 
 
 @command.command("diff")
-@_file
+@click.argument("first", type=click.IntRange(0), required=False, metavar="[A]")
+@click.argument("second", type=click.IntRange(0), required=False, metavar="[B]")
+@database_option
 @json_option
-def diff(database: Path | None, as_json: bool) -> int:
-    """Show what differs from the rows that lbr and the robots' packages bring. Exit code 0 either way."""
+def diff(first: int | None, second: int | None, database: Path | None, as_json: bool) -> int:
+    """Show what differs from the rows that lbr and the robots' packages bring. Exit code 0 either way.
+
+    With revision A, show what has changed since then; with A and B, from one to the other ('lbr db history' lists them).
+    """
     from lbr import home  # noqa: PLC0415
     from lbr.commands.rows import opened, said_by_kinds  # noqa: PLC0415
-    from lbr.database.difference import differences  # noqa: PLC0415
+    from lbr.database.shipped import differences  # noqa: PLC0415
 
     with opened(database or home.default_database()) as rows:
-        found = differences(rows, implied=said_by_kinds(rows))
+        found = (
+            differences(rows, implied=said_by_kinds(rows)) if first is None else row_past.between(rows, first, second)
+        )
     if as_json:
         print_json(found)
         return 0
     for one in found:
         click.echo(str(one))
     if not found:
-        click.echo("the rows are as shipped")
+        click.echo("the rows are as shipped" if first is None else "nothing differs")
     return 0
 
 
 @command.command("audit")
-@_file
+@database_option
 @click.option("-n", "count", type=click.IntRange(1), default=50, show_default=True, help="How many of the newest.")
 @json_option
 def audit(database: Path | None, count: int, as_json: bool) -> int:
@@ -145,7 +147,9 @@ def audit(database: Path | None, count: int, as_json: bool) -> int:
     if as_json:
         print_json(entries)
     for entry in () if as_json else entries:
-        click.echo(one_line(f"{_local(entry.wall_ns)} {entry.source} {entry.kind} {entry.subject}: {entry.text}"))
+        click.echo(
+            one_line(f"{local_time(entry.wall_ns / 1e9)} {entry.source} {entry.kind} {entry.subject}: {entry.text}")
+        )
     if fault:
         click.echo(f"the audit trail is not whole: {fault}", err=True)
     return 2 if fault else 0
@@ -153,7 +157,7 @@ def audit(database: Path | None, count: int, as_json: bool) -> int:
 
 @command.command("restore")
 @click.argument("source", required=False, metavar="[FROM]", type=FileName(exists=True, dir_okay=False))
-@_file
+@database_option
 @click.option("--list", "only_list", is_flag=True, help="Only show the copies that are kept.")
 @json_option
 def restore(source: Path | None, database: Path | None, only_list: bool, as_json: bool) -> int:
@@ -198,5 +202,5 @@ def _valid_tokens(path: Path) -> list[str]:
         return [one.name for one in rows.tokens() if one.revoked_at is None and not one.has_expired(now)]
 
 
-def _local(wall_ns: int) -> str:
-    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(wall_ns / 1e9))
+for _one in (*row_past.COMMANDS, *row_apply.COMMANDS):
+    command.add_command(_one)

@@ -82,7 +82,7 @@ def command(
         of_robot = rows.load(whose)
         plan = _planned(rows, whose, of_robot, given, Choice(of), replacing=replacing)
         if plan.rows:
-            edit = Edit(rows=plan.rows, create=None, revision=of_robot.revision, by="lbr import")
+            edit = Edit(rows=plan.rows, create=None, revision=of_robot.revision)
             rows.edit(whose, edit, problems_of, dry_run=dry_run)
     notes = (*plan.notes, *others)
     written = bool(plan.rows) and not dry_run

@@ -133,7 +133,7 @@ def import_(
         motion, cut = motion_files.within_limits(motion, rows.of(Joint), clip=clip)
         about = motion_files.summary(motion, rows.of(Joint), cut)
         if not dry_run:
-            edit = Edit(rows=motion.rows, create=not replacing, by="lbr motion import")
+            edit = Edit(rows=motion.rows, create=not replacing)
             opened.edit(whose, edit, problems_of)
     if as_json:
         print_json(
@@ -150,6 +150,54 @@ def import_(
         click.echo(one_line(f"note: {note}"), err=True)
     click.echo(_said(whose, motion, about, written=not dry_run))
     return 0
+
+
+@command.command("stable")
+@click.argument("names", nargs=-1)
+@robot_option
+@click.option("--dry-run", is_flag=True, help="Only say what was found.")
+@database_option
+@json_option
+def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: Path | None, as_json: bool) -> int:
+    """Find in which key frames of the motions NAMES, or of all, the simulated body stands, and write that down.
+
+    A robot that is stopped on its way goes on to the nearest of them. The motions of a controller have none here: their
+    last row of motion_step says by hand whether the robot may go straight to where they lead.
+    """
+    from lbr.commands import motion_standing  # noqa: PLC0415 - the engine is for those who ask for it
+    from lbr.commands.rows import problems_of  # noqa: PLC0415
+    from lbr.database.edits import Edit  # noqa: PLC0415
+
+    told = []
+    with _opened(database) as opened:
+        whose, rows = _one(opened, robot, lambda rows: bool(rows.of(Joint)))
+        known = {motion.name: motion for motion in _motions(rows)}
+        if unknown := sorted(set(names) - set(known)):
+            raise InputError(f"there is no motion '{unknown[0]}'; 'lbr motion list' shows them", "unknown_name")
+        for motion in (known[name] for name in (names or known)):
+            if motion.slot is not None or not motion.frames:
+                continue
+            lead_in = known[motion.lead_in].frames if motion.lead_in in known else ()
+            world = motion_standing.world(rows, whose)
+            found = tuple(motion_standing.stable_frames(world, rows.of(Joint), _home(), lead_in, motion.frames))
+            frames = tuple(replace(one, stable=stands) for one, stands in zip(motion.frames, found, strict=True))
+            told.append(
+                {"name": motion.name, "frames": len(found), "stable": [at for at, one in enumerate(found, 1) if one]}
+            )
+            if not dry_run and frames != motion.frames:
+                edit = Edit(rows=replace(motion, frames=frames).rows, create=False)
+                opened.edit(whose, edit, problems_of)
+            if not as_json:
+                click.echo(one_line(f"{motion.name}: stands in {sum(found)} of {len(found)} key frames"))
+    if as_json:
+        print_json(told)
+    return 0
+
+
+def _home() -> str:
+    from lbr import home  # noqa: PLC0415
+
+    return str(home.home())
 
 
 def _understood(

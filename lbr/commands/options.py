@@ -75,6 +75,13 @@ def robot_options(function: F) -> F:
     return with_whom  # type: ignore[return-value]  # click calls it by names only
 
 
+def database_option(function: F) -> F:
+    """Add --db; the command gets it as `database`."""
+    return click.option("--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out.")(
+        function
+    )
+
+
 def json_option(function: F) -> F:
     """Add --json."""
     return click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs.")(function)

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
+
 from lbr.commands.options import DEFAULT_PROFILE
 from lbr.errors import InputError
 
@@ -16,12 +18,14 @@ if TYPE_CHECKING:
 
 
 def opened(path: Path) -> "Database":
-    """Open a database that is there; InputError says how to make one."""
+    """Open a database that is there, for changes in this command's name; InputError says how to make one."""
     from lbr.database import store  # noqa: PLC0415 - the database is for those who read rows
 
     if not path.exists():
         raise InputError(f"there is no database {path}; 'lbr db init' makes one", "unknown_name")
-    return store.Database.open(path)
+    context = click.get_current_context(silent=True)
+    said = context.command_path.split()[1:] if context is not None else ()
+    return store.Database.open(path, program=" ".join(["lbr", *said]))
 
 
 def robot_in(database: "Database") -> str:
@@ -37,7 +41,7 @@ def robot_in(database: "Database") -> str:
 
 def with_words(rows: "RobotRows") -> "RobotRows":
     """Return a robot's rows with the verbs that its kinds bring; as they are if they make no robot."""
-    made, _ = _planned(rows)
+    made, _ = planned(rows)
     return made.rows if made is not None else rows
 
 
@@ -49,7 +53,7 @@ def said_by_kinds(database: "Database") -> "Callable[[str, RawRow], bool]":
     tables, _ = database.tables()
     same = {}
     for name in database.robots():
-        made, _ = _planned(database.load(name))
+        made, _ = planned(database.load(name))
         if made is not None:
             verbs = check(tables, name).verbs
             implied = words.implied(made.rows, made.kinds)
@@ -67,11 +71,19 @@ def judged(rows: "RobotRows") -> tuple[list[str], list[str]]:
     from lbr import home  # noqa: PLC0415
     from lbr.executive.planning.hints import hints  # noqa: PLC0415
 
-    made, problems = _planned(rows)
+    made, problems = planned(rows)
     return [str(problem) for problem in problems], list(hints(made, home.home())) if made is not None else []
 
 
-def _planned(rows: "RobotRows") -> "tuple[Plan | None, tuple[Problem, ...]]":
+def wiring_of(rows: "RobotRows", kind: str) -> "frozenset[str] | None":
+    """Return the inputs and requests of a kind that are wired on a robot; None if nothing of that kind would run."""
+    made, _ = planned(rows)
+    units = [one for one in made.units.values() if one.kind == kind] if made is not None else []
+    return frozenset((*units[0].config.wiring, *units[0].config.requests)) if units else None
+
+
+def planned(rows: "RobotRows") -> "tuple[Plan | None, tuple[Problem, ...]]":
+    """Return the plan that a robot's rows make in a simulation, None if they make none, and what is wrong with them."""
     from lbr import home  # noqa: PLC0415
     from lbr.executive.planning import planner  # noqa: PLC0415
     from lbr.executive.planning.profile import Profile  # noqa: PLC0415

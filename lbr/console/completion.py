@@ -6,6 +6,8 @@ from typing import Any
 from prompt_toolkit.completion import CompleteEvent, Completer, Completion
 from prompt_toolkit.document import Document
 
+from lbr.console.verbs import OWN
+
 
 class LineCompleter(Completer):
     """Completes lines from the entries that the robot gives; they may change while it runs."""
@@ -51,6 +53,9 @@ class LineCompleter(Completer):
             if entry.get("target") == "external" and entry.get("word") == word and index < len(fields):
                 for said, shown, meta in _allowed(fields[index], fields[index]["choices"], start, entry):
                     yield Completion(said, -len(start) if said else 0, display=shown, display_meta=meta)
+            elif str(entry.get("target", "")).startswith(f"{OWN}.") and index == 0 and _bare(entry, word, self.entries):
+                for said, shown, meta in _next(entry, index, start):
+                    yield Completion(said, -len(start) if said else 0, display=shown, display_meta=meta)
 
     def _fields(self, text: str) -> Iterator[Completion]:
         word, *parts = text[1:].split("/")
@@ -63,6 +68,12 @@ class LineCompleter(Completer):
                 if shown not in seen:
                     seen.add(shown)
                     yield Completion(said, -len(start) if said else 0, display=shown, display_meta=meta)
+
+
+def _bare(entry: dict[str, Any], word: str, entries: Iterable[dict[str, Any]]) -> bool:
+    """Say whether a word of lbr itself with one field may be said with a space: `why drive`."""
+    alone = any(one.get("pattern") == word and one.get("target") == entry["target"] for one in entries)
+    return alone and entry.get("word") == word and entry.get("pattern", "").count("/") == 2
 
 
 def _next(entry: dict[str, Any], index: int, start: str) -> Iterator[tuple[str, str, str]]:

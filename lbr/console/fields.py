@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from lbr.console.printable import listed, shown
 from lbr.errors import InputError
-from lbr.messages.units import NAME_PATTERN
+from lbr.messages.units import NAME_OR_NONE_PATTERN, NAME_PATTERN
 
 Schema = Mapping[str, Any]
 MessageType = type[Struct] | Schema
@@ -33,7 +33,7 @@ _UNITS = {
     "percent": "percent",
 }
 _PATTERNS = {NAME_PATTERN: "is not a name: those are of lower-case letters, digits and _, a letter first"}
-_NAMES = (NAME_PATTERN, f"^$|{NAME_PATTERN}")
+_NAMES = (NAME_PATTERN, NAME_OR_NONE_PATTERN)
 """Names have no capitals: who types one, as in Forward, means the small letter."""
 _FLAGS = {"true": True, "yes": True, "1": True, "on": True, "false": False, "no": False, "0": False, "off": False}
 
@@ -134,7 +134,7 @@ class Field(Struct, frozen=True):
         if pattern in _NAMES and re.search(pattern, text.lower()):
             return text.lower()
         if pattern is not None and not re.search(pattern, text):
-            why = _PATTERNS.get(pattern, f"does not fit the pattern {shown(pattern)}")
+            why = _PATTERNS.get(pattern, "does not fit the pattern " + shown(pattern.replace("$(?!\\n)", "$")))
             raise InputError(f"{self.word} '{shown(text)}' {why}")
         return text
 

@@ -47,6 +47,8 @@ class PythonLine(Struct, frozen=True, kw_only=True):
 CONFIRMED = "confirmed"
 """The field by which a message says that a person was asked."""
 
+OWN = "executive"
+"""Whose words are lbr's own, as targets name it."""
 _LEAVE = "Ctrl-D leaves the console, 'Shutdown' shuts the robot down"
 _HINTS = {"quit": _LEAVE, "exit": _LEAVE, "?": "'help' lists what can be said"}
 
@@ -153,9 +155,17 @@ class Vocabulary:
             return verb.bind(line, [])
         if word in self._external:
             return ExternalCall(command=self._external[word], arguments=_arguments(self._external[word], rest))
+        if verb and (longer := self._longer(verb)):
+            return longer.bind(f"/{word}/{rest}", [rest])
         if verb:
             raise InputError(f"nothing may follow '{word}', but '{shown(rest)}' does")
         raise self._unknown(word)
+
+    def _longer(self, verb: "_Verb") -> "_Verb | None":
+        """Return what a word of lbr itself says with one field after it: `why drive` is `/why/drive`."""
+        own = verb.row.target_end[0] == OWN
+        fitting = (one for one in self._verbs if one.row.target == verb.row.target and one.pattern.parts)
+        return next((one for one in fitting if own and len(one.pattern.parts) == len(one.pattern.fields) == 1), None)
 
     def _is_bare(self, word: str) -> bool:
         return word in self._bare or word.lower() in self._bare or word in self._external

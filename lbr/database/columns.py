@@ -46,9 +46,17 @@ class Column:
         self._is_json = not self._is_flag and not isinstance(
             info, inspect.StrType | inspect.IntType | inspect.FloatType | inspect.LiteralType
         )
-        pattern = getattr(info, "pattern", None)
-        self._pattern = re.compile(pattern) if pattern else None
         self.stand_in: Any = self._stand_in(field)
+
+    @property
+    def is_flag(self) -> bool:
+        """Say whether it holds 0 or 1."""
+        return self._is_flag
+
+    @property
+    def holds_json(self) -> bool:
+        """Say whether it holds JSON, as text."""
+        return self._is_json or "json" in self._extra
 
     def read(self, value: Any) -> Any:
         """Return the value of a column; WrongError says what is wrong with it."""
@@ -63,8 +71,6 @@ class Column:
             found = msgspec.convert(plain, self._type)
         except (msgspec.ValidationError, UnicodeError) as err:  # SQLite holds what is no text, too
             raise WrongError(self._sentence(plain, str(err))) from None
-        if self._pattern is not None and not self._pattern.fullmatch(found):
-            raise WrongError(self._sentence(plain, "is not of its form"))
         if isinstance(found, float) and not math.isfinite(found):
             raise WrongError(self._number(plain))
         if self._is_json and _texts(self._info) and any(map(text_fault, found)):

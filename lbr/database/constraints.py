@@ -25,6 +25,7 @@ _WORDS: tuple[tuple[str, Callable[[re.Match[str]], str]], ...] = (
         lambda m: f"{m['a']} to {m['b']} characters, or NULL for none",
     ),
     (r"length\((?P<x>\w+)\) BETWEEN (?P<a>\d+) AND (?P<b>\d+)", lambda m: f"{m['a']} to {m['b']} characters"),
+    (r"length\((?P<x>\w+)\) <= (?P<b>\d+)", lambda m: f"at most {m['b']} characters"),
     (r"length\((?P<x>\w+)\) >= (?P<a>\d+)", lambda m: f"at least {m['a']} characters"),
     (rf"{_X} BETWEEN (?P<a>\S+) AND (?P<b>\S+)", lambda m: f"from {m['a']} to {m['b']}"),
     (rf"{_X} > (?P<a>\S+) AND \w+ <= (?P<b>\S+)", lambda m: f"above {m['a']} and at most {m['b']}"),

@@ -27,13 +27,19 @@ DESCRIBE = ("model", "description", "owner")
 class Edit(Struct, frozen=True, kw_only=True):
     """Rows to write, as `EditCommand` has them; read, and allowed to the asker.
 
-    `create` says whether they must be new, or there already; None takes both.
+    `create` says whether they must be new, or there already; None takes both. `source` is the capability that asks.
     """
 
     rows: tuple[Row, ...]
     create: bool | None = False
     revision: int | None = None
     by: str = ""
+    source: str = ""
+
+    @property
+    def author(self) -> str:
+        """Who makes it: the capability that asks, and for whom; empty for whose program this is."""
+        return " for ".join(filter(None, (self.source, self.by)))
 
     def __str__(self) -> str:
         return ", ".join(row.told for row in self.rows if not row.PART_OF)

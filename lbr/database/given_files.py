@@ -16,10 +16,11 @@ def read(path: Path, largest_bytes: int) -> bytes:
         number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe without a writer holds nothing up
     except OSError as err:
         raise InputError(f"{path} cannot be read: {err.strerror}") from err
+    found = os.fstat(number)
+    if not stat.S_ISREG(found.st_mode):
+        os.close(number)
+        raise InputError(f"{path} is no file that could be read to its end: name a regular file")
     with open(number, "rb") as file:  # noqa: PTH123 - by its number
-        found = os.fstat(number)
-        if not stat.S_ISREG(found.st_mode):
-            raise InputError(f"{path} is no file that could be read to its end: name a regular file")
         if found.st_size > largest_bytes:
             raise InputError(f"{path} has {found.st_size} bytes, and {largest_bytes} are the most that is read")
         try:

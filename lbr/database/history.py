@@ -1,16 +1,22 @@
 """What happened and what was changed: the tables `event` and `revision`."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import msgspec
 
 from lbr.database.connection import Connection, insert, selected
+from lbr.database.past import ChangeRow
 from lbr.database.rows import RevisionRow
 from lbr.messages.system import Event
 
 EVENTS_KEPT = 20_000
+LEVELS = ("info", "warning", "error")
+LONGEST = 300
+"""Characters of what is said of a change."""
+MOST_LOOKED_THROUGH = 500
+"""Newer changes than these are few while a form is open."""
 
 
 def append_events(connection: Connection, events: Iterable[Event], now_ns: int) -> None:
@@ -22,9 +28,12 @@ def append_events(connection: Connection, events: Iterable[Event], now_ns: int) 
     connection.execute("DELETE FROM event WHERE id <= (SELECT max(id) FROM event) - ?", (EVENTS_KEPT,))
 
 
-def newest_events(connection: Connection, limit: int) -> tuple[Event, ...]:
-    """Return the newest events, oldest first."""
-    rows = selected(connection, "event", "1 ORDER BY id DESC LIMIT ?", limit)
+def newest_events(
+    connection: Connection, limit: int, *, subject: str = "", levels: Sequence[str] = LEVELS
+) -> tuple[Event, ...]:
+    """Return the newest events, oldest first: of one subject, or of some levels, if so asked."""
+    where = f"level IN ({', '.join('?' * len(levels))}) AND (? = '' OR subject = ?) ORDER BY id DESC LIMIT ?"
+    rows = selected(connection, "event", where, *levels, subject, subject, limit)
     return tuple(
         Event(
             kind=row["kind"],
@@ -46,12 +55,31 @@ def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
             table=row["table_name"],
             row_key=_key(row["row_key"]),
             operation=row["operation"],
-            old=_object(row["old_row"]),
-            new=_object(row["new_row"]),
+            old=_row(row["old_row"]),
+            new=_row(row["new_row"]),
             changed_at=row["changed_at"],
         )
         for row in selected(connection, "revision", "id > ? ORDER BY id", since)
     )
+
+
+def made(connection: Connection, change: ChangeRow) -> None:
+    """Write down who made some revisions, and by what."""
+    texts = {name: storable(getattr(change, name))[:LONGEST] for name in ("source", "program", "text")}
+    row = {"first_revision": change.first_revision, "last_revision": change.last_revision, **texts}
+    insert(connection, "change", [row])
+
+
+def makers(connection: Connection) -> tuple[ChangeRow, ...]:
+    """Return who made which revisions, and by what; of what another SQLite client made nothing is known."""
+    return tuple(ChangeRow(**row) for row in selected(connection, "change", "1 ORDER BY first_revision"))
+
+
+def last_change(connection: Connection, table: str, names: Sequence[Iterable[object]]) -> tuple[int, str] | None:
+    """Return number and time of a row's newest change; `names` are the sets of values that may be its key."""
+    keys = [sorted(map(str, one)) for one in names]
+    newest = selected(connection, "revision", "table_name = ? ORDER BY id DESC LIMIT ?", table, MOST_LOOKED_THROUGH)
+    return next(((row["id"], row["changed_at"]) for row in newest if sorted(_key(row["row_key"])) in keys), None)
 
 
 def outdo(connection: Connection, revision: int) -> None:
@@ -75,6 +103,18 @@ def _stored(event: Event, now_ns: int) -> dict[str, str | int]:
         "text": storable(event.text),
         "data": storable(msgspec.json.encode(event.data).decode(errors="replace")),
     }
+
+
+def _row(text: str | None) -> dict[str, Any] | None:
+    """Return a row of a revision as its table holds it: a column set by `json_set` stands in a trigger as JSON, not as text."""
+    found = _object(text)
+    return {name: _as_text(value) for name, value in found.items()} if found is not None else None
+
+
+def _as_text(value: Any) -> Any:
+    if isinstance(value, dict | list):
+        return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+    return value
 
 
 def _object(text: str | None) -> dict[str, Any] | None:

@@ -7,7 +7,7 @@ from typing import Any
 from lbr.database.connection import Connection, pragma, transaction
 from lbr.errors import RowError
 
-HEAD = "0011"
+HEAD = "0014"
 MIGRATIONS = Path(__file__).with_name("migrations")
 
 

@@ -9,7 +9,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.errors import InputError
-from lbr.messages.joints import MAX_FRAMES, Joint, Motion
+from lbr.messages.joints import MAX_FRAMES, Joint, KeyFrame, Motion
 from lbr.robots import registry
 from lbr.robots.motion_file import LARGEST_BYTES, MakersMotion, ReadMotion, RobotRows, WriteMotion
 from lbr.robots.old_data import Note
@@ -90,11 +90,14 @@ def within_limits(motion: Motion, joints: Iterable[Joint], *, clip: bool) -> tup
             for name, (row, angle) in worst.items()
         )
         raise InputError(f"joints would go beyond their limits: {said}. --clip brings them within")
-    frames = tuple(
-        replace(frame, positions={name: _clipped(angle, rows[name]) for name, angle in frame.positions.items()})
-        for frame in motion.frames
-    )
+    frames = tuple(_within(frame, rows) for frame in motion.frames)
     return replace(motion, frames=frames), len(beyond)
+
+
+def _within(frame: KeyFrame, rows: dict[str, Joint]) -> KeyFrame:
+    """Return a key frame within the limits; where an angle was cut, it is not known any more to stand there."""
+    positions = {name: _clipped(angle, rows[name]) for name, angle in frame.positions.items()}
+    return replace(frame, positions=positions, stable=frame.stable and positions == frame.positions)
 
 
 def summary(motion: Motion, joints: Iterable[Joint], clipped: int = 0) -> Summary:

@@ -25,7 +25,7 @@ from lbr.robots.registry import Found
 
 Judge = Callable[[RobotRows], Iterable[str]]
 """Returns what a start would find wrong with a robot's rows."""
-_READING = frozenset(
+READING = frozenset(
     {
         sqlite3.SQLITE_SELECT,
         sqlite3.SQLITE_READ,
@@ -86,7 +86,7 @@ def _run(connection: Connection, schema: Schema, path: Path) -> None:
     def allow(action: int, first: str | None, _second: str | None, _where: str | None, trigger: str | None) -> int:
         mine = action == sqlite3.SQLITE_INSERT and (trigger is not None or first in schema)
         switch = action == sqlite3.SQLITE_PRAGMA and first == "foreign_keys"
-        return sqlite3.SQLITE_OK if mine or switch or action in _READING else sqlite3.SQLITE_DENY
+        return sqlite3.SQLITE_OK if mine or switch or action in READING else sqlite3.SQLITE_DENY
 
     try:
         script = path.read_text(encoding="utf-8")

@@ -68,7 +68,7 @@ def _complete(new: Path, path: Path, source: Path, aside: Path | None) -> None:
         text = f"restored from {source.name}" + (f"; what was there before is {aside.name}" if aside else "")
         entry = AuditRow(wall_ns=time.time_ns(), kind="restored", subject="database", source="lbr db", text=text)
         database.append_events((), (entry,))
-        database.outdo(revision)
+        database.outdo(revision, text)
 
 
 def _remains(path: Path) -> tuple[set[str], int]:

@@ -20,7 +20,7 @@ JsonObject = Annotated[str, Meta(extra={"json": "object"})]
 """The text of a JSON object, for others to parse."""
 End = Annotated[
     str,
-    Meta(pattern=r"^[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}$", extra={"meant": "of the form capability.port"}),
+    Meta(pattern=r"^[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}$(?!\n)", extra={"meant": "of the form capability.port"}),
 ]
 EXECUTIVE = "executive"
 """What verbs and channels may have as their target without a row of its own: lbr itself."""
@@ -204,7 +204,7 @@ class VerbRow(Row, frozen=True, kw_only=True):
     word: Annotated[
         str,
         Meta(
-            pattern="^[A-Za-z][A-Za-z0-9_]{0,39}$",
+            pattern="^[A-Za-z][A-Za-z0-9_]{0,39}$(?!\\n)",
             extra={"meant": "a word (letters, digits, underscores; at most 40)"},
         ),
     ]

@@ -1,12 +1,13 @@
 """The rows that come with lbr and with packages, and what of a robot's is not in a database yet."""
 
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
-from lbr.database import packaged
+from lbr.database import packaged, past
 from lbr.database.connection import Connection
+from lbr.database.difference import Difference
 from lbr.database.packaged import Judge
 from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.store import Database
@@ -25,6 +26,24 @@ def shipped(sql: Path | None = None) -> tuple[RawTables, Schema]:
     return {
         table: [*of_table, *(row for one in brought for row in one[table])] for table, of_table in rows.items()
     }, schema
+
+
+def differences(
+    database: Database, sql: Path | None = None, *, implied: Callable[[str, RawRow], bool] = lambda _table, _row: False
+) -> tuple[Difference, ...]:
+    """Compare a database's rows with those that a new one has, or `sql` alone, table by table.
+
+    Of a robot that is not there at all, only that is told; of a row that is `implied`, which says no more than what
+    holds without it, nothing.
+    """
+    (before, _), (here, schema) = shipped(sql), database.tables()
+    there = {row["name"] for row in here[ROBOT]}
+    before = {
+        table: [row for row in rows if table == ROBOT or row.get("robot") is None or row["robot"] in there]
+        for table, rows in before.items()
+    }
+    found = past.steps(before, here, schema)
+    return past.told(one for one in found if one.before is not None or not implied(one.table, one.after or {}))
 
 
 def add(database: Database, robot: str, judge: Judge = lambda _rows: ()) -> dict[str, int]:

@@ -2,6 +2,7 @@
 
 import math
 import os
+import pwd
 import sqlite3
 import threading
 import time
@@ -14,7 +15,18 @@ from typing import Any, Self
 
 from msgspec.structs import replace
 
-from lbr.database import adopted, audit, constraints, edits, foreign, history, packaged, tokens
+from lbr.database import (
+    adopted,
+    audit,
+    constraints,
+    edits,
+    foreign,
+    history,
+    packaged,
+    past,
+    row_changes,
+    tokens,
+)
 from lbr.database.checks import check
 from lbr.database.connection import (
     BUSY_TIMEOUT_S,
@@ -30,10 +42,11 @@ from lbr.database.connection import (
 from lbr.database.files import check_file, check_folder
 from lbr.database.migrate import bring_up_to_date
 from lbr.database.packaged import Brought, Judge
-from lbr.database.reading import RawTables
+from lbr.database.reading import Problem, RawTables
 from lbr.database.rows import AuditRow, GoodFor, RevisionRow, RobotRows, TokenRow
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError, RowError
+from lbr.messages.manage import RowChange
 from lbr.messages.rows import Row, shown
 from lbr.messages.system import Event, TokenRole
 from lbr.resources import robot_db_sql
@@ -47,6 +60,14 @@ COMPUTED_S = 0.5
 LOOK_EVERY = 10_000
 """Steps of SQLite's machine, some more than the shipped rows take."""
 EDIT_TRIES = 5
+
+
+def account() -> str:
+    """Return the name of the account that this process runs as."""
+    try:
+        return pwd.getpwuid(os.getuid()).pw_name
+    except KeyError:  # an account without a name
+        return f"user {os.getuid()}"
 
 
 def _text(path: Path) -> str:
@@ -107,11 +128,14 @@ class Database:
     Every method raises RowError with one sentence when the file is locked for too long, full, damaged or gone.
     """
 
-    def __init__(self, path: Path, connection: Connection, *, wall_ns: Callable[[], int] = time.time_ns) -> None:
+    def __init__(
+        self, path: Path, connection: Connection, *, wall_ns: Callable[[], int] = time.time_ns, program: str = "lbr"
+    ) -> None:
         self.path = path
+        self.program = program
         self.backup: Path | None = None
         self._connection = connection
-        self._wall_ns = wall_ns
+        self.wall_ns = wall_ns
         self._lock = threading.RLock()
         self._until_cpu_s = math.inf
         self._computed_s = math.inf
@@ -125,11 +149,14 @@ class Database:
         self._connection.set_progress_handler(lambda: time.thread_time() > self._until_cpu_s, LOOK_EVERY)
 
     @classmethod
-    def open(cls, path: Path, *, wall_ns: Callable[[], int] = time.time_ns) -> Self:
-        """Check, back up and upgrade if it is older, and open; raise RowError or InputError saying what to do."""
+    def open(cls, path: Path, *, wall_ns: Callable[[], int] = time.time_ns, program: str = "lbr") -> Self:
+        """Check, back up and upgrade if it is older, and open; raise RowError or InputError saying what to do.
+
+        `program` is what changes of rows are written down with.
+        """
         check_file(path)
         with sentences(path):
-            database = cls(path, connect(path), wall_ns=wall_ns)
+            database = cls(path, connect(path), wall_ns=wall_ns, program=program)
             try:
                 database._prepare()
             except BaseException:  # also an interruption leaves nothing open; it goes on upwards
@@ -146,7 +173,7 @@ class Database:
 
     def robots(self) -> tuple[str, ...]:
         """Return the names of all robots in the file."""
-        with self._reading() as connection:
+        with self.reading() as connection:
             return tuple(name for (name,) in connection.execute("SELECT name FROM robot ORDER BY name"))
 
     def load(self, robot: str, *, patience_s: float = BUSY_TIMEOUT_S) -> RobotRows:
@@ -155,7 +182,7 @@ class Database:
 
     def load_all(self, robots: Iterable[str], *, patience_s: float = BUSY_TIMEOUT_S) -> dict[str, RobotRows]:
         """Read the rows of several robots in one transaction, as `load` does."""
-        with self._reading(patience_s) as connection:
+        with self.reading(patience_s) as connection:
             tables, schema = read_tables(connection)
             known = tokens.tokens(connection)
             revision, digest = adopted.revision(connection), adopted.digest(tables)
@@ -165,12 +192,12 @@ class Database:
 
     def tables(self) -> tuple[RawTables, Schema]:
         """Return the rows of all robots as they stand, unchecked, and what their columns are."""
-        with self._reading() as connection:
+        with self.reading() as connection:
             return read_tables(connection)
 
     def foreign(self) -> tuple[str, ...]:
         """Return a sentence for each table, trigger, index and view that is not of lbr's schema."""
-        with self._reading() as connection:
+        with self.reading() as connection:
             return tuple(foreign.foreign(connection))
 
     def append_events(self, events: Iterable[Event], trail: Sequence[AuditRow] = ()) -> None:
@@ -179,33 +206,40 @@ class Database:
         The oldest go when there are many. With entries it is on the disk on return. Waits for other writers a tenth
         of a second only, because all this can be written later.
         """
-        with self._writing(durable=bool(trail), patience_s=PATIENCE_S) as connection:
-            history.append_events(connection, events, self._wall_ns())
+        with self.writing(durable=bool(trail), patience_s=PATIENCE_S) as connection:
+            history.append_events(connection, events, self.wall_ns())
             audit.append(connection, trail)
 
     def audit(self, limit: int = 100) -> tuple[AuditRow, ...]:
         """Return the newest entries of the audit trail, oldest first."""
-        with self._reading() as connection:
+        with self.reading() as connection:
             return audit.newest(connection, limit)
 
     def audit_fault(self) -> str:
         """Return what was changed in, or taken out of, the audit trail; nothing if it is whole."""
-        with self._reading() as connection:
+        with self.reading() as connection:
             return audit.fault(connection)
 
     def adopt(self, rows: RobotRows) -> None:
         """Write down that these rows run, so that a later change without an edit is noticed."""
-        with self._writing(patience_s=PATIENCE_S) as connection:
-            adopted.remember(connection, rows.revision, rows.digest, self._wall_ns())
+        with self.writing(patience_s=PATIENCE_S) as connection:
+            adopted.remember(connection, rows.revision, rows.digest, self.wall_ns())
 
-    def events(self, limit: int = 100) -> tuple[Event, ...]:
-        """Return the newest events, oldest first."""
-        with self._reading() as connection:
-            return history.newest_events(connection, limit)
+    def events(
+        self, limit: int = 100, *, subject: str = "", levels: Sequence[str] = history.LEVELS
+    ) -> tuple[Event, ...]:
+        """Return the newest events, oldest first: of one subject, or of some levels, if so asked."""
+        with self.reading() as connection:
+            return history.newest_events(connection, limit, subject=subject, levels=levels)
+
+    def last_change(self, robot: str, table: str, key: Sequence[object]) -> tuple[int, str] | None:
+        """Return number and time of the newest change of one of a robot's rows, if it was changed lately."""
+        with self.reading() as connection:
+            return history.last_change(connection, table, [key, (robot, *key)])
 
     def revisions(self, since: int = 0) -> tuple[RevisionRow, ...]:
         """Return every change of rows after revision `since`, oldest first."""
-        with self._reading() as connection:
+        with self.reading() as connection:
             return history.revisions(connection, since)
 
     def record_start(self, robot: str) -> None:
@@ -221,13 +255,20 @@ class Database:
         told = history.storable(reason)
         self._update_robot(robot, durable=True, patience_s=PATIENCE_S, estop_engaged=int(engaged), estop_reason=told)
 
-    def learn(self, robot: str, rows: Sequence[Row], known: Mapping[RowKey, Mapping[str, Any]] | None = None) -> None:
+    def learn(
+        self,
+        robot: str,
+        rows: Sequence[Row],
+        known: Mapping[RowKey, Mapping[str, Any]] | None = None,
+        *,
+        by: str = "",
+    ) -> None:
         """Write what a capability has learnt of its robot, all of it or none; on return it is on the disk.
 
         Of rows that it had, `known` by table and key, only what differs is written: what others have edited stays.
         Another row must not be there yet.
         """
-        with self._writing(durable=True) as connection:
+        with self.writing(durable=True) as connection, self.noted(connection, by):
             for row in rows:
                 before = (known or {}).get((row.TABLE, row.key))
                 if before is None:
@@ -237,7 +278,7 @@ class Database:
 
     def revision(self) -> int:
         """Return the number of the last change of rows; 0 for none."""
-        with self._reading() as connection:
+        with self.reading() as connection:
             return adopted.revision(connection)
 
     def edit(
@@ -258,10 +299,68 @@ class Database:
         def write(connection: Connection) -> None:
             edits.write(connection, robot, edit.rows)
 
-        return self._change(robot, applied, None if dry_run else write, wrong)
+        return self._change(robot, applied, None if dry_run else write, wrong, edit.author)
+
+    def change_rows(
+        self,
+        robot: str,
+        changes: Sequence[RowChange],
+        classes: row_changes.Classes,
+        wrong: Callable[[RobotRows], Iterable[Problem]],
+        *,
+        dry_run: bool = False,
+        by: str = "",
+    ) -> tuple[int, tuple[Problem, ...]]:
+        """Write changes as `edit` writes rows, and return the revision and what is in their way, if anything is.
+
+        What was wrong before is in nobody's way: rows that are bad can be mended one after the other.
+        """
+        for _ in range(EDIT_TRIES):
+            with self.reading() as connection:
+                tables, schema = read_tables(connection)
+                known = tokens.tokens(connection)
+                revision = adopted.revision(connection)
+            after = row_changes.changed(tables, schema, robot, changes, classes)
+
+            def judged(
+                raw: RawTables, revision: int = revision, schema: Schema = schema, known: tuple[TokenRow, ...] = known
+            ) -> list[Problem]:
+                return list(wrong(replace(check(raw, robot, revision=revision, columns=schema), tokens=known)))
+
+            if (found := judged(after)) and (new := [one for one in found if one not in judged(tables)]):
+                return revision, tuple(new)
+            if dry_run:
+                return revision, ()
+            with self.writing(durable=True) as connection:
+                if adopted.revision(connection) == revision:
+                    with self.noted(connection, by):
+                        row_changes.write(connection, tables, after, schema, changes)
+                    return adopted.revision(connection), ()
+        raise InputError("others edit the rows at the same time: try again", "busy")
+
+    def changes(self, since: int = 0) -> tuple[past.Change, ...]:
+        """Return every change of rows after revision `since`, oldest first: who made it, by what, and row by row."""
+        with self.reading() as connection:
+            return past.changes(history.revisions(connection, since), history.makers(connection))
+
+    def tables_at(self, revision: int) -> RawTables:
+        """Return the rows of all robots as they were at a revision, 0 being a new database; InputError if that cannot be told."""
+        with self.reading() as connection:
+            newest = adopted.revision(connection)
+            if not 0 <= revision <= newest:
+                raise InputError(f"there is no revision {revision} in {self.path}: 0 to {newest}", "unknown_name")
+            tables, schema = read_tables(connection)
+            return past.at(tables, schema, history.revisions(connection, revision))
 
     def set_setting(
-        self, robot: str, capability: str, setting: str, value: Any, wrong: Callable[[RobotRows], Iterable[str]]
+        self,
+        robot: str,
+        capability: str,
+        setting: str,
+        value: Any,
+        wrong: Callable[[RobotRows], Iterable[str]],
+        *,
+        by: str = "",
     ) -> int:
         """Write one setting of a capability as `edit` writes rows; all its others stay. Return the revision."""
         return self._change(
@@ -269,6 +368,7 @@ class Database:
             lambda _connection, tables: edits.with_setting(tables, robot, capability, setting, value),
             lambda connection: edits.write_setting(connection, robot, capability, setting, value),
             wrong,
+            by,
         )
 
     def _change(
@@ -277,9 +377,10 @@ class Database:
         applied: Callable[[Connection, RawTables], RawTables],
         write: Callable[[Connection], None] | None,
         wrong: Callable[[RobotRows], Iterable[str]],
+        by: str,
     ) -> int:
         for _ in range(EDIT_TRIES):
-            with self._reading() as connection:
+            with self.reading() as connection:
                 tables, schema = read_tables(connection)
                 known = tokens.tokens(connection)
                 revision = adopted.revision(connection)
@@ -291,21 +392,22 @@ class Database:
                 raise RowError(found)
             if write is None:
                 return revision
-            with self._writing(durable=True) as connection:
+            with self.writing(durable=True) as connection:
                 if adopted.revision(connection) == revision:
-                    write(connection)
+                    with self.noted(connection, by):
+                        write(connection)
                     return adopted.revision(connection)
         raise InputError("others edit the rows at the same time: try again")
 
     def add_rows(self, rows: RawTables) -> None:
         """Write new rows, by table, in one transaction; durably."""
-        with self._writing(durable=True) as connection:
+        with self.writing(durable=True) as connection, self.noted(connection):
             for table, found in rows.items():
                 insert(connection, table, found)
 
     def tokens(self) -> tuple[TokenRow, ...]:
         """Return every token's row, revoked and expired ones too."""
-        with self._reading() as connection:
+        with self.reading() as connection:
             return tokens.tokens(connection)
 
     def add_token(
@@ -328,17 +430,17 @@ class Database:
             good_for=good_for,
             paired_from=paired_from,
         )
-        with self._writing(durable=True) as connection:
+        with self.writing(durable=True) as connection:
             tokens.add(connection, row)
 
     def revoke_token(self, name: str) -> None:
         """Take a token's rights away, durably; InputError if there is none of this name that has any."""
-        with self._writing(durable=True) as connection:
+        with self.writing(durable=True) as connection:
             tokens.revoke(connection, name, self._now())
 
-    def outdo(self, revision: int) -> None:
+    def outdo(self, revision: int, text: str = "") -> None:
         """Note an edit that is newer than `revision`: every row may be another one now."""
-        with self._writing(durable=True) as connection:
+        with self.writing(durable=True) as connection, self.noted(connection, text=text):
             history.outdo(connection, revision)
 
     def close(self) -> None:
@@ -353,6 +455,21 @@ class Database:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    @contextmanager
+    def noted(self, connection: Connection, by: str = "", text: str = "") -> Iterator[None]:
+        """Write down, beside the revisions that are made within, who makes them; the account that this runs as, unless told."""
+        before = adopted.revision(connection)
+        yield
+        if (after := adopted.revision(connection)) > before:
+            change = past.ChangeRow(
+                first_revision=before + 1,
+                last_revision=after,
+                source=by or account(),
+                program=self.program,
+                text=text,
+            )
+            history.made(connection, change)
 
     def _begin(self) -> None:
         self._until_cpu_s = time.thread_time() + self._computed_s
@@ -379,7 +496,8 @@ class Database:
         self.backup = bring_up_to_date(connection, self.path)
 
     @contextmanager
-    def _reading(self, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
+    def reading(self, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
+        """Read in one transaction."""
         with self._lock, sentences(self.path):
             self._begin()
             pragma(self._connection, f"busy_timeout = {patience_s * 1000:.0f}")
@@ -387,7 +505,7 @@ class Database:
                 yield connection
 
     @contextmanager
-    def _writing(self, *, durable: bool = False, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
+    def writing(self, *, durable: bool = False, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
         """Write in one transaction. Durable waits for the disk after it, so that other writers need not wait as well."""
         with self._lock, sentences(self.path):
             self._begin()
@@ -400,12 +518,12 @@ class Database:
     def _update_robot(
         self, robot: str, *, durable: bool, patience_s: float = BUSY_TIMEOUT_S, **columns: str | int
     ) -> None:
-        with self._writing(durable=durable, patience_s=patience_s) as connection:
+        with self.writing(durable=durable, patience_s=patience_s) as connection:
             settings = ", ".join(f"{column} = ?" for column in columns)
             done = connection.execute(f"UPDATE robot SET {settings} WHERE name = ?", (*columns.values(), robot))  # noqa: S608 - our names
             if done.rowcount != 1:
                 raise RowError((f"database {self.path} has no robot '{robot}': name one of its robots",))
 
     def _now(self) -> str:
-        moment = datetime.fromtimestamp(self._wall_ns() / 1e9, tz=UTC)
+        moment = datetime.fromtimestamp(self.wall_ns() / 1e9, tz=UTC)
         return moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")

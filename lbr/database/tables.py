@@ -1,5 +1,7 @@
 """Reads the tables that make a robot as they stand, whatever they are."""
 
+from typing import Any
+
 from lbr.database.connection import Connection, quoted
 from lbr.database.reading import RawRow, RawTables
 
@@ -7,7 +9,7 @@ WRITTEN_BY_LBR = {("robot", name) for name in ("last_start", "last_shutdown", "e
 """Columns that lbr writes while a robot runs; their changes are no edits."""
 
 _COLUMNS = """
-SELECT t.name, c.name, c.pk FROM sqlite_schema AS t, pragma_table_info(t.name) AS c
+SELECT t.name, c.name, c.pk, c."notnull", c.dflt_value FROM sqlite_schema AS t, pragma_table_info(t.name) AS c
 WHERE t.type = 'table' AND (
     t.name IN ('robot', 'capability', 'channel', 'device', 'verb', 'external_command')
     OR t.name IN (SELECT tbl_name FROM sqlite_schema WHERE type = 'trigger' AND sql LIKE '%INSERT INTO revision%')
@@ -24,14 +26,29 @@ class Schema(dict[str, tuple[str, ...]]):
     def __init__(self, connection: Connection) -> None:
         super().__init__()
         self.keys_of: dict[str, tuple[str, ...]] = {}
+        self._defaults: dict[tuple[str, str], str | None] = {}
         keys: dict[str, list[tuple[int, str]]] = {}
-        for table, column, place in connection.execute(_COLUMNS):
+        for table, column, place, not_null, default in connection.execute(_COLUMNS):
             self[table] = (*self.get(table, ()), column)
             keys.setdefault(table, [])
+            if default is not None or not not_null:
+                self._defaults[table, column] = default
             if place:
                 keys[table].append((place, column))
         for table, of_table in keys.items():
             self.keys_of[table] = tuple(name for _, name in sorted(of_table)) or self[table]
+
+    def default(self, table: str, column: str) -> Any:
+        """Return what a column holds that a new row leaves out; LookupError if it must not be left out."""
+        text = self._defaults[table, column]
+        if text is None or text.upper() == "NULL":
+            return None
+        if text.startswith("'"):
+            return text[1:-1].replace("''", "'")
+        try:
+            return int(text) if text.lstrip("-").isdigit() else float(text)
+        except ValueError:
+            raise LookupError(column) from None
 
 
 def read_tables(connection: Connection) -> tuple[RawTables, Schema]:

@@ -1,7 +1,10 @@
 """What to say of a device that may not be opened: join its group, or wait until udev has set it."""
 
+import errno
 import time
 from pathlib import Path
+
+from lbr.messages.codes import Code
 
 SETTLED_S = 5.0
 """udev sets group and mode within a second of a plug-in; a busy Pi at its start takes several."""
@@ -13,6 +16,17 @@ def refused(path: str, group: str = "") -> str:
     if is_settling(path):
         return f"may not be opened by this user yet: it was plugged in just now, and udev may still be setting its group; if this stays, {join}"
     return f"may not be opened by this user; {join}"
+
+
+def code_of(err: BaseException) -> Code:
+    """Return the code of a device that cannot be opened: whether it is this machine that refuses it, or it is not there."""
+    match getattr(err, "errno", None):
+        case errno.EACCES | errno.EPERM:
+            return "rights"
+        case errno.EBUSY | errno.EAGAIN:
+            return "busy"
+        case _:
+            return "unreachable"
 
 
 def is_settling(path: str) -> bool:

@@ -63,7 +63,7 @@ def open_bus(device: Device, default_address: int) -> tuple[Bus, int]:
     try:
         return (SocketBus(place.path) if place.path else _kernel_bus(place.number)), place.address
     except OSError as err:
-        raise DeviceError(_why_not(device, place, err)) from err
+        raise DeviceError(_why_not(device, place, err), access.code_of(err)) from err
 
 
 def locate(device: Device, default_address: int) -> Place:

@@ -13,6 +13,8 @@ import time
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from lbr.bus.unix_address import address_of
+
 DEADLINE_S = 0.05
 MAX_BLOCK_BYTES = 32
 READ_FLAG = 1
@@ -101,11 +103,11 @@ class SocketBus:
         connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
             connection.settimeout(self._deadline_s)
-            connection.connect(self._path)
-        except OSError as err:
+            with address_of(self._path) as address:
+                connection.connect(address)
+        except OSError:
             connection.close()
-            # a path that is too long comes without a number
-            raise OSError(err.errno or errno.ENAMETOOLONG, err.strerror or str(err)) from err
+            raise
         return connection
 
     def _read(self, address: int, register: int, length: int) -> bytes:

@@ -96,7 +96,7 @@ def open_line(device: Device, baud: int) -> SerialLine:
     try:
         port = serial.Serial(path, baudrate=baud, timeout=0, write_timeout=0, exclusive=True)
     except (OSError, termios.error, ValueError) as err:
-        raise DeviceError(_why_not(device.name, path, err)) from err
+        raise DeviceError(_why_not(device.name, path, err), access.code_of(err)) from err
     if not os.path.realpath(path).startswith("/dev/pts/"):  # there the flag would outlive a killed driver
         with suppress(OSError):
             fcntl.ioctl(port.fileno(), termios.TIOCEXCL)

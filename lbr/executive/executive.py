@@ -23,7 +23,6 @@ from msgspec.structs import replace
 from lbr import home
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS
-from lbr.capability.config import DeviceConfig
 from lbr.capability.confine import OWNER_ONLY
 from lbr.console.outlet import say
 from lbr.console.toolbar import state_of
@@ -34,7 +33,7 @@ from lbr.database.rows import RobotRows
 from lbr.errors import LbrError
 from lbr.executive.lastresort import SIGNALS, LastResort
 from lbr.executive.notify import Notifier
-from lbr.executive.planning import joining, machine, planner, wiring
+from lbr.executive.planning import joining, machine, planner, trials, wiring
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning import profile as profiles
 from lbr.executive.planning.credentials import bus_certificate, token_key
@@ -49,6 +48,7 @@ from lbr.executive.processes import scheduling
 from lbr.executive.processes.child import Child
 from lbr.executive.processes.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
 from lbr.executive.processes.external import ExternalCommands
+from lbr.executive.processes.fork_server import ForkServer
 from lbr.executive.processes.logs import open_log, trim_all
 from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.plugging import Plugging
@@ -60,6 +60,7 @@ from lbr.executive.remote.remote_hosts import RemoteHosts
 from lbr.executive.service import terminal
 from lbr.executive.service.conditions import Conditions
 from lbr.executive.service.console_service import ConsoleService
+from lbr.executive.service.desk import Desk
 from lbr.executive.service.dispatch import DONE, FAILED, Dispatcher
 from lbr.executive.service.edits import Edits, Written
 from lbr.executive.service.emergency import Emergency
@@ -91,9 +92,9 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
         if database is None and not path.exists():
             copies.refuse_if_lost(path)
             _tell(*joining.create(path))
-        with store.Database.open(path) as opened:
+        with store.Database.open(path, program="executive") as opened:
             lock.claim(path)
-            _tell(joining.join(opened, profile.robot))
+            _tell(joining.join(opened, profile.robot), trials.go_back(opened, profile.robot))
             opened.bound()
             executive = Executive(profile, profile_name, opened, lock, listen)
             return executive.run(console=console)
@@ -146,7 +147,9 @@ class Executive:
             happened=self._happened,
             take_over=self._change,
             kept=self._kept,
-            plug=self._plug,
+            plug=lambda world, devices: self._plugging.ask(world, devices),  # noqa: PLW0108 - it is made with the bus
+            follow=lambda name, rows: self._plugging.tell(name, rows),  # noqa: PLW0108 - see above
+            capabilities=self._capabilities,
         )
         self._supervisor = Supervisor(
             self._start,
@@ -166,6 +169,7 @@ class Executive:
         with closing(Reaper()) as self._reaper:
             self._reaper.beat()
             with (
+                closing(ForkServer(self._reaper, self.plan.robot)) as self._forks,
                 closing(Doors(self.plan, self._site, self._main.wake)) as self._doors,
                 self._bus_again() as bus,
             ):
@@ -210,6 +214,10 @@ class Executive:
             return ConsoleResult(code=FAILED, text=text, reason_code="timeout")
         return ConsoleResult(code=DONE, text=f"emergency stop: acknowledged by {', '.join(state.acknowledged)}")
 
+    def pressed_by_others(self, source: str) -> tuple[float, str]:
+        """Return when another than `source` pressed the emergency stop last, and who that was."""
+        return self._emergency.pressed_by_others(source)
+
     def estop_reset(self, source: str) -> ConsoleResult:
         """Release the emergency stop; moves nothing."""
         why_not = self._emergency.release(source)
@@ -235,7 +243,7 @@ class Executive:
 
     def listen_at(self, name: str, host: str, who: str) -> None:
         """Write where a server listens, a setting of its row, as an edit; RowError or InputError if it may not be."""
-        self._written.setting(name, "host", host)
+        self._written.setting(name, "host", host, who)
         self.note("edit", f"{who} had '{name}' listen at {host}")
 
     def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:
@@ -280,15 +288,8 @@ class Executive:
             Latch(home.directory("run") / f"{robot}.estop"), self._database, robot, self._journal.flush
         )
         estop = keeper.state(engaged=rows.estop_engaged, reason=rows.estop_reason)
-        namespace = {
-            "robot": self,
-            "plan": lambda: self.plan,
-            "status": self.status,
-            "bus": bus,
-            "keys": keys,
-            "wire": wire,
-        }
-        self.dispatcher = Dispatcher(self, bus, namespace)
+        seen = {"robot": self, "plan": lambda: self.plan, "status": self.status, "bus": bus, "keys": keys, "wire": wire}
+        self.dispatcher = Dispatcher(self, bus, seen)
         self._service = ConsoleService(bus, robot, self.dispatcher, reset=self.estop_reset)
         self._hosts = RemoteHosts(
             {
@@ -308,6 +309,14 @@ class Executive:
             self._rows,
             self._written,
             process=self._process,
+            happened=self._happened,
+            wake=self._main.wake,
+        )
+        self._desk = Desk(
+            wire.QueryServer(bus, keys.manage(robot), self._main.wake, puts=False, source="executive"),
+            self._database.path,
+            plan=lambda: self.plan,
+            make=self._planned,
             happened=self._happened,
             wake=self._main.wake,
         )
@@ -361,6 +370,7 @@ class Executive:
         self._service.close()
         self._hosts.close()
         self._edits.close()
+        self._desk.close()
         self._pairings.close()
         self._main.close()
         self._journal.step(time.monotonic())
@@ -382,7 +392,7 @@ class Executive:
             self._journal.step(now)
             self._keeper.step(now, self.plan.rows.digest)
             self._plugging.step()
-            if self._edits.step():
+            if self._edits.step() | self._desk.step():
                 rows_at = now
             if now >= rows_at:
                 rows_at = now + LOOK_AT_ROWS_S
@@ -477,16 +487,13 @@ class Executive:
         if not self._hosts.restart(name):
             self._supervisor.restart(name)
 
-    def _plug(self, world: str, devices: tuple[DeviceConfig, ...]) -> None:
-        self._plugging.ask(world, devices)
-
     def _begin_again(self, name: str, why: str) -> None:
         self._happened("restarting", name, why)
         self._supervisor.restart(name)
 
     def _start(self, unit: ProcessSpec) -> Child | None:
         place = self._doors.place(unit)
-        if place is None:
+        if place is None or self._forks.begins:
             return None
         self._emergency.forget(unit.name)
         config = replace(unit.config, estop=self._emergency.state(), endpoints=(place.endpoint,))
@@ -497,7 +504,7 @@ class Executive:
                 config, private=Raw(msgspec.json.encode(replace(unit.lan, upstream=place.router_id, inside=inside)))
             )
         with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
-            return Child(unit, config, log, self._reaper.mark(guarded=unit.guarded))
+            return Child(unit, config, log, self._reaper.mark(guarded=unit.guarded), self._forks)
 
     def _say_how_to_reach(self) -> None:
         robot = self.plan.robot

@@ -4,6 +4,7 @@ from typing import Any
 
 from msgspec import Struct
 
+from lbr.messages.kinematics import BaseKind
 from lbr.messages.system import Role
 
 Schema = dict[str, Any]
@@ -29,10 +30,22 @@ class CapabilityDescription(Struct, frozen=True, kw_only=True):
     commands: dict[str, CommandDescription]
 
 
+class BaseDescription(Struct, frozen=True, kw_only=True):
+    """What a base can do that takes a twist: which capability does it, whether it goes sideways too, and its greatest
+    speeds."""
+
+    capability: str
+    kind: BaseKind
+    sideways: bool
+    max_speed_mps: float
+    max_turn_rps: float
+
+
 class RobotDescription(Struct, frozen=True, kw_only=True):
     """A robot as of the revision of its rows: what changes meanwhile is in its status.
 
-    `words` are the console's, as `help` has them; `wheels`, `ranges` and `phrases` the rows of those tables.
+    `words` are the console's, as `help` has them; `wheels`, `ranges` and `phrases` the rows of those tables; `base`
+    follows from `kinematics`, `wheel` and the settings of what drives, null without that.
     """
 
     robot: str
@@ -43,3 +56,4 @@ class RobotDescription(Struct, frozen=True, kw_only=True):
     wheels: tuple[dict[str, Any], ...] = ()
     ranges: tuple[dict[str, Any], ...] = ()
     phrases: tuple[dict[str, Any], ...] = ()
+    base: BaseDescription | None = None

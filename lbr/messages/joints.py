@@ -79,19 +79,26 @@ class StoredMotion(Struct, frozen=True, kw_only=True):
     """A motion that the robot's own controller keeps under a number, and plays by itself: how long, and where it leads.
 
     Joints that `pose` leaves out are where they are measured afterwards; `limp`: all of them are released at its end.
+    `stable`: stopped on its way, the robot may go straight to `pose` and stands there.
     """
 
     slot: Slot
     duration_s: SlotS
     pose: dict[str, JointRad] = {}
     limp: bool = False
+    stable: bool = False
 
 
 class KeyFrame(Struct, frozen=True, kw_only=True):
-    """The angles that the named joints are to have `duration_s` after the frame before; joints left out stay."""
+    """The angles that the named joints are to have `duration_s` after the frame before; joints left out stay.
+
+    `stable`: the robot may come to rest here, and stays on its feet. What is stopped on its way goes on to the nearest
+    such frame that it reaches in 0.8 s.
+    """
 
     positions: dict[str, JointRad]
     duration_s: DurationS
+    stable: bool = False
 
 
 def motion_there(row: Any, others: Others) -> Iterator[Fault]:
@@ -174,7 +181,10 @@ def _within(row: "MotionStep", others: Others) -> Iterator[Fault]:
 
 
 class MotionStep(Row, frozen=True, kw_only=True):
-    """A key frame: the angles that the named joints have `duration_s` after the step before."""
+    """A key frame: the angles that the named joints have `duration_s` after the step before.
+
+    `stable`: the robot may come to rest here; a stop on the way goes on to it.
+    """
 
     TABLE = "motion_step"
     KEY = ("motion", "step")
@@ -185,6 +195,7 @@ class MotionStep(Row, frozen=True, kw_only=True):
     step: StepNumber
     duration_s: DurationS
     positions: dict[str, JointRad]
+    stable: bool = False
 
     @property
     def told(self) -> str:
@@ -214,7 +225,13 @@ class Motion(Struct, frozen=True, kw_only=True):
     def rows(self) -> tuple[Row, ...]:
         """Its row, and those of its key frames, counted from 1."""
         steps = (
-            MotionStep(motion=self.name, step=step, duration_s=frame.duration_s, positions=frame.positions)
+            MotionStep(
+                motion=self.name,
+                step=step,
+                duration_s=frame.duration_s,
+                positions=frame.positions,
+                stable=frame.stable,
+            )
             for step, frame in enumerate(self.frames, 1)
         )
         return (self.row, *steps)
@@ -318,7 +335,8 @@ class JointsState(Struct, frozen=True, kw_only=True):
     `passed` counts the key frames of the goal under way that lie behind, since it began. What was sent before
     `stopped_s`, monotonic, begins nothing any more: then `stopped_by` stopped all, if it was a stop. What was typed or
     written before `halted_s` begins nothing either, but for the sender of that stop, `halted_by`. `code` is that of
-    `reason`. `stored` is the slot that the controller plays, for `left_s` more.
+    `reason`. `stored` is the slot that the controller plays, for `left_s` more. `feet_s` is how long a robot that was
+    stopped may still take to come to where it stands; null: nothing of that goes on.
     """
 
     sequence: int
@@ -332,6 +350,7 @@ class JointsState(Struct, frozen=True, kw_only=True):
     stopped_s: float | None = None
     stored: int | None = None
     left_s: float | None = None
+    feet_s: float | None = None
     reason: str = ""
     code: ReasonCode = ""
     stopped_by: str = ""
@@ -365,7 +384,8 @@ class MotionsState(Struct, frozen=True, kw_only=True):
     """What is played, on the way to which key frame, in which round, both from 1; `reason` and `code` are how the last
     one ended.
 
-    `motion` is the lead-in or the lead-out while that is played; all of it takes `left_s` more or less.
+    `motion` is the lead-in or the lead-out while that is played; all of it takes `left_s` more or less. `fallen` says on
+    which side the robot lies, where an attitude is wired; empty: it does not, or that is unknown.
     """
 
     playing: bool
@@ -375,6 +395,7 @@ class MotionsState(Struct, frozen=True, kw_only=True):
     round: int = 0
     times: int = 0
     left_s: float | None = None
+    fallen: Literal["", "face", "back", "side"] = ""
     holder: str | None = None
     reason: str = ""
     code: ReasonCode = ""
@@ -384,7 +405,7 @@ def motions_of(rows: Iterable[MotionRow], steps: Iterable[MotionStep]) -> tuple[
     """Return motions with their key frames, by name."""
     frames: dict[str, list[KeyFrame]] = {}
     for step in sorted(steps, key=lambda step: step.key):
-        frame = KeyFrame(positions=step.positions, duration_s=step.duration_s)
+        frame = KeyFrame(positions=step.positions, duration_s=step.duration_s, stable=step.stable)
         frames.setdefault(step.motion, []).append(frame)
     fields = MotionRow.__struct_fields__
     return tuple(

@@ -8,7 +8,9 @@ from lbr.messages.codes import ReasonCode
 from lbr.messages.system import Role
 
 DIGITS = 6
-Digits = Annotated[str, Meta(pattern="^[0-9]{6}$", description="six digits, as the console's word `pair` shows them")]
+Digits = Annotated[
+    str, Meta(pattern="^[0-9]{6}$(?!\\n)", description="six digits, as the console's word `pair` shows them")
+]
 
 
 class PairCommand(Struct, frozen=True, kw_only=True):

@@ -71,6 +71,14 @@ class RowSet(Struct, frozen=True, kw_only=True):
     rows: Raw
 
 
+class RowsChanged(Struct, frozen=True, kw_only=True):
+    """Rows that were edited while their reader runs, by table: JSON lists of those that are new or otherwise, and of the
+    keys of those that are `gone`."""
+
+    rows: dict[str, str] = {}
+    gone: dict[str, str] = {}
+
+
 def row_set(row: type[Row], rows: Iterable[Row]) -> RowSet:
     """Return rows of one table for a document."""
     ordered = sorted(rows, key=lambda one: one.key)
@@ -83,6 +91,19 @@ def by_table(rows: Iterable[Row]) -> dict[str, Raw]:
     for row in rows:
         found.setdefault(row.TABLE, []).append(row)
     return {table: Raw(msgspec.json.encode(of_table)) for table, of_table in found.items()}
+
+
+def changed(before: Mapping[str, RowSet], after: Mapping[str, RowSet]) -> RowsChanged:
+    """Return what is another in the rows of tables."""
+    rows, gone = {}, {}
+    for table, now in after.items():
+        if before.get(table) == now:
+            continue
+        old = _by_key(before[table]) if table in before else {}
+        new = _by_key(now)
+        rows[table] = msgspec.json.encode([row for key, row in new.items() if old.get(key) != row]).decode()
+        gone[table] = msgspec.json.encode([key for key in old if key not in new]).decode()
+    return RowsChanged(rows=rows, gone=gone)
 
 
 def changes(known: Mapping[str, RowSet], told: Mapping[str, Raw]) -> dict[str, Raw]:

@@ -19,7 +19,10 @@ class Phrase(Row, frozen=True, kw_only=True):
 
     name: Name
     language: Annotated[
-        str, Meta(pattern="^[a-z]{2}[a-z0-9-]{0,18}$", extra={"meant": "a language tag in small letters, such as en"})
+        str,
+        Meta(
+            pattern="^[a-z]{2}[a-z0-9-]{0,18}$(?!\\n)", extra={"meant": "a language tag in small letters, such as en"}
+        ),
     ]
     text: Annotated[str, Meta(min_length=1)]
 

@@ -12,10 +12,13 @@ AngleDeg = Annotated[
 RangeCm = Annotated[float, Meta(ge=0.0, le=769.0, description="centimetres; 0 sets no range")]
 IntervalS = Annotated[float, Meta(ge=0.0, le=3600.0, description="seconds; 0 sets no time")]
 TtlS = Annotated[float, Meta(gt=0.0, le=1.0, description="seconds a command lives unless it is renewed")]
-NAME_PATTERN = "^[a-z][a-z0-9_]*$"
+NAME_LETTERS = "[a-z][a-z0-9_]*"
+NAME_PATTERN = f"^{NAME_LETTERS}$(?!\\n)"
+"""Of the whole text: `$` alone lets a line's end follow."""
+NAME_OR_NONE_PATTERN = f"^$(?!\\n)|{NAME_PATTERN}"
 A_NAME = {"meant": "a name (small letters, digits, underscores; at most 40)"}
 Name = Annotated[str, Meta(pattern=NAME_PATTERN, max_length=40, extra=A_NAME)]
-NameOrNone = Annotated[str, Meta(pattern=f"^$|{NAME_PATTERN}", max_length=40, extra=A_NAME)]
+NameOrNone = Annotated[str, Meta(pattern=NAME_OR_NONE_PATTERN, max_length=40, extra=A_NAME)]
 """A name, or empty for none."""
 StepNumber = Annotated[int, Meta(ge=1, le=10_000)]
 """The place of a row among those of one motion or dance, from 1."""

@@ -146,7 +146,11 @@ class World(Capability[WorldSettings]):
 
     def _picture(self, call: Call, request: PictureRequest) -> None:
         _, physics, _, scene = self._running()
-        path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.robot)
+        try:
+            path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.robot)
+        except InputError as err:
+            call.refuse(str(err), err.code)
+            return
         pose, around, trail = physics.pose, _as_ranges(physics.ranges_m), tuple(self._trail)
         size = {"width": request.width_px, "height": request.height_px}
         self._painter.ask(call, path, lambda: image(scene, pose, around, trail=trail, **size))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lbr.capability.context import Call
+from lbr.errors import InputError
 from lbr.simulation.requests import PictureReply
 
 if TYPE_CHECKING:
@@ -63,7 +64,10 @@ def picture_path(robot: str) -> Path:
     """Return where a picture without a name goes."""
     home = Path(os.environ.get("LBR_HOME") or "~/.lbr").expanduser()
     folder = home / "pictures"
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+    except OSError as err:
+        raise InputError(f"{folder} cannot be made ({err.strerror}): name a file for the picture", "failed") from None
     now = time.time()
     return folder / f"{robot}-{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{int(now * 1000) % 1000:03d}.png"
 

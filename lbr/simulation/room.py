@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 Length = Annotated[float, Meta(gt=0.0, le=1000.0, description="metres")]
 Place = Annotated[float, Meta(ge=-1000.0, le=1000.0, description="metres")]
 Height = Annotated[float, Meta(ge=0.0, le=1000.0, description="metres above the floor")]
-Colour = Annotated[str, Meta(pattern="^#[0-9a-f]{6}$", description="as in #8a5a3c")]
+Colour = Annotated[str, Meta(pattern="^#[0-9a-f]{6}$(?!\\n)", description="as in #8a5a3c")]
 
 GREY = "#607068"
 

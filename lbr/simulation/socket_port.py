@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
+from lbr.bus.unix_address import address_of
 from lbr.errors import DeviceError
 
 _READ_BYTES = 65_536
@@ -57,13 +58,14 @@ class SocketPort:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self.path.unlink(missing_ok=True)
             listener.setblocking(False)
-            listener.bind(str(self.path))
+            with address_of(self.path) as address:
+                listener.bind(address)
             listener.listen(_MOST_CLIENTS)
             stat = self.path.stat()
         except OSError as err:
             listener.close()
             reason = err.strerror or err
-            raise DeviceError(f"emulated port {self.path}: {reason}; is the path too long or not writable?") from err
+            raise DeviceError(f"emulated port {self.path}: {reason}; is its folder writable?") from err
         self._identity = (stat.st_dev, stat.st_ino)
         self._listener, self._poll = listener, select.epoll()
         self._poll.register(listener.fileno(), select.EPOLLIN)

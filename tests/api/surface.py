@@ -17,6 +17,7 @@ from msgspec import NODEFAULT, Struct, structs
 
 MODULES = (
     "lbr.capability",
+    "lbr.client",
     "lbr.messages",
     "lbr.drivers.servos",
     "lbr.drivers.uxa90.messages",

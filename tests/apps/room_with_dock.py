@@ -3,8 +3,13 @@
 from collections.abc import Iterator
 from math import atan2, cos, degrees, hypot, inf, pi, radians, remainder, sin, tau
 
-from lbr.apps.autodock.script import Manner, dock
-from lbr.apps.autodock.view import Back, Ending, Go, Say, Turn, View
+from lbr.apps.behaviours.cells import Value
+from lbr.apps.behaviours.keys import Key
+from lbr.capability.mover import FINAL
+from lbr.messages.codes import Code
+from lbr.operations.beacon import BeaconSettings
+from lbr.operations.beacon.view import STAND, Action, Back, Ending, Go, Turn, View
+from tests.models.table_run import TableRun, dock_table
 
 STEP_S = 0.1
 WALLS = (-1.5, 4.5, -2.5, 2.5)
@@ -26,24 +31,36 @@ class Room:
         self.dock_there = True
         self.contact_at = inf
         self.said: list[str] = []
+        self.state = ""
         self.refuse = ""
-        self.final = False
+        self.code: Code = "not_armed"
         self._action: object = None
         self._left = 0.0
         self._ending: Ending | None = None
 
-    def run(self, manner: Manner | None = None, *, limit_s: float = 400.0) -> Ending:
-        """Dock; return how it ended."""
-        script = dock(manner or Manner())
-        action = next(script)
+    def run(self, settings: BeaconSettings | None = None, *, limit_s: float = 900.0) -> Ending:
+        """Dock by the table; return how it ended."""
+        running = TableRun(dock_table(), self.now, lambda count: count - 1, settings or BeaconSettings())
+        action: Action = STAND
         while self.now < limit_s:
             self._act(action)
             self.now += STEP_S
-            try:
-                action = script.send(self.view())
-            except StopIteration as end:
-                return end.value
+            action = running.round(self.view(), self.now, self._look)
+            if (ending := running.ending) is not None:
+                self.said, self.state = running.said, running.run.state
+                return ending
         raise AssertionError("docking does not end")
+
+    def _look(self, key: Key, newest_s: float) -> Value | None:
+        """Return what a column of the table asks for."""
+        del newest_s
+        view = self.view()
+        charging_s = self.now - self.contact_at if self.charger else -1.0
+        return {
+            "battery.charging": float(bool(view.charging)),
+            "dock.power": float("power" in view.beams),
+            "beacon.risen_v": 0.1 + 0.018 * charging_s if charging_s > 0.0 else 0.0,
+        }[key.name]
 
     def view(self) -> View:
         touching = self.touching()
@@ -56,7 +73,6 @@ class Room:
             back_m=self._range(self.yaw + pi),
             beams=frozenset(self._beams()),
             charging=charging_s > 8.0,
-            rest_voltage_v=12.7 + (0.1 + 0.018 * charging_s if charging_s > 0.0 else 0.0),
             ending=self._ending,
         )
 
@@ -68,8 +84,6 @@ class Room:
         return self.dock_there and abs(y - DOCK[1]) <= PLATE_M and all(abs(gap) <= GIVE_M for gap in gaps)
 
     def _act(self, action: object) -> None:
-        if isinstance(action, Say):
-            self.said.append(action.phrase)
         if action is not self._action and not (isinstance(action, Back) and isinstance(self._action, Back)):
             self._begin(action)
         self._action = action
@@ -87,7 +101,7 @@ class Room:
     def _begin(self, action: object) -> None:
         self._ending = None
         if self.refuse and isinstance(action, Turn | Go | Back):
-            self._ending = Ending(good=False, text=self.refuse, final=self.final)
+            self._ending = Ending(good=False, text=self.refuse, code=self.code, final=self.code in FINAL)
         self._left = action.angle_deg if isinstance(action, Turn) else 0.0
         if isinstance(action, Go):
             self._left = action.distance_m
@@ -103,7 +117,7 @@ class Room:
         part = max(-action.power * STEP_S, min(action.power * STEP_S, self._left))
         self._left -= part
         if self._range(self.yaw if part > 0.0 else self.yaw + pi) < 0.3:
-            self._ending = Ending(good=False, text="the forward rule stops the base")
+            self._ending = Ending(good=False, text="the forward rule stops the base", code="obstacle")
         else:
             self._move(part)
             if not self._left:

@@ -30,7 +30,7 @@ ENGINE = textwrap.dedent("""
             with wave.open(request["path"], "wb") as out:
                 out.setparams((1, 1, 8000, 0, "NONE", ""))
                 out.writeframes(bytes([100]) * int(8000 * seconds))
-        tell()
+        tell(note="the cloud is away") if "elsewhere" in request["text"] else tell()
 """)
 PHRASES = (
     Phrase(name="hello", language="en", text="Good day."),
@@ -69,6 +69,7 @@ class SpeechContext(FakeContext):
     """The context of speech on real time, with a folder as its speaker."""
 
     def __init__(self, home: Path, address: str, **settings: Any) -> None:
+        home.mkdir(mode=0o700, exist_ok=True)
         chosen = KIND.settings(device="speaker", **{"greets": False, **settings})
         speaker = Device("speaker", "speaker", address, {})
         super().__init__(chosen, robot="lbr", name="speech", home=str(home), device=speaker, given=PHRASES)

@@ -216,3 +216,12 @@ def test_the_real_engine_is_heard_in_the_simulated_speaker(tmp_path):
         assert wav.peak(found.heard[0]) > wav.SILENT_PEAK
     finally:
         found.speech.close()
+
+
+def test_another_voice_than_the_rows_is_told_until_it_is_the_rows_again(bench):
+    found = bench()
+    found.say("from elsewhere")
+    found.until(lambda: found.ctx.health[-1] == "the cloud is away" and found.state.spoken == 1)
+    assert found.say("Hello").accepted
+    found.until(lambda: found.ctx.health[-1] == "ready")
+    assert found.state.failed == 0

@@ -7,7 +7,7 @@ import pytest
 
 from lbr.apps.sound import wav
 from lbr.apps.speech import worker
-from lbr.apps.speech.engine import Request
+from lbr.apps.speech.request import Request
 from lbr.apps.speech.worker import Worker
 from tests.apps.speech_bench import engine, until
 from tests.support import needs

@@ -106,6 +106,7 @@ def test_a_value_that_no_field_can_have_is_a_fault_that_names_the_field(field, v
         ),
         ({"learns": (["kept"],)}, "'learns' names ['kept'], which is not one of its rows"),
         ({"edits": (Go,)}, "'edits' names Go, which is not a Row"),
+        ({"lets_in": ("enabled", "gate")}, "'lets_in' names 'gate', which is neither a field of"),
         ({"optional": ("eyes",)}, "'optional' names 'eyes', which is not one of its inputs"),
         ({"optional": "ranges"}, "'optional' is 'ranges', and must be a tuple of inputs"),
         ({"commands": 3, "replies": {}, "roles": {}}, "'words' has 'go', which asks for 'go', none of its commands"),

@@ -1,21 +1,27 @@
 """A capability in a process of its own, on a real bus: its ports, its phases, and every way out."""
 
 import json
+import os
 import signal
 import textwrap
 import time
+from contextlib import closing, contextmanager
 from pathlib import Path
+from unittest import mock
 
 import msgspec
+import psutil
 import pytest
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes.child import Child
+from lbr.executive.processes.fork_server import ANSWERS_WITHIN_S, LOST, ForkServer
 from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Reaper
 from lbr.messages.system import EstopState
+from tests.support.machine import Stopwatch
 from tests.support.robot import until
 
 PROBE = """
@@ -87,8 +93,9 @@ NOT_ENGAGED = EstopState(engaged=False, reason="")
 
 
 class Stage:
-    def __init__(self, home: Path) -> None:
+    def __init__(self, home: Path, forks: ForkServer | None = None) -> None:
         self.home = home
+        self.forks = forks
         (home / "capabilities").mkdir(mode=0o700)
         (home / "capabilities" / "probe.py").write_text(textwrap.dedent(PROBE))
         endpoint = f"unixsock-stream/{home}/bus.sock"
@@ -117,7 +124,7 @@ class Stage:
             name="probe", kind="probe", family="app", moves=True, restart="never", needs=(), config=config
         )
         with open_log(self.home / "log.txt") as log:
-            self.child = Child(unit, config, log, self.reaper.mark(guarded=unit.guarded))
+            self.child = Child(unit, config, log, self.reaper.mark(guarded=unit.guarded), self.forks)
         return self
 
     def heard(self, phase):
@@ -147,11 +154,86 @@ class Stage:
         self.router.close()
 
 
+@contextmanager
+def forking(home):
+    with (
+        mock.patch.dict(os.environ, LBR_HOME=str(home)),
+        closing(Reaper()) as reaper,
+        closing(ForkServer(reaper, "test")) as made,
+    ):
+        until(lambda: not made.begins, what="the fork server")
+        yield made
+
+
+@pytest.fixture(scope="module")
+def forks(tmp_path_factory):
+    with forking(tmp_path_factory.mktemp("f")) as made:
+        yield made
+
+
 @pytest.fixture
-def stage(tmp_path_factory):
+def own_forks(tmp_path):
+    with forking(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture
+def stage(tmp_path_factory, forks):
+    made = Stage(tmp_path_factory.mktemp("p"), forks)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def fresh(tmp_path_factory):
     made = Stage(tmp_path_factory.mktemp("p"))
     yield made
     made.close()
+
+
+def process_of(stage) -> psutil.Process:
+    return psutil.Process(stage.child.pid)
+
+
+def test_a_process_starts_in_an_interpreter_of_its_own_where_there_is_no_fork_server(fresh):
+    fresh.start().ready()
+    assert process_of(fresh).ppid() == os.getpid()
+    fresh.ask("r/probe/do", {"what": "raise"})
+    assert fresh.ended() == 70
+
+
+def test_a_forked_process_is_seen_by_its_own_words_and_mark(stage):
+    stage.start().ready()
+    found = process_of(stage)
+    assert found.ppid() != os.getpid()
+    words = found.cmdline()
+    own = words.index("-m") + 1
+    assert words[own : own + 3] == ["lbr.capability.process", "r/probe", str(stage.home)]
+    assert found.environ()["LBR_RUN"].startswith(f"{stage.reaper.token}.")
+    assert os.getsid(found.pid) == found.pid
+    assert Path(f"/proc/{found.pid}/fd/1").resolve() == stage.home / "log.txt"
+
+
+def test_a_forked_process_outlives_its_fork_server_and_another_takes_its_place(stage, own_forks):
+    stage.forks = own_forks
+    stage.start().ready()
+    os.kill(process_of(stage).ppid(), signal.SIGKILL)
+    assert stage.ask("r/probe/count") == {"n": 0}
+    stage.child.kill()
+    assert stage.ended() in {-signal.SIGKILL, LOST}
+    until(lambda: not own_forks.begins and own_forks.serves, limit_s=9.0, what="another fork server")
+
+
+def test_a_fork_server_that_is_frozen_holds_up_a_start_for_a_moment_only(stage, own_forks):
+    server = psutil.Process(own_forks.pid)
+    server.suspend()
+    began = Stopwatch()
+    assert own_forks.fork(("r/probe", str(stage.home)), {}, 2, 2) is None
+    assert not began.over(2 * ANSWERS_WITHIN_S)
+    assert not server.is_running()
+    stage.forks = own_forks
+    stage.start().ready()
+    assert process_of(stage).ppid() == os.getpid()
 
 
 def test_streams_answer_a_get_with_their_latest_value_and_are_stamped(stage):
@@ -260,14 +342,14 @@ def test_it_ends_in_order_when_asked_and_says_so(stage):
 
 def test_it_ends_when_its_executive_is_gone(stage):
     stage.start().ready()
-    stage.child._popen.stdin.close()
+    stage.child._process.stdin.close()
     assert stage.ended(limit_s=2.0) == 0
 
 
 def test_it_goes_on_and_ends_in_order_when_it_was_frozen_and_its_executive_is_gone(stage):
     stage.start().ready()
     stage.child._signal(signal.SIGSTOP)
-    stage.child._popen.stdin.close()
+    stage.child._process.stdin.close()
     assert stage.ended(limit_s=2.0) == 0
 
 
@@ -281,7 +363,7 @@ def test_a_frozen_process_that_is_asked_to_end_ends_in_order(stage):
 def test_one_that_holds_the_interpreter_is_killed_when_its_executive_is_gone(stage):
     stage.start().ready()
     wire.ask(stage.bus, "r/probe/do", {"what": "clutch"}, source="test")
-    stage.child._popen.stdin.close()
+    stage.child._process.stdin.close()
     stage.reaper.close()
     assert stage.ended(limit_s=2.0) == -signal.SIGKILL
 

@@ -61,7 +61,7 @@ def test_the_shipped_rows_have_no_hints(path):
         ),
         (
             """UPDATE capability SET enabled = 1, settings = '{"faces": ["tail"]}' WHERE robot = 'lbr' AND name = 'web'""",
-            "capability 'web', settings: faces: no package brings 'tail'; there are cameras",
+            "capability 'web', settings: faces: no package brings 'tail'; there are call, cameras",
         ),
     ],
 )

@@ -93,3 +93,11 @@ def test_entries_of_other_versions_do_not_break_completion(entry):
 
 def test_an_empty_line_offers_nothing_until_tab_asks():
     assert not list(COMPLETER.get_completions(Document(""), CompleteEvent(text_inserted=True)))
+
+
+def test_what_follows_a_word_of_lbr_itself_is_completed_after_a_space():
+    words = Vocabulary([verb("why", "executive.why"), verb("/why/{part}", "executive.why")])
+    completer = LineCompleter(words.entries({"executive.why": ["drive", "dock", "left_knee"]}))
+    for text, expected in (("why d", ["dock", "drive"]), ("/why/l", ["left_knee"]), ("why drive x", [])):
+        found = completer.get_completions(Document(text), CompleteEvent(completion_requested=True))
+        assert [one.text for one in found] == expected

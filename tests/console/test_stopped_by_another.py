@@ -114,6 +114,20 @@ def test_a_program_that_waited_does_not_start_after_a_stop_past_the_executive(ro
     assert waiting(robot, "clock", time.monotonic())["code"] == 0
 
 
+def test_a_script_releases_what_it_has_pressed_and_nothing_that_another_has(robot, trace):
+    """A script releases what it has pressed, and nothing that another has"""
+    with script(robot, "/r/0.3/90", "estop", "reset", "status") as ours:
+        out, err = ours.communicate(timeout=8)
+    assert "emergency stop released" in out, (out, err)
+    typed_s = time.monotonic()
+    assert waiting(robot, "estop", time.monotonic())["code"] == 0
+    robot.put("@estop", {"engaged": True, "reason": "a ladder"}, source="a page")
+    said = until(lambda: after(waiting(robot, "reset", typed_s)), what="it is not released")
+    assert said["text"] == f"{STOPPED_SINCE}by a page"
+    assert robot.status()["estop"]["engaged"]
+    assert waiting(robot, "reset", time.monotonic())["code"] == 0
+
+
 def words(robot) -> set[tuple[str, str]]:
     return {(entry["word"], entry["role"]) for entry in robot.line("help")["data"]}
 
@@ -134,7 +148,7 @@ def test_lines_typed_ahead_do_not_move_what_another_console_stopped(tmp_path):
     home = robots.prepare(tmp_path)
     with terminal(home, "run") as ours, terminal(home) as theirs:
         trace = Trace(home / "trace.txt")
-        until(lambda: b"| ready |" in theirs.said or b"ready" in theirs.said, limit_s=8, what="a robot that is ready")
+        until(lambda: b"all up" in ours.said + theirs.said, limit_s=8, what="a robot that is ready, its ranges too")
         theirs.type(f"{TURN}\r".encode())
         moving(trace)
         for _ in range(5):

@@ -52,7 +52,11 @@ def shell(tmp_path):
         ("ulimit -n 100; lbr run --no-console", 2, "a robot needs 256"),
         ("ulimit -f 100; lbr run --no-console", 2, "files may not grow beyond 102400 bytes here"),
         ("ulimit -f 100; lbr db init", 2, "robot.db cannot be read or written"),
-        ("HOME=/dev/null LBR_HOME= lbr status", 2, "/dev/null/.lbr cannot be made (Not a directory); set LBR_HOME"),
+        (
+            "HOME=/dev/null LBR_HOME= lbr run --no-console",
+            2,
+            "/dev/null/.lbr cannot be made (Not a directory); set LBR_HOME",
+        ),
         ("HOME=/proc LBR_HOME= lbr run --no-console", 2, "/proc/.lbr cannot be made"),
         ("LBR_HOME=/dev/null lbr token list", 2, "set LBR_HOME"),
     ],

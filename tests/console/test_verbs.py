@@ -245,3 +245,34 @@ def test_a_word_needs_the_higher_of_the_roles_of_its_row_and_of_its_command():
     rows = [verb("a", "x.low"), verb("b", "x.high"), msgspec.structs.replace(verb("c", "x.low"), role="admin")]
     vocabulary = Vocabulary(rows, (), {}, {"x.low": "view", "x.high": "admin"})
     assert [vocabulary.parse(line).verb.role for line in "abc"] == ["operate", "admin", "admin"]
+
+
+OWN = Vocabulary(
+    [
+        verb("f", "drive.command", {"power": 0.25}),
+        verb("/f/{power}", "drive.command"),
+        verb("why", "executive.why"),
+        verb("/why/{part}", "executive.why"),
+    ]
+)
+
+
+@pytest.mark.parametrize(
+    ("line", "payload"),
+    [("why", {}), ("why drive", {"part": "drive"}), ("/why/drive", {"part": "drive"}), ("why  left_knee ", {"part": "left_knee"})],
+)  # fmt: skip
+def test_a_word_of_lbr_itself_takes_its_one_field_after_a_space(line, payload):
+    found = OWN.parse(line)
+    assert isinstance(found, VerbCall)
+    assert (found.capability, found.command, found.payload) == ("executive", "why", payload)
+
+
+def test_an_emergency_stop_with_words_after_it_is_one_and_gives_them_as_the_reason():
+    found = OWN.parse("estop the dog is under it")
+    assert isinstance(found, VerbCall)
+    assert (found.command, found.payload) == ("estop", {"reason": "the dog is under it"})
+
+
+def test_a_word_of_a_capability_does_not():
+    with pytest.raises(InputError, match="nothing may follow 'f'"):
+        OWN.parse("f 0.3")

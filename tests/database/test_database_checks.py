@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from lbr.database.checks import check as check_rows
 from lbr.database.rows import RobotRow
 from lbr.database.shipped import shipped as shipped_tables
+from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.dance import DanceStep
 from lbr.messages.faces import Button, Motor
@@ -23,6 +24,8 @@ from lbr.resources import robot_db_sql
 
 READ = (
     Phrase,
+    BehaviourTable,
+    BehaviourRow,
     DanceStep,
     CalibrationValue,
     Joint,
@@ -90,7 +93,14 @@ def shipped() -> dict:
     ]
     tables["button"] = [{"robot": "lbr", "id": 4, "name": "nod", "button": "U", "motion": "nod", "builtin": 0}]
     tables["motion_step"] = [
-        {"robot": "lbr", "motion": "nod", "step": 1, "duration_s": 1.0, "positions": '{"neck": 0.5, "jaw": 0}'}
+        {
+            "robot": "lbr",
+            "motion": "nod",
+            "step": 1,
+            "duration_s": 1.0,
+            "stable": 1,
+            "positions": '{"neck": 0.5, "jaw": 0}',
+        }
     ]
     said = {"robot": "lbr", "target": "drive.command", "payload": None, "role": "operate", "help": "Drive"}
     tables["verb"] = [
@@ -252,9 +262,19 @@ BAD_VALUES = [
     ("wheel", 0, "diameter_m", 0.0, "is not above 0 and at most 2"),
     ("wheel", 0, "motor", "Left", "is not a name"),
     ("wheel", 0, "x_m", float("nan"), "is not a finite number"),
+    ("behaviour", 0, "max_s", -1.0, "-1 is outside 0 to 86400"),
+    ("behaviour_row", 0, "behaviour", "gone", "there is no behaviour 'gone'"),
+    ("behaviour_row", 0, "step", 0, "'0' is not a whole number from 1 to 10000"),
+    ("behaviour_row", 0, "type", "begin", "begin"),
+    ("behaviour_row", 0, "state", "s" * 81, "80"),
+    ("behaviour_row", 0, "conditions", '{"Forward": 40}', "Expected `str`, got `int`"),
+    ("behaviour_row", 0, "outputs", "[]", "is not a JSON object"),
+    ("behaviour_row", 0, "next_state", "s" * 81, "80"),
+    ("behaviour_row", 0, "deadline_s", 0.0, "0"),
     ("motion_step", 0, "motion", "gone", "there is no motion 'gone'"),
     ("motion_step", 0, "step", 0, "'0' is not a whole number from 1 to 10000"),
     ("motion_step", 0, "duration_s", 0.0, "0 is no time to get anywhere"),
+    ("motion_step", 0, "stable", 2, "'2' is neither 0 nor 1"),
     ("motion_step", 0, "positions", '{"gone": 0.5}', "there is no joint 'gone'"),
     ("motion_step", 0, "positions", '{"neck": 1.5}', "neck: 1.5 is outside -1 to 1, the joint's limits"),
     ("motion_step", 0, "positions", '{"neck": true}', "'neck': 'True' is not an angle in radians"),

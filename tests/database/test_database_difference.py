@@ -1,6 +1,6 @@
 """What differs from the shipped rows."""
 
-from lbr.database.difference import differences
+from lbr.database.shipped import differences
 
 
 def test_a_new_database_differs_in_nothing(database):

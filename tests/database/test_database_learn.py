@@ -78,7 +78,7 @@ def test_a_full_disk_leaves_no_half_of_it(database, client):
 
 
 def test_a_database_that_another_program_locks_is_said_to_be(database, client, monkeypatch):
-    monkeypatch.setitem(Database._writing.__wrapped__.__kwdefaults__, "patience_s", 0.01)
+    monkeypatch.setitem(Database.writing.__wrapped__.__kwdefaults__, "patience_s", 0.01)
     client.execute("BEGIN IMMEDIATE")
     with pytest.raises(LbrError, match="locked by another program"):
         database.learn("bioloid", [BOW, step(1)])

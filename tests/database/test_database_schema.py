@@ -23,7 +23,7 @@ ROWS = {row.TABLE: row for row in (*CORE, *READ)}
 """A struct for each table: those of every robot, and what the kinds that come with lbr read."""
 
 
-OWN = {"user_token", "revision", "event", "audit", "adopted", "alembic_version"}
+OWN = {"user_token", "revision", "change", "trial", "event", "audit", "adopted", "alembic_version"}
 """What lbr writes for itself: no rows that make a robot."""
 
 
@@ -98,6 +98,7 @@ def test_the_sqlite3_program_builds_the_same(tmp_path):
 WHEEL = {"name": "front_left", "motor": "left", "x_m": 0.1, "y_m": 0.2, "diameter_m": 0.15}
 SENSOR = {"name": "bow", "kind": "ultrasonic"}
 MOTOR = {"layer": "safe", "id": 23, "name": "neck", "initial": 127, "lowest": 1, "highest": 254, "rest": 127}
+LINE = {"behaviour": "watch", "step": 1}
 BAD_ROWS = [
     ("robot", {"name": "Robby"}),
     ("robot", {"name": "r" * 41}),
@@ -187,6 +188,7 @@ BAD_ROWS = [
     ("motion_step", {"motion": "bow", "step": 0, "duration_s": 1.0, "positions": "{}"}),
     ("motion_step", {"motion": "bow", "step": 1, "duration_s": 0, "positions": "{}"}),
     ("motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": "[]"}),
+    ("motion_step", {"motion": "bow", "step": 1, "duration_s": 1.0, "positions": "{}", "stable": 2}),
     ("range_sensor", {**SENSOR, "name": "Bow"}),
     ("range_sensor", {**SENSOR, "kind": "radar"}),
     ("range_sensor", {**SENSOR, "x_m": 5.1}),
@@ -212,6 +214,16 @@ BAD_ROWS = [
     ("wheel", {**WHEEL, "yaw_rad": 90}),
     ("wheel", {**WHEEL, "roller_rad": 1.5708}),
     ("wheel", {**WHEEL, "diameter_m": 0}),
+    ("behaviour", {"name": "Patrol"}),
+    ("behaviour", {"name": "b", "max_s": -1}),
+    ("behaviour_row", {**LINE, "step": 0}),
+    ("behaviour_row", {**LINE, "type": "begin"}),
+    ("behaviour_row", {**LINE, "state": "s" * 81}),
+    ("behaviour_row", {**LINE, "conditions": "[]"}),
+    ("behaviour_row", {**LINE, "outputs": "{"}),
+    ("behaviour_row", {**LINE, "next_state": "s" * 81}),
+    ("behaviour_row", {**LINE, "deadline_s": 0}),
+    ("behaviour_row", {**LINE, "behaviour": "unknown"}),
     ("user_token", {"name": "", "role": "view", "hash": "h" * 32}),
     ("user_token", {"name": "n", "role": "god", "hash": "h" * 32}),
     ("user_token", {"name": "n", "role": "view", "hash": "plain"}),
@@ -221,6 +233,10 @@ BAD_ROWS = [
     ("revision", {"table_name": "t", "row_key": "[]", "operation": "replace"}),
     ("revision", {"table_name": "t", "row_key": "[]", "operation": "insert", "new_row": "{"}),
     ("revision", {"table_name": "t", "row_key": "[]", "operation": "insert", "old_row": "{"}),
+    ("change", {"first_revision": 2, "last_revision": 1, "source": "", "program": ""}),
+    ("trial", {"revision": 1, "back": -1, "robot": "lbr", "within_s": 1}),
+    ("trial", {"revision": 1, "back": 0, "robot": "lbr", "within_s": 601}),
+    ("trial", {"revision": 1, "back": 0, "robot": "lbr", "within_s": 1, "state": "perhaps"}),
     ("event", {"wall_ns": -1, "kind": "k"}),
     ("event", {"wall_ns": 1, "kind": "k", "level": "debug"}),
     ("event", {"wall_ns": 1, "kind": "k", "data": "[]"}),
@@ -246,6 +262,8 @@ GOOD_ROWS = [
     ("range_sensor", {**SENSOR, "kind": "lidar", "rays": 360, "fov_rad": 6.2832, "stop_m": None}),
     ("kinematics", {"name": "base", "kind": "skid", "track_factor": 1.5}),
     ("wheel", {**WHEEL, "yaw_rad": 1.5708, "roller_rad": -0.7854}),
+    ("behaviour", {"name": "b", "max_s": 0}),
+    ("behaviour_row", {**LINE, "conditions": '{"Forward": "< 40"}', "deadline_s": 0.5}),
     ("user_token", {"name": "n", "role": "view", "hash": "h" * 32}),
     ("event", {"wall_ns": 1, "kind": "k"}),
 ]
@@ -261,6 +279,7 @@ def insert(client: sqlite3.Connection, table: str, columns: dict) -> None:
 @pytest.mark.parametrize(("table", "columns"), BAD_ROWS)
 def test_the_schema_refuses(client, table, columns):
     insert(client, "motion", {"name": "bow"})
+    insert(client, "behaviour", {"name": "watch"})
     with pytest.raises(sqlite3.IntegrityError):
         insert(client, table, columns)
 
@@ -268,6 +287,7 @@ def test_the_schema_refuses(client, table, columns):
 @pytest.mark.parametrize(("table", "columns"), GOOD_ROWS)
 def test_the_schema_takes(client, table, columns):
     insert(client, "motion", {"name": "bow"})
+    insert(client, "behaviour", {"name": "watch"})
     insert(client, table, columns)
 
 
@@ -300,6 +320,8 @@ CHANGES = {
     "wheel": "x_m = 0.25",
     "motor": "rest = 100",
     "button": "name = 'another'",
+    "behaviour": "help = 'another'",
+    "behaviour_row": "next_state = 'Another'",
 }
 
 
@@ -313,6 +335,8 @@ def test_every_change_of_a_row_is_a_revision(client, database, table):
     insert(client, "button", {"id": 4, "name": "walk"})
     insert(client, "kinematics", {"name": "base", "kind": "differential"})
     insert(client, "wheel", WHEEL)
+    insert(client, "behaviour", {"name": "watch"})
+    insert(client, "behaviour_row", LINE)
     since = database.load("lbr").revision
     keys = SCHEMA.keys_of[table]
     rowid, *key = client.execute(f"SELECT rowid, {', '.join(keys)} FROM {table}").fetchone()

@@ -3,7 +3,7 @@
 import pytest
 
 from lbr.database import shipped
-from lbr.database.difference import differences
+from lbr.database.shipped import differences
 from lbr.errors import InputError
 
 

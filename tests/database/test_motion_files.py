@@ -195,3 +195,57 @@ def test_json_that_is_no_motion_is_refused_with_the_reason(content, why):
 )
 def test_a_name_for_a_row_is_made_of_any_text(text, name):
     assert name_from(text) == name
+
+
+def written(motion, rows):
+    data, notes = motion_file.write(motion, rows)
+    found = rbm.parse(data)
+    back, _ = motion_file.of_rbm(found, rows)
+    return found, back, [str(note) for note in notes]
+
+
+def poses(motion):
+    at, found = {}, []
+    for frame in motion.frames:
+        at = {**at, **frame.positions}
+        found.append(at)
+    return found
+
+
+JOINTS = ("head_pitch", "neck_yaw", "left_elbow", "right_knee", "right_shoulder_pitch", "left_hip_roll")
+ANGLES = st.dictionaries(st.sampled_from(JOINTS), st.floats(-0.9, 0.9, allow_nan=False), min_size=1)
+FRAMES = st.lists(
+    st.builds(KeyFrame, positions=ANGLES, duration_s=st.integers(10, 60_000).map(lambda ms: ms / 1000)),
+    min_size=1,
+    max_size=6,
+)
+
+
+@given(FRAMES)
+def test_a_motion_that_is_written_comes_back_as_exact_as_its_counts(rows, drawn):
+    motion = Motion(name="bow", frames=tuple(drawn))
+    _, back, _ = written(motion, rows)
+    assert back.name == "bow"
+    wanted, found = poses(motion), poses(back)
+    assert len(found) == max(2, len(wanted))
+    for want, pose in zip(wanted, found, strict=False):
+        assert all(abs(pose[name] - angle) <= motion_file.COUNT_RAD / 2 + 1e-3 for name, angle in want.items())
+    durations = [round(frame.duration_s, 3) for frame in drawn][-len(back.frames) + 1 :]
+    assert [round(frame.duration_s, 3) for frame in back.frames[1:]] == durations
+
+
+def test_what_a_makers_file_cannot_say_is_told(rows):
+    frame = KeyFrame(positions={"head_pitch": 0.3}, duration_s=2.0)
+    far = KeyFrame(positions={"left_elbow": -9.0}, duration_s=1.0)
+    found, _, notes = written(Motion(name="nod", frames=(frame, far), lead_in="bow"), rows)
+    assert found.name == "nod"
+    assert ["gains" in note or "names all servos" in note for note in notes[:2]] == [True, True]
+    assert "the 2 s to get there" in notes[2]
+    assert "left_elbow would go beyond" in notes[3]
+    assert "lead_in" in notes[4]
+
+
+def test_a_joint_that_such_a_file_does_not_know_is_named(rows):
+    tail = Motion(name="wag", frames=(KeyFrame(positions={"tail": 0.3}, duration_s=1.0),))
+    with pytest.raises(InputError, match="'tail' has no motor"):
+        motion_file.write(tail, rows)

@@ -146,3 +146,8 @@ def test_a_dump_may_have_keys_checks_and_several_rows_at_once():
         "INSERT INTO sqlite_sequence VALUES ('c', 9); CREATE UNIQUE INDEX i ON m (b); COMMIT;"
     )
     assert found == {"m": [{"a": 1, "b": "x"}, {"a": 3, "b": "y"}], "c": [{"id": 4}]}
+
+
+def test_a_folder_is_no_file_to_read(tmp_path):
+    with pytest.raises(InputError, match="name a regular file"):
+        given_files.read(tmp_path, 10)

@@ -93,7 +93,7 @@ def test_a_plain_client_that_is_killed_leaves_the_robot_standing(robot):
 
 
 def test_examples_of_plain_clients_import_nothing_of_ours():
-    for name in ("drive_with_plain_zenoh.py", "beacon.py"):
+    for name in ("drive_with_plain_zenoh.py", "proximity.py"):
         text = (EXAMPLES / name).read_text()
         assert "import lbr" not in text
         assert "from lbr" not in text
@@ -157,15 +157,15 @@ def test_a_check_that_does_not_answer_means_no(quiet):
 def test_a_program_without_our_package_joins_by_its_environment(started):
     install(
         started,
-        "beacon",
-        ("/opt/beacon/bin/python", sys.executable),
-        ("/opt/beacon/beacon.py", str(EXAMPLES / "beacon.py")),
+        "proximity",
+        ("/opt/proximity/bin/python", sys.executable),
+        ("/opt/proximity/proximity.py", str(EXAMPLES / "proximity.py")),
     )
-    heard = wire.Subscription(started.bus, f"{started.name}/beacon/nearest", depth=4)
-    message = until(heard.take, what="the beacon speaks")[0]
+    heard = wire.Subscription(started.bus, f"{started.name}/proximity/nearest", depth=4)
+    message = until(heard.take, what="the program speaks")[0]
     near = json.loads(message.payload)["nearest_m"]
     readings = started.ask("ranges/readings")
     assert near == pytest.approx(
         min(readings[key] for key in readings if key.endswith("_m") and readings[key]), abs=0.3
     )
-    until(ready(started, "beacon"), what="its token makes it ready")
+    until(ready(started, "proximity"), what="its token makes it ready")

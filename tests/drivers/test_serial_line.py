@@ -1,10 +1,11 @@
+import errno
 import os
 
 import pytest
 import serial
 
 from lbr.capability.context import Device
-from lbr.drivers import serial_line
+from lbr.drivers import access, serial_line
 from lbr.drivers.serial_line import open_line, resolve
 from lbr.errors import DeviceError
 
@@ -78,10 +79,11 @@ def test_a_full_line_takes_what_it_can_and_says_how_much(board):
 
 def test_a_busy_line_names_who_holds_it(board):
     held = serial.Serial(str(board.path), exclusive=True)
-    with pytest.raises(DeviceError, match=rf"'motors'.*busy: held by .*pid {os.getpid()}"):
+    with pytest.raises(DeviceError, match=rf"'motors'.*busy: held by .*pid {os.getpid()}") as err:
         open_line(row(board.path), 115200)
     held.close()
     open_line(row(board.path), 115200).close()
+    assert err.value.code == "busy"
 
 
 def test_a_missing_line_says_what_to_do(tmp_path):
@@ -106,3 +108,11 @@ def test_unplugging_is_told_by_whatever_is_tried_next(board, action):
         line.write(b"x")
     line.close()
     line.close()
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(errno.EACCES, "rights"), (errno.EBUSY, "busy"), (errno.ENOENT, "unreachable"), (None, "unreachable")]
+)  # fmt: skip
+def test_a_device_that_this_machine_does_not_give_is_told_from_one_that_is_not_there(number, code):
+    assert access.code_of(OSError(number, "x") if number else ValueError("x")) == code
+    assert DeviceError("it is not there").code == "unreachable"

@@ -1,5 +1,7 @@
 """What the robot says that it is: out of the plan that runs, for each robot that comes with lbr."""
 
+import sqlite3
+
 import msgspec
 import pytest
 
@@ -12,6 +14,12 @@ from lbr.executive.service.description import describe
 
 SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 ROBOTS = ("lbr", "bioloid", "uxa90")
+MECANUM = """
+INSERT INTO kinematics (robot, name, kind) VALUES ('lbr', 'base', 'mecanum');
+INSERT INTO wheel (robot, name, motor, x_m, y_m, roller_rad, diameter_m) VALUES
+    ('lbr', 'fl', 'front_left', 0.13, 0.18, -0.7854, 0.15), ('lbr', 'fr', 'front_right', 0.13, -0.18, 0.7854, 0.15),
+    ('lbr', 'rl', 'rear_left', -0.13, 0.18, 0.7854, 0.15), ('lbr', 'rr', 'rear_right', -0.13, -0.18, -0.7854, 0.15);
+"""
 
 
 @pytest.fixture(scope="module")
@@ -78,3 +86,30 @@ def test_on_another_machine_it_has_no_such_rights(plans):
     plan = plans["uxa90"]
     web = msgspec.structs.replace(plan.units["web"], serves_people=False)
     assert "uxa90/**" not in rights.of_guest(plan, web).ask
+
+
+def test_a_base_says_how_it_moves_and_how_fast_by_its_rows(tmp_path, plans):
+    told = describe(plans["lbr"], ()).base
+    assert told is not None
+    assert (told.capability, told.kind, told.sideways) == ("drive", "differential", False)
+    assert (told.max_speed_mps > 0.0, told.max_turn_rps > 0.0) == (True, True)
+    assert describe(plans["uxa90"], ()).base is None
+    path = tmp_path / "robot.db"
+    store.create(path)
+    with sqlite3.connect(path) as database:
+        database.executescript(MECANUM)
+    database.close()
+    with store.Database.open(path) as kept:
+        plan, _ = planner.make(kept.load("lbr"), Profile(robot="lbr", simulate=True), SITE)
+    found = describe(plan, ()).base
+    assert found is not None
+    assert (found.kind, found.sideways, found.max_speed_mps) == ("mecanum", True, told.max_speed_mps)
+    assert found.max_turn_rps == pytest.approx(found.max_speed_mps / (0.13 + 0.18), rel=1e-3)
+
+
+@pytest.mark.parametrize(("name", "cameras"), [("lbr", {"camera_front", "camera_rear"}), ("uxa90", {"camera_head"})])
+def test_the_web_server_of_a_robot_with_cameras_gets_their_pictures(plans, name, cameras):
+    assert "cameras" in msgspec.json.decode(plans[name].units["web"].config.settings)["faces"]
+    wired = {(one.source_end, one.target_end) for one in plans[name].rows.channels}
+    for camera in cameras:
+        assert {((camera, "frame"), ("web", "frames")), ((camera, "state"), ("web", "cameras"))} <= wired

@@ -105,6 +105,27 @@ def test_a_word_is_a_row(robot):
     until(lambda: robot.line("creep")["code"] == 2)
 
 
+def test_what_holds_the_base_is_named_by_the_word_and_by_the_command_and_what_to_type(robot):
+    def told(line: str = "why drive") -> tuple[str, str]:
+        found = robot.line(line, role="operate")["data"]
+        return found["state"], found["code"]
+
+    until(lambda: told()[0] != "held", what="nothing holds it")
+    robot.line("estop")
+    assert told() == told("/why/drive") == ("held", "estop")
+    said = json.loads(lbr(robot.home, "why", "drive", "--json").stdout)
+    assert (said["code"], said["source"]) == ("estop", "bus")
+    until(lambda: robot.line("reset")["code"] == 0)
+    until(lambda: told()[0] != "held")
+    assert robot.line("why drive", role="view")["data"]["code"] == "role"
+    robot.edit("UPDATE capability SET enabled = 0 WHERE name = 'ranges'")
+    found = until(lambda: (said := robot.line("why")["data"])["code"] == "off" and said)
+    assert "UPDATE capability SET enabled = 1" in found["do"]
+    robot.edit("UPDATE capability SET enabled = 1 WHERE name = 'ranges'")
+    until(lambda: told()[0] != "held", limit_s=8.0, what="ranges are back")
+    assert robot.line("why nothing")["reason_code"] == "unknown_name"
+
+
 def test_no_row_takes_the_words_that_stop_and_end_a_robot(robot):
     robot.edit("DELETE FROM verb")
     until(lambda: robot.line("f")["code"] == 2, what="the rows are gone")

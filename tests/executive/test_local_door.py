@@ -1,7 +1,10 @@
 """Whoever reaches the robot's socket without a password: what they may put, and what not."""
 
 import json
+import sys
+import time
 from collections.abc import Iterator
+from subprocess import PIPE, Popen
 
 import pytest
 
@@ -58,3 +61,21 @@ def test_a_press_in_the_executives_name_is_a_press(robot: Robot, stranger: sessi
     wire.put(stranger, "lbr/@estop", press, source="executive", urgent=True)
     until(lambda: robot.status()["estop"]["reason"] == "in its name", what="it is latched")
     until(lambda: robot.line("reset")["code"] == 0, what="the second reset")
+
+
+@pytest.mark.parametrize("key", ["lbr/**", "lbr/*/*"])
+def test_a_client_that_asks_more_than_it_listens_to_holds_up_no_stop(
+    robot: Robot, inside: session.Session, key: str
+) -> None:
+    """A client that asks more than it listens to holds up no stop"""
+    command = [sys.executable, "-m", "tests.support.clients.asker", robot.endpoints[0], key]
+    with Popen(command, stdout=PIPE) as asker:
+        try:
+            assert asker.stdout is not None
+            assert asker.stdout.readline() == b"asking\n"
+            end = time.monotonic() + 3.0
+            while time.monotonic() < end:
+                answers = wire.ask_all(inside, ["lbr/drive/stop"], b"{}", source="test", timeout_s=3.0)
+                assert answers, "a stop was not answered"
+        finally:
+            asker.kill()

@@ -1,5 +1,7 @@
 """Rows to a plan: what is wrong is said at once, and an edit touches only what it touches."""
 
+import sqlite3
+
 import pytest
 from msgspec.structs import replace
 
@@ -212,7 +214,10 @@ def test_disabling_stops_and_a_cut_wire_rewires_its_reader(rows):
     new = edited(rows, "capabilities", "ranges", enabled=False)
     change = plans.difference(planned(rows), planned(new))
     assert change.stop == ("ranges",)
-    assert set(change.restart) == {row.target_end[0] for row in rows.channels if row.source_end[0] == "ranges"}
+    wired = {row.target_end[0] for row in rows.channels if row.source_end[0] == "ranges"}
+    assert set(change.restart) == {*wired, "behaviour", "beacon"}, (
+        "its kind wires itself to whatever tells of distances"
+    )
     assert "drive" in change.restart
 
 
@@ -256,3 +261,29 @@ def test_a_verb_of_the_executives_has_only_the_fields_it_takes(rows):
 
 def edited_verb(rows, word, **fields):
     return replace(rows, verbs=tuple(replace(v, **fields) if v.word == word else v for v in rows.verbs))
+
+
+def test_what_a_kind_wires_by_itself_goes_to_every_port_of_that_type_and_a_row_goes_before(rows):
+    made = planned(rows).units["behaviour"].config
+    assert {wire.source for wire in made.wiring["ranges"]} == {"ranges"}
+    assert {wire.source for wire in made.wiring["battery"]} == {"battery"}
+    assert set(made.requests["move"]) == set(made.requests["halt"]) == {"drive"}
+    assert "joints" not in made.wiring
+    own = ChannelRow(source="behaviour.halt", target="dance.stop")
+    made = planned(replace(rows, channels=(*rows.channels, own))).units["behaviour"].config
+    assert set(made.requests["halt"]) == {"dance"}
+
+
+def test_rows_that_a_kind_follows_reach_it_without_a_restart(rows, tmp_path):
+    databases.fresh(tmp_path / "robot.db")
+    with sqlite3.connect(tmp_path / "robot.db") as client:
+        client.execute("UPDATE behaviour SET help = 'another' WHERE name = 'patrol'")
+    client.close()
+    with store.Database.open(tmp_path / "robot.db") as database:
+        old, new = planned(rows), planned(database.load("lbr"))
+    assert plans.difference(old, new) == Change(follow=("behaviour",))
+    told = plans.changed_rows(old.units["behaviour"], new.units["behaviour"])
+    assert told is not None
+    assert set(told.rows) == {"behaviour"}
+    assert told.rows["behaviour"].count('"another"') == 1
+    assert told.gone == {"behaviour": "[]"}

@@ -8,7 +8,16 @@ import time
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.executive.processes.starvation import OTHERS_STRETCH, SUSPICIOUS_S, Look, Thread, look, verdict
+from lbr.executive.processes.starvation import (
+    OTHERS_STRETCH,
+    SUSPICIOUS_S,
+    Look,
+    Thread,
+    following,
+    look,
+    verdict,
+    waited_s,
+)
 from tests.support import programs
 from tests.support.robot import until
 
@@ -103,3 +112,23 @@ def test_real_processes_are_told_apart() -> None:
         for one in (sleeps, stopped, turns):
             one.kill()
             one.wait()
+
+
+@given(st.floats(PATIENCE_S + SUSPICIOUS_S, 100.0), st.floats(0.05, 0.5))
+def test_who_is_woken_just_now_has_not_waited_ever_since(silent_s: float, every_s: float) -> None:
+    """A thread that wakes and sleeps is seen able to run now and then; it was given the processor each time."""
+    first = newest = Look(0.0, Thread(slices=1), {2: Thread(slices=1)})
+    for n in range(1, int(silent_s / every_s) + 1):
+        threads = {2: Thread(ran=n * 1e-5, runnable=True, slices=n + 1)}
+        newest = following(newest, Look(n * every_s, Thread(slices=1), threads))
+    assert verdict(newest.at + SUSPICIOUS_S, PATIENCE_S, first, newest) != "starved"
+    main = following(Look(0.0, Thread(slices=1)), Look(3.0, Thread(runnable=True, slices=300)))
+    assert waited_s(Look(0.0, Thread(slices=1)), main) == 0.0
+
+
+@given(st.floats(0.1, 100.0), st.floats(0.0, 1.0))
+def test_who_gets_no_slice_from_a_look_on_waits_from_then_on(silent_s: float, before_s: float) -> None:
+    first = Look(0.0, Thread(slices=1))
+    begun = following(first, Look(before_s, Thread(ran=0.01, runnable=True, slices=2)))
+    now = following(begun, Look(before_s + silent_s, Thread(ran=0.01, runnable=True, slices=2)))
+    assert abs(waited_s(first, now) - min(silent_s, before_s + silent_s - 0.01)) < 1e-6

@@ -42,10 +42,12 @@ class Robot:
 
 @pytest.fixture
 def robot():
+    before = set(threading.enumerate())
     robot = Robot()
     yield robot
     robot.over.set()
     robot.stops.close()
+    until(lambda: set(threading.enumerate()) <= before, what="its threads end, and what they print is of this test")
 
 
 def say(robot, *sources):

@@ -13,6 +13,7 @@ from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes.starvation import Look, Thread
 from lbr.executive.processes.supervisor import (
     DEGRADED_PATIENCE_S,
+    HANG_APP_S,
     HANG_MOVER_S,
     HANG_PROGRAM_S,
     HANG_S,
@@ -66,6 +67,7 @@ class Stage:
         self.hidden = set()
         self.closed = set()
         self.busy = False
+        self.seen = lambda now: Look(now, Thread(waited=now if self.busy else 0.0))
         self.units = {unit.name: unit for unit in units}
         self.supervisor = Supervisor(
             self.start,
@@ -74,7 +76,7 @@ class Stage:
             clock=lambda: self.now,
             dice=random.Random(1),
             at_once=at_once,
-            look=lambda _pid, now, **_how: Look(now, Thread(waited=now if self.busy else 0.0)),
+            look=lambda _pid, now, **_how: self.seen(now),
         )
         self.adopt(Change(start=tuple(self.units)))
 
@@ -183,12 +185,28 @@ def test_what_moves_something_is_given_less_time():
     assert ("kill", "motors") in stage.log
 
 
+def test_a_hang_is_not_excused_by_threads_that_are_woken_now_and_then():
+    stage = Stage(unit("motors", moves=True))
+    stage.says("motors")
+    stage.seen = lambda now: Look(now, Thread(), {2: Thread(runnable=True, slices=round(now * 100))})
+    stage.passes(HANG_MOVER_S + 0.15)
+    assert ("kill", "motors") in stage.log
+
+
+def test_who_is_woken_often_is_not_told_as_waiting_for_the_processor():
+    stage = Stage(unit("motors", family="driver"))
+    stage.says("motors")
+    stage.seen = lambda now: Look(now, Thread(runnable=True, slices=round(now * 100)))
+    stage.passes(10.0, beating=["motors"])
+    assert [kind for kind, *_ in stage.told] == ["started"]
+
+
 def test_an_app_that_others_leave_little_time_is_given_more_of_it():
     stage = Stage(unit("speech", family="app"))
     stage.says("speech")
     stage.passes(HANG_S + 0.3)
     assert ("kill", "speech") not in stage.log
-    stage.passes(HANG_PROGRAM_S - HANG_S)
+    stage.passes(HANG_APP_S - HANG_S)
     assert ("kill", "speech") in stage.log
 
 

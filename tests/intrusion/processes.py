@@ -6,15 +6,18 @@ from pathlib import Path
 
 import psutil
 
+from lbr.capability import fork_server
 from lbr.executive.processes.reaper import PROGRAM
 from tests.fuzzing import intruder
 from tests.support.bench import Bench, bench, processes_of
 from tests.support.figures import Results
 from tests.support.robot import until
 
-UNCONFINED = {"executive", "reaper"}
-"""The executive starts the others, and sets their niceness and their devices first; its reaper has to see them all."""
-REAPER = str(PROGRAM)
+UNCONFINED = {"executive", "reaper", "fork server"}
+"""The executive starts the others, and sets their niceness and their devices first; its reaper has to see them all; what
+is forked gives up what it has to by itself."""
+HELPERS = {str(PROGRAM): "reaper", fork_server.__name__: "fork server"}
+"""By a word of their command lines."""
 EXTERNAL = (
     'UPDATE external_command SET argv = \'["/bin/sleep", "60"]\', blocking = 0',
     (
@@ -74,7 +77,7 @@ def _name(under_test: Bench, process: psutil.Process) -> str:
     pids |= {unit["pid"]: unit["name"] for unit in units}
     while process.pid not in pids and (parent := process.parent()) is not None:
         if parent.pid == under_test.robot.ready["pid"]:
-            return "reaper" if REAPER in process.cmdline() else "program"
+            return next((HELPERS[word] for word in process.cmdline() if word in HELPERS), "program")
         process = parent
     return pids.get(process.pid, "stranger")
 

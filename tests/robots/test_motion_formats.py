@@ -37,6 +37,8 @@ def test_a_package_has_its_makers_files_read(tmp_path):
         assert (motion.name, notes) == ("dance", ["one, two"])
         with pytest.raises(InputError, match=r"it is not a motion: .*\.moves \(a dance\), \.mtn .*, \.rbm"):
             motion_files.read(b"one, two", ".txt")
+        with pytest.raises(InputError, match=r"\.moves \(a dance\) are read here, not written"):
+            motion_files.exported("crawler", motion, None, ".moves")
     assert ".moves" not in registry.motion_formats()
 
 

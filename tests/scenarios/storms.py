@@ -185,9 +185,13 @@ def _reset(under_test: Bench) -> bool:
 
 
 def left_over(under_test: Bench) -> list[str]:
-    """Return zombies, and processes that belong to nobody."""
+    """Return zombies, and processes that belong to nobody; what a dead fork server had forked belongs to the executive."""
     executive = psutil.Process(under_test.robot.popen.pid)
     family = executive.children(recursive=True)
+    for unit in under_test.units():
+        with suppress(psutil.Error):
+            process = psutil.Process(unit["pid"])
+            family += [process, *process.children(recursive=True)]
     zombies = [f"zombie {child.pid}" for child in family if child.status() == psutil.STATUS_ZOMBIE]
     known = {executive.pid, *(child.pid for child in family)}
     orphans = [process for process in processes_of(under_test.robot.home) if process.pid not in known]

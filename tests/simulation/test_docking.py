@@ -5,11 +5,11 @@ from math import cos, pi, radians, sin
 
 import pytest
 
-from lbr.apps.autodock.script import Manner
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.engine import Engine
 from lbr.simulation.settings import Battery, BoxSettings, Dock, StartPose, WorldSettings
 from tests.models.docking import HARD, Trial
+from tests.models.table_run import dock_table
 
 DOCK = Dock(x_m=-1.0, y_m=0.0)
 BACK_M = 0.215
@@ -135,6 +135,6 @@ def test_what_leaves_the_battery_is_counted():
 
 def test_it_finds_the_dock_past_a_crate_that_hides_the_wall():
     trial = Trial(HARD, seed=1)
-    ending = trial.run(Manner())
+    ending = trial.run(dock_table())
     assert ending.good, ending.text
     assert trial.engine.pose().charging

@@ -2,9 +2,11 @@
 
 import select
 import socket
+from threading import Thread
 
 import pytest
 
+from lbr.drivers.i2c_socket import SocketBus
 from lbr.errors import DeviceError
 from lbr.simulation.socket_port import SocketPort
 
@@ -110,6 +112,11 @@ def test_anothers_socket_is_left_alone(port):
     other.unplug()
 
 
-def test_a_path_too_long_is_named(tmp_path):
-    with pytest.raises(DeviceError, match="too long"):
-        SocketPort(tmp_path / ("x" * 120)).plug()
+def test_a_path_of_any_length_is_listened_at_and_found(tmp_path):
+    folder = tmp_path.joinpath(*["a_home_far_down"] * 10)
+    with SocketPort(folder / "imu") as port:
+        client = Thread(target=lambda: SocketBus(str(port.path)).close())
+        client.start()
+        assert news(port)
+        client.join()
+    assert not port.path.exists()

@@ -154,6 +154,7 @@ def test_a_picture_replaces_no_file_and_makes_no_folder(bench, tmp_path):
 
 
 def test_a_picture_nobody_named_goes_home(bench, tmp_path, monkeypatch):
+    (tmp_path / "home").mkdir()
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
     call = bench.ask("picture", PictureRequest())
     assert bench.until(lambda: call.answer is not None)

@@ -129,3 +129,10 @@ def test_what_was_measured_again_is_told(tmp_path, arguments):
     assert code == 0
     assert "measured more than once" in said
     assert "test_measures_again: measured again, 7 ms" in said
+
+
+def test_a_test_process_ends_without_a_word_and_its_place_with_it():
+    line = "from tests.support import sweep; print(sweep.enter())"
+    done = programs.run([sys.executable, "-W", "error", "-c", line], cwd=ROOT, capture_output=True, text=True)
+    assert done.stderr == ""
+    until(lambda: not Path(done.stdout.strip()).exists(), limit_s=9.0, what="by the sweeper")

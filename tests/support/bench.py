@@ -29,7 +29,7 @@ from tests.support.trace import Output, Trace, limit_violations
 
 VICTIMS = Path(__file__).parent / "victims"
 ALMOST = 0.39
-ATTEMPTS = 3
+ATTEMPTS = 6
 ANSWER_S = 6.0
 LAST_BYTES_S = 0.15
 """A killed driver's last bytes may wait this long in the line; no new one is ready so soon."""

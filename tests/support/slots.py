@@ -18,6 +18,7 @@ AGAIN_S = 0.02
 waited_s = 0.0
 """How long this process has waited for its turns so far."""
 _held: int | None = None
+_waits_since: float | None = None
 _robots: "list[subprocess.Popen[str]]" = []
 
 
@@ -30,16 +31,22 @@ def make(place: Path, count: int) -> None:
 
 def take() -> None:
     """Wait for a turn, unless this process has one."""
-    global _held, waited_s  # noqa: PLW0603 - one for each process
+    global _held, _waits_since, waited_s  # noqa: PLW0603 - one for each process
     place = os.environ.get(PLACE)
     if place is None or _held is not None:
         return
-    began = time.monotonic()
+    began = _waits_since = time.monotonic()
     with (Path(place) / QUEUE).open("w") as queue:
         fcntl.flock(queue, fcntl.LOCK_EX)  # who comes first is first, also before one that has just given its turn back
         while (_held := _free(Path(place))) is None:
             time.sleep(AGAIN_S)
     waited_s += time.monotonic() - began
+    _waits_since = None
+
+
+def waited() -> float:
+    """Return for how long this process has waited for turns, with the one that it waits for now."""
+    return waited_s + (time.monotonic() - _waits_since if _waits_since is not None else 0.0)
 
 
 def has(robot: "subprocess.Popen[str]") -> None:

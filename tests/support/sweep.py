@@ -26,8 +26,6 @@ KERNEL_S = 2.0
 KILL_S = 5.0
 XDG = {"CACHE": ".cache", "CONFIG": ".config", "DATA": ".local/share", "STATE": ".local/state"}
 
-_held: list[object] = []
-
 
 def enter() -> Path:
     """Make a place for this process, have it swept when the process is gone, and point the environment there."""
@@ -37,15 +35,9 @@ def enter() -> Path:
             sweep(place)
     place = Path(tempfile.mkdtemp(prefix=PREFIX, dir=everybody))
     place.chmod(0o711)  # tests with a second user have folders in it that he may enter
-    lock = (place / IN_USE).open("w")
+    lock = os.open(place / IN_USE, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o600)  # until this process is gone
     fcntl.flock(lock, fcntl.LOCK_EX)
-    argv = [sys.executable, "-I", "-S", __file__, str(place)]
-    environment = {name: value for name, value in os.environ.items() if name != MARK}
-    quiet = subprocess.DEVNULL
-    sweeper = subprocess.Popen(
-        argv, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, env=environment, start_new_session=True, cwd="/"
-    )
-    _held.extend((lock, sweeper))
+    _start_sweeper(place)
     (place / "home").mkdir()
     os.environ |= {
         "PYTEST_DEBUG_TEMPROOT": str(everybody),  # pytest keeps the folders of the last runs there, to look into
@@ -58,6 +50,23 @@ def enter() -> Path:
         os.environ.pop(name, None)
     tempfile.tempdir = None
     return place
+
+
+def _start_sweeper(place: Path) -> None:
+    """Start the sweeper, whose input ends with this process; no object is left that would complain of it at the end."""
+    read_end, _ = os.pipe()
+    os.posix_spawn(
+        sys.executable,
+        [sys.executable, "-I", "-S", __file__, str(place)],
+        {name: value for name, value in os.environ.items() if name != MARK},
+        file_actions=[
+            (os.POSIX_SPAWN_DUP2, read_end, 0),
+            (os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0),
+            (os.POSIX_SPAWN_DUP2, 1, 2),
+        ],
+        setsid=True,
+    )
+    os.close(read_end)
 
 
 def processes(place: Path) -> dict[int, str]:
@@ -127,6 +136,7 @@ def _forsaken(place: Path) -> bool:
 def main() -> None:
     """Wait for the end of the process that started this, then sweep."""
     place = Path(sys.argv[1])
+    os.chdir("/")
     sys.stdin.buffer.read()
     ended(place, KERNEL_S)
     sweep(place)

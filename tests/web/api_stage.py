@@ -13,7 +13,7 @@ from lbr.capability.context import PendingReply
 from lbr.messages.description import CapabilityDescription, CommandDescription, RobotDescription
 from lbr.messages.drive import DriveCommand, DriveState, TurnCommand
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.system import CapabilityStatus, EstopState, Status
+from lbr.messages.system import CapabilityStatus, ConsoleResult, EstopState, Status
 
 ROBOT = "uxa90"  # as `web_stage.Stage` has it
 STANDS = {"moving": False, "power": 0.0, "estop": False}
@@ -78,6 +78,11 @@ def status(revision: int = 7, pid: int = 4) -> Status:
     )
 
 
+def _stops(said: Any) -> ConsoleResult | None:
+    """What the robot answers where a test says nothing else: it stops, and is silent on all else."""
+    return ConsoleResult(code=0, text="stopped") if said == "stop" else None
+
+
 class Feed:
     def __init__(self) -> None:
         self.came: list[RawMessage] = []
@@ -107,6 +112,7 @@ class StageBus:
         self.robot = described()
         self.answers: dict[str, Callable[[Any], Any]] = {}
         self.lent = Lender()
+        self.waited_s: dict[str, float] = {}
         self.closed = False
 
     def hear(self, key: str, *, depth: int = 1) -> Feed:
@@ -116,15 +122,23 @@ class StageBus:
         return feed
 
     def ask(
-        self, key: str, payload: bytes, *, source: str, timeout_s: float, wake: Callable[[], None] = lambda: None
+        self,
+        key: str,
+        payload: bytes,
+        *,
+        source: str,
+        timeout_s: float,
+        waited_s: float = 0.0,
+        wake: Callable[[], None] = lambda: None,
     ) -> Question:
         del timeout_s
+        self.waited_s[key] = waited_s
         if payload == b"/report/robot":
             return Question(key, {"code": 0, "text": "", "data": self.robot})
         said: Any = payload.decode() if "@console" in key else json.loads(payload or b"null")
         self.asked.append((key, said, source))
         wake()
-        return Question(key, self.answers.get(key, lambda _said: None)(said))
+        return Question(key, self.answers.get(key, _stops)(said))
 
     def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> "Lent":
         return Lent(self.lent, source, dict(keys), wake)

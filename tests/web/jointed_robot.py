@@ -1,12 +1,15 @@
 """A humanoid as a page sees it: its rows, its body, joints that go where they are sent as fast as their rows allow."""
 
+import asyncio
 import json
 import math
 import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
@@ -16,10 +19,13 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from lbr.apps.web import face
 from lbr.apps.web.model.poses import key_pose
+from lbr.apps.web.model.routes import ModelFace
 from lbr.bodies.model import model
+from lbr.messages.faces import EditReply
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
-from tests.web import page_robot
+from tests.web import page_robot as served
 from tests.web.page_robot import PageRobot, capability, commands, outputs
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -36,6 +42,7 @@ HUMANOID = [
 ]  # fmt: skip
 PATIENT_S = 3.0
 """How long a page may be silent here: one that draws without a graphics card, on a busy machine, is at times."""
+PAGE = face.Client("127.0.0.1", role="admin")
 BODILESS = ("attitude", "ups", "power")
 
 
@@ -69,6 +76,8 @@ class JointedRobot(PageRobot):
         self.joints: list[Joint] = _typed(rows["joint"], Joint)
         self.motions: tuple[Motion, ...] = motions_of(_typed(rows["motion"], MotionRow), _typed(rows["motion_step"], MotionStep))  # fmt: skip
         self.buttons = rows["button"]
+        self.capabilities = [one for one in HUMANOID if robot == "bioloid" or one["name"] not in BODILESS]
+        self.silent_s = PATIENT_S
         folder = BODY.get(robot, ROOT / "lbr/robots" / robot)
         self.body = model(robot, folder / "body.xml", self.joints, (), ())
         self.angles = {one.name: max(one.lower_rad, min(one.upper_rad, 0.0)) for one in self.joints}
@@ -80,11 +89,12 @@ class JointedRobot(PageRobot):
         self.speed_rps = 1.0
         self.frames: list[tuple[float, dict[str, float]]] = []
         self.playing = ""
+        self.kept: list[Any] = []
+        self.motors: tuple[Any, ...] = ()
+        self.ctx = SimpleNamespace(home="/nowhere", rows=lambda _row: ())
+        self.now = time.monotonic
+        self.model_face = ModelFace(self)  # type: ignore[arg-type]
         self._ticked = time.monotonic()
-
-    @property
-    def capabilities(self) -> list[dict[str, Any]]:
-        return [one for one in HUMANOID if self.name == "bioloid" or one["name"] not in BODILESS]
 
     @property
     def moves(self) -> bool:
@@ -105,6 +115,8 @@ class JointedRobot(PageRobot):
                 at += frame.duration_s / message.get("speed", 1.0)
                 self.frames.append((at, dict(frame.positions)))
             self.speed_rps, self._until = 3.0, at + 0.2
+        elif message.get("frames"):
+            self.speed_rps, self._until = 3.0, time.monotonic() + 0.5
         else:
             self.goals |= message.get("positions", {})
             self.speed_rps = message.get("speed_rps") or 3.0
@@ -150,22 +162,49 @@ class JointedRobot(PageRobot):
         }  # fmt: skip
 
     def status(self) -> dict[str, Any]:
-        with patch.object(page_robot, "CAPABILITIES", self.capabilities):
-            return super().status() | {"robot": self.name}
+        return super().status() | {"robot": self.name}
 
     def describe(self) -> dict[str, Any]:
         motions = [
             {"name": one.name, "help": one.help, "slot": one.slot, "builtin": one.builtin, "frames": len(one.frames), "duration_s": one.slot_s or sum(frame.duration_s for frame in one.frames)}
             for one in self.motions
         ]  # fmt: skip
-        told = super().describe() | {"robot": self.name, "capabilities": self.capabilities, "motions": motions}
+        told = super().describe() | {"robot": self.name, "motions": motions}
         return told | {"joints": msgspec.to_builtins(self.joints), "buttons": self.buttons, "cameras": [], "ranges": []}
 
     def application(self) -> Starlette:
         usual = super().application()
         own = [Route("/api/model", self._model), Route("/api/poses", self._poses)]
+        asked = [one for one in self.model_face.routes() if one.path.startswith("/api/motion")]
+        own += [Route(one.path, partial(self._answer, one), methods=[one.method]) for one in asked]
         usual.router.routes[:0] = own
         return usual
+
+    async def _answer(self, route: Any, received: Request) -> Response:
+        """Answer by the server's own handlers, whose rounds are made here."""
+        body = msgspec.json.decode(await received.body(), type=route.body) if route.body else None
+        params = msgspec.convert(dict(received.query_params), route.params, strict=False) if route.params else None
+        self.model_face.step(time.monotonic())
+        request = face.Request(method=route.method, path=route.path, client=PAGE, params=params, data=body)
+        try:
+            answer = route.handle(request)
+            while not isinstance(answer, Response):
+                try:
+                    answer.send(None)
+                except StopIteration as done:
+                    return done.value  # type: ignore[no-any-return]
+                self.model_face.step(time.monotonic())
+                await asyncio.sleep(0.01)
+        except face.Refused as err:
+            return JSONResponse({"message": err.message, "code": err.code}, err.status)
+        return answer
+
+    async def edit(self, rows: Any, *, create: bool, by: str) -> EditReply:
+        """Keep a motion, as the executive does."""
+        self.kept.append(rows)
+        (motion,) = motions_of(*([row for row in rows if isinstance(row, kind)] for kind in (MotionRow, MotionStep)))
+        self.motions = (*(one for one in self.motions if one.name != motion.name), motion)
+        return EditReply(accepted=True)
 
     async def _model(self, _request: Request) -> Response:
         return Response(msgspec.json.encode(self.body), media_type="application/json")
@@ -194,13 +233,9 @@ class JointedRobot(PageRobot):
 @contextmanager
 def jointed_robot(robot: str = "bioloid") -> Iterator[tuple[JointedRobot, str]]:
     """Serve such a robot until the end of a `with`; yields it and its address."""
-    made: list[JointedRobot] = []
-
-    def make() -> JointedRobot:
-        made.append(JointedRobot(robot))
-        return made[0]
-
-    patient = patch.object(page_robot, "SILENT_S", PATIENT_S)
-    with patient, patch.object(page_robot, "PageRobot", make), page_robot.page_robot() as (found, url):
-        assert isinstance(found, JointedRobot)
-        yield found, url
+    found = JointedRobot(robot)
+    with patch.object(served, "SILENT_S", PATIENT_S), served.page_robot(found) as (_, url):
+        try:
+            yield found, url
+        finally:
+            found.model_face.close()

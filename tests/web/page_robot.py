@@ -51,7 +51,8 @@ CAPABILITIES = [
     capability("odometry", "odometry", "tells how far the base went", outputs(state="OdometryState"), {}),
     capability("attitude", "attitude", "tells where the body points", outputs(state="AttitudeState"), {}),
     capability("battery", "battery", "watches the battery", outputs(state="BatteryState"), {}),
-    capability("speech", "speech", "speaks", outputs(state="SpeechState"), commands(say=OPERATE, hush=OPERATE)),
+    capability("speech", "speech", "speaks", outputs(state="SpeechState"), commands(say=OPERATE, hush=OPERATE, play=OPERATE)),
+    capability("dance", "dance", "dances to songs", outputs(state="DanceState"), commands(play=OPERATE, stop=VIEW)),
     capability("camera_front", "camera", "shows what is ahead", outputs(state="CameraState"), commands(switch=OPERATE)),
     capability("camera_rear", "camera", "shows what is behind", outputs(state="CameraState"), commands(switch=OPERATE)),
     capability("cameras", "cameras", "chooses one camera", outputs(state="CamerasState"), commands(select=OPERATE)),
@@ -60,7 +61,16 @@ CAPABILITIES = [
 WORDS = [
     {"word": word, "help": "", "role": OPERATE, "usage": word}
     for word in ("autodock", "restart", "stop", "estop", "reset")
+] + [
+    {
+        "word": "d",
+        "help": "",
+        "role": OPERATE,
+        "usage": "/d/{song}",
+        "fields": [{"name": "song", "choices": ["metronome", "blue_moon"]}],
+    }
 ]
+MECANUM = {"capability": "drive", "kind": "mecanum", "sideways": True, "max_speed_mps": 0.8, "max_turn_rps": 2.0}
 PHRASES = [
     {"name": "hello", "language": "en", "text": "Hello, I am your robot."},
     {"name": "hello", "language": "de", "text": "Hallo, ich bin dein Roboter."},
@@ -75,12 +85,14 @@ class Base:
     def __init__(self) -> None:
         self.x = self.y = 0.0
         self.yaw = 0.35
-        self.left = self.right = 0.0
+        self.left = self.right = self.aside = 0.0
         self.way = 0.0
 
     def step(self, span_s: float) -> None:
         ahead, turn = (self.left + self.right) / 2 * TOP_MPS, (self.right - self.left) / 2 * TOP_RPS
-        x, y = self.x + ahead * math.cos(self.yaw) * span_s, self.y + ahead * math.sin(self.yaw) * span_s
+        aside = self.aside * TOP_MPS
+        x = self.x + (ahead * math.cos(self.yaw) - aside * math.sin(self.yaw)) * span_s
+        y = self.y + (ahead * math.sin(self.yaw) + aside * math.cos(self.yaw)) * span_s
         self.yaw += turn * span_s
         if ROOM[0] + 0.25 < x < ROOM[1] - 0.25 and ROOM[2] + 0.25 < y < ROOM[3] - 0.25:
             self.x, self.y = x, y
@@ -101,6 +113,8 @@ class Base:
 class PageRobot:
     """What the pages are told, and what they said; `refusal` refuses all motion."""
 
+    capabilities = CAPABILITIES
+
     def __init__(self) -> None:
         self.base = Base()
         self.role = "admin"
@@ -110,14 +124,25 @@ class PageRobot:
         self.estop = ""
         self.needs_token = False
         self.muted: set[str] = set()
+        self.drives_by: dict[str, Any] | None = None
+        """What it says of its base."""
+        self.blind: dict[str, str] = {}
+        """Statuses of sensors that say nothing of use."""
+        self.lasts_s = 0.6
+        """How long a move takes that ends by itself."""
         self.stopped_at = self.moved_at = 0.0
         self.holder: str | None = None
         self.goal = ""
-        self.sockets = 0
+        self.sockets = self.generation = 0
         self.hears: list[list[str]] = []
         self.closed = False
+        self.happened: list[dict[str, Any]] = []
         self.news: list[dict[str, Any]] = []
         self.stopped: set[Any] = set()
+        self.build = ""
+        """Which page the robot says that it has; empty: it does not say."""
+        self.altered: set[str] = set()
+        """Files that come as others than they were built."""
         self.silent_s = SILENT_S
         self.period_s = 0.04
         self._pictures: dict[int, bytes] = {}
@@ -126,7 +151,7 @@ class PageRobot:
 
     @property
     def moves(self) -> bool:
-        return bool(self.base.left or self.base.right)
+        return bool(self.base.left or self.base.right or self.base.aside)
 
     def move(self, viewer: Any, hold: dict[str, Any]) -> dict[str, Any]:
         """Begin or change motion; return what the page is told."""
@@ -142,11 +167,17 @@ class PageRobot:
             return {"n": n, "holds": False, "code": "", "reason": "", "holder": "", **refused}
         self._hold, self.holder = (viewer, n), "web:page"
         power, angle = message.get("power", 0.5), math.radians(message.get("angle_deg", 0.0))
-        if hold["to"] == "drive/turn":
-            angle = math.copysign(math.pi / 2, message["angle_deg"])
-            self._until = time.monotonic() + 0.6
+        if hold["to"] == "drive/twist":
+            turn = message["wz_rps"] / MECANUM["max_turn_rps"]
+            ahead, self.base.aside = (message[name] / MECANUM["max_speed_mps"] for name in ("vx_mps", "vy_mps"))
+            self._until, self.goal, self.moved_at = math.inf, "twist", time.monotonic()
+            self.base.left, self.base.right = ahead - turn, ahead + turn
+            return {"n": n, "holds": True, "code": "", "reason": "", "holder": "web:page"}
+        if hold["to"] in {"drive/turn", "drive/heading"}:
+            angle = math.copysign(math.pi / 2, message.get("angle_deg", 1.0))
+            self._until = time.monotonic() + self.lasts_s
         elif message.get("distance_cm"):
-            self._until = time.monotonic() + 0.6
+            self._until = time.monotonic() + self.lasts_s
         else:
             self._until = math.inf
         self.goal = hold["to"].partition("/")[2]
@@ -164,11 +195,15 @@ class PageRobot:
         self._hold, self.holder = None, None
         if self.moves:
             self.stopped_at = time.monotonic()
-        self.base.left = self.base.right = 0.0
+        self.base.left = self.base.right = self.base.aside = 0.0
         return n
 
     def holds(self, viewer: Any) -> bool:
         return self._hold is not None and self._hold[0] is viewer
+
+    def hang_up(self) -> None:
+        """Have all sockets close, as those of a robot that ends."""
+        self.generation += 1
 
     def over(self) -> bool:
         return time.monotonic() >= self._until
@@ -177,6 +212,8 @@ class PageRobot:
         base = self.base
         near = {f"{name}_m": round(distance, 3) if distance < 4 else None for name in SENSORS for distance in [base.distance(name)]}  # fmt: skip
         status = {name: "ok" if near[f"{name}_m"] is not None else "over_range" for name in SENSORS}
+        near |= dict.fromkeys(f"{name}_m" for name in self.blind)
+        status |= self.blind
         loop = {"rate_hz": 50.0, "period_p99_ms": 20.4, "period_max_ms": 22.1, "overruns": 0}
         drive = {
             "moving": self.moves, "power": max(abs(base.left), abs(base.right)), "angle_deg": 0.0, "left": base.left, "right": base.right, "holder": self.holder,
@@ -190,6 +227,7 @@ class PageRobot:
             "attitude/state": {"valid": True, "heading_deg": (90 - math.degrees(base.yaw)) % 360, "roll_rad": 0.0, "pitch_rad": 0.0, "yaw_rad": base.yaw},
             "battery/state": {"valid": True, "voltage_v": 12.6, "charge": 0.82, "charging": False, "level": "ok"},
             "speech/state": {"speaking": False, "text": "", "queued": 0, "spoken": 0, "failed": 0, "sink": "speaker"},
+            "dance/state": {"phase": "resting", "song": "", "dance": "", "beat": 0, "beats": 0, "moves": 0, "reason": ""},
             "camera_front/state": {"on": True, "phase": "streaming", "device": "/dev/video0", "width_px": 640, "height_px": 480, "fps": 15.0},
             "camera_rear/state": {"on": False, "phase": "off", "device": "/dev/video2", "reason": "it is switched off"},
         }  # fmt: skip
@@ -198,7 +236,7 @@ class PageRobot:
         parts = [
             {"name": one["name"], "kind": one["kind"], "phase": "degraded" if one["name"] == "speech" else "ready", "pid": 100, "restarts": 0, "uptime_s": 300.0,
              "reason": "no loudspeaker: /dev/snd is not there" if one["name"] == "speech" else "", "rates_hz": dict.fromkeys(one["outputs"], 20.0), "cpu_percent": 1.7, "memory_mb": 31.0}
-            for one in CAPABILITIES
+            for one in self.capabilities
         ]  # fmt: skip
         estop = {"engaged": bool(self.estop), "reason": self.estop, "source": "web:page" if self.estop else "", "acknowledged": [], "waiting": []}  # fmt: skip
         return {"robot": "lbr", "profile": "lbr-sim", "ready": True, "pid": 1, "uptime_s": 300.0, "estop": estop, "capabilities": parts, "problems": [], "revision": 7}  # fmt: skip
@@ -206,8 +244,8 @@ class PageRobot:
     def describe(self) -> dict[str, Any]:
         ranges = [{"name": name, "kind": "ultrasonic", "x_m": x, "y_m": y, "yaw_rad": yaw, "fov_rad": 0.45, "max_m": 4.0} for name, (x, y, yaw) in SENSORS.items()]  # fmt: skip
         return {
-            "robot": "lbr", "simulated": True, "version": "0.1.0", "revision": 7, "role": self.role, "capabilities": CAPABILITIES, "words": WORDS, "joints": [], "motions": [],
-            "cameras": [{"name": "front", "capability": "camera_front"}, {"name": "rear", "capability": "camera_rear"}], "wheels": [], "ranges": ranges, "buttons": [], "phrases": PHRASES,
+            "robot": "lbr", "simulated": True, "version": "0.1.0", "revision": 7, "role": self.role, "capabilities": self.capabilities, "words": WORDS, "joints": [], "motions": [],
+            "cameras": [{"name": "front", "capability": "camera_front"}, {"name": "rear", "capability": "camera_rear"}], "wheels": [], "ranges": ranges, "buttons": [], "phrases": PHRASES, "base": self.drives_by,
         }  # fmt: skip
 
     def picture(self) -> bytes:
@@ -231,10 +269,14 @@ class PageRobot:
         post = ["POST"]
         return Starlette(
             routes=[
+                *self.more_routes(),
                 Route("/api", self._api),
                 Route("/api/pair", self._pair, methods=post),
                 Route("/api/{path:path}", self._command, methods=post),
                 WebSocketRoute("/api/live", self._live),
+                Route("/api/events", self._written),
+                Route("/api/why/{part}", self._why),
+                Route("/api/rows/{table}", self._rows),
                 Route("/stop", self._stop, methods=post),
                 Route("/estop", self._engage, methods=post),
                 Route("/estop/reset", self._reset, methods=post),
@@ -244,9 +286,32 @@ class PageRobot:
             ]
         )
 
+    def more_routes(self) -> list[Route]:
+        """Return what it answers besides."""
+        return []
+
     def _known(self, request: Request | WebSocket) -> bool:
         shown = request.headers.get("authorization", "") + request.headers.get("sec-websocket-protocol", "")
         return not self.needs_token or "phone.secret" in shown
+
+    async def _written(self, request: Request) -> Response:
+        old = {"kind": "crashed", "subject": "motors", "text": "crashed an hour ago", "level": "error", "wall_ns": 1}
+        hidden = request.query_params.get("subject", "motors") != "motors"
+        return JSONResponse({"accepted": True, "data": {"events": [] if hidden else [old]}})
+
+    async def _why(self, request: Request) -> Response:
+        part = request.path_params["part"]
+        if not self.estop:
+            return JSONResponse(
+                {"part": part, "state": "ok", "text": f"nothing holds '{part}' still", "code": "", "do": ""}
+            )
+        text = f"the emergency stop is latched by console@kitchen:812: {self.estop}"
+        do = "reset, once nothing is in danger"
+        return JSONResponse({"part": part, "state": "held", "text": text, "code": "estop", "do": do})
+
+    async def _rows(self, request: Request) -> Response:
+        found = {"table": request.path_params["table"], "key": ["name"], "fixed": "", "schema": {}, "settings": {}}
+        return JSONResponse({"accepted": True, "data": {**found, "rows": []}})
 
     async def _api(self, request: Request) -> Response:
         if not self._known(request):
@@ -267,6 +332,8 @@ class PageRobot:
     async def _command(self, request: Request) -> Response:
         given = await request.json()
         self.asked.append((request.path_params["path"], given))
+        if (kind := {"ask": "asked_for", "hand_over": "handed_over"}.get(request.path_params["path"])) is not None:
+            self.happened.append({"kind": kind, "subject": "web", "text": "", "data": {"by": "web:tablet", **given}})
         if request.path_params["path"] == "console":
             return JSONResponse({"code": 0, "text": "accepted"})
         return JSONResponse({"accepted": True})
@@ -304,13 +371,16 @@ class PageRobot:
         found = {one.name: one for one in built()}.get(request.path_params["path"] or INDEX)
         if found is None:
             return JSONResponse({"message": "there is no such file", "code": "unknown_name"}, 404)
-        return Response(found.content, media_type=found.media, headers={"Content-Security-Policy": POLICY})
+        content = found.content + b" " * (found.name in self.altered)
+        return Response(content, media_type=found.media, headers={"Content-Security-Policy": POLICY})
 
     async def _live(self, socket: WebSocket) -> None:
         if not self._known(socket):
             await socket.close()
             return
         await socket.accept("lbr.live" if "lbr.live" in socket.headers.get("sec-websocket-protocol", "") else None)
+        if self.build:
+            await socket.send_json({"page": self.build})
         viewer, heard = object(), {"keys": [], "last": time.monotonic()}
         self.sockets += 1
         telling = asyncio.create_task(self._tell(socket, viewer, heard))
@@ -336,8 +406,11 @@ class PageRobot:
                 await telling
 
     async def _tell(self, socket: WebSocket, viewer: object, heard: dict[str, Any]) -> None:
-        beat, news = 0, len(self.news)
+        beat, news, generation, happened = 0, len(self.news), self.generation, len(self.happened)
         while True:
+            if generation != self.generation:
+                await socket.close(1001)
+                return
             if self.holds(viewer) and time.monotonic() - heard["last"] > self.silent_s:
                 self.news.append({"n": self.halt(viewer), "holds": False, "code": "lapsed", "reason": "the page fell silent", "holder": ""})  # fmt: skip
             if self.holds(viewer) and self.over():
@@ -352,7 +425,9 @@ class PageRobot:
                 started = {"kind": "ready", "subject": "drive", "text": "is ready", "level": "info", "wall_ns": time.time_ns()}  # fmt: skip
                 warned = {"kind": "degraded", "subject": "speech", "text": "no loudspeaker: /dev/snd is not there", "level": "warning", "wall_ns": time.time_ns(), "code": "unreachable"}  # fmt: skip
                 await socket.send_json({"events": [started, warned]})
-            news, beat = len(self.news), beat + 1
+            if self.happened[happened:]:
+                await socket.send_json({"events": self.happened[happened:]})
+            news, beat, happened = len(self.news), beat + 1, len(self.happened)
             await asyncio.sleep(self.period_s)
 
     async def go_on(self) -> None:
@@ -363,11 +438,11 @@ class PageRobot:
 
 
 @contextmanager
-def page_robot() -> Iterator[tuple[PageRobot, str]]:
-    """Serve such a robot until the end of a `with`; yields it and its address."""
-    robot = PageRobot()
+def page_robot(robot: Any = None, tls: tuple[str, str] | tuple[()] = ()) -> Iterator[tuple[Any, str]]:
+    """Serve such a robot, or one that is given, until the end of a `with`; yields it and its address. `tls` is key and certificate."""
+    robot = robot or PageRobot()
     sock = socket.create_server(("127.0.0.1", 0))
-    config = uvicorn.Config(robot.application(), log_level="error", lifespan="off", ws="websockets-sansio", timeout_graceful_shutdown=1)  # fmt: skip
+    config = uvicorn.Config(robot.application(), log_level="error", lifespan="off", ws="websockets-sansio", timeout_graceful_shutdown=1, **dict(zip(("ssl_keyfile", "ssl_certfile"), tls, strict=False)))  # fmt: skip
     server = uvicorn.Server(config)
 
     async def run() -> None:
@@ -379,7 +454,7 @@ def page_robot() -> Iterator[tuple[PageRobot, str]]:
     thread = threading.Thread(target=lambda: asyncio.run(run()))
     thread.start()
     try:
-        yield robot, f"http://127.0.0.1:{sock.getsockname()[1]}"
+        yield robot, f"http{'s' if tls else ''}://127.0.0.1:{sock.getsockname()[1]}"
     finally:
         robot.closed = True
         server.should_exit = True

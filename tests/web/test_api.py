@@ -2,6 +2,8 @@
 
 import json
 import re
+import socket
+import time
 from contextlib import contextmanager
 
 import pytest
@@ -13,7 +15,7 @@ from lbr.messages.system import ConsoleResult
 from tests.support.robot import until
 from tests.web.api_stage import ROBOT, STANDS, StageBus, described, status
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
-from tests.web.web_stage import serving
+from tests.web.web_stage import REQUESTS, serving
 
 DRIVE, LIGHT, CONSOLE = f"{ROBOT}/drive/command", f"{ROBOT}/light/switch", f"{ROBOT}/@console/page"
 USERS = (user("ann", "operate"), user("eve", "view"))
@@ -186,6 +188,62 @@ def test_a_line_is_said_with_the_rights_and_the_name_of_who_says_it(served, who,
     assert served.bus.asked == [(key, "wave /ä", f"web:{who}")]
 
 
+@pytest.mark.parametrize(
+    ("path", "body", "key"),
+    [
+        ("/api/drive/command", {"power": 0.3}, DRIVE),
+        ("/api/console", {"line": "/r/0.3/0"}, f"{CONSOLE}/admin"),
+    ],
+)
+def test_how_long_a_request_has_waited_goes_with_it_so_that_a_stop_meanwhile_counts(served, path, body, key):
+    said_slowly(served, path, body)
+    assert 0.05 <= served.bus.waited_s[key] < 8.0
+    assert (key, body.get("line", body)) == served.bus.asked[-1][:2]
+
+
+@pytest.mark.parametrize(("by", "status"), [("phone", b"409"), ("", b"200")])
+def test_what_waited_while_another_stopped_the_robot_begins_nothing_by_a_program_of_its_own(served, by, status):
+    """A dance, say, moves by a lease of its own, which it asks for after the stop."""
+    key = f"{ROBOT}/light/switch"
+    served.bus.answers[key] = lambda _said: CommandReply(accepted=True)
+    served.bus.answers[f"{ROBOT}/drive/state"] = lambda _said: {"halted_s": time.monotonic(), "halted_by": by}
+    answer = said_slowly(served, "/api/light/switch", {})
+    assert answer.split()[1] == status
+    assert (b"stopped_since" in answer) == bool(by)
+    assert (key in [one[0] for one in served.bus.asked]) != bool(by)
+
+
+def said_slowly(served, path, body):
+    """Ask with a body that comes later than its head; return the answer."""
+    content = json.dumps(body).encode()
+    head = (
+        f"POST {path} HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nContent-Type: application/json\r\n"
+        f"Content-Length: {len(content)}\r\nExpect: 100-continue\r\nConnection: close\r\n\r\n"
+    )
+    with socket.create_connection(("127.0.0.1", served.port), timeout=8) as client:
+        client.sendall(head.encode())
+        assert b"100 Continue" in client.recv(4096)
+        read_s = time.monotonic()
+        until(lambda: time.monotonic() > read_s + 0.05, what="a client that takes its time")
+        client.sendall(content)
+        return client.recv(4096)
+
+
+@pytest.mark.parametrize(("path", "line"), [("/api/why", "why"), ("/api/why/drive", "/why/drive")])
+def test_what_holds_a_part_still_is_asked_with_the_rights_of_who_asks(served, path, line):
+    told = {"robot": ROBOT, "part": "drive", "state": "ok", "text": "nothing holds 'drive' still"}
+    served.bus.answers[f"{CONSOLE}/view"] = lambda _said: ConsoleResult(code=0, text="", data=told)
+    answer = served.ask("GET", path, headers=shown("eve"))
+    assert (answer.status, answer.json) == (200, told)
+    assert served.bus.asked == [(f"{CONSOLE}/view", line, "web:eve")]
+
+
+def test_a_part_that_is_not_there_is_not_found(served):
+    served.bus.answers[f"{CONSOLE}/view"] = lambda _said: ConsoleResult(code=2, text="there is no part 'x'")
+    answer = served.ask("GET", "/api/why/x", headers=shown("eve"))
+    assert (answer.status, answer.json["code"]) == (404, "unknown_name")
+
+
 def test_the_robots_own_user_says_lines_as_administrator(served):
     served.bus.answers[f"{CONSOLE}/admin"] = lambda _said: ConsoleResult(code=0, text="done")
     assert served.ask("POST", "/api/console", {"line": "status"}).json["text"] == "done"
@@ -200,9 +258,14 @@ def test_another_user_of_this_machine_only_looks(served, monkeypatch):
 
 def test_the_document_has_a_path_for_each_stream_and_command_of_the_robot(served):
     document = served.ask("GET", "/openapi.json").json
-    assert {"/api", "/api/console", "/api/drive/state", "/api/drive/command", "/api/light/switch"} <= set(
-        document["paths"]
-    )
+    assert {
+        "/api",
+        "/api/console",
+        "/api/why/{part}",
+        "/api/drive/state",
+        "/api/drive/command",
+        "/api/light/switch",
+    } <= set(document["paths"])
     assert "/api/camera_front/frame" not in document["paths"]
     assert not [path for path in document["paths"] if "{capability}" in path]
     operation = document["paths"]["/api/drive/command"]["post"]
@@ -242,3 +305,39 @@ def test_where_there_is_no_way_onto_the_bus_the_rest_is_served():
             ("POST", "/api/console", {"line": "f"}),
         ):
             assert served.ask(method, path, body).status == 503
+
+
+def test_who_wants_what_another_holds_asks_for_it_and_is_told_that_it_is_handed_over():
+    with api(users=USERS) as served:
+        asked = served.ask("POST", "/api/ask", {"capability": "drive"}, shown("ann"))
+        assert asked.status == 200
+        given = {"capability": "drive", "to": "web:ann"}
+        assert served.ask("POST", "/api/hand_over", given).status == 200
+        until(lambda: len(served.stage.event_data) >= 2)
+        assert ("asked_for", {"capability": "drive", "by": "web:ann"}) in served.stage.event_data
+        assert ("handed_over", {"by": "web:127.0.0.1", **given}) in served.stage.event_data
+        assert not served.bus.lent.moves
+        again = served.ask("POST", "/api/ask", {"capability": "drive"}, shown("ann"))
+        assert (again.status, again.json["code"]) == (429, "busy"), "a sentence in the events of all"
+        for nothing in ("light", "camera_front", "none"):
+            assert served.ask("POST", "/api/ask", {"capability": nothing}).status == 404
+        assert served.ask("POST", "/api/ask", {"capability": "drive"}, shown("eve")).status == 403
+
+
+def test_what_can_be_held_and_is_not_wired_to_a_stop_is_stopped_by_the_console(served):
+    """What can be held and is not wired to a stop is stopped by the console"""
+    key = f"{CONSOLE}/view"
+    served.bus.answers[key] = lambda said: ConsoleResult(code=0, text="stopped") if said == "stop" else None
+    assert served.ask("POST", "/stop").json == {"message": "stopped"}
+    assert (key, "stop", "web:127.0.0.1") in served.bus.asked
+    served.bus.answers[key] = lambda _said: ConsoleResult(code=1, text="'drive' hangs", reason_code="timeout")
+    answer = served.ask("POST", "/stop")
+    assert (answer.status, answer.json) == (409, {"message": "'drive' hangs", "code": "timeout"})
+    served.bus.answers[key] = lambda _said: None
+    assert served.ask("POST", "/stop").status == 503
+    served.stage.wired.clear()
+    served.bus.answers[key] = lambda _said: ConsoleResult(code=0, text="stopped")
+    try:
+        assert served.ask("POST", "/stop").json == {"message": "stopped"}
+    finally:
+        served.stage.wired.update(REQUESTS)

@@ -1,11 +1,16 @@
 """Motion that a page holds: it goes on only while its page says so, and whatever ends it is told."""
 
+import msgspec
 import pytest
 
-from lbr.apps.web.api.holds import AGAIN_S, SILENT_S, Hand, Holds
+from lbr.apps.web.api.holds import AGAIN_S, Hand, Holds
 from lbr.apps.web.api.page_message import Wanted
+from lbr.apps.web.api.patience import PLAYING_S, SILENT_S, silent_s
 from lbr.errors import BusError
 from lbr.messages.codes import Reason
+from lbr.messages.description import CommandDescription
+from lbr.messages.drive import DriveCommand
+from lbr.messages.joints import JointMove, JointsCommand, PlayCommand
 from lbr.messages.leases import CommandReply
 from tests.web.api_stage import Lender, Lent
 
@@ -19,7 +24,10 @@ class Bench:
         self.now = 100.0
         self.lender = Lender(lambda: self.now)
         self.lost = False
-        self.holds = Holds(self._transport, self._keys, lambda: self.now)
+        self.holds = Holds(self._transport, self._keys, lambda: self.now, self._patience_s)
+
+    def _patience_s(self, wanted):
+        return PLAYING_S if wanted.to == "motions/play" else SILENT_S
 
     def _transport(self, source, keys):
         if self.lost:
@@ -258,3 +266,78 @@ def test_the_end_of_the_server_releases_everything(bench):
     bench.holds.close("the server ends")
     assert bench.lender.halts
     assert last(hands[0]).code == "shutting_down"
+
+
+def test_a_motion_that_ends_by_itself_outlasts_a_page_that_draws_slowly(bench):
+    hand = bench.hand()
+    bench.want(hand, 1, to="motions/play")
+    for _ in range(5):
+        bench.run(PLAYING_S - 4 * ROUND_S)
+        hand.keep(1, bench.now)
+    assert bench.lender.moving
+    assert [(news.n, news.holds) for news in hand.told] == [(1, True)]
+
+
+def test_it_is_released_when_the_page_stays_silent(bench):
+    hand = bench.hand()
+    bench.want(hand, 1, to="motions/play")
+    said = hand.said.at
+    bench.run(PLAYING_S + 1.0)
+    ((at, _, stop),) = bench.lender.halts
+    assert SILENT_S < at - said <= PLAYING_S + 2 * ROUND_S
+    assert stop["lost"]
+    assert (last(hand).code, last(hand).reason) == ("lapsed", f"the page said nothing for {PLAYING_S:g} s")
+
+
+@pytest.mark.parametrize("gone", [True, False])
+def test_it_ends_at_once_with_its_socket_or_by_its_pages_word(bench, gone):
+    hand = bench.hand()
+    bench.want(hand, 1, to="motions/play")
+    bench.run(1.0)
+    at = bench.now
+    hand.release(gone=gone)
+    bench.run(ROUND_S)
+    assert [halted for halted, _, _ in bench.lender.halts] == [at]
+
+
+def test_it_begins_by_a_word_that_is_new_and_driving_after_it_is_kept_no_longer(bench):
+    hand = bench.hand()
+    bench.lender.refusal = CommandReply(accepted=False, code="busy", reason="another is played")
+    bench.want(hand, 1, to="motions/play")
+    bench.run(SILENT_S + 2 * ROUND_S)
+    bench.lender.refusal = None
+    bench.run(1.0)
+    assert not bench.lender.moving
+    bench.want(hand, 2, to="motions/play")
+    assert bench.lender.moving
+    bench.want(hand, 3)
+    said = hand.said.at
+    bench.run(1.0)
+    assert bench.lender.halts[-1][0] - said <= SILENT_S + 2 * ROUND_S
+
+
+KEPT = {"motion": "bow"}
+FRAME = {"positions": {"neck": 0.1}, "duration_s": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("message", "said", "expected_s"),
+    [
+        (PlayCommand, KEPT, PLAYING_S),
+        (JointsCommand, {"frames": [FRAME]}, PLAYING_S),
+        (JointsCommand, {"positions": {"neck": 0.1}}, SILENT_S),
+        (JointsCommand, {"frames": [FRAME], "stay": True}, SILENT_S),
+        (JointsCommand, {"frames": [FRAME], "append": True}, SILENT_S),
+        (JointsCommand, {"frames": [FRAME], "join": True}, SILENT_S),
+        (JointMove, {"joint": "neck", "angle_deg": 3, "frames": [FRAME]}, SILENT_S),
+        (DriveCommand, {"power": 0.3, "angle_deg": 0, "motion": "bow", "frames": [FRAME]}, SILENT_S),
+    ],
+)
+def test_only_what_ends_by_itself_where_its_rows_say_is_kept_for_longer(message, said, expected_s):
+    command = CommandDescription(schema=msgspec.json.schema(message), role="operate", leased=True)
+    assert silent_s(command, said) == expected_s
+
+
+def test_a_command_that_is_not_known_is_kept_as_driving_is():
+    assert silent_s(None, KEPT) == SILENT_S
+    assert silent_s(CommandDescription(schema={}, role="operate", leased=True), KEPT) == SILENT_S

@@ -14,6 +14,7 @@ from websockets.sync.client import connect
 
 from lbr.apps.web import streams
 from lbr.apps.web.api import live
+from lbr.apps.web.page import files
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import Event
 from tests.support import programs
@@ -357,3 +358,9 @@ def test_a_refusal_of_the_robot_is_told_with_its_reason(served):
         one.say(hold=FORWARD)
         told = one.hold(n=1, holds=False)
         assert (told["code"], told["reason"]) == ("obstacle", "a wall is ahead")
+
+
+def test_a_page_hears_first_which_page_the_robot_has():
+    with api(users=USERS, faces=("page",)) as served, page(served) as one:
+        one.say(hear=["@status"])
+        assert one.frame()["page"] == files.build()

@@ -1,13 +1,14 @@
 """Joints and motions in a browser: what a hand on the page moves, what is asked before the robot falls, what is red."""
 
-import shutil
+import json
 import time
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from typing import Any
 
 import pytest
 
-from tests.support import needs
+from tests.support import browsers, needs
 
 needs.modules("playwright")
 
@@ -16,19 +17,22 @@ from playwright.sync_api import Browser, Page, expect, sync_playwright  # noqa: 
 from tests.web.jointed_robot import JointedRobot, jointed_robot  # noqa: E402
 
 pytestmark = [needs.program("chromium", "chromium"), pytest.mark.timeout(60)]
+needs_mujoco = pytest.mark.skipif(
+    find_spec("mujoco") is None and not needs.IN_CI, reason="mujoco is not installed here"
+)
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 DESK = {"viewport": {"width": 1280, "height": 900}}
 READY = '.joints-stage[data-ready="true"]'
 WHERE = "joint => document.querySelector('canvas').stage.whereIs(joint)"
 NO_WEBGL = "HTMLCanvasElement.prototype.getContext = () => null"
-SOFT = ["--no-sandbox", "--enable-unsafe-swiftshader"]
+SOFT = ("--no-sandbox", "--enable-unsafe-swiftshader")
 LONG_MS = 20_000
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     with sync_playwright() as started:
-        found = started.chromium.launch(executable_path=shutil.which("chromium"), args=SOFT)
+        found = browsers.start(started, *SOFT)
         yield found
         found.close()
 
@@ -49,6 +53,8 @@ def robot(served) -> JointedRobot:
     found.torque |= dict.fromkeys(found.torque, 0.9)
     found.angles |= dict.fromkeys(found.angles, 0.0)
     found.goals = dict(found.angles)
+    found.kept.clear()
+    found.model_face.close()
     return found
 
 
@@ -209,6 +215,35 @@ def test_a_motion_is_played_and_ended(opened, robot):
     assert until_true(page, lambda: not robot.playing)
 
 
+def frame(duration_s: float = 0.6, **positions: float) -> dict[str, Any]:
+    return {"positions": positions, "duration_s": duration_s}
+
+
+STANDS = [frame(left_elbow=-0.5), frame(left_elbow=-1.0), frame(left_elbow=-0.2)]
+FALLS = [*STANDS[:2], frame(left_ankle_pitch=0.5, right_ankle_pitch=0.5), STANDS[2]]
+
+
+@pytest.fixture
+def building(opened, robot) -> Callable[..., Page]:
+    def page(size: dict[str, Any], frames: list[dict[str, Any]], name: str = "nod") -> Page:
+        draft = json.dumps(json.dumps({"name": name, "help": "", "frames": frames}))
+        found = opened(
+            "motions",
+            size,
+            f"localStorage.getItem('lbr.motion.draft') || localStorage.setItem('lbr.motion.draft', {draft})",
+        )
+        found.get_by_role("radio", name="Build").click()
+        expect(found.locator(READY)).to_be_visible(timeout=LONG_MS)
+        return found
+
+    return page
+
+
+def draft(page: Page) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = page.evaluate("JSON.parse(localStorage.getItem('lbr.motion.draft')).frames")
+    return found
+
+
 def test_a_motion_that_is_being_built_moves_the_drawing_alone(opened, robot):
     page = opened("motions", DESK)
     page.get_by_role("radio", name="Build").click()
@@ -217,9 +252,117 @@ def test_a_motion_that_is_being_built_moves_the_drawing_alone(opened, robot):
     page.get_by_role("button", name="Add a pose").click()
     drag(page, "left_elbow", 60, -10)
     assert robot.held == []
+    assert abs(draft(page)[1]["positions"]["left_elbow"]) > 0.05
     page.get_by_role("button", name="Play on the robot").click()
     assert until_true(page, lambda: robot.held)
     frames = robot.held[-1]["message"]["frames"]
     assert len(frames) == 2
     assert frames[0]["positions"]["left_elbow"] == 0.0
     assert abs(frames[1]["positions"]["left_elbow"]) > 0.05
+
+
+def test_key_frames_are_copied_moved_taken_out_and_taken_back_by_the_keyboard(building):
+    page = building(DESK, STANDS)
+    page.locator(".motions-frame").nth(1).click()
+    angles = lambda: [one["positions"].get("left_elbow") for one in draft(page)]  # noqa: E731
+    for keys, expected in (
+        ("Control+d", [-0.5, -1.0, -1.0, -0.2]),
+        ("Delete", [-0.5, -1.0, -0.2]),
+        ("Alt+ArrowRight", [-0.5, -0.2, -1.0]),
+        ("Control+c", [-0.5, -0.2, -1.0]),
+        ("ArrowLeft", [-0.5, -0.2, -1.0]),
+        ("Control+v", [-0.5, -0.2, -1.0, -1.0]),
+        ("Control+z", [-0.5, -0.2, -1.0]),
+        ("Control+z", [-0.5, -1.0, -0.2]),
+        ("Control+y", [-0.5, -0.2, -1.0]),
+    ):
+        page.keyboard.press(keys)
+        assert until_true(page, lambda expected=expected: angles() == expected), (keys, angles())
+
+
+def test_a_key_frame_is_dragged_to_another_time_and_those_behind_it_stay(building):
+    page = building(DESK, STANDS)
+    knot = page.locator(".motions-knot").nth(1).bounding_box()
+    lane = page.locator(".motions-lane").bounding_box()
+    assert knot is not None
+    assert lane is not None
+    y = knot["y"] + knot["height"] / 2
+    page.mouse.move(knot["x"] + 22, y)
+    page.mouse.down()
+    page.mouse.move(lane["x"] + lane["width"] * 1.5 / 1.8, y, steps=4)
+    page.mouse.up()
+    assert until_true(page, lambda: [one["duration_s"] for one in draft(page)] == [0.6, 0.9, 0.3])
+    page.get_by_role("button", name="Undo").click()
+    assert until_true(page, lambda: [one["duration_s"] for one in draft(page)] == [0.6, 0.6, 0.6])
+
+
+@needs_mujoco
+def test_what_stands_is_checked_and_then_played(building, robot):
+    page = building(PHONE, STANDS)
+    page.get_by_role("button", name="Play on the robot").click()
+    assert until_true(page, lambda: robot.held)
+    expect(page.locator(".motions-verdict")).to_contain_text("It stands")
+    assert len(robot.held[-1]["message"]["frames"]) == 3
+
+
+@needs_mujoco
+def test_what_falls_is_drawn_and_asked_about_once_more(building, robot):
+    page = building(DESK, FALLS)
+    page.get_by_role("button", name="Play on the robot").click()
+    dialog = page.get_by_role("dialog")
+    expect(dialog).to_contain_text("falls after", timeout=LONG_MS)
+    assert robot.held == []
+    dialog.get_by_role("button", name="Cancel").click()
+    expect(page.locator(".motions-fell")).to_be_visible()
+    expect(page.locator(".motions-verdict")).to_contain_text("key frame")
+    page.get_by_role("button", name="Play on the robot").click()
+    dialog.get_by_role("button", name="Play it").click()
+    assert until_true(page, lambda: robot.held)
+    page.get_by_role("button", name="Slower").click()
+    expect(page.locator(".motions-fell")).to_have_count(0)
+
+
+def test_a_motion_is_saved_and_comes_back_from_a_file(building, robot, tmp_path):
+    page = building(DESK, STANDS, "nod_twice")
+    page.get_by_role("button", name="Save", exact=True).click()
+    assert until_true(page, lambda: robot.kept)
+    assert [len(row.positions) for row in robot.kept[-1][1:]] == [1, 1, 1]
+    with page.expect_download() as started:
+        page.get_by_role("button", name="Save as a .mtn file").click()
+    file = tmp_path / "nod_twice.mtn"
+    started.value.save_as(file)
+    dialog = page.get_by_role("dialog")
+    expect(dialog).to_contain_text("What that form cannot say")
+    dialog.get_by_role("button", name="Close").click()
+    page.get_by_role("button", name="New").click()
+    assert until_true(page, lambda: draft(page) == [])
+    page.locator("input[type=file]").set_input_files(file)
+    page.get_by_role("button", name="Open", exact=True).or_(page.locator(".motions-frame").first).first.click()
+    assert until_true(page, lambda: len(draft(page)) == 3)
+    page.locator("input[type=file]").set_input_files({"name": "photo.mtn", "mimeType": "image/png", "buffer": b"no motion"})  # fmt: skip
+    expect(page.locator(".notices, [role=status], [role=alert]").filter(has_text="is no motion").first).to_be_visible()
+
+
+def test_one_side_is_posed_by_hand_and_the_robots_pose_becomes_a_key_frame(building, robot):
+    page = building(DESK, STANDS[:1])
+    page.get_by_role("button", name="Release", exact=True).click()
+    assert until_true(page, lambda: robot.asked)
+    what, given = robot.asked.pop()
+    assert (what, given["on"], len(given["joints"])) == ("joints/torque", False, 9)
+    expect(page.locator(".motions-live")).to_be_visible()
+    robot.angles["left_elbow"] = -1.2
+    page.wait_for_timeout(500)
+    page.get_by_role("button", name="Add the robot's pose").click()
+    assert until_true(page, lambda: len(draft(page)) == 2)
+    assert draft(page)[1]["positions"]["left_elbow"] == pytest.approx(-1.2, abs=0.01)
+
+
+def test_a_thousand_key_frames_are_shown_and_ten_thousand_are_refused_in_words(building, robot):
+    page = building(DESK, [frame(0.1, left_elbow=-0.001 * at) for at in range(1000)])
+    expect(page.locator(".motions-rest")).to_have_text("+952")
+    page.keyboard.press("End")
+    expect(page.locator('.motions-frame[aria-selected="true"]')).to_contain_text("1000 ·")
+    page.get_by_role("button", name="Play on the robot").click()
+    big = json.dumps({"format": "lbr-motion", "robot": "bioloid", "version": 1, "motion": {"name": "big", "frames": [frame(0.1, left_elbow=-0.1)] * 10_000}})  # fmt: skip
+    page.locator("input[type=file]").set_input_files({"name": "big.json", "mimeType": "application/json", "buffer": big.encode()})  # fmt: skip
+    expect(page.get_by_text("1000 may be").first).to_be_visible(timeout=LONG_MS)

@@ -297,3 +297,33 @@ def test_a_clock_that_is_none_stops_it(bench):
     bench.ask(AHEAD)
     bench.driver.step(float("nan"))
     assert not bench.ctx.live
+
+
+def test_what_came_before_a_stop_and_is_read_after_it_moves_nothing(bench):
+    """What came before a stop, and is read after it, moves nothing"""
+    ahead = wishes.asked(json.dumps(AHEAD).encode())
+
+    def moves(who: Who, came_s: float) -> str:
+        promise = bench.robot.start(bench.driver.move(who, ahead, came_s))
+        bench.run()
+        try:
+            promise.result(0)
+        except Refused as err:
+            return err.code
+        return ""
+
+    came_s = bench.ctx.now
+    bench.run(0.1)
+    bench.driver.give_up("stopped by the page")
+    bench.run(0.1)
+    assert moves(OTHER, came_s) == "stopped"
+    assert not bench.ctx.live
+    assert moves(OTHER, bench.ctx.now) == ""
+    stop_came_s = bench.ctx.now
+    behind_s = stop_came_s + 0.01
+    bench.run(0.1)
+    promise = bench.robot.start(bench.driver.stop(OTHER, "stopped", stop_came_s))
+    bench.run()
+    promise.result(0)
+    assert moves(OTHER, stop_came_s) == "stopped"
+    assert moves(OTHER, behind_s) == ""

@@ -1,13 +1,12 @@
 """The page in a browser, on a phone's screen and a desk's: what a hand on it moves, and what stops when the hand is off."""
 
 import re
-import shutil
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 
-from tests.support import machine, needs
+from tests.support import browsers, machine, needs
 from tests.support.robot import until
 from tests.web.page_robot import PageRobot, page_robot
 
@@ -40,9 +39,7 @@ SMALL = """() => [...document.querySelectorAll("button, select, input:not([type=
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     with sync_playwright() as started:
-        found = started.chromium.launch(
-            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
-        )
+        found = browsers.start(started)
         yield found
         found.close()
 
@@ -61,6 +58,7 @@ def robot(served) -> Iterator[PageRobot]:
     found.held.clear()
     yield found
     found.refusal, found.estop, found.needs_token, found.role = None, "", False, "admin"
+    found.drives_by, found.blind, found.lasts_s = None, {}, 0.6
     found.muted.clear()
     found.halt()
 
@@ -74,7 +72,7 @@ class Opened:
         self.errors: list[str] = []
 
     def page(self, size: str = "desk", path: str = "/#drive", **more: Any) -> Page:
-        context = self._browser.new_context(**(SIZES[size] | {"locale": "en-GB"} | more))
+        context = self._browser.new_context(**(SIZES[size] | {"locale": "en-GB", "service_workers": "block"} | more))
         self._contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda err: self.errors.append(str(err)))
@@ -260,6 +258,19 @@ def test_a_refusal_is_told_by_its_code_and_sentence_and_who_holds_it_can_be_foll
     page.mouse.up()
 
 
+def test_what_holds_the_base_still_is_the_robots_own_answer(opened, robot):
+    page = opened.page("phone")
+    page.get_by_role("button", name="Why?").click()
+    expect(page.locator(".drive-because")).to_contain_text("Nothing holds it still")
+    page.get_by_role("button", name="Why?").click()
+    expect(page.locator(".drive-because")).to_have_count(0)
+    robot.estop = "the dog"
+    page.get_by_role("button", name="Why?").click()
+    expect(page.locator(".drive-because")).to_contain_text("latched by console@kitchen:812: the dog")
+    expect(page.locator(".drive-because code")).to_have_text("reset, once nothing is in danger")
+    assert not page.evaluate(SMALL)
+
+
 def test_moves_that_end_by_themselves_are_kept_until_they_do(opened, robot):
     page = opened.page()
     page.get_by_role("button", name="Turn 90°", exact=True).click()
@@ -344,9 +355,11 @@ def test_system_tells_of_parts_events_and_numbers(opened, robot):
     expect(page.get_by_text("no loudspeaker").first).to_be_visible()
     page.get_by_role("button", name="Restart: drive").click()
     page.get_by_role("dialog").get_by_role("button", name="Restart").click()
-    assert within(page, lambda: ("console", {"line": "restart drive"}) in robot.asked)
+    assert within(page, lambda: ("console", {"line": "/restart/drive"}) in robot.asked)
     page.get_by_role("radio", name="Events").click()
-    expect(page.locator(".system-events li")).to_have_count(2)
+    expect(page.locator(".system-events li")).to_have_count(3)
+    page.get_by_label("Part").select_option("motors")
+    expect(page.locator(".system-events li")).to_have_text(re.compile("crashed an hour ago"))
     page.get_by_role("radio", name="Chart").click()
     expect(page.locator(".system-plot canvas")).to_be_visible()
     page.get_by_label("Stream").select_option("attitude/state")
@@ -363,3 +376,43 @@ def test_it_speaks_german_and_keeps_what_was_chosen(opened, robot):
     page.reload()
     expect(page.get_by_role("link", name="Drive")).to_be_visible()
     assert page.evaluate("document.documentElement.dataset.theme") == "light"
+
+
+def test_who_wants_the_robot_asks_and_who_holds_it_hands_it_over(opened, robot):
+    holder, other = opened.page("phone"), opened.page()
+    grip(holder)
+    assert within(holder, lambda: robot.moves)
+    other.get_by_role("button", name="Ask for it").click()
+    sign = holder.get_by_role("alert").filter(has_text="tablet would like to drive")
+    expect(sign).to_be_visible()
+    assert robot.moves, "a question ends nothing"
+    sign.get_by_role("button", name="Hand over").focus()
+    holder.keyboard.press("Enter")
+    assert within(holder, lambda: not robot.moves)
+    expect(other.locator(".notice").filter(has_text="hands over to you")).to_be_visible()
+    expect(sign).to_have_count(0)
+    held = len(robot.held)
+    holder.mouse.move(200, 300, steps=3)
+    holder.wait_for_timeout(200)
+    assert len(robot.held) == held, "a thumb that stays on the stick takes nothing back"
+    grip(other)
+    assert within(other, lambda: robot.moves)
+    other.mouse.up()
+
+
+def test_what_moves_on_the_page_below_a_thumb_steers_nothing(opened, robot):
+    page = opened.page("phone")
+    grip(page)
+    box = page.locator(".drive-stick").bounding_box()
+    assert within(page, lambda: robot.held and robot.held[-1]["message"]["angle_deg"] == 0)
+    page.evaluate("document.querySelector('.drive-stick').style.translate = '0 90px'")
+    assert page.locator(".drive-stick").bounding_box() != box
+    said = len(robot.held)
+    page.mouse.move(195, 300)
+    assert within(page, lambda: len(robot.held) > said)
+    ahead, x = 0.32, box["x"] + box["width"] / 2
+    page.mouse.move(x, box["y"] + (0.5 + ahead) * box["height"])
+    assert within(page, lambda: robot.held[-1]["message"]["angle_deg"] == 180), (
+        "as far below the middle as it was above"
+    )
+    page.mouse.up()

@@ -1,10 +1,13 @@
 """The page against a whole robot, down to its motors' bytes."""
 
-import shutil
+import signal
+from collections.abc import Callable
+from contextlib import suppress
 
+import psutil
 import pytest
 
-from tests.support import machine, needs
+from tests.support import browsers, machine, needs
 from tests.support.robot import Robot, prepare, running, until
 
 needs.modules("playwright")
@@ -42,19 +45,49 @@ def drives(page: Page, robot: Robot) -> bool:
     return False
 
 
-def test_the_thumb_moves_the_motors_and_a_closed_page_stops_them(tmp_path):
+def chromium() -> list[psutil.Process]:
+    """Return the browser's processes; some may be gone."""
+    return [one for one in psutil.Process().children(recursive=True) if "chrom" in one.name()]
+
+
+def signalled(number: int) -> None:
+    for process in chromium():
+        with suppress(psutil.Error):
+            process.send_signal(number)
+
+
+def stands_in_time(robot: Robot, lost: Callable[[], object]) -> None:
+    """Lose the page; the motors stand in time."""
+    watch = machine.Stopwatch()
+    lost()
+    until(lambda: not turns(robot), what="motors that stand")
+    assert not watch.over(STANDS_S), watch
+
+
+def test_the_thumb_moves_the_motors_and_a_page_that_is_lost_stops_them(tmp_path):
     home = prepare(tmp_path / "home", "web")
     with running(home) as robot, sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"])  # fmt: skip
-        page = browser.new_page(locale="en-GB")
-        page.goto(f"{robot.web}/#drive")
-        expect(page.locator(".drive-why")).to_contain_text("Ready", timeout=15_000)
-        assert any(push(page) or drives(page, robot) for _ in range(TRIES))
+        browser = browsers.start_windowed(started)
+
+        def opened() -> Page:
+            page = browser.new_page(locale="en-GB", service_workers="block")
+            page.goto(f"{robot.web}/#drive")
+            expect(page.locator(".drive-why")).to_contain_text("Ready", timeout=15_000)
+            assert any(push(page) or drives(page, robot) for _ in range(TRIES))
+            return page
+
+        page = opened()
         page.mouse.up()
         until(lambda: not turns(robot), what="motors that stand once the thumb is lifted")
         assert any(push(page) or drives(page, robot) for _ in range(TRIES))
-        watch = machine.Stopwatch()
+        stands_in_time(robot, page.close)
+        page = opened()
+        stands_in_time(robot, lambda: signalled(signal.SIGSTOP))  # as a phone that is locked
+        before = robot.trace.read_text()
+        signalled(signal.SIGCONT)
+        page.mouse.move(600, 300, steps=3)
+        page.wait_for_timeout(300)
+        assert not turns(robot), robot.trace.read_text()[len(before) :]
         page.close()
-        until(lambda: not turns(robot), what="motors that stand once the page is closed")
-        assert not watch.over(STANDS_S), watch
-        browser.close()
+        opened()
+        stands_in_time(robot, lambda: signalled(signal.SIGKILL))

@@ -306,7 +306,7 @@ def test_the_page_says_what_is_answered(api):
 def test_generated_requests_find_nothing_wrong(api):
     """The whole amount is `python -m benchmarks rest_cases`."""
     tally = ask_all(api.client, 60)
-    assert tally.wrong == []
+    assert tally.wrong == [], "\n".join(map(str, tally.wrong))
     assert on_the_wire(api.trace)[1] == []
 
 

@@ -189,6 +189,25 @@ def test_what_is_cancelled_does_not_begin(bench):
     assert refusal(bench.work.jobs.get, "2")[0] == 404
 
 
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda bench, came_s: bench.motor("id=24&pos=110", came_s=came_s),
+        lambda bench, came_s: bench.several({"id": 24, "pos": 110}, came_s=came_s),
+        lambda bench, came_s: bench.play("4", came_s),
+    ],
+    ids=["motor", "several", "motion"],
+)
+def test_what_began_to_come_before_a_stop_and_is_whole_after_it_moves_nothing(bench, ask):
+    bench.say(joints_state(stopped_s=5.0, stopped_by="console"))
+    status, why = refusal(ask, bench, 4.0)
+    assert (status, why) == (409, "the robot was stopped by console after this was sent")
+    bench.run(0.5)
+    assert bench.sent() == bench.sent("play") == []
+    ask(bench, 5.1)
+    assert bench.sent() + bench.sent("play")
+
+
 @pytest.mark.parametrize("how", ["stop", "estop", "server", "lost", "motion", "other_motion"])
 def test_stops_and_motions_drop_jobs(bench, how):
     bench.say(joints_state(stopped_s=None))

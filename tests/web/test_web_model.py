@@ -1,5 +1,6 @@
 """The face `model`: the body of this robot and the poses of its motions, as answers."""
 
+import time
 from types import SimpleNamespace
 from typing import Any
 
@@ -28,7 +29,9 @@ WAVE = Motion(
 @pytest.fixture
 def routes(tmp_path) -> dict[str, Any]:
     ctx = SimpleNamespace(home=str(tmp_path), rows=lambda _row: ())
-    robot: Any = SimpleNamespace(name="bioloid", ctx=ctx, joints=(ELBOW,), motions=(WAVE,))
+    robot: Any = SimpleNamespace(
+        name="bioloid", ctx=ctx, now=time.monotonic, joints=(ELBOW,), motors=(), motions=(WAVE,)
+    )
     return {route.path: route.handle for route in face(robot).routes() if route.method == "GET"}
 
 
@@ -95,7 +98,9 @@ def kept(tmp_path, reply: EditReply, **given: Any) -> tuple[Editor, Any]:
     """Post a motion to a robot that answers edits like this."""
     editor = Editor(reply)
     ctx = SimpleNamespace(home=str(tmp_path), rows=lambda _row: ())
-    robot: Any = SimpleNamespace(name="bioloid", ctx=ctx, joints=(ELBOW,), motions=(WAVE,), edit=editor.edit)
+    robot: Any = SimpleNamespace(
+        name="bioloid", ctx=ctx, now=time.monotonic, joints=(ELBOW,), motors=(), motions=(WAVE,), edit=editor.edit
+    )
     post = next(route.handle for route in face(robot).routes() if route.method == "POST")
     return editor, post(request(data=MotionBody(frames=(frame(left_elbow=-0.5),), **given)))
 

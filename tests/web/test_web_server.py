@@ -1,5 +1,6 @@
 import asyncio
 import http.client
+import select
 import socket
 import ssl
 import threading
@@ -16,6 +17,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from lbr import qr
+from lbr.apps.http import slots
 from lbr.apps.web import WebSettings, application
 from lbr.apps.web.addresses import url
 from lbr.apps.web.advertised_address import AdvertisedAddress
@@ -182,6 +184,68 @@ def test_a_stop_is_done_whatever_its_body_is(served):
     head = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{"
     assert served.raw(head).startswith(b"HTTP/1.1 200")
     assert "halt" in {request for request, _ in served.stage.asked}
+
+
+@pytest.mark.parametrize(
+    ("target", "host", "status"),
+    [
+        (b"http://127.0.0.1:%d/stop", b"127.0.0.1:%d", b"200"),
+        (b"HTTP://localhost:%d/stop?why=1", b"localhost:%d", b"200"),
+        (b"https://localhost:%d/stop", b"localhost:%d", b"200"),
+        (b"http://localhost:%d", b"localhost:%d", b"404"),
+        (b"http://localhost:%d?x=/stop", b"localhost:%d", b"404"),
+        (b"http://localhost:%d/stop", b"evil.example:%d", b"421"),
+        (b"http://evil.example:%d/stop", b"localhost:%d", b"404"),
+        (b"http://evil.example:%d/stop", b"evil.example:%d", b"421"),
+        (b"http://me@localhost:%d/stop", b"localhost:%d", b"404"),
+        (b"ftp://localhost:%d/stop", b"localhost:%d", b"404"),
+    ],
+)
+def test_an_address_as_proxies_are_asked_is_the_same_request_to_the_host_it_names(served, target, host, status):
+    """An address as proxies are asked is the same request, to the host it names"""
+    head = b"POST " + target % served.port + b" HTTP/1.1\r\nHost: " + host % served.port + b"\r\n"
+    assert served.raw(head + b"Content-Length: 0\r\nConnection: close\r\n\r\n")[9:12] == status
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        b"POST /nowhere HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Length: 90000\r\n\r\n",
+        b"POST /estop/reset HTTP/1.1\r\nHost: localhost\r\nContent-Length: 90000\r\n\r\n",
+        b"POST /estop/reset HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\nnonsense\r\n",
+        b"nonsense\r\n\r\n",
+    ],
+)
+def test_who_is_refused_before_all_was_said_reads_why_and_is_not_cut(served, head):
+    """A sender that is refused before all was said reads why, and is not cut"""
+    with socket.create_connection(("127.0.0.1", served.port), timeout=8) as client:
+        client.sendall(head)
+        said = client.recv(65536)
+        assert said.startswith(b"HTTP/1.1 4")
+        for _ in range(20):
+            client.sendall(1000 * b"x")
+            select.select([client], [], [], 0.01)
+        while part := client.recv(65536):
+            said += part
+        client.shutdown(socket.SHUT_WR)
+    assert b"\r\n\r\n" in said
+
+
+def test_who_goes_on_after_the_answer_is_cut_in_time(served, monkeypatch):
+    """A sender that goes on after the answer is cut in time"""
+    monkeypatch.setitem(slots.LIMIT_S, "leaving", 0.05)
+    with socket.create_connection(("127.0.0.1", served.port), timeout=8) as client:
+        client.sendall(b"nonsense\r\n\r\n")
+        assert client.recv(65536).startswith(b"HTTP/1.1 400")
+
+        def cut() -> bool:
+            try:
+                client.sendall(b"x")
+            except OSError:
+                return True
+            return False
+
+        until(cut, what="it is cut")
 
 
 def test_a_body_without_end_is_cut_where_it_is_too_large(served):

@@ -91,7 +91,7 @@ def test_state_has_what_the_rows_wire_and_nothing_else(wheels):
     described = document["components"]["schemas"][shown.rpartition("/")[2]]["properties"]
     assert set(state) == set(described)
     builtin = {"/state", "/stop", "/estop", "/estop/reset", "/openapi.json", "/qr.svg", "/qr", "/session", "/sessions"}
-    faces = {"/index.html", "/stream.mjpg", "/snapshot.jpg", "/cameras"}
+    faces = {"/index.html", "/stream.mjpg", "/snapshot.jpg", "/cameras", "/call", "/call/{id}"}
     assert {path for path in document["paths"] if not path.startswith("/api")} == builtin | faces
 
 

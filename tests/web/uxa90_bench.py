@@ -1,6 +1,7 @@
 """The loop's side of the UXA-90's API without a robot: requests are answered by a script, and time is what a test says."""
 
 import sqlite3
+from math import inf
 from types import SimpleNamespace
 from typing import Any
 
@@ -109,18 +110,24 @@ class Bench:
         return self.robot.start(work)
 
     def asked_motor(self, text: str, **options: Any) -> Any:
-        work = self.work.motor(self.query(text), lambda role: None, measured=options.get("measured", False))
+        work = self.work.motor(
+            self.query(text),
+            lambda role: None,
+            measured=options.get("measured", False),
+            came_s=options.get("came_s", inf),
+        )
         return self.begin(work)
 
     def motor(self, text: str, **options: Any) -> Any:
         """Return what /motor?TEXT is answered with; raises Refused."""
         return self._result(self.asked_motor(text, **options))
 
-    def several(self, *items: Any, unit: str = "") -> Any:
-        return self._result(self.begin(self.work.several({"motors": list(items)}, {"unit": [unit]} if unit else {})))
+    def several(self, *items: Any, unit: str = "", came_s: float = inf) -> Any:
+        query = {"unit": [unit]} if unit else {}
+        return self._result(self.begin(self.work.several({"motors": list(items)}, query, came_s)))
 
-    def play(self, key: str) -> Any:
-        return self._result(self.begin(self.work.play(key)))
+    def play(self, key: str, came_s: float = inf) -> Any:
+        return self._result(self.begin(self.work.play(key, came_s)))
 
     def _result(self, promise: Any) -> Any:
         self.run()

@@ -38,6 +38,7 @@ class Stage:
         self.settings, self.given = settings, users
         self.asked: list[tuple[str, Any]] = []
         self.events: list[tuple[str, str, str]] = []
+        self.event_data: list[tuple[str, Any]] = []
         self.published: dict[str, Any] = {}
         self.engaged: list[str] = []
         self.warned: list[str] = []
@@ -79,6 +80,7 @@ class Stage:
         self, kind: str, text: str, *, level: str = "info", data: Any = None, code: str = "", about: str = ""
     ) -> None:
         self.events.append((kind, text, level))
+        self.event_data.append((kind, data))
 
     def warn(self, reason: str, code: str = "failed") -> None:
         self.warned.append(reason)

@@ -41,7 +41,9 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('rover', 'world', 'world',
      '{"body": {"length_m": 0.45, "width_m": 0.42, "height_m": 0.5, "mass_kg": 14, "wheel_diameter_m": 0.15,
                 "counts_per_turn": 400, "max_speed_mps": 0.8}}',
-     '[]', 'The simulated room; runs only under a simulating launch profile');
+     '[]', 'The simulated room; runs only under a simulating launch profile'),
+    ('rover', 'web', 'web', '{"port": 50003, "faces": ["page", "model"]}', '[]',
+     'The robot over HTTP: its page and API, stop; on this machine only, unless the settings say otherwise');
 
 INSERT INTO channel (robot, source, target) VALUES
     ('rover', 'drive.setpoint', 'motors.setpoint'),
@@ -52,5 +54,8 @@ INSERT INTO channel (robot, source, target) VALUES
     ('rover', 'attitude.state', 'odometry.attitude'),
     ('rover', 'motors.state', 'odometry.motors'),
     ('rover', 'attitude.motion', 'drive.command'),
-    ('rover', 'attitude.halt', 'drive.stop');
+    ('rover', 'attitude.halt', 'drive.stop'),
+    ('rover', 'drive.state', 'web.drive'),
+    ('rover', 'web.halt', 'drive.stop'),
+    ('rover', 'web.estop_reset', 'executive.estop_reset');
 INSERT INTO channel (robot, source, target, history) VALUES ('rover', 'imu.sample', 'attitude.samples', 32);

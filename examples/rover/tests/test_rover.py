@@ -10,7 +10,7 @@ import pytest
 from lbr.testing import robot as robots
 from lbr.testing.robot import NoAnswerError, running
 
-NAMES = ("motors", "lidar", "imu", "drive", "attitude", "odometry", "world")
+NAMES = ("motors", "lidar", "imu", "drive", "attitude", "odometry", "world", "web")
 PATIENT = {"ttl_s": 1.0}
 """A test on a busy machine may be late to renew its lease."""
 SENDER = """

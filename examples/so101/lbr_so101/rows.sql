@@ -29,7 +29,9 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
                  "stall_a": 2.7},
        "rests": {"shoulder_lift": -1.745, "elbow_flex": 1.69, "wrist_flex": 0.6,
                  "leader_shoulder_lift": -1.745, "leader_elbow_flex": 1.69, "leader_wrist_flex": 0.6}}', '[]',
-     'The simulated arms on their table; runs only under a simulating launch profile');
+     'The simulated arms on their table; runs only under a simulating launch profile'),
+    ('so101', 'web', 'web', '{"port": 50004, "faces": ["page", "model"]}', '[]',
+     'The robot over HTTP: its page and API, stop; on this machine only, unless the settings say otherwise');
 
 INSERT INTO channel (robot, source, target, history) VALUES
     ('so101', 'joints.setpoint', 'arm.setpoint', 1),
@@ -51,7 +53,16 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('so101', 'teleop.move', 'joints.command', 1),
     ('so101', 'teleop.halt', 'joints.stop', 1),
     ('so101', 'arm.state', 'calibration.servos', 1),
-    ('so101', 'leader_arm.state', 'leader_calibration.servos', 1);
+    ('so101', 'leader_arm.state', 'leader_calibration.servos', 1),
+    ('so101', 'joints.state', 'web.joints', 1),
+    ('so101', 'leader_joints.state', 'web.joints', 1),
+    ('so101', 'motions.state', 'web.motions', 1),
+    ('so101', 'web.halt', 'joints.stop', 1),
+    ('so101', 'web.halt', 'leader_joints.stop', 1),
+    ('so101', 'web.stop_motion', 'motions.stop', 1),
+    ('so101', 'web.stop_motion', 'leader_motions.stop', 1),
+    ('so101', 'web.edit', 'executive.edit', 1),
+    ('so101', 'web.estop_reset', 'executive.estop_reset', 1);
 
 -- The words of the kinds mean the follower; these mean the leader.
 INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES

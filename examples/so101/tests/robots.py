@@ -8,6 +8,9 @@ from lbr.testing.robot import NoAnswerError, running
 SLOWLY_S = 45.0
 """Bounds waiting on a machine that has much else to do; each takes a moment on one that has not."""
 
+PAUSE_S = 0.3
+"""After that a sender counts as one that has paused."""
+
 
 def until(look, what, within_s=SLOWLY_S):
     end = time.monotonic() + within_s
@@ -42,7 +45,8 @@ class Arms:
         def look():
             if self.state("teleop")["phase"] == "idle":
                 self.hear("/torque/on")
-                self.hear("teleop")
+                if self.hear("teleop").get("reason_code") == "rest_first":
+                    time.sleep(PAUSE_S)  # what was asked for at a reset is asked for anew, by who has paused
             return condition()
 
         until(look, what)

@@ -1,4 +1,1 @@
-"""`autodock`: finds the charging dock, backs onto its contacts and sees that the battery is being charged.
-
-`script` decides, and knows neither bus nor clock; `pilot` moves the robot as it says.
-"""
+"""`autodock`: has the robot run its table `dock`, and tells how that ended. The table is the strategy, `beacon` moves."""

@@ -3,66 +3,93 @@
 import argparse
 import sys
 import time
-from collections.abc import Iterator
-from typing import cast
+from typing import Any
 
 from lbr.apps import program
-from lbr.apps.autodock.pilot import Pilot
-from lbr.apps.autodock.script import Manner, dock
-from lbr.apps.autodock.view import Ending, GivenUpError, Say, View
 from lbr.apps.program import Robot
-from lbr.errors import BusError
+from lbr.bus import keys, wire
+from lbr.bus.codec import Decoder
+from lbr.errors import BusError, MalformedError
+from lbr.messages.behaviour import BehaviourState, RunBehaviour
+from lbr.messages.drive import DriveState
+from lbr.messages.leases import CommandReply, StopCommand
 
-PERIOD_S = 0.1
-PATIENCE_S = 10.0
+ANSWER_S = 2.0
+SILENT_S = 5.0
+"""The behaviours tell of themselves once a second at least; a busy machine may be late."""
+LOOK_S = 0.1
 
 
 def main() -> int:
-    """Dock; exit code 0 if the battery is being charged in the end."""
+    """Dock; exit code 0 if the table ended well."""
     given = _arguments(sys.argv[1:])
-    manner = Manner(side=given.side, docked_back_m=given.back / 100, tries=given.tries)
     with program.connected("autodock") as robot:
-        ending = run(robot, manner, given.heading)
-    _tell(ending.text)
-    return 0 if ending.good else program.FAILED
+        good, text = run(robot, given.table)
+    sys.stdout.write(f"{text}\n")
+    return 0 if good else program.FAILED
 
 
-def run(robot: Robot, manner: Manner, heading_deg: float) -> Ending:
-    """Dock; the robot stands in the end, however it ends, and if not by us then because its lease lapses."""
-    pilot = Pilot(robot, heading_deg)
-    script = dock(manner)
-    action = next(script)
+def run(robot: Robot, table: str) -> tuple[bool, str]:
+    """Have a table run, and return whether it ended well and how; what ends this program ends the table."""
+    states = wire.Subscription(robot.bus, keys.port(robot.name, "behaviour", "state"), depth=64)
+    if stopped := _stopped_since(robot):
+        return False, stopped
+    reply = _asked(robot, "run", RunBehaviour(name=table))
+    if not reply.accepted:
+        return False, reply.reason
+    _tell(reply.reason)
     try:
-        for view in _views(pilot):
-            halted = pilot.stopped and not isinstance(action, Say)
-            if not halted:
-                pilot.do(action)
+        return _watched(states, table)
+    except BaseException:
+        _asked(robot, "stop", StopCommand(reason="the program that wanted it ends"))
+        raise
+
+
+def _watched(states: wire.Subscription, table: str) -> tuple[bool, str]:
+    """Tell of each state until the table is over."""
+    heard_s, told, decoder = time.monotonic(), "", Decoder(BehaviourState)
+    runs = False
+    while time.monotonic() - heard_s < SILENT_S:
+        for raw in states.take():
             try:
-                action = script.throw(GivenUpError(pilot.stopped)) if halted else script.send(view)
-            except StopIteration as end:
-                return cast("Ending", end.value)
-            if isinstance(action, Say):
-                _tell(action.text)
-    finally:
-        pilot.stop()
-    raise AssertionError("views never end")
+                state = decoder.decode(raw.payload)
+            except MalformedError:
+                continue
+            heard_s = time.monotonic()
+            mine = table in {state.table, *state.called}
+            runs = runs or (mine and state.phase in {"running", "paused"})
+            if runs and not mine:
+                return False, "the table is gone: the behaviours started over"
+            if runs and state.state != told:
+                told = state.state
+                _tell(told)
+            if runs and state.phase in {"ended", "resting"}:
+                return bool(state.good), state.reason
+        time.sleep(LOOK_S)
+    raise BusError("the behaviours tell nothing any more; what moved has stopped by itself")
 
 
-def _views(pilot: Pilot) -> Iterator[View]:
-    """Yield ten views a second; a robot that does not know how it lies stands, and is waited for a while."""
-    due = seen = time.monotonic()
-    while True:
-        try:
-            view = pilot.look()
-        except BusError as err:
-            pilot.break_off(str(err))
-            if time.monotonic() - seen > PATIENCE_S:
-                raise
-        else:
-            seen = time.monotonic()
-            yield view
-        due = max(due + PERIOD_S, time.monotonic())
-        time.sleep(max(0.0, due - time.monotonic()))
+def _stopped_since(robot: Robot) -> str:
+    """Return who stopped the robot since this program was asked for, or nothing."""
+    key = keys.port(robot.name, "drive", "state")
+    drive, end = wire.Subscription(robot.bus, key, depth=4), time.monotonic() + ANSWER_S
+    while time.monotonic() < end:
+        for raw in drive.take():
+            try:
+                state = Decoder(DriveState).decode(raw.payload)
+            except MalformedError:
+                continue
+            stopped = state.stopped_s is not None and state.stopped_s > robot.started_s
+            return f"stopped by {state.stopped_by or 'a stop'}" if stopped else ""
+        time.sleep(LOOK_S / 2)
+    raise BusError("the drive does not say whether the robot was stopped: the capability 'drive' is silent")
+
+
+def _asked(robot: Robot, command: str, message: Any) -> CommandReply:
+    key = keys.port(robot.name, "behaviour", command)
+    for answer in wire.ask(robot.bus, key, message, source=robot.source, timeout_s=ANSWER_S):
+        return Decoder(CommandReply).decode(answer.payload)
+    raise BusError("the capability 'behaviour' does not answer; without it no table runs")
 
 
 def _tell(text: str) -> None:
@@ -71,20 +98,12 @@ def _tell(text: str) -> None:
 
 
 def _arguments(words: list[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="autodock", description="Find the charging dock and back onto it.")
-    parser.add_argument(
-        "--heading", type=float, default=0.0, metavar="DEG", help="compass heading of the docked robot (0)"
+    parser = argparse.ArgumentParser(
+        prog="autodock",
+        description="Run the table that brings the robot to its dock. How it lies there, settings of the row of kind"
+        " 'beacon' say: heading_deg, side, docked_back_cm.",
     )
-    parser.add_argument(
-        "--side",
-        choices=("left", "right"),
-        default="left",
-        help="where to look first, as the docked robot looks (left)",
-    )
-    parser.add_argument(
-        "--back", type=float, default=36.0, metavar="CM", help="what the rear sensor reads on the dock (36)"
-    )
-    parser.add_argument("--tries", type=int, default=5, metavar="N", help="how often to try (5)")
+    parser.add_argument("--table", default="dock", metavar="NAME", help="the table to run (dock)")
     return parser.parse_args(words)
 
 

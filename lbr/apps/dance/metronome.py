@@ -22,7 +22,7 @@ def ensure(music: Path) -> None:
     """Make the song unless it is there; raises OSError if that cannot be."""
     if all((music / f"{NAME}{suffix}").exists() for suffix in (".wav", ".json")):
         return
-    music.mkdir(mode=0o700, parents=True, exist_ok=True)
+    music.mkdir(mode=0o700, exist_ok=True)
     beats = [FIRST_S + index * BEAT_S for index in range(BEATS)]
     samples = bytearray([128]) * int((beats[-1] + BEAT_S) * RATE_HZ)
     for index, at_s in enumerate(beats):

@@ -46,12 +46,28 @@ class _Bounded(h11.Connection):
         event = super().next_event()
         if isinstance(event, h11.Request):
             self._pieces = self._bytes = 0
+            event = _origin_form(event)
         elif isinstance(event, h11.Data):
             self._pieces += 1
             self._bytes += len(event.data)
             if self._pieces > MOST_PIECES or self._bytes > LARGEST_BODY:
                 raise h11.RemoteProtocolError("this body is too large, or in too many pieces")
         return event
+
+
+def _origin_form(request: h11.Request) -> h11.Request:
+    """Return a request as it is said without a proxy: one that names its host in its address as well (RFC 9112, 3.2.2).
+    One that names two hosts stays as it is, and is for no path that there is."""
+    scheme, sign, rest = request.target.partition(b"://")
+    if not sign or scheme.lower() not in {b"http", b"https"}:
+        return request
+    at = min((where for where in map(rest.find, (b"/", b"?")) if where >= 0), default=len(rest))
+    host, path = rest[:at], rest[at:]
+    if [value.lower() for name, value in request.headers if name == b"host"] != [host.lower()]:
+        return request
+    target = path if path.startswith(b"/") else b"/" + path
+    headers = list(request.headers)
+    return h11.Request(method=request.method, headers=headers, target=target, http_version=request.http_version)
 
 
 class Viewing(WebSocketsSansIOProtocol):
@@ -69,6 +85,32 @@ class Viewing(WebSocketsSansIOProtocol):
             self.transport.abort()
         else:
             super().data_received(data)
+
+
+class _Lingering:
+    """A transport that, where more comes than was read, ends our side first and listens on until the other side ends,
+    too: who is closed with something unread is told nothing but that, not even the answer before it."""
+
+    def __init__(self, transport: asyncio.Transport, linger: Callable[[], bool]) -> None:
+        self._transport = transport
+        self._linger = linger
+        self.lingers = False
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._transport, name)
+
+    def is_closing(self) -> bool:
+        """Say whether nothing more is written."""
+        return self.lingers or self._transport.is_closing()
+
+    def close(self) -> None:
+        """Write what is to be written, and end."""
+        if self.is_closing() or not self._transport.can_write_eof() or not self._linger():
+            self._transport.close()
+            return
+        self.lingers = True
+        self._transport.write_eof()
+        self._transport.resume_reading()
 
 
 class Connection(H11Protocol):
@@ -89,12 +131,15 @@ class Connection(H11Protocol):
         self._slot: Slot | None = None
         self._early = b""
         self._marked: object = None
+        self._lingering: _Lingering | None = None
+        self._unread = 0
 
     def begin(self, transport: asyncio.Transport, slot: Slot) -> None:
         """Serve on a connection that stands."""
         self._slot = slot
         transport.set_write_buffer_limits(high=BUFFER_BYTES)
-        self.connection_made(transport)
+        self._lingering = _Lingering(transport, self._has_more_to_come)
+        self.connection_made(cast("asyncio.Transport", self._lingering))
         self._to("idle")
         if self._early:
             early, self._early = self._early, b""
@@ -115,6 +160,11 @@ class Connection(H11Protocol):
         """Take what was sent; what comes before the other side of TLS has begun waits for that."""
         if self._slot is None:
             self._early += data
+            return
+        if self._lingering is not None and self._lingering.lingers:
+            self._unread += len(data)
+            if self._unread > LARGEST_BODY:
+                self.transport.abort()
             return
         try:
             super().data_received(data)
@@ -151,6 +201,9 @@ class Connection(H11Protocol):
         as a head is."""
         if self._marked is self:
             return
+        if self.transport.is_closing():
+            self._to("leaving")
+            return
         if self.cycle is not None and not self.cycle.response_complete:
             if _ends_doubtfully(self.cycle.scope["headers"]):
                 self.cycle.keep_alive = False
@@ -159,6 +212,10 @@ class Connection(H11Protocol):
         else:
             unfinished = self.conn.trailing_data[0] or self.conn.their_state is h11.SEND_BODY
             self._to("head" if unfinished else "idle")
+
+    def _has_more_to_come(self) -> bool:
+        """Say whether more of a request is on its way than was read, as far as what was read tells."""
+        return self.conn.their_state in {h11.SEND_BODY, h11.ERROR} or bool(self.conn.trailing_data[0])
 
     def _to(self, phase: Phase) -> None:
         if self._slot is not None:
@@ -282,7 +339,10 @@ def config(app: ASGIApp, *, tls: bool, sockets: bool = False) -> uvicorn.Config:
         ssl_keyfile=key,
         ssl_certfile=public,
     )
-    made.load()
+    try:
+        made.load()
+    except (ssl.SSLError, OSError) as err:
+        raise InputError(f"TLS cannot be spoken with {key} and {public}: {err}; mend or remove them") from err
     if tls and not isinstance(made.ssl, ssl.SSLContext):
         raise InputError("TLS could not be set up: see credentials/bus.key and bus.crt in the robot's home")
     return made

@@ -42,6 +42,7 @@ KIND = Kind(
     summary="the door to other machines: each token lets in with the rights of its role",
     family="app",
     serves=True,
+    lets_in=("enabled", "listen"),
     entry="lbr.apps.lan.capability:Lan",
     settings=LanSettings,
 )

@@ -3,7 +3,6 @@
 import asyncio
 import hashlib
 import socket
-import ssl
 import sys
 from collections.abc import Coroutine, Iterable
 from contextlib import ExitStack
@@ -27,6 +26,7 @@ from lbr.apps.web.face import TEXT, Request, Route
 from lbr.apps.web.guards import Counts
 from lbr.apps.web.login import Login
 from lbr.apps.web.sessions import Sessions
+from lbr.bus import certificates
 from lbr.errors import InputError
 
 SESSIONS = "navcam.sessions"
@@ -105,7 +105,7 @@ def _origin(host: str, port: int, *, tls: bool) -> str:
 
 
 def _fingerprint(certificate: Path) -> str:
-    digest = hashlib.sha256(ssl.PEM_cert_to_DER_cert(certificate.read_text())).hexdigest().upper()
+    digest = hashlib.sha256(certificates.first_der(certificate)).hexdigest().upper()
     return ":".join(digest[at : at + 2] for at in range(0, len(digest), 2))
 
 

@@ -16,9 +16,9 @@ def checked(name: str, what: str) -> str:
     return name
 
 
-def stems(folder: Path, suffix: str) -> list[str]:
-    """Return the names of a folder's files with this suffix, in order; none if there is no such folder."""
+def stems(folder: Path, *suffixes: str) -> list[str]:
+    """Return the names of a folder's files with any of these suffixes, in order; none if there is no such folder."""
     try:
-        return sorted(path.stem for path in folder.glob(f"*{suffix}") if path.is_file())
+        return sorted({path.stem for path in folder.iterdir() if path.suffix in suffixes and path.is_file()})
     except OSError:
         return []

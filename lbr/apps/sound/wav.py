@@ -43,12 +43,18 @@ def peak(path: Path) -> float:
         return max((_peak(block, sound.getsampwidth()) for block in blocks), default=0.0)
 
 
-def write(path: Path, samples: bytes, rate_hz: int) -> None:
-    """Write samples of one channel, unsigned bytes around 128, so that the file is there whole or not at all."""
+def samples(path: Path) -> bytes:
+    """Return all samples of a file as they are in it."""
+    with _opened(path) as sound:
+        return sound.readframes(sound.getnframes())
+
+
+def write(path: Path, samples: bytes, rate_hz: int, width: int = 1) -> None:
+    """Write samples of one channel so that the file is there whole or not at all; bytes are unsigned, around 128."""
     part = path.with_name(f".{path.name}.part")
     with wave.open(str(part), "wb") as sound:
         sound.setnchannels(1)
-        sound.setsampwidth(1)
+        sound.setsampwidth(width)
         sound.setframerate(rate_hz)
         sound.writeframes(samples)
     part.replace(path)

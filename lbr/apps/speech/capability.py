@@ -9,6 +9,7 @@ from pathlib import Path
 from lbr.apps.sound import wav
 from lbr.apps.sound.sinks import sink_at
 from lbr.apps.speech import SpeechSettings, files
+from lbr.apps.speech.decoder import Decoder
 from lbr.apps.speech.jobs import Job, Jobs
 from lbr.apps.speech.speaker import Speaker
 from lbr.apps.speech.text import phrase, to_say
@@ -43,7 +44,8 @@ class Speech(Capability[SpeechSettings]):
         self._tell_at = 0.0
         self._home = Path(ctx.home)
         self._scratch = self._home / "run" / f"{ctx.robot}-{ctx.name}"
-        self._writer = Writer(Worker(ctx.clock), self._jobs, self._scratch, ctx.settings)
+        self._writer = Writer(Worker(ctx.clock), self._jobs, self._scratch, self._home, ctx.settings)
+        self._decoder = Decoder(self._jobs, self._scratch, ctx.clock)
 
     def open(self) -> None:
         """Find the place for sound and start the engine; both are tried while it steps."""
@@ -53,7 +55,8 @@ class Speech(Capability[SpeechSettings]):
         sink = sink_at(device.address, self.ctx.clock)
         try:
             shutil.rmtree(self._scratch, ignore_errors=True)
-            self._scratch.mkdir(mode=0o700, parents=True)
+            self._scratch.parent.mkdir(mode=0o700, exist_ok=True)
+            self._scratch.mkdir(mode=0o700)
         except OSError as err:
             raise DeviceError(f"{self._scratch} cannot be made ({err.strerror}); check the disk") from err
         self._speaker = Speaker(sink, self._scratch, self.ctx.clock)
@@ -62,7 +65,7 @@ class Speech(Capability[SpeechSettings]):
     def step(self) -> None:
         """Go on with what is being written and said."""
         speaker = self._opened()
-        for job, why in self._writer.poll():
+        for job, why in (*self._writer.poll(), *self._decoder.poll(), *self._decoder.go_on()):
             self._written(job, why)
         result = speaker.poll()
         if result is not None:
@@ -100,6 +103,7 @@ class Speech(Capability[SpeechSettings]):
             self._bid_farewell(speaker)
             speaker.stop()
         self._writer.close()
+        self._decoder.close()
         self._jobs.clear()
         self._saying = None
         shutil.rmtree(self._scratch, ignore_errors=True)
@@ -111,7 +115,8 @@ class Speech(Capability[SpeechSettings]):
 
     def _say(self, command: SayCommand) -> str:
         if command.text.startswith(RECORDING) and not command.save:
-            job = Job(text=command.text, sound=files.recording(self._home, command.text[1:].strip()))
+            found = files.recording(self._home, command.text[1:].strip())
+            job = Job(text=command.text, source=found) if isinstance(found, Path) else Job(command.text, sound=found)
         else:
             text, language = to_say(command, self.ctx.rows(Phrase), self.ctx.settings.language)
             keep = files.place_for(self._home, command.save) if command.save else None
@@ -161,7 +166,7 @@ class Speech(Capability[SpeechSettings]):
 
     def _why_not(self, job: Job) -> str:
         speaker = self._opened()
-        if job.sound is None and self._writer.trouble:
+        if job.sound is None and job.source is None and self._writer.trouble:
             return self._writer.trouble
         return speaker.trouble if job.keep is None else ""
 
@@ -258,6 +263,8 @@ class Speech(Capability[SpeechSettings]):
             yield speaker.trouble or "the speaker is being tried"
         if writer.trouble or not writer.started:
             yield writer.trouble or "the speech engine is starting"
+        elif writer.note:
+            yield writer.note
 
     def _state(self, reason: str) -> SpeechState:
         saying, device = self._saying, self.ctx.device

@@ -1,7 +1,8 @@
 """The speech engine's own process: `python -m lbr.apps.speech.engine`, texts as JSON lines in, WAV files out.
 
 It first says whether there is an engine at all. Then each request is answered by one line. What pyttsx3 prints goes
-nowhere, and it only ever writes files: its own playback reports success without a sound card.
+nowhere, and it only ever writes files: its own playback reports success without a sound card. A voice of the cloud or of
+piper that cannot be had is no failure: espeak-ng says the text, and the answer's note says why.
 """
 
 import os
@@ -11,28 +12,17 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import msgspec
-from msgspec import Struct
 
 from lbr.apps.sound import wav
+from lbr.apps.speech.piper import Piper
+from lbr.apps.speech.polly import Polly
+from lbr.apps.speech.request import Answer, Request
 from lbr.errors import LbrError
 
 INSTALL = "`sudo apt install espeak-ng` brings one"
 
 
-class Request(Struct, frozen=True, kw_only=True):
-    """A text to be written to a file as sound; `volume` from 0 to 1."""
-
-    text: str
-    language: str
-    words_per_min: int
-    volume: float
-    path: str
-
-
-class Answer(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What became of a request, or at first, of the engine itself; no reason is success."""
-
-    reason: str = ""
+ESPEAK = "espeak"
 
 
 class Engine:
@@ -48,11 +38,13 @@ class Engine:
     def write(self, request: Request) -> None:
         """Write the sound; raise LbrError if there is none."""
         path = Path(request.path)
-        for voice in dict.fromkeys((request.language, request.language.partition("-")[0])):
+        named = (request.name,) if request.engine == ESPEAK else ()
+        for voice in dict.fromkeys((*named, request.language, request.language.partition("-")[0])):
             self._errors.clear()
             path.unlink(missing_ok=True)
             self._engine.setProperty("voice", voice)
             self._engine.setProperty("rate", request.words_per_min)
+            self._engine.setProperty("pitch", request.pitch)
             self._engine.setProperty("volume", request.volume)
             self._engine.save_to_file(request.text, request.path)
             self._engine.runAndWait()
@@ -71,10 +63,32 @@ class Engine:
         self._errors.append(str(exception))
 
 
+class Voices:
+    """All engines behind one call: that of the voice, or else espeak-ng, which is on the robot and always there."""
+
+    def __init__(self, local: Engine) -> None:
+        self._local = local
+        self._others: dict[str, Polly | Piper] = {"polly": Polly(), "piper": Piper()}
+
+    def write(self, request: Request) -> str:
+        """Write the sound; return why another voice has spoken, or nothing. Raise LbrError if none could."""
+        other = self._others.get(request.engine)
+        if other is None:
+            self._local.write(request)
+            return ""
+        try:
+            other.write(request)
+            wav.read(Path(request.path))
+        except LbrError as err:
+            self._local.write(request)
+            return f"{err}; espeak-ng speaks instead of {request.voice}"
+        return ""
+
+
 def serve(requests: BinaryIO, answer: Callable[[Answer], None]) -> None:
     """Say whether there is an engine, then answer requests until they end."""
     try:
-        engine = Engine()
+        voices = Voices(Engine())
     except ImportError as err:
         return answer(Answer(reason=f"there is no pyttsx3 ({err}); `pip install pyttsx3` brings it"))
     except Exception as err:  # noqa: BLE001 - whatever it is, there is no engine
@@ -83,13 +97,13 @@ def serve(requests: BinaryIO, answer: Callable[[Answer], None]) -> None:
     answer(Answer())
     for line in requests:
         try:
-            engine.write(msgspec.json.decode(line, type=Request))
+            note = voices.write(msgspec.json.decode(line, type=Request))
         except LbrError as err:
             answer(Answer(reason=str(err)))
         except Exception as err:  # noqa: BLE001 - the next text may do better
             answer(Answer(reason=f"the speech engine failed: {type(err).__name__}: {str(err)[:200]}"))
         else:
-            answer(Answer())
+            answer(Answer(note=note))
     return None
 
 

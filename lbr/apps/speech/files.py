@@ -1,18 +1,29 @@
-"""What is kept below `$LBR_HOME`: recordings in `sounds`, songs in `music`; WAV files by name."""
+"""What is kept below `$LBR_HOME`: recordings in `sounds`, of any format; songs in `music`, WAV files; both by name."""
 
+from contextlib import suppress
 from pathlib import Path
 
-from lbr.apps.sound import names, wav
+from lbr.apps.sound import formats, names, wav
 from lbr.apps.sound.wav import Wav
 from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
 
 MOST_RECORDINGS = 200
+_SUFFIXES = (formats.WAV, *formats.OTHERS)
+_PCM = b"\x01\x00"
+"""As the head of a WAV file names it."""
 
 
-def recording(home: Path, name: str) -> Wav:
-    """Return a recording; raise InputError naming which it may have been."""
-    return _known(home / "sounds", names.checked(name.lower(), "recording"), "recording")
+def recording(home: Path, name: str) -> Wav | Path:
+    """Return a recording, or the file that has to be decoded first; raise InputError naming which it may have been."""
+    folder, name = home / "sounds", names.checked(name.lower(), "recording")
+    path = next((path for suffix in _SUFFIXES if (path := folder / f"{name}{suffix}").is_file()), None)
+    if path is None:
+        raise _unknown(folder, name, "recording", *_SUFFIXES)
+    if path.suffix != formats.WAV:
+        formats.ensure_decodable(path)
+        return path
+    return path if _compressed(path) and formats.decodes() else wav.read(path)
 
 
 def song(home: Path, name: str) -> Wav:
@@ -31,10 +42,20 @@ def place_for(home: Path, name: str) -> Path:
 
 
 def _known(folder: Path, name: str, what: str) -> Wav:
-    path = folder / f"{name}.wav"
+    path = folder / f"{name}{formats.WAV}"
     if not path.is_file():
-        raise InputError(
-            f"there is no {what} '{name}' in {folder}; {did_you_mean(name, names.stems(folder, '.wav'))}",
-            "unknown_name",
-        )
+        raise _unknown(folder, name, what, formats.WAV)
     return wav.read(path)
+
+
+def _unknown(folder: Path, name: str, what: str, *suffixes: str) -> InputError:
+    known = did_you_mean(name, names.stems(folder, *suffixes))
+    return InputError(f"there is no {what} '{name}' in {folder}; {known}", "unknown_name")
+
+
+def _compressed(path: Path) -> bool:
+    """Return whether a file is WAV, but of another coding than PCM."""
+    with suppress(OSError), path.open("rb") as file:
+        head = file.read(22)
+        return head[:4] == b"RIFF" and head[12:16] == b"fmt " and head[20:22] != _PCM
+    return False

@@ -15,13 +15,14 @@ WRITTEN_AHEAD = 2
 class Job:
     """A text to be said, or saved, or a recording or song to be played; `sound` is there once there is a file.
 
-    `keep` is where a text is saved to instead of being said; `own` is what speech says of itself, which no sender waits
+    `source` is a recording that has to be decoded first. `keep` is where a text is saved to instead of being said; `own` is what speech says of itself, which no sender waits
     for.
     """
 
     text: str = ""
     language: str = ""
     sound: Wav | None = None
+    source: Path | None = None
     keep: Path | None = None
     song: str = ""
     own: bool = False
@@ -51,12 +52,16 @@ class Jobs:
 
     def to_write(self) -> Job | None:
         """Return the next job that needs a file: what is to be kept first, then what is to be said soon."""
-        unwritten = [job for job in self._waiting if job.sound is None]
+        unwritten = [job for job in self._waiting if job.sound is None and job.source is None]
         kept = next((job for job in unwritten if job.keep is not None), None)
         if kept is not None or not unwritten:
             return kept
         written = sum(job.sound is not None for job in self._waiting)
         return unwritten[0] if written < WRITTEN_AHEAD else None
+
+    def to_decode(self) -> Job | None:
+        """Return the next recording that has to be decoded."""
+        return next((job for job in self._waiting if job.source is not None and job.sound is None), None)
 
     def to_play(self) -> Job | None:
         """Take out and return the next job to be played, once it is a sound; nothing passes one before it."""

@@ -1,7 +1,7 @@
 """What can be said: texts without what no voice has words for, and phrases by name and language. Pure."""
 
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
@@ -48,6 +48,11 @@ def to_say(command: SayCommand, phrases: Iterable[Phrase], language: str) -> tup
         return sayable(command.text), wanted
     found = phrase(phrases, command.phrase, wanted)
     return sayable(found.text), found.language
+
+
+def voice_of(language: str, voices: Mapping[str, str]) -> str:
+    """Return the voice that rows name for a language or what it is a kind of, or nothing."""
+    return voices.get(language) or voices.get(language.partition("-")[0], "")
 
 
 def _said(char: str) -> str:

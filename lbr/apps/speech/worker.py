@@ -8,7 +8,7 @@ from contextlib import suppress
 
 import msgspec
 
-from lbr.apps.speech.engine import Answer, Request
+from lbr.apps.speech.request import Answer, Request
 from lbr.capability.die_with_parent import dying_with_parent
 
 ENGINE = (sys.executable, "-P", "-m", "lbr.apps.speech.engine")

@@ -4,8 +4,9 @@ from pathlib import Path
 
 from lbr.apps.sound import wav
 from lbr.apps.speech import SpeechSettings
-from lbr.apps.speech.engine import Request
 from lbr.apps.speech.jobs import Job, Jobs
+from lbr.apps.speech.request import Cloud, Request
+from lbr.apps.speech.text import voice_of
 from lbr.apps.speech.worker import Worker
 from lbr.errors import InputError
 
@@ -13,13 +14,24 @@ SECONDS_PER_CHARACTER = 0.02
 
 
 class Writer:
-    """Gives the engine what is to be written, and holds what it says against the file that is there."""
+    """Gives the engine what is to be written, and holds what it says against the file that is there.
 
-    def __init__(self, worker: Worker, jobs: Jobs, scratch: Path, settings: SpeechSettings) -> None:
+    `note` says why another voice than the row's spoke last, or nothing.
+    """
+
+    def __init__(self, worker: Worker, jobs: Jobs, scratch: Path, home: Path, settings: SpeechSettings) -> None:
+        self.note = ""
         self._worker = worker
         self._jobs = jobs
         self._scratch = scratch
         self._settings = settings
+        self._models = home / "voices"
+        self._cloud = Cloud(
+            region=settings.cloud_region,
+            endpoint=settings.cloud_endpoint,
+            timeout_s=settings.cloud_timeout_s,
+            cache=str(self._models / "cloud"),
+        )
         self._job: Job | None = None
         self._count = 0
 
@@ -43,6 +55,8 @@ class Writer:
         answer = self._worker.poll()
         if answer is None:
             return []
+        if not answer.reason:
+            self.note = answer.note
         job, self._job = self._job, None
         path = self._path()
         why = "it was hushed"
@@ -69,8 +83,13 @@ class Writer:
             words_per_min=settings.words_per_min,
             volume=settings.volume,
             path=str(self._path()),
+            voice=voice_of(job.language, settings.voices),
+            pitch=settings.pitch,
+            models=str(self._models),
+            cloud=self._cloud,
         )
-        self._worker.say(request, settings.engine_timeout_s + SECONDS_PER_CHARACTER * len(job.text))
+        limit_s = settings.engine_timeout_s + settings.cloud_timeout_s
+        self._worker.say(request, limit_s + SECONDS_PER_CHARACTER * len(job.text))
 
     def close(self) -> None:
         """End the engine."""

@@ -143,6 +143,7 @@ KIND = Kind(
     serves=True,
     pairs=True,
     serves_people=True,
+    lets_in=("host", "tls", "clear_text", "legacy", "trusted", "cors", "names", "announce"),
     entry="lbr.apps.web.start:Web",
     settings=WebSettings,
     inputs=PORTS.inputs,

@@ -6,6 +6,7 @@ from collections.abc import Callable, Coroutine, Iterable, Mapping
 from dataclasses import replace
 from html import escape
 from inspect import isawaitable
+from math import inf
 from typing import Any, Protocol
 from urllib.parse import quote
 
@@ -21,7 +22,7 @@ from lbr.apps.http.pages import Pages, is_visit
 from lbr.apps.http.rates import Rates
 from lbr.apps.web import routing
 from lbr.apps.web.face import HTML, Client, Refused, Request, Route, refuse_unknown, refuse_without, text
-from lbr.apps.web.guards import Answering, Counts, Hosts, Limits, address_of, headers_of
+from lbr.apps.web.guards import CAME, Answering, Counts, Hosts, Limits, address_of, headers_of
 from lbr.apps.web.routing import Endpoint, asked_path
 
 LARGEST_BODY = 64 * 1024
@@ -106,6 +107,7 @@ class Gate:
             method=scope["method"],
             path=asked_path(scope),
             client=client,
+            came_s=scope.get(CAME, inf),
             proven=bool(client.name) or self._pages.proven(headers),
             keys=scope["path_params"],
             query=query,

@@ -1,6 +1,7 @@
 """What the server answers whatever its faces are: states, stopping, where it is, and what there is to ask."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from html import escape
 from importlib import resources
 from typing import Annotated, Any
@@ -13,6 +14,8 @@ from lbr import qr
 from lbr.apps.web import openapi
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.api.documented import with_robot
+from lbr.apps.web.api.requests import source_of
+from lbr.apps.web.api.robot_bus import Question
 from lbr.apps.web.api.service import Api
 from lbr.apps.web.bridge import until
 from lbr.apps.web.face import (
@@ -30,14 +33,19 @@ from lbr.apps.web.face import (
 from lbr.apps.web.faces import Faces
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.states import State, States
+from lbr.bus.codec import Decoder
+from lbr.capability.kind import STOP
+from lbr.errors import MalformedError
+from lbr.messages.codes import heard
 from lbr.messages.leases import StopCommand
-from lbr.messages.system import EstopResetCommand
+from lbr.messages.system import ConsoleResult, EstopResetCommand
 
 STOPS = ("halt", "stop_motion")
 """The request ports that stop, first those to whatever moves by itself: once it stands, the robot does."""
 NOTICED_S = 0.5
 RESET_S, STOP_S = 3.0, 1.0
 PAGE = "text/css", "text/javascript"
+_results = Decoder(ConsoleResult)
 
 
 class EstopBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -139,18 +147,23 @@ class BuiltinRoutes:
         if self._ended < wanted:
             self._begun += 1
             try:
-                self._refused = await self._stop_all(why)
+                self._refused = await self._stop_all(why, source_of(request.client))
             finally:
                 self._ended = self._begun
         if self._refused is not None:
             raise self._refused
         return json(Message(message="stopped"))
 
-    async def _stop_all(self, why: str) -> Refused | None:
-        """Ask all that is wired; return why something does not stop. What moves by itself stands once it says so."""
+    async def _stop_all(self, why: str, source: str) -> Refused | None:
+        """Ask all that is wired; return why something does not stop. What moves by itself stands once it says so.
+
+        What can be held here and is not wired is stopped by the console's word, which no row takes away.
+        """
         stop = StopCommand(reason=why[:200], whole=True)
         asked = {name: self._robot.ctx.ask(name, stop, STOP_S) for name in self._wired()}
-        if not asked:
+        wired = {target for name in asked for target in self._robot.ctx.targets(name)}
+        said = self._say_stop(source) if not self._lenders() <= wired else None
+        if not asked and said is None:
             return Refused(503, "nothing that could be stopped is wired to this server by channel rows", code="wiring")
         for request, one in asked.items():
             await until(lambda one=one: one.answers() is not None)  # type: ignore[misc]
@@ -159,6 +172,17 @@ class BuiltinRoutes:
                 return next(filter(None, refusals))
             if request == STOPS[0]:
                 break  # all that moves stands; who moved it may be restarting
+        if said is None:
+            return None
+        await until(lambda: said.done or bool(said.replies))
+        return _unless_done(said)
+
+    def _lenders(self) -> frozenset[str]:
+        return self._api.known.lenders if self._api.known is not None else frozenset()
+
+    def _say_stop(self, source: str) -> Question | None:
+        with suppress(Refused):  # there is no bus
+            return self._api.line(STOP, role="view", source=source, timeout_s=STOP_S)
         return None
 
     def _wired(self) -> list[str]:
@@ -205,6 +229,17 @@ def _refusal(name: str, answer: Any) -> Refused | None:
     if answer is None:
         return Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
     return None if answer.accepted else Refused(409, answer.why)
+
+
+def _unless_done(said: Question) -> Refused | None:
+    """Return why a line did not do what it says; None if it did."""
+    if not said.replies:
+        return Refused(503, "the robot does not answer", {"Retry-After": "1"})
+    try:
+        result = _results.decode(said.replies[0].payload)
+    except MalformedError as err:
+        return Refused(503, str(err), code="malformed")
+    return None if result.code == 0 else Refused(409, heard(result.reason_code or "refused", result.text))
 
 
 def _static(name: str, media: str) -> Callable[[Request], Response]:

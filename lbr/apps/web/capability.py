@@ -25,6 +25,7 @@ from lbr.apps.web.builtin import STOPS, BuiltinRoutes
 from lbr.apps.web.faces import Faces
 from lbr.apps.web.guards import Counts
 from lbr.apps.web.login import Login
+from lbr.apps.web.page.files import build
 from lbr.apps.web.pairing import PairingRoutes
 from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.serving import Serving
@@ -160,7 +161,7 @@ class Web(Capability[WebSettings]):
         gate = Gate(access, pages)
         viewers = Turns(MOST_OF_ONE, MOST_VIEWERS)
         self._streams = Streams(self._robot, states, gate, viewers)
-        self._live = Live(self._api, gate, viewers, self._sessions)
+        self._live = Live(self._api, gate, viewers, self._sessions, build() if "page" in settings.faces else "")
         builtin = BuiltinRoutes(self._robot, states, self._place, self._faces, self._api)
         routes = [*builtin.routes(), *login.routes(), *PairingRoutes(self._robot, access, login).routes()]
         routes += self._api.routes()

@@ -6,6 +6,7 @@ A handler that is a plain function is answered on the server's thread at once; i
 
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any, Literal
 
 import msgspec
@@ -102,7 +103,7 @@ class Request:
     """A request: `keys` out of the path, `query` as it came, `params` and `data` as the route declares them.
 
     Of a route that is `lenient`, `params` and `data` are None: it reads `query` and `body` itself. `proven`: no foreign
-    web page can have sent it.
+    web page can have sent it. `came_s` is when its head was read, by the monotonic clock; infinite is just now.
     """
 
     method: str
@@ -115,6 +116,7 @@ class Request:
     body: bytes = b""
     params: Any = None
     data: Any = None
+    came_s: float = inf
 
     def require(self, role: Role) -> None:
         """Raise Refused unless the request may do what needs a role.

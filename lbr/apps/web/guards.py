@@ -23,7 +23,7 @@ LONGEST_URL = 4096
 TOO_OFTEN_S = 0.25
 """How long a client that asks too often waits to hear that, so that a flood leaves time for those who stop the robot.
 """
-_READ = "lbr.headers"
+_READ, CAME = "lbr.headers", "lbr.came"
 SECURITY = {
     "content-security-policy": "default-src 'none'; img-src 'self' data:; script-src 'self'; style-src 'self'; "
     "connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
@@ -60,6 +60,7 @@ class Answering:
         if scope["type"] not in {"http", "websocket"}:
             return
         self._counts.requests += 1
+        scope[CAME] = time.monotonic()
         begun = False
 
         async def sealed(message: Message) -> None:

@@ -30,7 +30,9 @@ STATUSES = {"token": 403, "busy": 429, "malformed": 400}
 class PairBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The digits, and what the device is to be called."""
 
-    code: Annotated[str, Meta(pattern="^[0-9]{3} ?[0-9]{3}$", description="six digits, as the console shows them")]
+    code: Annotated[
+        str, Meta(pattern="^[0-9]{3} ?[0-9]{3}$(?!\\n)", description="six digits, as the console shows them")
+    ]
     name: Annotated[str, Meta(max_length=80, description="what the token is named by, as far as it has letters")] = ""
 
 

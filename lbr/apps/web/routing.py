@@ -21,7 +21,7 @@ from lbr.messages.units import NAME_PATTERN
 MOST_PARAMETERS = 64
 _KEY = re.compile(r"\{([a-z_]+\*?)\}")
 _NO_NAME = "names are small letters, digits and _, a letter first"
-_PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`$")
+_PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`\Z")
 
 
 class Path:
@@ -125,7 +125,7 @@ def decoded(body: bytes, kind: Any) -> Any:
 
 def plain(err: Exception) -> str:
     """Return what is wrong with some data, the place first."""
-    text = str(err).replace(f"Expected `str` matching regex {NAME_PATTERN!r}", _NO_NAME)
+    text = str(err).replace(f"Expected `str` matching regex {NAME_PATTERN!r}", _NO_NAME).replace("$(?!\\\\n)", "$")
     found = _PLACE.search(text)
     if found is None:
         return text

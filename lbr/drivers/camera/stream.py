@@ -5,6 +5,7 @@ import socket
 import time
 from contextlib import suppress
 
+from lbr.bus.unix_address import address_of
 from lbr.capability.context import Device
 from lbr.drivers.camera import CameraSettings
 from lbr.drivers.camera.picture import Picture
@@ -26,7 +27,8 @@ class StreamSource:
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
         try:
             self._socket.settimeout(CONNECT_S)
-            self._socket.connect(device.address.removeprefix("unix:"))
+            with address_of(device.address.removeprefix("unix:")) as address:
+                self._socket.connect(address)
             self._socket.sendall(request(width=settings.width_px, height=settings.height_px, fps=settings.fps))
             if settings.controls:
                 self._socket.sendall(request(controls=settings.controls))

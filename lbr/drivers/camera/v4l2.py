@@ -91,7 +91,7 @@ class V4l2Source:
         except DeviceError:
             raise
         except OSError as err:
-            raise DeviceError(f"{self._says} {_what(err, trouble, self._row.address)}") from err
+            raise DeviceError(f"{self._says} {_what(err, trouble, self._row.address)}", access.code_of(err)) from err
         except Exception as err:  # the library has errors of its own
             raise DeviceError(f"{self._says} {trouble}: {err}") from err
 

@@ -18,7 +18,9 @@ SONY_BITS = {6: 0x1F007F, 7: 0xFF007F, 8: 0x1FFF7F}
 """
 Code = (
     Annotated[int, Meta(ge=1, lt=2**32)]
-    | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x400021")]
+    | Annotated[
+        str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$(?!\\n)", description="the same in hexadecimal, such as 0x400021")
+    ]
 )
 
 

@@ -13,6 +13,7 @@ from lbr.drivers import access
 from lbr.drivers.infrared import InfraredSettings, decoders
 from lbr.drivers.infrared.records import RecordParser, Scancode, read_event, read_scancode
 from lbr.errors import DeviceError
+from lbr.messages.codes import Code
 
 READ_BYTES = 24 * 64
 LIRC_SET_REC_MODE, LIRC_MODE_SCANCODE = 0x40046912, 8
@@ -67,10 +68,10 @@ class Receiver:
         except FileNotFoundError as err:
             raise self._error("is missing; plug it in, or correct the address in the device row") from err
         except PermissionError as err:
-            raise self._error(access.refused(path)) from err
+            raise self._error(access.refused(path), "rights") from err
         except OSError as err:
             busy = "; stop the other program" if err.errno == errno.EBUSY else ""
-            raise self._error(f"cannot be opened: {err.strerror}{busy}") from err
+            raise self._error(f"cannot be opened: {err.strerror}{busy}", access.code_of(err)) from err
 
     def _prepare_scancodes(self) -> None:
         """Ask for decoded codes, not for pulses."""
@@ -97,10 +98,10 @@ class Receiver:
                 fcntl.ioctl(self._fd, request, argument)
             except OSError as err:
                 if err.errno not in UNKNOWN:
-                    raise self._error(f"belongs to another program ({err.strerror}); stop that") from err
+                    raise self._error(f"belongs to another program ({err.strerror}); stop that", "busy") from err
 
-    def _error(self, what: str) -> DeviceError:
-        return DeviceError(f"device '{self._device.name}' at {self._device.address} {what}")
+    def _error(self, what: str, code: Code = "unreachable") -> DeviceError:
+        return DeviceError(f"device '{self._device.name}' at {self._device.address} {what}", code)
 
 
 def _sends_events(address: str, settings: InfraredSettings) -> bool:

@@ -14,6 +14,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
 
+from lbr.bus.unix_address import address_of
+
 RECORD = struct.Struct("<10d")
 _READ_BYTES = 80 * 64
 
@@ -43,7 +45,8 @@ class EmulatedSpatial:
         connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         connection.settimeout(timeout / 1000.0)
         try:
-            connection.connect(self._path)
+            with address_of(self._path) as address:
+                connection.connect(address)
         except OSError:
             connection.close()
             raise

@@ -19,7 +19,9 @@ FINISH = b"s\n"
 MAX_LINE_BYTES = 512
 TICKS_PER_S: dict[Board, float] = {"arduino": 1000.0, "parallax": 80_000_000.0}
 NO_SENSOR = -1
-Told = Annotated[str, Meta(pattern="^[A-Z][a-z0-9_]{0,39}$", description="a sensor's name with a capital letter")]
+Told = Annotated[
+    str, Meta(pattern="^[A-Z][a-z0-9_]{0,39}$(?!\\n)", description="a sensor's name with a capital letter")
+]
 Number = Annotated[int, Meta(ge=-(2**31), lt=2**32, description="what a board of 32 bits can count to")]
 
 

@@ -50,13 +50,19 @@ def bus_certificate() -> tuple[Path, Path]:
 
 
 def certificate_der() -> bytes:
-    """Return the certificate of the bus, which is the web server's as well."""
+    """Return the certificate of the bus, which is the web server's as well unless the owner gave it one."""
     return PEM_cert_to_DER_cert(bus_certificate()[1].read_text(encoding="ascii"))
 
 
 def fingerprint_shown() -> str:
-    """Return the certificate's SHA-256 as browsers show it, in capital letters with colons."""
-    return hashlib.sha256(certificate_der()).digest().hex(":").upper()
+    """Return the SHA-256 of the certificate that browsers are shown, in capital letters with colons."""
+    shown = home.given_credentials(*certificates.OWN_FILES) or bus_certificate()
+    return hashlib.sha256(certificates.first_der(shown[1])).digest().hex(":").upper()
+
+
+def is_own_shown() -> bool:
+    """Say whether browsers are shown a certificate that the owner put there."""
+    return bool(home.given_credentials(*certificates.OWN_FILES))
 
 
 class NewToken(Struct, frozen=True, kw_only=True):

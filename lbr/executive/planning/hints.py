@@ -7,17 +7,24 @@ from types import FunctionType
 from lbr.capability import registry
 from lbr.capability.kind import STOP, Kind
 from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.wiring import by_themselves
+from lbr.messages.joints import MotionRow, MotionStep
 from lbr.messages.sensing import Ranges, RangeSensor, Scan
+
+FALLS = "humanoid_world"
+"""A robot with a simulated body of this kind is a humanoid."""
 
 
 def hints(plan: Plan, home: Path) -> tuple[str, ...]:
     """Return a sentence for each, with what to do; a robot starts with all of them."""
-    return tuple(_found(plan, home))
+    return (*_found(plan, home), *_unstable(plan))
 
 
 def _found(plan: Plan, home: Path) -> Iterator[str]:
     enabled = {row.name for row in plan.rows.capabilities if row.enabled}
     fed = {row.target for row in plan.rows.channels if row.enabled and row.source_end[0] in enabled}
+    running = [name for name in plan.kinds if name in enabled]
+    fed |= {row.target for row in by_themselves(running, plan.rows, plan.kinds)}
     for row in plan.rows.capabilities:
         if row.name not in enabled or row.name not in plan.kinds:
             continue
@@ -43,6 +50,19 @@ def _found(plan: Plan, home: Path) -> Iterator[str]:
         if registry.fingerprint(row.kind, home):
             place = registry.user_directory(home) / f"{row.kind}.py"
             yield f"capability '{row.name}' runs code that did not ship with lbr: {place}"
+
+
+def _unstable(plan: Plan) -> Iterator[str]:
+    """Say which motions of a robot that can fall do not say where it stands."""
+    if not any(row.kind == FALLS for row in plan.rows.capabilities):
+        return
+    steps = plan.rows.of(MotionStep)
+    known = {step.motion for step in steps if step.stable}
+    legless = [row.name for row in plan.rows.of(MotionRow) if row.name not in known and row.slot is None]
+    if legless and any(step.motion in legless for step in steps):
+        some = ", ".join(f"'{name}'" for name in legless[:3]) + (" and others" if len(legless) > 3 else "")
+        do = "lbr motion stable finds where it stands, in simulation"
+        yield f"no key frame of {some} is stable: stopped on its way, the robot is held at once and may fall; {do}"
 
 
 def _doubts(kind: Kind, settings: str) -> tuple[str, ...]:

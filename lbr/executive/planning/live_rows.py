@@ -2,7 +2,7 @@
 
 import contextlib
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Any, Protocol
 
 import msgspec
@@ -17,10 +17,12 @@ from lbr.executive.planning import plan as plans
 from lbr.executive.planning.last_good_copy import LastGoodCopy
 from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.process_specs import read_by
+from lbr.executive.planning.trials import Trials
 from lbr.executive.planning.watch import RowWatch
 from lbr.executive.planning.wiring import least_roles
 from lbr.messages.codes import Code
-from lbr.messages.rows import Row, by_table
+from lbr.messages.rows import Row, RowsChanged, by_table
+from lbr.messages.system import CapabilityStatus
 
 PROBLEMS_TOLD = 3
 """How many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
@@ -46,7 +48,7 @@ class LiveRows:
     """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force, `code` which sort of why.
 
     While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a
-    process go on with what it learnt, `plug(name, devices)` with more emulated devices.
+    process go on with what it learnt, `plug(name, devices)` with more emulated devices, `follow(name, rows)` with other rows.
     """
 
     def __init__(
@@ -59,6 +61,8 @@ class LiveRows:
         take_over: Callable[[Change], None],
         kept: Callable[[str], None],
         plug: Callable[[str, tuple[DeviceConfig, ...]], None],
+        follow: Callable[[str, RowsChanged], None],
+        capabilities: Callable[[], Iterable[CapabilityStatus]],
     ) -> None:
         self._database = database
         self._watch = watch
@@ -67,6 +71,8 @@ class LiveRows:
         self._take_over = take_over
         self._kept = kept
         self._plug = plug
+        self._follow = follow
+        self._trials = Trials(database, capabilities, happened)
         self.problems: tuple[str, ...] = ()
         self.code: Code = "bad_value"
         self.held = False
@@ -74,7 +80,16 @@ class LiveRows:
         self.vocabulary = _words(self.plan)
 
     def look(self) -> None:
-        """Adopt what was edited, or say why not; not while an edit is being written on request."""
+        """Adopt what was edited, or say why not; not while an edit is being written on request. Judge what is on trial."""
+        self._look()
+        on = self._trials.on
+        self._trials.look(self.plan.robot, self.plan.rows.revision, self.problems)
+        if self._trials.on:
+            self._keeper.not_well()
+        elif on:
+            self._keeper.touched(time.monotonic())
+
+    def _look(self) -> None:
         news = None if self.held else self._watch.look(self.plan)
         if news is None:
             return
@@ -109,7 +124,7 @@ class LiveRows:
         if not rows:
             return
         try:
-            self._database.learn(self.plan.robot, rows, self._known(name))
+            self._database.learn(self.plan.robot, rows, self._known(name), by=name)
         except LbrError as err:
             what = ", ".join(dict.fromkeys(row.told for row in rows))
             text = f"the {what} holds until the next restart only, it could not be written down: {err}"
@@ -159,12 +174,18 @@ class LiveRows:
             ("restart", change.restart),
             ("start", change.start),
             ("tell of a device", change.plug),
+            ("tell of its rows", change.follow),
         )
         done = "; ".join(f"{what} {', '.join(names)}" for what, names in steps if names)
         self._happened("rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", data=self.adopted())
+        self._trials.touching(change)
         self._take_over(change)
         for name in change.plug:
             self._plug(name, plans.added_devices(before.units[name], plan.units[name]))
+        for name in change.follow:
+            told = plans.changed_rows(before.units[name], plan.units[name])
+            if told is not None:
+                self._follow(name, told)
 
     def _keep(self, plan: Plan, name: str) -> None:
         self.plan = plan

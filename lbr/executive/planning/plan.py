@@ -10,6 +10,8 @@ from lbr.capability.config import DeviceConfig
 from lbr.capability.kind import STOP, Kind
 from lbr.database.rows import RobotRows
 from lbr.executive.planning.process_specs import ProcessSpec, commands_of, streams_of, with_learnt
+from lbr.messages import rows as row_sets
+from lbr.messages.rows import RowsChanged
 
 
 class Plan(Struct, frozen=True, kw_only=True):
@@ -40,12 +42,16 @@ class Plan(Struct, frozen=True, kw_only=True):
 
 
 class Change(Struct, frozen=True, kw_only=True):
-    """What an edit of the rows does to the processes; who has to `plug` goes on, with more emulated devices."""
+    """What an edit of the rows does to the processes.
+
+    Who has to `plug` goes on, with more emulated devices; who is to `follow`, with other rows.
+    """
 
     start: tuple[str, ...] = ()
     stop: tuple[str, ...] = ()
     restart: tuple[str, ...] = ()
     plug: tuple[str, ...] = ()
+    follow: tuple[str, ...] = ()
 
 
 def difference(old: Plan, new: Plan) -> Change:
@@ -54,12 +60,22 @@ def difference(old: Plan, new: Plan) -> Change:
     plug = tuple(
         name for name in changed if new.kinds[name].emulates and added_devices(old.units[name], new.units[name])
     )
+    follow = tuple(
+        name for name in changed if new.kinds[name].follows and changed_rows(old.units[name], new.units[name])
+    )
     return Change(
         start=tuple(name for name in new.units if name not in old.units),
         stop=tuple(name for name in old.units if name not in new.units),
-        restart=tuple(name for name in changed if name not in plug),
+        restart=tuple(name for name in changed if name not in {*plug, *follow}),
         plug=plug,
+        follow=follow,
     )
+
+
+def changed_rows(old: ProcessSpec, new: ProcessSpec) -> RowsChanged | None:
+    """Return what is another in the rows that a unit reads; None if anything else of it is changed, or it runs elsewhere."""
+    same = replace(new, config=replace(new.config, rows=old.config.rows)) == old
+    return row_sets.changed(old.config.rows, new.config.rows) if same and not new.config.host else None
 
 
 def added_devices(old: ProcessSpec, new: ProcessSpec) -> tuple[DeviceConfig, ...]:
@@ -73,11 +89,11 @@ def added_devices(old: ProcessSpec, new: ProcessSpec) -> tuple[DeviceConfig, ...
 
 def only(change: Change, names: Container[str]) -> Change:
     """Return the part of a change that concerns these."""
-    start, stop, restart, plug = (
+    start, stop, restart, plug, follow = (
         tuple(name for name in part if name in names)
-        for part in (change.start, change.stop, change.restart, change.plug)
+        for part in (change.start, change.stop, change.restart, change.plug, change.follow)
     )
-    return Change(start=start, stop=stop, restart=restart, plug=plug)
+    return Change(start=start, stop=stop, restart=restart, plug=plug, follow=follow)
 
 
 def learnt(plan: Plan, name: str, rows: Mapping[str, msgspec.Raw]) -> Plan:

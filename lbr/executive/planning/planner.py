@@ -24,7 +24,7 @@ from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import LAN, unit, with_lan
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
-from lbr.executive.planning.wiring import EXECUTIVE, check_channels, check_verbs
+from lbr.executive.planning.wiring import EXECUTIVE, by_themselves, check_channels, check_verbs
 
 Find = Callable[[str, Path], Kind]
 """Returns the kind of a name in a home, or raises KindError."""
@@ -62,6 +62,7 @@ def make(
     rows = replace(rows, verbs=words.words(rows, kinds))
     order = _order(chosen)
     channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= {EXECUTIVE, *order}]
+    channels += by_themselves(order, rows, kinds)
     by_name = {row.name: row for row in chosen}
     units = {
         name: unit(by_name[name], kinds, settings[name], rows, channels, profile, site, set(order)) for name in order

@@ -86,7 +86,7 @@ def _for_people(robot: str) -> Rights:
     """
     consoles = tuple(keys.console_of_pages(robot, role) for role in get_args(Role))
     return Rights(
-        ask=(f"{robot}/**", *consoles, keys.status(robot)),
+        ask=(f"{robot}/**", *consoles, keys.status(robot), keys.manage(robot)),
         hear=(f"{robot}/**", keys.status(robot), keys.event(robot)),
     )
 

@@ -4,7 +4,7 @@ That the rows they name are there is the database's to check; what is not there 
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from typing import Any
 
@@ -30,12 +30,13 @@ EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {
     "estop": frozenset({"reason"}),
     "restart": frozenset({"name"}),
     "pair": frozenset({"role"}),
+    "why": frozenset({"part"}),
     **dict.fromkeys(("reset", "help", "shutdown", "status", "open", "close"), frozenset()),
 }
 """What the executive does by itself, and the fields that each takes."""
 
 EXECUTIVE_ROLES: Mapping[str, Role] = {
-    **dict.fromkeys(("stop", "estop", "status", "help", "report"), "view"),
+    **dict.fromkeys(("stop", "estop", "status", "help", "report", "why"), "view"),
     "reset": "operate",
     **dict.fromkeys(("restart", "shutdown", "pair", "open", "close"), "admin"),
 }
@@ -98,6 +99,31 @@ def _check_channel(
         names_of = f"{_type_name(sends)}, and {row.target} takes {_type_name(takes)}"
         problems.append(Problem("channel", label, "target", f"{row.source} sends {names_of}"))
     return problems
+
+
+def by_themselves(names: Iterable[str], rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[ChannelRow]:
+    """Yield the channels of ports that kinds wire by themselves, between those that run; a row for the port goes before."""
+    names = tuple(names)
+    given = {end for row in rows.channels for end in (row.source_end, row.target_end)}
+    for name in names:
+        for port, wire in kinds[name].wires.items():
+            if (name, port) in given:
+                continue
+            asks = port in kinds[name].requests
+            for other in names:
+                there = _same_type(kinds[name], port, kinds[other], wire.to, asks=asks)
+                if there and other != name:
+                    mine, theirs = f"{name}.{port}", f"{other}.{there}"
+                    source, target = (mine, theirs) if asks else (theirs, mine)
+                    yield ChannelRow(source=source, target=target, history=wire.history)
+
+
+def _same_type(kind: Kind, port: str, other: Kind, to: str, *, asks: bool) -> str:
+    """Return the port of another kind that a wire means, empty if it has none of the type."""
+    of, _, name = to.rpartition(".")
+    wanted = (kind.requests if asks else kind.inputs)[port]
+    found = (other.messages if asks else other.outputs).get(name)
+    return name if of in {"", other.name} and found is wanted else ""
 
 
 def _taken(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], asks: bool | None) -> dict[str, Any]:

@@ -14,6 +14,8 @@ from lbr.messages.system import higher
 
 OF_EVERY_ROBOT = (
     Word("/report/{name}", "report", "Show telemetry, settings, statistics, health, events, wiring or robot"),
+    Word("why", "why", "Tell what holds the robot still, and what to type"),
+    Word("/why/{part}", "why", "Tell what holds a part still, such as `why drive`: a capability, joint or device"),
     Word("/restart/{name}", "restart", "Stop a capability and start it again, by its name", role="admin"),
 )
 """What lbr itself does, and what a robot may say otherwise, unlike the words of `lbr.database.builtin`."""

@@ -24,6 +24,7 @@ from lbr.console import token_store
 from lbr.errors import MalformedError
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
+from lbr.executive.processes.fork_server import Forked, ForkServer
 from lbr.executive.processes.reaper import Mark
 
 LARGEST_DOCUMENT_BYTES = 1 << 20
@@ -34,19 +35,23 @@ _reports = Decoder(Report)
 class Child:
     """A running process: capability or program; `mark` makes it known to the reaper."""
 
-    def __init__(self, unit: ProcessSpec, config: ProcessConfig, log: IO[bytes], mark: Mark) -> None:
+    def __init__(
+        self, unit: ProcessSpec, config: ProcessConfig, log: IO[bytes], mark: Mark, forks: ForkServer | None = None
+    ) -> None:
         self.unit = unit
         self.endpoint = next(iter(config.endpoints), "")
         self._mark = mark
         self.reports_fd = -1
         self._buffer = b""
-        self._popen = self._start_program(unit.program, config, log) if unit.program else self._start(config, log)
-        self.pid = self._popen.pid
+        self._process: subprocess.Popen[bytes] | Forked = (
+            self._start_program(unit.program, config, log) if unit.program else self._start(config, log, forks)
+        )
+        self.pid = self._process.pid
         try:
             self.pid_fd = os.pidfd_open(self.pid)
         except OSError:
             self.kill()
-            self._popen.wait()
+            self._process.wait()
             self._release_files()
             raise
 
@@ -55,37 +60,45 @@ class Child:
         """File descriptors that have news of it."""
         return (self.pid_fd,) if self.reports_fd < 0 else (self.pid_fd, self.reports_fd)
 
-    def _start(self, config: ProcessConfig, log: IO[bytes]) -> "subprocess.Popen[bytes]":
+    def _start(
+        self, config: ProcessConfig, log: IO[bytes], forks: ForkServer | None
+    ) -> "subprocess.Popen[bytes] | Forked":
         document = msgspec.json.encode(config) + b"\n"
         if len(document) > LARGEST_DOCUMENT_BYTES:
             raise ValueError(f"its settings and wiring have {len(document)} bytes, more than a process can be given")
+        words = (f"{config.robot}/{config.name}", config.home)
+        environment = _environment(config) | self._mark.environment
         self.reports_fd, report_fd = os.pipe()
         os.set_blocking(self.reports_fd, False)
         try:
-            popen = subprocess.Popen(
-                [sys.executable, "-P", "-m", "lbr.capability.process", f"{config.robot}/{config.name}", config.home],
-                stdin=subprocess.PIPE,
-                stdout=log,
-                stderr=log,
-                env=_environment(config) | self._mark.environment | {HEARTBEAT_VARIABLE: str(report_fd)},
-                pass_fds=(report_fd,),
-                start_new_session=True,
-            )
+            started: subprocess.Popen[bytes] | Forked | None = None
+            if forks is not None and _is_leaf(config):
+                started = forks.fork(words, environment, log.fileno(), report_fd)
+            if started is None:
+                started = subprocess.Popen(
+                    [sys.executable, "-P", "-m", "lbr.capability.process", *words],
+                    stdin=subprocess.PIPE,
+                    stdout=log,
+                    stderr=log,
+                    env=environment | {HEARTBEAT_VARIABLE: str(report_fd)},
+                    pass_fds=(report_fd,),
+                    start_new_session=True,
+                )
         except BaseException:  # also an interruption leaves nothing open; it goes on upwards
             os.close(self.reports_fd)
             raise
         finally:
             os.close(report_fd)
-        assert popen.stdin is not None
-        self._mark.began(popen.pid)  # before the document comes, it does nothing and hides nothing
-        self._take_rank(popen.pid)
+        assert started.stdin is not None
+        self._mark.began(started.pid)  # before the document comes, it does nothing and hides nothing
+        self._take_rank(started.pid)
         if len(document) > PIPE_BYTES:
             with contextlib.suppress(OSError):  # so that writing never waits for a reader, if this user has pipes left
-                fcntl.fcntl(popen.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)
+                fcntl.fcntl(started.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)
         with contextlib.suppress(BrokenPipeError):  # it died at once; its end is seen where every end is
-            popen.stdin.write(document)
-            popen.stdin.flush()
-        return popen
+            started.stdin.write(document)
+            started.stdin.flush()
+        return started
 
     def _start_program(
         self, program: ProgramSettings, config: ProcessConfig, log: IO[bytes]
@@ -140,7 +153,7 @@ class Child:
 
     def returncode(self) -> int | None:
         """Return how it ended, or None while it runs."""
-        return self._popen.poll()
+        return self._process.poll()
 
     def close(self) -> None:
         """Free what it holds after its end, and end what it started and left behind."""
@@ -149,9 +162,11 @@ class Child:
         self._release_files()
 
     def _release_files(self) -> None:
-        if self._popen.stdin is not None:
+        if self._process.stdin is not None:
             with contextlib.suppress(BrokenPipeError):
-                self._popen.stdin.close()
+                self._process.stdin.close()
+        if isinstance(self._process, Forked):
+            self._process.close()
         if self.reports_fd >= 0:
             os.close(self.reports_fd)
         self._rank.close()
@@ -163,9 +178,14 @@ class Child:
 
 
 def _environment(config: ProcessConfig) -> dict[str, str]:
-    environment = leaf_environment() if config.private == NOTHING else dict(os.environ)  # the door is a router, no leaf
+    environment = leaf_environment() if _is_leaf(config) else dict(os.environ)
     environment.pop(token_store.VARIABLE, None)
     return environment | {"LBR_HOME": config.home}
+
+
+def _is_leaf(config: ProcessConfig) -> bool:
+    """Say whether a process opens one session as a leaf; the door to other machines is a router."""
+    return config.private == NOTHING
 
 
 def _way_in(config: ProcessConfig) -> Path:

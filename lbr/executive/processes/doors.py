@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from lbr import home
 from lbr.bus import session
-from lbr.bus.access import TOOLS, Credentials, Rights
+from lbr.bus.access import TOOLS, Credentials, Rights, everything
 from lbr.errors import BusError
 from lbr.executive.planning import rights
 from lbr.executive.planning.plan import Plan
@@ -103,7 +103,15 @@ class Doors:
         self._known = dict(self._wanted)
         local = site.router_id("local")
         self._core = RouterAddress(core_endpoint(self._robot), site.router_id(CORE))
-        self._open(session.Router(listen=(local_endpoint(self._robot),), id=local, lease_ms=session.HELD_MS))
+        self._open(
+            session.Router(
+                listen=(local_endpoint(self._robot),),
+                id=local,
+                never_waiting=everything(self._robot),
+                urgent_waits=True,
+                lease_ms=session.HELD_MS,
+            )
+        )
         self._open(
             self._router(
                 self._core,

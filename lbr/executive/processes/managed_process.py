@@ -35,7 +35,7 @@ class Started(Protocol):
 class ManagedProcess:
     """`reason` is about now, with its `code`; `final_report` is what was said of an end to come; `last_end` how it last ended unasked.
 
-    `suspect` is the first look at its threads in a silence, `look_at` when to look again, and `usual` the last look at
+    `suspect` is the first look at its threads in a silence, `newest` the last, `look_at` when to look again, and `usual` the last look at
     how much it waits.  `told` is the phase and the reason that people know; `tell_at` is when they are told of a start that does not settle.
     """
 
@@ -50,6 +50,7 @@ class ManagedProcess:
         self.started_at = 0.0
         self.beat_at = 0.0
         self.suspect: Look | None = None
+        self.newest: Look | None = None
         self.look_at = 0.0
         self.usual: Look | None = None
         self.said: tuple[str, str, str] | None = None

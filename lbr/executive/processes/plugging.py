@@ -1,4 +1,7 @@
-"""New device rows of a simulated robot: the world is asked to emulate them while it runs, and restarted only if it cannot."""
+"""Edits that reach a process while it runs: new devices of a simulated robot, and rows that a kind follows.
+
+It is asked by a command of its own, and begun again only if it cannot.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -11,10 +14,11 @@ from lbr.bus.session import Session
 from lbr.capability.config import DeviceConfig
 from lbr.errors import BusError, MalformedError
 from lbr.messages.leases import CommandReply
+from lbr.messages.rows import RowsChanged
 
 WITHIN_S = 1.0
 """A world answers within milliseconds; one that does not is better begun again than waited for."""
-COMMAND = "plug"
+COMMAND, ROWS = "plug", "rows"
 _replies = Decoder(CommandReply)
 
 
@@ -28,14 +32,14 @@ class PlugDevice(Struct, frozen=True, kw_only=True):
 
 
 class _Asked(NamedTuple):
-    world: str
+    name: str
     process: object
-    device: str
+    what: str
     question: wire.PendingQuery
 
 
 class Plugging:
-    """Asks worlds, and looks what became of it. `process(name)` is what runs of a capability, `restart(name, why)` begins it again."""
+    """Asks processes, and looks what became of it. `process(name)` is what runs of a capability, `restart(name, why)` begins it again."""
 
     def __init__(
         self,
@@ -55,29 +59,41 @@ class Plugging:
 
     def ask(self, world: str, devices: tuple[DeviceConfig, ...]) -> None:
         """Ask a world that runs to emulate more devices."""
-        process = self._process(world)
-        for one in devices if process is not None else ():
+        for one in devices:
             wanted = PlugDevice(device=one.name, type=one.type, address=one.address, settings=one.settings)
-            key = keys.port(self._robot, world, COMMAND)
-            try:
-                question = wire.PendingQuery(
-                    self._bus, key, wire.encode(wanted), timeout_s=WITHIN_S, source="executive", wake=self._wake
-                )
-            except BusError as err:
-                self._restart(world, str(err))
+            if not self._ask(world, COMMAND, wanted, f"device '{one.name}' cannot be plugged in while it runs"):
                 return
-            self._asked.append(_Asked(world, process, one.name, question))
+
+    def tell(self, name: str, rows: RowsChanged) -> None:
+        """Tell a capability that runs of the rows that were edited."""
+        self._ask(name, ROWS, rows, f"it cannot go on with other rows of {', '.join(rows.rows)}")
 
     def step(self) -> None:
-        """Begin a world again that could not do as asked, once; one that has begun again meanwhile has its devices."""
+        """Begin a process again that could not do as asked, once; one that has begun again meanwhile has it all."""
         done = [one for one in self._asked if one.question.done]
         self._asked = [one for one in self._asked if not one.question.done]
         begun = set()
         for one in done:
             why = _why_not(one.question)
-            if why and one.world not in begun and self._process(one.world) is one.process:
-                begun.add(one.world)
-                self._restart(one.world, f"device '{one.device}' cannot be plugged in while it runs: {why}")
+            if why and one.name not in begun and self._process(one.name) is one.process:
+                begun.add(one.name)
+                self._restart(one.name, f"{one.what}: {why}")
+
+    def _ask(self, name: str, command: str, message: Struct, what: str) -> bool:
+        """Ask a process, if it runs; say whether that went out."""
+        process = self._process(name)
+        if process is None:
+            return False
+        key = keys.port(self._robot, name, command)
+        try:
+            question = wire.PendingQuery(
+                self._bus, key, wire.encode(message), timeout_s=WITHIN_S, source="executive", wake=self._wake
+            )
+        except BusError as err:
+            self._restart(name, str(err))
+            return False
+        self._asked.append(_Asked(name, process, what, question))
+        return True
 
 
 def _why_not(question: wire.PendingQuery) -> str:

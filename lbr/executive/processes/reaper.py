@@ -39,7 +39,9 @@ class Mark:
         self._reaper = reaper
         self._number = number
         self._began = "*" if guarded else "+"
-        self.environment = {lifeline.MARK: f"{reaper.token}.{number}"}
+        self.environment = {
+            lifeline.MARK: f"{reaper.token}.{number:09d}"
+        }  # of one length: a forked process wears its own
 
     def began(self, pid: int) -> None:
         """Say which process it is; it leads a session."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 Verdict = Literal["fine", "starved", "hung"]
 SUSPICIOUS_S = 0.3
@@ -29,11 +30,14 @@ do."""
 
 
 class Thread(Struct, frozen=True):
-    """What a thread has had so far: how long it `ran`, how long it `waited` for a processor, and whether it could run."""
+    """What a thread has had so far: how long it `ran`, in how many `slices`, how long it `waited` for a processor, and
+    whether it could run. `since` is when it was first seen to have had so many slices."""
 
     ran: float = 0.0
     waited: float = 0.0
     runnable: bool = False
+    slices: int = 0
+    since: float = -inf
 
 
 class Look(Struct, frozen=True):
@@ -63,8 +67,9 @@ def verdict(
         return "fine"
     elapsed = max(0.0, now.at - first.at)
     unseen = min(LOOKED_AT_S, max(0.0, silent_s - elapsed))
-    main = _waited(first.main, now.main, elapsed)
-    others = [_waited(first.others[one], now.others[one], elapsed) for one in first.others.keys() & now.others.keys()]
+    main = _waited(first.main, now.main, first.at, now.at)
+    both = first.others.keys() & now.others.keys()
+    others = [_waited(first.others[one], now.others[one], first.at, now.at) for one in both]
     if now.main.ran - first.main.ran > may_run_s:
         return "hung"
     excused = max(main, *others, 0.0) if silent_s <= stretch * patience_s else main
@@ -73,17 +78,33 @@ def verdict(
     return "starved" if excused > HARDLY_S else "fine"
 
 
-def _waited(before: Thread, now: Thread, elapsed: float) -> float:
+def following(before: Look, now: Look) -> Look:
+    """Return a look that knows of each thread for how long it has had no slice, as far as the looks before tell.
+
+    Who is seen able to run has not waited ever since the first look: it may have slept, and been woken just now.
+    """
+    others = {one: _dated(before.others.get(one), thread, now.at) for one, thread in now.others.items()}
+    return Look(now.at, _dated(before.main, now.main, now.at), others)
+
+
+def _dated(before: Thread | None, now: Thread, at: float) -> Thread:
+    same = before is not None and before.slices == now.slices
+    return replace(now, since=before.since if before is not None and same else at)
+
+
+def _waited(before: Thread, now: Thread, begun: float, at: float) -> float:
     """Return how long a thread has waited for the processor; the kernel counts a wait only when it is over."""
-    waited = now.waited - before.waited
+    elapsed = max(0.0, at - begun)
+    waited = max(0.0, now.waited - before.waited)
     if now.runnable:
-        waited = max(waited, elapsed - (now.ran - before.ran))
-    return min(elapsed, waited) if waited > 0.0 else 0.0
+        left = elapsed - waited - (now.ran - before.ran)
+        waited += max(0.0, min(left, at - max(begun, now.since)))
+    return min(elapsed, waited)
 
 
 def waited_s(first: Look, now: Look) -> float:
     """Return how long the main thread has waited for the processor between two looks."""
-    return _waited(first.main, now.main, now.at - first.at)
+    return _waited(first.main, now.main, first.at, now.at)
 
 
 def look(pid: int, at: float, *, all_threads: bool = True) -> Look:
@@ -92,8 +113,8 @@ def look(pid: int, at: float, *, all_threads: bool = True) -> Look:
     with contextlib.suppress(OSError):
         for task in Path(f"/proc/{pid}/task").iterdir() if all_threads else [Path(f"/proc/{pid}/task/{pid}")]:
             with contextlib.suppress(OSError, ValueError, IndexError):
-                ran, waited, _ = (task / "schedstat").read_text(encoding="ascii").split()
+                ran, waited, slices = (task / "schedstat").read_text(encoding="ascii").split()
                 state = (task / "stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()[0]
-                threads[int(task.name)] = Thread(int(ran) / 1e9, int(waited) / 1e9, state == "R")
+                threads[int(task.name)] = Thread(int(ran) / 1e9, int(waited) / 1e9, state == "R", int(slices))
     main = threads.pop(pid, Thread())
     return Look(at, main, threads)

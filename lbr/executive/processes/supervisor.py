@@ -23,6 +23,7 @@ from lbr.executive.processes.starvation import OTHERS_STRETCH, RUNS_SHARE, SUSPI
 
 HANG_S = 1.2
 HANG_MOVER_S = 0.8
+HANG_APP_S = 2.0
 HANG_PROGRAM_S = 3.0
 HANG_STARTING_S = 10.0
 HANG_DEGRADED_S = 4.0
@@ -79,14 +80,15 @@ class Supervisor:
         """Take over a plan's processes: stop what is gone, restart what changed, start what is new; leave the rest
         alone.
 
-        Who is to be told of devices goes on, unless it is still starting: then it may not hear of them.
+        Who is to be told of devices or rows goes on, unless it is still starting: then it may not hear of them.
         """
-        starting = tuple(name for name in change.plug if self.slots[name].phase == "starting")
+        told = (*change.plug, *change.follow)
+        starting = tuple(name for name in told if self.slots[name].phase == "starting")
         for name in (*change.stop, *change.restart, *starting):
             self._retire(self.slots.pop(name))
         for name in (*change.restart, *starting, *change.start):
             self.slots[name] = ManagedProcess(units[name])
-        for name in change.plug:
+        for name in told:
             self.slots[name].unit = units[name]
         self.slots = {name: self.slots[name] for name in units}
 
@@ -268,16 +270,20 @@ class Supervisor:
         silent_s, patience_s = now - slot.beat_at, _patience_s(slot)
         if not silent_s > SUSPICIOUS_S or now < slot.look_at:
             return False
+        seen = self._look(child.pid, now)
         if slot.suspect is None or slot.suspect.at < slot.beat_at:
-            slot.suspect = self._look(child.pid, now)
+            slot.suspect = slot.newest = seen
+        slot.newest = starving.following(slot.newest or slot.suspect, seen)
         if not silent_s > patience_s:
+            slot.look_at = min(now + LOOK_AGAIN_S, max(now, slot.beat_at + patience_s))
             return False
+        slot.look_at = now + WAY_S
         program = slot.unit.program is not None  # its token is shown by any of its threads
         said = verdict(
             silent_s,
             patience_s,
             slot.suspect,
-            self._look(child.pid, now),
+            slot.newest,
             stretch=inf if program else OTHERS_STRETCH,
             may_run_s=inf if program or slot.phase not in RUNNING else RUNS_SHARE * patience_s,
         )
@@ -292,7 +298,8 @@ class Supervisor:
             before, slot.usual = slot.usual, None
             if slot.phase not in RUNNING or niceness(slot.unit) == BACKGROUND:
                 continue
-            slot.usual = self._look(child.pid, now, all_threads=False)
+            seen = self._look(child.pid, now, all_threads=False)
+            slot.usual = starving.following(before, seen) if before is not None else seen
             waited_s = starving.waited_s(before, slot.usual) if before is not None else 0.0
             if before is not None and waited_s > BUSY_SHARE * (now - before.at):
                 self._starved(slot, waited_s, now)
@@ -374,11 +381,11 @@ def _look_due(slot: ManagedProcess) -> float:
     """Return when its silence, if it lasts, is looked at next."""
     if slot.suspect is None or slot.suspect.at < slot.beat_at:
         return slot.beat_at + SUSPICIOUS_S + WAY_S
-    return max(slot.beat_at + _patience_s(slot), slot.look_at)
+    return slot.look_at
 
 
 def _patience_s(slot: ManagedProcess) -> float:
     patience = {"starting": HANG_STARTING_S, "degraded": HANG_DEGRADED_S}
     waits = niceness(slot.unit) == BACKGROUND  # such a one runs when others leave it time
-    usual = HANG_MOVER_S if slot.unit.moves else HANG_PROGRAM_S if waits else HANG_S
-    return patience.get(slot.phase, usual)
+    usual = HANG_MOVER_S if slot.unit.moves else HANG_APP_S if waits else HANG_S
+    return patience.get(slot.phase, usual if slot.unit.program is None else HANG_PROGRAM_S)

@@ -25,6 +25,7 @@ from lbr.console.remote import RefusedError
 from lbr.console.target import Target
 from lbr.errors import BusError
 from lbr.executive.processes import scheduling
+from lbr.executive.processes.fork_server import ForkServer
 from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.reaper import Reaper
 from lbr.executive.remote.agent_session import AgentSession
@@ -56,7 +57,10 @@ class Agent:
         signal.set_wakeup_fd(self._main.wake_fd, warn_on_full_buffer=False)
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             signal.signal(number, lambda _number, _frame: self._stop())
-        with closing(Reaper()) as self._reaper:
+        with (
+            closing(Reaper()) as self._reaper,
+            closing(ForkServer(self._reaper, "agent")) as self._forks,
+        ):
             self._serve()
         if self._closing.is_alive():
             settle()
@@ -94,7 +98,15 @@ class Agent:
         bus = session.open_client(found.endpoints, found.credentials, certificate=found.certificate)
         try:
             stay = AgentSession(
-                bus, found, self._host, self._main, self._reaper, agent=self._id, where=where, say=self._tell
+                bus,
+                found,
+                self._host,
+                self._main,
+                self._reaper,
+                self._forks,
+                agent=self._id,
+                where=where,
+                say=self._tell,
             )
             return stay.run(lambda: self._stopping)
         finally:

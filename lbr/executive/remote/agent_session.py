@@ -22,6 +22,7 @@ from lbr.executive.planning import machine
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning.process_specs import ProcessSpec, with_learnt
 from lbr.executive.processes.child import Child
+from lbr.executive.processes.fork_server import ForkServer
 from lbr.executive.processes.logs import open_log, trim_all
 from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.reaper import Reaper
@@ -53,6 +54,7 @@ class AgentSession:
         host: str,
         main: MainThread,
         reaper: Reaper,
+        forks: ForkServer,
         *,
         agent: str,
         where: str,
@@ -63,6 +65,7 @@ class AgentSession:
         self._host = host
         self._main = main
         self._reaper = reaper
+        self._forks = forks
         self._agent = agent
         self._where = where
         self._say = say
@@ -221,7 +224,9 @@ class AgentSession:
         units = {name: one.unit for name, one in new.items()}
         self._supervisor.adopt(units, change)
 
-    def _start(self, unit: ProcessSpec) -> Child:
+    def _start(self, unit: ProcessSpec) -> Child | None:
+        if self._forks.begins:
+            return None
         if _size(registry.fingerprint(unit.kind, Path(self._home))) != _size(unit.fingerprint):
             raise BusError(f"{self._home}/capabilities/{unit.kind}.py is not the file that the robot has; copy it here")
         config = replace(
@@ -232,7 +237,7 @@ class AgentSession:
             estop=self._latch() if unit.moves else unit.config.estop,
         )
         with open_log(home.directory("logs") / f"{self._found.robot}-{unit.name}.log") as log:
-            return Child(unit, config, log, self._reaper.mark(guarded=unit.guarded))
+            return Child(unit, config, log, self._reaper.mark(guarded=unit.guarded), self._forks)
 
     def _latch(self) -> EstopState:
         answers = wire.ask(

@@ -4,9 +4,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TypeVar, get_args
 
+from lbr.executive.planning.facts import facts
 from lbr.executive.planning.plan import Plan
 from lbr.messages.rows import Row
 from lbr.messages.system import Role
+from lbr.why import chain as why
 
 R = TypeVar("R", bound=Row)
 REPORTS = ("telemetry", "settings", "statistics", "health", "events", "wiring", "robot")
@@ -32,6 +34,7 @@ def choices(plan: Plan, home: Path) -> dict[str, Iterable[str]]:
         "executive.report": REPORTS,
         "executive.restart": tuple(plan.units),
         "executive.pair": get_args(Role),
+        "executive.why": why.names(facts(plan)),
     }
     for name, kind in plan.kinds.items():
         known = _Known(plan, home, name)

@@ -8,8 +8,15 @@ import msgspec
 from lbr.bus import keys
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import ProcessSpec
-from lbr.messages.description import CapabilityDescription, CommandDescription, RobotDescription, Schema
-from lbr.messages.kinematics import Wheel
+from lbr.messages.description import (
+    BaseDescription,
+    CapabilityDescription,
+    CommandDescription,
+    RobotDescription,
+    Schema,
+)
+from lbr.messages.drive import TwistCommand
+from lbr.messages.kinematics import Kinematics, Wheel, base_of
 from lbr.messages.rows import Row
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.speech import Phrase
@@ -26,7 +33,29 @@ def describe(plan: Plan, words: Iterable[dict[str, Any]]) -> RobotDescription:
         wheels=_rows(plan, Wheel),
         ranges=_rows(plan, RangeSensor),
         phrases=_rows(plan, Phrase),
+        base=_base(plan),
     )
+
+
+def _base(plan: Plan) -> BaseDescription | None:
+    """Return what the base can do: by the first capability that takes a twist, and by its speed at full power."""
+    for unit in plan.units.values():
+        kind = plan.kinds[unit.name]
+        if not any(kind.command(name).message is TwistCommand for name in kind.commands):
+            continue
+        settings: Any = kind.parse(bytes(unit.config.settings))
+        if not all(hasattr(settings, name) for name in ("track_m", "max_speed_mps", "max_power")):
+            continue
+        base = base_of(plan.rows.of(Kinematics), plan.rows.of(Wheel), settings.track_m)
+        most_mps = settings.max_speed_mps * settings.max_power
+        return BaseDescription(
+            capability=unit.name,
+            kind=base.kind,
+            sideways=base.holonomic,
+            max_speed_mps=round(most_mps, 4),
+            max_turn_rps=round(2 * most_mps / base.track_m, 4),
+        )
+    return None
 
 
 def _capability(plan: Plan, unit: ProcessSpec) -> CapabilityDescription:

@@ -10,6 +10,8 @@ import traceback
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
+import msgspec
+
 from lbr import home
 from lbr.bus import codec, keys, stamp, wire
 from lbr.bus.session import Session
@@ -20,7 +22,7 @@ from lbr.console.stops import stop_in
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
 from lbr.errors import InputError, LbrError, MalformedError
 from lbr.executive.planning.wiring import EXECUTIVE, LETS_IN
-from lbr.executive.service import reports
+from lbr.executive.service import looking, reports
 from lbr.executive.service.completion_values import choices
 from lbr.executive.service.letting_in import OPERATE, LettingIn
 from lbr.executive.service.reports import Reports
@@ -28,6 +30,8 @@ from lbr.executive.service.robot import Robot
 from lbr.messages.codes import Reason
 from lbr.messages.leases import STOPPED_SINCE, StopCommand
 from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
+from lbr.why import telling
+from lbr.why.chain import explain
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 STOPPED = "stopped"
@@ -95,6 +99,7 @@ class Dispatcher:
             "help": self._help,
             "shutdown": self._shutdown,
             "restart": self._restart,
+            "why": self._why,
             "pair": lambda call, by: self._letting_in.pair(str(call.payload.get("role", OPERATE)), by.told),
             "open": lambda _call, by: self._letting_in.open(by.told),
             "close": lambda _call, by: self._letting_in.close(by.told),
@@ -154,14 +159,19 @@ class Dispatcher:
         """Return why a line that waited does nothing any more: another stopped the robot in the meantime.
 
         Each mover knows this of motion; here it holds for programs and whatever else may come to move something. What
-        stopped the robot past the executive, a page or a program, the movers are asked for.
+        stopped the robot past the executive, a page or a program, the movers are asked for. A reset moves nothing, and
+        releases what its sender has pressed; it is too late where another has pressed since.
         """
         ends = isinstance(parsed, ExternalStop) or (isinstance(parsed, VerbCall) and parsed.command in {STOP, "estop"})
         if ends or by.waited_s == 0.0 or RANKS[needed] <= RANKS["view"]:
             return None
         movers = self._robot.plan.stoppable()
         own = isinstance(parsed, VerbCall) and parsed.capability in movers
-        heard = [self._halts.by_others(by.source), *(() if own else self._halted(movers, by.source))]
+        heard = [self._halts.by_others(by.source)]
+        if _releases(parsed):
+            heard.append(self._robot.pressed_by_others(by.source))
+        elif not own:
+            heard += self._halted(movers, by.source)
         at, who = max(heard)
         return None if by.sent_s - by.waited_s > at else Reason("stopped_since", f"{STOPPED_SINCE}by {who}")
 
@@ -294,6 +304,12 @@ class Dispatcher:
         data, text = self._reports.make(str(call.payload.get("name", "telemetry")))
         return ConsoleResult(code=DONE, text=text, data=data)
 
+    def _why(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+        now = looking.look(self._robot, self._bus, asker=by.source, role=by.role)
+        found = explain(now, str(call.payload.get("part", "")))
+        text = "\n".join(telling.lines(found))
+        return ConsoleResult(code=DONE, text=text, reason_code=found.code or "done", data=msgspec.to_builtins(found))
+
     def _help(self, _call: VerbCall, _by: _Speaker) -> ConsoleResult:
         words = self._robot.vocabulary
         known = choices(self._robot.plan, home.home())
@@ -334,6 +350,10 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=f"{out.getvalue()}{type(err).__name__}: {err}", reason_code="failed")
         text = out.getvalue() + ("" if value is None else repr(value))
         return ConsoleResult(code=DONE, text=text.rstrip("\n"))
+
+
+def _releases(parsed: Parsed) -> bool:
+    return isinstance(parsed, VerbCall) and (parsed.capability, parsed.command) == (EXECUTIVE, "reset")
 
 
 def _not_allowed(needed: Role, by: _Speaker) -> Reason | None:

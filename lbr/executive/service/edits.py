@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import msgspec
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.bus import keys, stamp, wire
 from lbr.bus.codec import Decoder
@@ -59,7 +60,7 @@ class Written:
         """Return what became of it."""
         revision = 0
         try:
-            with Database.open(self._path) as database:
+            with Database.open(self._path, program="executive") as database:
                 revision = database.revision()
                 revision = database.edit(self._robot, edit, self._wrong)
         except RowError as err:
@@ -75,10 +76,10 @@ class Written:
             return EditReply(accepted=False, reason=str(err), code=code, revision=revision)
         return EditReply(accepted=True, revision=revision)
 
-    def setting(self, name: str, setting: str, value: Any) -> None:
+    def setting(self, name: str, setting: str, value: Any, by: str = "") -> None:
         """Write one setting of a capability, and leave all others; RowError or InputError says why it may not be."""
-        with Database.open(self._path) as database:
-            database.set_setting(self._robot, name, setting, value, self._wrong)
+        with Database.open(self._path, program="executive") as database:
+            database.set_setting(self._robot, name, setting, value, self._wrong, by=by)
 
     def _wrong(self, rows: RobotRows) -> list[str]:
         plan, problems = self._make(rows)
@@ -164,7 +165,7 @@ class Edits:
             )
             return
         try:
-            edit = understood(_edits.decode(request.payload), self._rows.plan.kinds[name].edits)
+            edit = replace(understood(_edits.decode(request.payload), self._rows.plan.kinds[name].edits), source=name)
         except (MalformedError, InputError) as err:
             text, code = (
                 (str(err), err.code) if isinstance(err, InputError) else (f"malformed edit: {err}", "malformed")

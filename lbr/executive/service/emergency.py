@@ -11,6 +11,7 @@ from math import inf
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder
+from lbr.capability.halts import Halts
 from lbr.errors import LbrError, MalformedError
 from lbr.messages.system import EstopAcknowledgement, EstopRequest, EstopState
 
@@ -59,6 +60,7 @@ class Emergency:
         self._latched_at = -inf
         self._alone: dict[str, float] = {}
         self._count = 0
+        self._halts = Halts()
         self._releasing = 0
         self._unsaved = state.engaged  # in the other place too, if only one knew
         self._save_tried = True
@@ -83,6 +85,10 @@ class Emergency:
             acknowledged=tuple(sorted(movers & self._stopped)) if self._engaged else (),
             waiting=tuple(sorted(movers - self._stopped)) if self._engaged else (),
         )
+
+    def pressed_by_others(self, source: str) -> tuple[float, str]:
+        """Return when another than `source` pressed it last, by the monotonic clock, and who that was; from any thread."""
+        return self._halts.by_others(source)
 
     def press(self, reason: str, source: str) -> EstopState:
         """Latch, and wait until every mover's device has acknowledged, at most half a second; from any thread.
@@ -233,6 +239,7 @@ class Emergency:
 
     def _latch(self, reason: str, source: str, now: float) -> None:
         self._count += 1
+        self._halts = self._halts.heard(now, source[:80])
         self._alone.clear()
         self._repeat_until = now + REPEAT_FOR_S
         if not self._engaged:

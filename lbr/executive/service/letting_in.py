@@ -57,7 +57,7 @@ class LettingIn:
             f"{code.digits[:3]} {code.digits[3:]}   at {url or 'the address of this machine, which is in no network now'}",
             f"It is good for {GOOD_FOR_S / 60:g} minutes and one device, which gets a token with the role '{role}'.",
             f"{WRONG_TRIES} wrong tries end it, as does another 'pair'.",
-            *_honest(is_open=is_open, tls=tls, fingerprint=print_of),
+            *_honest(is_open=is_open, tls=tls, own=tls and credentials.is_own_shown(), fingerprint=print_of),
         ]
         return ConsoleResult(code=0, text="\n".join(lines), data=data)
 
@@ -118,11 +118,14 @@ class LettingIn:
         return None
 
 
-def _honest(*, is_open: bool, tls: bool, fingerprint: str) -> Iterator[str]:
+def _honest(*, is_open: bool, tls: bool, own: bool, fingerprint: str) -> Iterator[str]:
     if not is_open:
         yield "Only this machine reaches that address: say 'open' first, and 'pair' again, to let a phone in."
     if tls:
-        yield "The browser warns once, because the certificate is the robot's own. Its SHA-256 fingerprint there must be"
+        if own:
+            yield "A browser that does not know your certificate (credentials/web.crt) warns. Its SHA-256 fingerprint is"
+        else:
+            yield "The browser warns once, because the certificate is the robot's own. Its SHA-256 fingerprint there must be"
         yield fingerprint
     elif is_open:
         yield "Nothing is encrypted ('clear_text' of its row): a machine in between reads the code and the token."

@@ -1,6 +1,5 @@
 """What the robot tells of itself at the console: data, and the same in words."""
 
-import contextlib
 import json
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -9,10 +8,10 @@ from typing import Any
 import msgspec
 
 from lbr import home
-from lbr.bus import codec, stamp, wire
+from lbr.bus import latest
 from lbr.bus.session import Session
 from lbr.console import wiring
-from lbr.errors import InputError, MalformedError
+from lbr.errors import InputError
 from lbr.executive.service.completion_values import REPORTS, choices
 from lbr.executive.service.description import describe
 from lbr.executive.service.robot import Robot
@@ -71,15 +70,11 @@ class Reports:
 
     def _said(self, keys: Iterable[str]) -> dict[str, Any]:
         """Return the latest of streams by capability and output; all are asked at once."""
-        found: dict[str, Any] = {}
-        for raw in wire.ask_all(self._bus, keys, source="executive", timeout_s=ANSWERS_WITHIN_S):
-            said = stamp.read(raw.attachment)
-            age = (time.monotonic_ns() - said.mono_ns) / 1e9 if said and said.boot == stamp.boot_id() else None
-            with contextlib.suppress(MalformedError):  # what a program publishes may be anything
-                value = codec.decode(raw.payload)
-                if isinstance(value, dict):
-                    found[raw.key.partition("/")[2]] = value | ({"age_s": round(age, 3)} if age is not None else {})
-        return dict(sorted(found.items()))
+        found = latest.ask(self._bus, keys, source="executive", timeout_s=ANSWERS_WITHIN_S)
+        return {
+            topic: said.message | ({"age_s": round(said.age_s, 3)} if said.age_s is not None else {})
+            for topic, said in sorted(found.items())
+        }
 
     def _telemetry_text(self, data: dict[str, Any]) -> str:
         """Return the robot's own package part by part, and then every stream."""

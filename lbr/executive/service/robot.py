@@ -28,6 +28,9 @@ class Robot(Protocol):
     def estop(self, reason: str, source: str) -> ConsoleResult:
         """Latch the emergency stop and wait for the devices."""
 
+    def pressed_by_others(self, source: str) -> tuple[float, str]:
+        """Return when another than `source` pressed the emergency stop last, and who that was."""
+
     def estop_reset(self, source: str) -> ConsoleResult:
         """Release it."""
 

@@ -12,10 +12,10 @@ from lbr.messages.calibration import CalibrationValue, measured, values
 from lbr.messages.codes import Code, Reason
 from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply
+from lbr.operations.attitude import picture
 from lbr.operations.attitude.compass import MagCalibration
 from lbr.operations.attitude.fit import Fit, FitError, fit, level_part
 from lbr.operations.attitude.fusion import Fusion
-from lbr.operations.attitude.painter import Painter
 from lbr.operations.attitude.picture import Drawing, Points
 from lbr.operations.attitude.samples import FOLDER, MOST, Samples, load, save
 from lbr.operations.attitude.settings import AttitudeSettings
@@ -79,7 +79,6 @@ class Calibration:
     def __init__(self, ctx: Context[AttitudeSettings], fusion: Fusion) -> None:
         self._ctx = ctx
         self._fusion = fusion
-        self._painter = Painter()
         self._collection: Collection | None = None
         self._kept: Kept | None = None
         self._told_s = -inf
@@ -126,17 +125,10 @@ class Calibration:
         collection = self._collection
         if collection is not None:
             self._collect(collection)
-        drawn = self._painter.poll(self._ctx.clock())
-        if drawn is not None and drawn.path:
-            self._tell(picture=drawn.path, text=f"{self._progress.text}; drawn in {drawn.path}")
-            self._ctx.event("calibration_picture", f"the calibration of the compass is drawn in {drawn.path}")
-        elif drawn is not None:
-            self._ctx.event("calibration_picture", drawn.trouble, level="warning")
 
     def close(self) -> None:
-        """Stop the motion and the process that draws."""
+        """Stop the motion."""
         self.stop(f"{self._ctx.name} ends", "shutting_down")
-        self._painter.close()
 
     def _spin(self, command: CalibrateCommand, call: Call) -> None:
         state = self._fusion.state(self._ctx.clock())
@@ -286,9 +278,14 @@ class Calibration:
             measured=_points(None, samples),
             corrected=[] if calibration is None else _points(calibration, samples),
         )
-        trouble = self._painter.begin(drawing, file.with_suffix(".png"), self._ctx.clock())
-        if trouble:
-            self._ctx.event("calibration_picture", trouble, level="warning")
+        path = file.with_suffix(".svg")
+        try:
+            picture.save(drawing, path)
+        except OSError as err:
+            self._ctx.event("calibration_picture", f"no picture was drawn: {err}", level="warning")
+            return
+        self._tell(picture=str(path), text=f"{self._progress.text}; drawn in {path}")
+        self._ctx.event("calibration_picture", f"the calibration of the compass is drawn in {path}")
 
     def _tell(self, *, picture: str, text: str) -> None:
         last = self._progress

@@ -1,20 +1,20 @@
-"""Draws a calibration, in a process of its own: `python -m lbr.operations.attitude.picture FILE.png < JSON`.
+"""A picture of a compass calibration: an SVG file, which every browser shows."""
 
-Importing matplotlib takes seconds. Exit code 3: it is not installed.
-"""
-
-import importlib
-import os
-import sys
+import math
+from html import escape
 from pathlib import Path
-from typing import Any
 
-import msgspec
 from msgspec import Struct
 
-NOT_INSTALLED = 3
-
 Points = list[tuple[float, float]]
+SIZE, MARGIN = 700, 60
+"""In pixels, of a square."""
+MOST_DRAWN = 2000
+"""Of each kind: more cannot be told apart."""
+STEPS_UT = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+"""Between two lines of the grid."""
+LINES = 6
+"""On each side of the middle, at most."""
 
 
 class Drawing(Struct, frozen=True, kw_only=True):
@@ -25,34 +25,50 @@ class Drawing(Struct, frozen=True, kw_only=True):
     corrected: Points
 
 
-def draw(drawing: Drawing, path: Path) -> None:
-    """Write a PNG file; it is there whole or not at all."""
-    matplotlib: Any = importlib.import_module("matplotlib")
-    matplotlib.use("Agg")
-    pyplot: Any = importlib.import_module("matplotlib.pyplot")
-    figure, axes = pyplot.subplots(figsize=(7, 7), layout="constrained")
-    for label, points, colour in (("measured", drawing.measured, "C1"), ("corrected", drawing.corrected, "C0")):
-        if points:
-            axes.scatter([x for x, _ in points], [y for _, y in points], s=6, c=colour, label=label)
-    axes.plot(0.0, 0.0, "+", color="black", markersize=12)
-    axes.set(aspect="equal", xlabel="level field, x (uT)", ylabel="level field, y (uT)", title=drawing.title)
-    axes.grid(visible=True, alpha=0.3)
-    axes.legend(loc="upper right")
+def save(drawing: Drawing, path: Path) -> None:
+    """Write the file; it is there whole or not at all."""
     unfinished = path.with_suffix(".part")
-    figure.savefig(unfinished, format="png", dpi=100)
+    unfinished.write_text(svg(drawing), encoding="utf-8")
     unfinished.replace(path)
 
 
-def main() -> None:
-    """Draw what standard input says."""
-    os.nice(10)
-    drawing = msgspec.json.decode(sys.stdin.buffer.read(), type=Drawing)
-    try:
-        draw(drawing, Path(sys.argv[1]))
-    except ModuleNotFoundError as err:
-        sys.stderr.write(f"{err}\n")
-        sys.exit(NOT_INSTALLED)
+def svg(drawing: Drawing) -> str:
+    """Return the picture: both kinds of points about the middle, with as much on the x axis as on the y axis."""
+    kinds = (("measured", "#e07b00", drawing.measured), ("corrected", "#1f77b4", drawing.corrected))
+    points = [point for _, _, of_kind in kinds for point in of_kind if all(map(math.isfinite, point))]
+    most = max((abs(one) for point in points for one in point), default=1.0)
+    step = next((one for one in STEPS_UT if LINES * one >= most), most / LINES)
+    count = max(1, math.ceil(most / step))
+    scale = (SIZE / 2 - MARGIN) / (count * step)
 
+    def place(x: float, y: float) -> tuple[float, float]:
+        return round(SIZE / 2 + x * scale, 1), round(SIZE / 2 - y * scale, 1)
 
-if __name__ == "__main__":
-    main()
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {SIZE} {SIZE}" font-family="sans-serif" font-size="13">',
+        f"<title>{escape(drawing.title)}</title>",
+        '<rect width="100%" height="100%" fill="white"/>',
+        f'<text x="{SIZE / 2}" y="24" text-anchor="middle">{escape(drawing.title)}</text>',
+    ]
+    for number in range(-count, count + 1):
+        (at, low), (_, high) = place(number * step, -count * step), place(0.0, count * step)
+        stroke = "#888" if number == 0 else "#ddd"
+        parts.append(f'<path d="M{at} {low}V{high}M{high} {SIZE - at}H{low}" stroke="{stroke}"/>')
+        parts.append(f'<text x="{at}" y="{low + 18}" text-anchor="middle" fill="#555">{number * step:g}</text>')
+        parts.append(
+            f'<text x="{MARGIN - 8}" y="{SIZE - at + 4}" text-anchor="end" fill="#555">{number * step:g}</text>'
+        )
+    parts.append(f'<text x="{SIZE / 2}" y="{SIZE - 12}" text-anchor="middle">level field, x (µT)</text>')
+    parts.append(
+        f'<text transform="translate(18 {SIZE / 2}) rotate(-90)" text-anchor="middle">level field, y (µT)</text>'
+    )
+    for row, (kind, colour, of_kind) in enumerate(kinds):
+        finite = [point for point in of_kind if all(map(math.isfinite, point))]
+        every = max(1, math.ceil(len(finite) / MOST_DRAWN))
+        dots = "".join(f'<circle cx="{x}" cy="{y}" r="2"/>' for x, y in (place(*point) for point in finite[::every]))
+        if dots:
+            parts.append(f'<g fill="{colour}" fill-opacity="0.7">{dots}</g>')
+            parts.append(
+                f'<text x="{SIZE - MARGIN}" y="{48 + 18 * row}" text-anchor="end" fill="{colour}">● {kind}</text>'
+            )
+    return "\n".join([*parts, "</svg>\n"])

@@ -74,7 +74,8 @@ def save(home: str, samples: Samples, when: datetime) -> Path:
     own = sorted(file for file in path.parent.glob("mag-*.csv") if _OWN.fullmatch(file.name) and file != path)
     for old in own[: 1 - MOST_KEPT]:
         old.unlink(missing_ok=True)
-        old.with_suffix(".png").unlink(missing_ok=True)
+        for picture in (".svg", ".png"):  # which were drawn before
+            old.with_suffix(picture).unlink(missing_ok=True)
     return path
 
 
@@ -96,7 +97,7 @@ def load(home: str, name: str, up: Vector) -> Samples:
 
 def _folder(home: str) -> Path:
     path = Path(home) / FOLDER
-    path.mkdir(mode=0o700, parents=True, exist_ok=True)
+    path.mkdir(mode=0o700, exist_ok=True)
     return path
 
 

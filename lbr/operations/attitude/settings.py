@@ -22,7 +22,7 @@ class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     roll_deg: Degrees = 0.0
     pitch_deg: Degrees = 0.0
     yaw_deg: Degrees = 0.0
-    axes: Annotated[str, Meta(pattern="^([+-][xyz]){3}$|^$")] = ""
+    axes: Annotated[str, Meta(pattern="^([+-][xyz]){3}$(?!\\n)|^$(?!\\n)")] = ""
 
     def __post_init__(self) -> None:
         """Refuse axes that are no right-handed frame, and both ways at once."""

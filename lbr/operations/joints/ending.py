@@ -3,11 +3,11 @@
 from msgspec.structs import replace
 
 from lbr.messages.drive import GoalResult
-from lbr.operations.joints import moving, stored
+from lbr.operations.joints import feet, moving, stored
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import Outputs, State, servos_trouble
 from lbr.operations.leasing import ending
-from lbr.operations.leasing.lease import Ended, Happened, LeaseTable, Result
+from lbr.operations.leasing.lease import Ended, Happened, LeaseTable, Result, Stop
 
 Decision = tuple[State, Outputs]
 Decided = tuple[LeaseTable[Move], ending.Said[Move]]
@@ -25,16 +25,21 @@ def end_what_is_over(state: State, now: float) -> Decision:
     return state, ended + more
 
 
-def still(state: State, decided: Decided, now: float) -> Decision:
+def still(state: State, decided: Decided, now: float, stop: Stop | None = None) -> Decision:
     """Take in what was decided of who has the joints, and hold all of them, whether they had a holder or not."""
     if state.move is not None:
-        return take(state, decided, now)
+        return take(state, decided, now, stop, at_once=stop is not None and stop.at_once)
+    if stop is not None and not stop.at_once and (goes_on := feet.again(state, stop)) is not None:
+        return take(goes_on, decided, now)
     state, outputs = take(moving.freeze(state), decided, now)
     return state, (*setpoint(state), *outputs)
 
 
-def take(state: State, decided: Decided, now: float) -> Decision:
-    """Take in who has the joints now; when they have no holder any more, hold them, and say how each motion ended."""
+def take(state: State, decided: Decided, now: float, stop: Stop | None = None, *, at_once: bool = False) -> Decision:
+    """Take in who has the joints now; when they have no holder any more, hold them, and say how each motion ended.
+
+    What a `stop` or a lapse ended steps to its feet first, if it knows where, and is not to be held `at_once`.
+    """
     held, said = decided
     outputs: Outputs = ()
     for each in said:
@@ -42,7 +47,7 @@ def take(state: State, decided: Decided, now: float) -> Decision:
             outputs = (*outputs, each)
             continue
         if each.held and held.live is None:
-            state = _let_be(state, each, now)
+            state = _let_be(state, each, now, stop, at_once=at_once)
             outputs = (*outputs, *setpoint(state))
         if each.held and not _unremarkable(each):
             outputs = (*outputs, ending.happened(each))
@@ -62,9 +67,14 @@ def _unremarkable(ended: Ended[Move]) -> bool:
     return ended.how == "reached" and move.trajectory is None and move.stored is None and not ended.why.note
 
 
-def _let_be(state: State, ended: Ended[Move], now: float) -> State:
-    """Hold every joint: at its goal if that was reached, else where it was measured. A lease that lapsed lost its
-    mover."""
+def _let_be(state: State, ended: Ended[Move], now: float, stop: Stop | None, *, at_once: bool) -> State:
+    """Hold every joint: at its goal if that was reached, else where it was measured, or where it stands. A lease that
+    lapsed lost its mover."""
+    if ended.how in {"stopped", "lapsed"} and not at_once:
+        lease, lapsed = ended.lease, ended.how == "lapsed"
+        stepping = feet.begin(state, lease.motion, lease.id, stop, now, lost=lapsed)
+        if stepping is not None:
+            return replace(stepping, leases=replace(state.leases, live=None))
     lost, told = state.lost or ended.how == "lapsed", ended.lease.motion.stored
     if ended.how == "reached":
         frozen = state if told is None else stored.after(state, told, now)

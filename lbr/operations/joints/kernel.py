@@ -5,7 +5,7 @@ from math import nan
 from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
-from lbr.operations.joints import moving, planning, servos, stored, torque
+from lbr.operations.joints import feet, moving, planning, servos, stored, torque
 from lbr.operations.joints.acceptance import asks, command_of, refusal
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint, still, take
 from lbr.operations.joints.move import Move
@@ -42,8 +42,8 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case Torque():
             decision = torque.switch(moving.advance(state, now), event, now)
         case Stop():
-            state, said = still(state, leasing.stop(state.leases, event, now), now)
-            decision = state, (*said, leasing.STOPPED)
+            state, said = still(state, leasing.stop(state.leases, event, now), now, event)
+            decision = state, (*said, feet.reply(state, now))
         case HolderGone():
             decision = _holder_gone(state, event, now)
         case EstopChanged():
@@ -53,7 +53,7 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case ServosLost():
             decision = servos.gone(state, event, now)
         case Tick():
-            state, ended = end_what_is_over(moving.advance(state, now), now)
+            state, ended = end_what_is_over(moving.advance(feet.advance(state, now), now), now)
             decision = state, (*ended, *setpoint(state))
     return decision
 
@@ -151,7 +151,7 @@ def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:
     lease, why = state.leases.live, Reason("holder_gone", f"the process of {event.source} is gone")
     if lease is None or lease.source != event.source:
         return state, ()
-    return take(state, ending.end(state.leases, "lapsed", why, now), now)
+    return take(state, ending.end(state.leases, "lapsed", why, now), now, at_once=True)
 
 
 def _lose_time(state: State, now: float) -> Decision:

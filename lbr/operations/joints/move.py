@@ -28,6 +28,26 @@ class Stored(Struct, frozen=True, kw_only=True):
     playing: float = nan
 
 
+class ToFeet(Struct, frozen=True, kw_only=True):
+    """What a robot does after it was stopped on its way: it goes on to where it stands, until `until` at the latest.
+
+    It quotes the dead `lease`, so that a driver that ended this does not take it up again. `pose` is where it goes
+    straight to, from where it is measured after `begun`. `stops` are who said so by which way, and when that was sent.
+    `lost`: then its mover is gone.
+    """
+
+    lease: str
+    begun: float
+    until: float
+    names: tuple[str, ...] = ()
+    trajectory: Trajectory | None = None
+    elapsed_s: float = 0.0
+    pose: Mapping[str, float] = {}
+    followed: bool = False
+    stops: Mapping[tuple[str, str], float] = {}
+    lost: bool = False
+
+
 class Move(Struct, frozen=True, kw_only=True):
     """A motion under way, `elapsed_s` after the start of its trajectory; what was only offered has none of its kinds
     yet.

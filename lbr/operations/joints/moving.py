@@ -57,7 +57,7 @@ def setpoint(state: State) -> Setpoint:
     lease, move = state.leases.live, state.move
     goals = tuple(_goal(state, name) for name in state.body.joints)
     play = stored.play(move.stored) if move is not None and move.stored is not None else None
-    lease_id = lease.id if lease else ""
+    lease_id = lease.id if lease else state.feet.lease if state.feet else ""
     return Setpoint(message=ServoSetpoint(goals=goals, lost=state.lost, halt=state.halt, lease=lease_id, stored=play))
 
 
@@ -67,8 +67,10 @@ def freeze(state: State) -> State:
     One that is not moved and is where it should be keeps its goal, or it would sag a little with every stop.
     """
     moved = frozenset(state.move.joints if state.move is not None else ())
+    moved |= frozenset(state.feet.names if state.feet is not None else ())
     goals = {name: _here_rad(state, name, None if name in moved else state.goals.get(name)) for name in state.on}
-    return replace(state, goals=goals, halt=state.halt + 1, ticked=state.clock)
+    lost = state.lost or (state.feet is not None and state.feet.lost)
+    return replace(state, goals=goals, halt=state.halt + 1, ticked=state.clock, feet=None, lost=lost)
 
 
 def measured(state: State, name: str) -> float | None:
@@ -97,6 +99,8 @@ def as_found(state: State, name: str) -> float | None:
 
 def held_again(state: State) -> State:
     """Return the state that has a holder again; joints that gave way meanwhile are held where they are now."""
+    if state.feet is not None:
+        state = replace(state, feet=None, lost=False)
     return replace(freeze(state), lost=False) if state.lost else state
 
 

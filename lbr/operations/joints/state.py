@@ -9,7 +9,7 @@ from lbr.messages.codes import Reason
 from lbr.messages.joints import JointsCommand, TorqueCommand
 from lbr.messages.servos import ServosState, ServoState
 from lbr.operations.joints.body import Body
-from lbr.operations.joints.move import Move
+from lbr.operations.joints.move import Move, ToFeet
 from lbr.operations.joints.settings import JointsSettings
 from lbr.operations.leasing.lease import (
     EstopChanged,
@@ -97,7 +97,8 @@ class State(Struct, frozen=True, kw_only=True):
     `switched` when torque was last switched on. Joints released at `released_at` are `resting`: the driver is to hear
     of them without torque before it hears of them with it again. Of `unread` it is not known yet whether they have
     torque. `lost`: their mover is gone, and the driver decides. `halt` counts how often all were to hold where they
-    were measured, `count` what the controller was told to play; until `waited` it passed no goals on.
+    were measured, `count` what the controller was told to play; until `waited` it passed no goals on. `feet`: it was
+    stopped on its way, and steps to its feet.
     """
 
     settings: JointsSettings
@@ -111,6 +112,7 @@ class State(Struct, frozen=True, kw_only=True):
     strength: Mapping[str, float] = {}
     lost: bool = False
     halt: int = 0
+    feet: ToFeet | None = None
     count: int = 0
     waited: float = -inf
     ticked: float = nan

@@ -24,7 +24,7 @@ class Trajectory(Struct, frozen=True, kw_only=True):
     """Where joints are to be, and when, in seconds from the start; radians and radians a second.
 
     `slopes` are the speeds at the knots; a joint that has none goes straight. `stretch` is how many times longer it
-    takes than it was asked to, because of `slowest`.
+    takes than it was asked to, because of `slowest`. `stable` are the knots where the robot may come to rest.
     """
 
     times_s: tuple[float, ...]
@@ -32,6 +32,7 @@ class Trajectory(Struct, frozen=True, kw_only=True):
     slopes: Mapping[str, Slopes] = {}
     stretch: float = 1.0
     slowest: str = ""
+    stable: frozenset[int] = frozenset()
 
     @property
     def duration_s(self) -> float:
@@ -71,6 +72,7 @@ def plan(
         slopes={joint: tuple(slope / stretch for slope in values) for joint, values in slopes.items()},
         stretch=stretch,
         slowest=name if stretch > 1.0 + SLACK else "",
+        stable=frozenset(at for at, frame in enumerate(frames, 1) if frame.stable),
     )
 
 
@@ -99,6 +101,7 @@ def ahead(trajectory: Trajectory, elapsed_s: float) -> tuple[KeyFrame, ...]:
         KeyFrame(
             positions={name: values[at] for name, values in trajectory.knots.items()},
             duration_s=end_s - begin_s,
+            stable=at in trajectory.stable,
         )
         for at, (begin_s, end_s) in enumerate(pairwise(times_s), first)
     )

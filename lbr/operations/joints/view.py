@@ -6,7 +6,7 @@ from lbr.messages.codes import Reason
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.servos import ServoState
-from lbr.operations.joints import stored, trajectory
+from lbr.operations.joints import feet, stored, trajectory
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import State, servos_trouble
 
@@ -23,7 +23,7 @@ def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -
     return JointsState(
         sequence=servos.sweep if servos else 0,
         measured_s=servos.measured_s if servos else 0.0,
-        moving=move is not None and not (move.stay and move.over),
+        moving=state.feet is not None or (move is not None and not (move.stay and move.over)),
         phase=servos.phase if servos else "released",
         joints={name: _joint(state, joint, targets.get(name), now) for name, joint in state.body.joints.items()},
         holder=lease.source if lease else None,
@@ -31,6 +31,7 @@ def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -
         passed=_passed(move),
         stored=told.motion.slot if told is not None else None,
         left_s=round(stored.left_s(told, now), 2) if told is not None else None,
+        feet_s=round(max(0.0, feet.left_s(state.feet, now)), 2) if state.feet is not None else None,
         stopped_s=state.leases.stopped if isfinite(state.leases.stopped) else None,
         stopped_by=state.leases.stopped_by,
         halted_s=state.leases.halts.at if isfinite(state.leases.halts.at) else None,

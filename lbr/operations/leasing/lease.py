@@ -59,7 +59,8 @@ class Stop(Struct, frozen=True, kw_only=True):
     """A sender wants it to stand still; `lost` says that the one who wanted the motion is gone, and counts from its
     holder.
 
-    `whole`: the robot is to stand still, not only what its holder moves.
+    `whole`: the robot is to stand still, not only what its holder moves. `by` is who said so, if its source passes it
+    on; `at_once`: it does not step to its feet first.
     """
 
     source: str
@@ -67,6 +68,8 @@ class Stop(Struct, frozen=True, kw_only=True):
     reason: str = ""
     lost: bool = False
     whole: bool = False
+    by: str = ""
+    at_once: bool = False
 
 
 class EstopChanged(Struct, frozen=True, kw_only=True):

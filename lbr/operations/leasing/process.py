@@ -120,7 +120,15 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self.listen()
         if call.name == STOP:
             said, lost = call.message, call.message.lost and not call.remote
-            stop = Stop(source=call.source, received=call.arrived, reason=said.reason, lost=lost, whole=said.whole)
+            stop = Stop(
+                source=call.source,
+                received=call.arrived,
+                reason=said.reason,
+                lost=lost,
+                whole=said.whole,
+                by=said.by,
+                at_once=said.at_once,
+            )
             self.happen(stop, call)
         else:
             self.lend(call)

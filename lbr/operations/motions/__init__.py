@@ -4,6 +4,7 @@ from msgspec import Struct
 
 from lbr.capability.kind import Command, Kind, Rows, names
 from lbr.capability.word import Word
+from lbr.messages.attitude import AttitudeState
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import (
     BusOfJoints,
@@ -33,7 +34,8 @@ KIND = Kind(
     family="operation",
     entry="lbr.operations.motions.capability:Motions",
     settings=MotionsSettings,
-    inputs={"joints": JointsState, "ended": GoalResult},
+    inputs={"joints": JointsState, "ended": GoalResult, "attitude": AttitudeState},
+    optional=("attitude",),
     outputs={"state": MotionsState, "result": GoalResult},
     commands={
         "play": Command(PlayCommand, leased=True, choices={"motion": names(MotionRow)}),

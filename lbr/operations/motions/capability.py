@@ -24,7 +24,7 @@ from lbr.messages.joints import (
 from lbr.messages.leases import CommandReply
 from lbr.operations.leasing.lease import LeaseRequest
 from lbr.operations.leasing.process import LeasingCapability, new_goal, said_by
-from lbr.operations.motions import MotionsSettings
+from lbr.operations.motions import MotionsSettings, fall
 from lbr.operations.motions.joints_client import JointsClient
 from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.pose import key_frame, reach_s
@@ -33,6 +33,7 @@ from lbr.operations.motions.state import (
     Abandon,
     Answer,
     Event,
+    Fell,
     Halt,
     Output,
     Outputs,
@@ -91,6 +92,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
         """Begin with nothing lent."""
         super().begin()
         self._follower = JointsClient(self.ctx, self.happen)
+        self._fall = fall.Fall()
         self._player: Call | None = None
         self._reported: MotionsState | None = None
         self._reported_at = -inf
@@ -104,8 +106,19 @@ class Motions(LeasingCapability[MotionsSettings, State]):
         return decide(self._state, event, now)
 
     def hear(self) -> None:
-        """Take in what the joints say."""
+        """Take in what the joints say, and whether the robot has fallen."""
         self._follower.step()
+        newest = self.ctx.latest("attitude")
+        before, now = self._fall.lies, self.ctx.clock()
+        if newest is None:
+            return
+        self._fall = fall.seen(self._fall, newest.message, now)
+        if self._fall.lies and not before:
+            how = fall.ON[self._fall.lies]
+            self.ctx.event("fallen", f"{self.ctx.robot} has fallen, it lies {how}", level="warning", code="fallen")
+            self.happen(Fell(how=how))
+        elif before and not self._fall.lies:
+            self.ctx.event("upright", f"{self.ctx.robot} is upright again", code="done")
 
     def not_at_rest(self) -> str:
         """Return nothing: what moves are the joints, and they acknowledge for themselves."""
@@ -118,8 +131,8 @@ class Motions(LeasingCapability[MotionsSettings, State]):
                 self._answer(reply)
             case Send():
                 self._send(output, call)
-            case Halt(why=why, lost=lost):
-                self._follower.halt(why, lost=lost)
+            case Halt(why=why, lost=lost, by=by, at_once=at_once):
+                self._follower.halt(why, lost=lost, by="" if by == self.ctx.name else by, at_once=at_once)
             case Abandon():
                 self._follower.abandon()
             case _:
@@ -200,7 +213,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
     def report(self) -> None:
         """Tell what is played twice a second, and at once when it changed."""
         now = self.ctx.clock()
-        state = motions_state(self._state)
+        state = replace(motions_state(self._state), fallen=self._fall.lies)
         bare = replace(state, left_s=None)  # that alone is no news
         if bare != self._reported or not now - self._reported_at < STATE_PERIOD_S:
             self._reported, self._reported_at = bare, now

@@ -9,13 +9,14 @@ from lbr.capability.context import PendingReply, Received
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState
-from lbr.messages.leases import CommandReply
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.motions.state import Accepted, Event, JointsEnded, JointsStopped, Lost, Passed
 
 JOINTS = LeaseTarget(
     "move", "halt", "joints operation", "joints operation does not answer; the joints hold by themselves"
 )
 RENEWAL = JointsCommand()
+STOP_S = 1.0
 
 
 class Context(Transport, Protocol):
@@ -46,6 +47,7 @@ class JointsClient:
         self._wanted: JointsCommand | None = None
         self._passed = ("", 0)
         self._stopped_s = -inf
+        self._feet_s: float | None = None
 
     @property
     def trouble(self) -> Reason | None:
@@ -68,10 +70,12 @@ class JointsClient:
         if self._lease is not None:
             self._lease.send(command)
 
-    def halt(self, why: str, *, lost: bool = False) -> None:
-        """Hold where the joints are; `lost`: the sender that moved them is gone."""
+    def halt(self, why: str, *, lost: bool = False, by: str = "", at_once: bool = False) -> None:
+        """Stop the joints; `lost`: the sender that moved them is gone; `by`: who stopped them; `at_once`: hold."""
         if self._lease is not None:
-            self._lease.release(why, lost=lost)
+            self._lease.release(why, lost=lost, by=by, at_once=at_once)
+        elif (by or at_once) and self._feet_s is not None:
+            self._ctx.ask("halt", StopCommand(reason=why[:200], by=by[:200], at_once=at_once), STOP_S)
         self.abandon()
 
     def abandon(self) -> None:
@@ -118,6 +122,7 @@ class JointsClient:
         state = newest.message if newest is not None else None
         if not isinstance(state, JointsState):
             return
+        self._feet_s = state.feet_s
         if state.goal is not None and (state.goal, state.passed) != self._passed:
             self._passed = (state.goal, state.passed)
             self._happened(Passed(goal=state.goal, frames=state.passed))

@@ -16,6 +16,7 @@ from lbr.operations.motions.state import (
     Accepted,
     Answer,
     Event,
+    Fell,
     Halt,
     JointsEnded,
     JointsStopped,
@@ -64,7 +65,7 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case Stop():
             held, said = leasing.stop(state.leases, event, now)
             state, outputs = _told(replace(state, leases=held), said, now)
-            decision = state, (*outputs, leasing.STOPPED)
+            decision = state, (*_halted(outputs, event), leasing.STOPPED)
         case EstopChanged():
             held, said = leasing.latch(state.leases, event, now)
             decision = _told(replace(state, leases=held), said, now)
@@ -76,8 +77,8 @@ def _handle(state: State, event: Event, now: float) -> Decision:
             decision = _joints_ended(state, result, now)
         case JointsStopped():
             decision = _joints_stopped(state, event, now)
-        case Passed():
-            decision = _passed(state, event), ()
+        case Passed() | Fell():
+            decision = _noticed(state, event, now)
         case Tick():
             decision = _late(state, now)
     return decision
@@ -222,6 +223,15 @@ def _played(playing: Playing, result: GoalResult, now: float) -> Reason:
     return Reason("done", text + but, cause=result.cause, note=result.note)
 
 
+def _noticed(state: State, event: Passed | Fell, now: float) -> Decision:
+    if isinstance(event, Passed):
+        return _passed(state, event), ()
+    why = Reason("fallen", f"the robot has fallen, it lies {event.how}")
+    if state.lease is None:  # what it played is over, but the joints may be on their way to its feet
+        return state, (Halt(why=why.text, at_once=True),)
+    return _end(state, "fault", why, now)
+
+
 def _passed(state: State, event: Passed) -> State:
     lease = state.lease
     if lease is None or lease.motion.asked or event.goal != lease.motion.joints_goal:
@@ -265,13 +275,21 @@ def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
     playing = ended.lease.motion
     if not ended.held:
         return (_result(ended, now),)
-    halt = Halt(why=ended.why.text, lost=ended.how == "lapsed")
+    halt = Halt(why=ended.why.text, lost=ended.how == "lapsed", at_once=ended.why.code == "fallen")
     joints: Outputs = (Abandon(),) if ended.how == "reached" or playing.lost else (halt,)
     joints = () if goes_on else joints
     if playing.asked:
         return (*joints, Answer(message=refused(ended.why)))
     kind = "played" if ended.how == "reached" else ended.how
     return (*joints, _result(ended, now), ending.happened(ended, kind))
+
+
+def _halted(outputs: Outputs, event: Stop) -> Outputs:
+    """Say whose stop it is that the joints are told of: it may reach them by other ways too, and more than once."""
+    by = event.by or event.source
+    halts = tuple(replace(one, by=by) if isinstance(one, Halt) else one for one in outputs)
+    told = any(isinstance(one, Halt | Abandon) for one in halts)
+    return halts if told or event.lost else (Halt(why=f"stopped by {by}", by=by), *halts)
 
 
 def _result(ended: Ended[Playing], now: float) -> Result:

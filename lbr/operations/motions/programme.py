@@ -52,9 +52,9 @@ class Programme(Struct, frozen=True):
         """Return a key frame, counted from 0, as fast as it is to be played; of what the controller keeps, the last."""
         motion, place = self._find(index)
         if motion.slot is not None:
-            return KeyFrame(positions=_pose(motion), duration_s=_lasts_s(motion))
+            return KeyFrame(positions=_pose(motion), duration_s=_lasts_s(motion), stable=_stable(motion))
         frame = motion.frames[place.frame - 1]
-        return KeyFrame(positions=frame.positions, duration_s=frame.duration_s / self.speed)
+        return KeyFrame(positions=frame.positions, duration_s=frame.duration_s / self.speed, stable=frame.stable)
 
     def place(self, index: int) -> Place:
         """Return where a step is; after the last, it is the last."""
@@ -65,7 +65,13 @@ class Programme(Struct, frozen=True):
         motion, _ = self._find(index)
         if motion.slot is None:
             return None
-        return StoredMotion(slot=motion.slot, duration_s=_lasts_s(motion), pose=_pose(motion), limp=motion.limp)
+        return StoredMotion(
+            slot=motion.slot,
+            duration_s=_lasts_s(motion),
+            pose=_pose(motion),
+            limp=motion.limp,
+            stable=_stable(motion),
+        )
 
     def leg_end(self, start: int) -> int:
         """Return where the joints come to rest that begin at a step: after key frames up to the next that are not."""
@@ -158,6 +164,11 @@ def _lasts_s(motion: Motion | None) -> float:
     if motion is None:
         return 0.0
     return sum(frame.duration_s for frame in motion.frames) if motion.slot is None else motion.slot_s or 0.0
+
+
+def _stable(motion: Motion) -> bool:
+    """Say whether the robot stands where key frames lead."""
+    return bool(motion.frames) and motion.frames[-1].stable
 
 
 def _pose(motion: Motion) -> dict[str, float]:

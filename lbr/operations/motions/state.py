@@ -71,11 +71,17 @@ class Passed(Struct, frozen=True, kw_only=True):
     frames: int
 
 
+class Fell(Struct, frozen=True, kw_only=True):
+    """The robot has fallen."""
+
+    how: str
+
+
 class Tick(Struct, frozen=True, kw_only=True):
     """Time goes by."""
 
 
-Event = Play | Stop | EstopChanged | Accepted | Lost | JointsEnded | JointsStopped | Passed | Tick
+Event = Play | Stop | EstopChanged | Accepted | Lost | JointsEnded | JointsStopped | Passed | Fell | Tick
 
 
 class Answer(Struct, frozen=True, kw_only=True):
@@ -101,10 +107,13 @@ class Send(Struct, frozen=True, kw_only=True):
 
 
 class Halt(Struct, frozen=True, kw_only=True):
-    """The joints are to hold where they are; `lost`: the sender that had it played is gone."""
+    """The joints are to be stopped; `lost`: the sender that had it played is gone; `by`: who said so; `at_once`: they
+    do not step to their feet."""
 
     why: str
     lost: bool = False
+    by: str = ""
+    at_once: bool = False
 
 
 class Abandon(Struct, frozen=True):

@@ -14,7 +14,12 @@ ROBOT = Robot(
     profiles=_HERE / "profiles",
     body=_HERE / "body.xml",
     motion_formats=(
-        MotionFormat(suffix=".rbm", summary="of the UXA-90's maker", read="lbr.robots.uxa90.motion_file:read"),
+        MotionFormat(
+            suffix=".rbm",
+            summary="of the UXA-90's maker",
+            read="lbr.robots.uxa90.motion_file:read",
+            write="lbr.robots.uxa90.motion_file:write",
+        ),
     ),
     old_formats=(
         OldFormat(

@@ -1,6 +1,6 @@
-"""From a motion file of the UXA-90's maker to a motion of a robot's joints."""
+"""Between motion files of the UXA-90's maker and motions of a robot's joints."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from lbr.drivers.uxa90.messages import COUNT_RAD
@@ -10,10 +10,12 @@ from lbr.messages.joints import Joint, KeyFrame, Motion
 from lbr.robots.motion_file import DIGITS, SHORTEST_S, RobotRows, name_from, sparse, split
 from lbr.robots.old_data import Note
 from lbr.robots.uxa90 import rbm
-from lbr.robots.uxa90.rbm import RbmFile
+from lbr.robots.uxa90.rbm import MOST_COUNTS, RbmFile, Scene, ServoMove
 
 FACTORY = "factory"
 """The layer of the table `motor` whose `rest` are the nominal zeros."""
+STEP_S, TORQUE = 0.02, 2
+"""A player's step, and the maker's own torque for servos that move."""
 BEGIN_S = 1.0
 """A motion of the maker's begins where it is; ours leads there first, in this long or what the joints need."""
 
@@ -62,6 +64,55 @@ def of_rbm(file: RbmFile, rows: RobotRows) -> tuple[Motion, list[Note]]:
         Note("no_place", "servo", name, "gains, torque", "a motion here has no gains and no torque of its own")
     )
     return Motion(name=name, frames=tuple(sparse(split(frames))), help=file.name[:200]), notes
+
+
+def write(motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
+    """Return a motion as a file of the maker's, and what it cannot say; InputError if a joint cannot be there."""
+    nominal = {motor.id: motor for motor in rows.of(Motor) if motor.layer == FACTORY}
+    joints = {row.name: row for row in rows.of(Joint) if row.device_id in nominal}
+    used = {name for frame in motion.frames for name in frame.positions}
+    if missing := sorted(used - set(joints)):
+        raise InputError(f"joint '{missing[0]}' has no motor in layer '{FACTORY}', and such a file has no other")
+    at = {servo: row.rest for servo, row in nominal.items()}
+    beyond: set[str] = set()
+    poses: list[dict[int, int]] = []
+    for frame in motion.frames:
+        for name, angle in frame.positions.items():
+            count = nominal[joints[name].device_id].rest + round(joints[name].sign * angle / COUNT_RAD)
+            at[joints[name].device_id] = min(MOST_COUNTS, max(0, count))
+            beyond |= {name} if at[joints[name].device_id] != count else set()
+        poses.append(dict(at))
+    begins, ends = (poses[:1], poses[1:]) if len(poses) > 1 else (poses, poses)
+    durations = [frame.duration_s for frame in motion.frames][-len(ends) :]
+    scenes = tuple(
+        Scene(
+            f"{number}",
+            max(1, round(duration_s / STEP_S)),
+            duration_s,
+            tuple(ServoMove(servo, before[servo], pose[servo], TORQUE) for servo in nominal),
+        )
+        for number, (before, pose, duration_s) in enumerate(zip((*begins, *ends), ends, durations, strict=False), 1)
+    )
+    zeros = {servo: row.rest for servo, row in nominal.items()}
+    return rbm.write(RbmFile(motion.name, "", "0" * 13, zeros, scenes)), _unsaid(motion, beyond)
+
+
+def _unsaid(motion: Motion, beyond: Collection[str]) -> list[Note]:
+    """Return what a file cannot say of a motion."""
+    name = motion.name
+    notes = [
+        Note("changed", "scene", name, "positions", "a scene names all servos: others stand at their nominal zero"),
+        Note("changed", "servo", name, "gains", "all servos have the same: set yours in the maker's program"),
+    ]
+    if len(motion.frames) > 1 and motion.frames[0].duration_s != BEGIN_S:
+        text = f"it begins in its first pose: the {motion.frames[0].duration_s:g} s to get there have no place"
+        notes.append(Note("no_place", "scene", name, "transition", text))
+    if beyond:
+        text = f"{', '.join(sorted(beyond))} would go beyond 0 to {MOST_COUNTS} counts, and end there"
+        notes.append(Note("changed", "scene", name, "end", text))
+    if motion.lead_in or motion.lead_out:
+        notes.append(Note("no_place", "motion", name, "lead_in, lead_out", "what is played before and after"))
+    return notes
 
 
 def _other_zeros(name: str, zeros: Mapping[int, int], nominal: Mapping[int, Motor]) -> list[Note]:

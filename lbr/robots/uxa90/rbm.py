@@ -1,4 +1,4 @@
-"""Reads a motion file of the UXA-90's maker (`.rbm`): one line of fields between colons. Pure.
+"""Reads and writes motion files of the UXA-90's maker (`.rbm`): one line of fields between colons. Pure.
 
 A header, then for each servo its gains and zero, then scenes. A scene leads every servo from one position to another in
 its transition time; the player writes them in as many steps as it has frames. Positions count as on a robot whose zeros
@@ -15,6 +15,8 @@ MOST_SCENES = 5000
 MOST_FRAMES = 100_000
 LONGEST_MS = 3_600_000
 MOST_COUNTS = 255
+GAINS = (30, 10, 0)
+"""P, D and I, as the maker's own files have them for joints that carry little."""
 _WHOLE = re.compile(r"\s*(\d{1,9})\s*", re.ASCII)
 
 
@@ -66,6 +68,30 @@ def parse(content: bytes) -> RbmFile:
     found = tuple(_scene(fields, index, servos) for index in range(1, scenes + 1))
     fields.end()
     return RbmFile(name=name.strip(), author=author.strip(), serial=serial, zeros=zeros, scenes=found)
+
+
+def write(file: RbmFile) -> bytes:
+    """Return a file that says this, with gains of 30, 10 and 0 for every servo; a colon in a name is left out."""
+    header = [1, len(file.serial), file.serial, _said(file.author), "", len(_said(file.name)), _said(file.name), 1, 4]
+    header += [len(file.scenes), 2, len(file.zeros), 0]
+    servos = [part for servo, zero in file.zeros.items() for part in (servo, *GAINS, 0, zero)]
+    scenes = [
+        part
+        for number, scene in enumerate(file.scenes)
+        for part in (
+            number,
+            len(_said(scene.name)),
+            _said(scene.name),
+            scene.frames,
+            round(scene.transition_s * 1000),
+            *(each for move in scene.moves for each in (0, move.id, move.start, move.end, move.torque, 0)),
+        )
+    ]
+    return (":".join(map(str, (*header, *servos, *scenes))) + ":").encode("latin-1", "replace")
+
+
+def _said(text: str) -> str:
+    return text.replace(":", "").strip()
 
 
 def _zero(fields: "_Fields", index: int) -> tuple[int, int]:

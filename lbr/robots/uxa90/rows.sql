@@ -7,7 +7,8 @@ VALUES ('uxa90', 'UXA-90 Light', 'A humanoid of one metre: twenty-five servos be
 
 INSERT INTO device (robot, name, type, address, settings) VALUES
     ('uxa90', 'main_board', 'uxa90', 'by-id:usb-*-port0', '{}'),
-    ('uxa90', 'head_camera', 'camera', '/dev/video0', '{}');
+    ('uxa90', 'head_camera', 'camera', '/dev/video0', '{}'),
+    ('uxa90', 'speaker', 'speaker', 'alsa:default', '{}');
 
 INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
     ('uxa90', 'servos', 'uxa90', '{"device": "main_board", "sweep_hz": 25}', '[]',
@@ -20,8 +21,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The camera in the head'),
     ('uxa90', 'tracking', 'tracking', '{}', '["joints", "camera_head"]',
      'Tracking: the head follows a coloured thing'),
-    ('uxa90', 'web', 'web', '{"faces": ["page", "model", "uxa90"]}', '[]',
-     'The robot over HTTP, for its phone app and for scripts; on this machine only, unless the settings say otherwise'),
+    ('uxa90', 'web', 'web', '{"faces": ["page", "model", "uxa90", "cameras"]}', '[]',
+     'The robot over HTTP: its page and API, its camera, the API of old; on this machine only, unless the settings say otherwise'),
     ('uxa90', 'world', 'humanoid_world',
      '{"model": "uxa90", "rests": {"left_hip_pitch": 1.78, "right_hip_pitch": 1.78, "left_knee": -2.4, "right_knee": -2.4,
                                    "left_ankle_pitch": 0.9, "right_ankle_pitch": 0.9},
@@ -42,6 +43,11 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
      'The door to other machines: whoever has a token comes in');
 
+-- Off: the robot comes without a loudspeaker. Once one is connected: `UPDATE capability SET enabled = 1 WHERE name = 'speech'`.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('uxa90', 'speech', 'speech', 0, '{"device": "speaker"}',
+     'The voice: says texts and phrases, and plays recordings');
+
 INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'joints.setpoint', 'servos.setpoint', 1),
     ('uxa90', 'servos.state', 'joints.servos', 1),
@@ -60,6 +66,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'joints.result', 'web.moved', 16),
     ('uxa90', 'motions.result', 'web.played', 16),
     ('uxa90', 'servos.controller', 'web.controller', 1),
+    ('uxa90', 'camera_head.frame', 'web.frames', 2),
+    ('uxa90', 'camera_head.state', 'web.cameras', 4),
     ('uxa90', 'web.move', 'joints.command', 1),
     ('uxa90', 'web.halt', 'joints.stop', 1),
     ('uxa90', 'web.torque', 'joints.torque', 1),
@@ -119,21 +127,29 @@ INSERT INTO motion (robot, name, help, slot, slot_s, limp, builtin) VALUES
     ('uxa90', 'dance_gangnamstyle', 'Dance', 13, 93.5, 0, 1),
     ('uxa90', 'sit_down', 'Sit down; the servos are let go at the end', 21, 7, 1, 1);
 
-INSERT INTO motion_step (robot, motion, step, duration_s, positions) VALUES
-    ('uxa90', 'basic_motion', 1, 0.4,
+INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions) VALUES
+    ('uxa90', 'basic_motion', 1, 0.4, 1,
      '{"left_ankle_roll": 0.037, "right_ankle_roll": 0, "left_ankle_pitch": 0.462, "right_ankle_pitch": 0.425,
       "left_knee": -0.758, "right_knee": -0.739, "left_hip_pitch": 0.351, "right_hip_pitch": 0.333,
       "left_hip_roll": 0, "right_hip_roll": 0, "left_hip_yaw": 0, "right_hip_yaw": 0,
       "left_shoulder_pitch": -0.314, "right_shoulder_pitch": -0.314, "left_shoulder_roll": 0,
       "right_shoulder_roll": 0, "left_shoulder_yaw": 0.074, "right_shoulder_yaw": 0.074, "left_elbow": -0.591,
       "right_elbow": -0.591, "left_hand": 0, "right_hand": 0, "waist_yaw": 0, "neck_yaw": 0, "head_pitch": 0}'),
-    ('uxa90', 'reset', 1, 7,
+    ('uxa90', 'reset', 1, 7, 1,
      '{"left_ankle_roll": 0, "right_ankle_roll": 0, "left_ankle_pitch": 0, "right_ankle_pitch": 0, "left_knee": 0,
       "right_knee": 0, "left_hip_pitch": 0, "right_hip_pitch": 0, "left_hip_roll": 0, "right_hip_roll": 0,
       "left_hip_yaw": 0, "right_hip_yaw": 0, "left_shoulder_pitch": 0, "right_shoulder_pitch": 0,
       "left_shoulder_roll": 0, "right_shoulder_roll": 0, "left_shoulder_yaw": 0, "right_shoulder_yaw": 0,
       "left_elbow": 0, "right_elbow": 0, "left_hand": 0, "right_hand": 0, "waist_yaw": 0, "neck_yaw": 0,
       "head_pitch": 0}');
+
+-- Walks and the kick end in the stance that they begin with. Stopped on its way, the robot goes straight there, if it may: in
+-- simulation it falls less often than held at once. Check where yours end.
+INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions)
+SELECT 'uxa90', motion.name, 1, motion.slot_s, 1, stance.positions
+FROM motion JOIN motion_step AS stance ON stance.robot = 'uxa90' AND stance.motion = 'basic_motion'
+WHERE motion.robot = 'uxa90' AND motion.name IN ('turn_left', 'walk_forward_short', 'turn_right', 'walk_left', 'walk_right',
+                                                 'walk_forward_4step', 'walk_forward_6step', 'kick_right');
 
 -- Three tables of the servos. `api`: as phones and scripts have known them, with all that is wrong in it (knees and left
 -- shoulder are those of the other side). `factory`: what the factory's motions use. `safe`: what the joints allow.

@@ -57,6 +57,11 @@ class HumanoidEngine:
         self.pick_up()
 
     @property
+    def data(self) -> Any:
+        """The physics engine's state, to look at."""
+        return self._data
+
+    @property
     def time_s(self) -> float:
         """Seconds the world has run."""
         return float(self._data.time)
@@ -65,6 +70,21 @@ class HumanoidEngine:
     def held(self) -> bool:
         """Say whether a hand or a stand holds it."""
         return bool(self._data.eq_active[0])
+
+    def put(self, angles: Sequence[float], foot: str = "") -> None:
+        """Put it on the floor with its joints there, at rest and in no hand: upright, or with a foot flat on the floor."""
+        data = self._data
+        data.qpos[self.body.positions] = angles
+        data.qvel[:] = 0.0
+        data.qpos[2:7] = (0.0, 1.0, 0.0, 0.0, 0.0)
+        mujoco.mj_kinematics(self._model, data)
+        if foot:
+            data.qpos[3:7] = self._on_soles(foot)
+            mujoco.mj_kinematics(self._model, data)
+        data.qpos[2] = -self._lowest_m()
+        data.eq_active[0] = False
+        mujoco.mj_forward(self._model, data)
+        self._imu.follow(data)
 
     def pick_up(self) -> None:
         """Put it as it began where it is and as it looks: limp joints at zero, or as it rests.
@@ -165,11 +185,13 @@ class HumanoidEngine:
         most = _HAND_MPS * TIMESTEP_S * _HAND_EVERY
         self._data.mocap_pos[0, 2] += max(-most, min(most, -self._lowest_m()))
 
-    def _on_soles(self) -> Floats:
-        """Return how the trunk is turned when its foot is flat on the floor, from where all is with the trunk unturned."""
+    def _on_soles(self, foot: str = "") -> Floats:
+        """Return how the trunk is turned when a foot is flat on the floor, from where all is with the trunk unturned."""
         turned = np.array((1.0, 0.0, 0.0, 0.0))
         if self.body.feet:
-            mujoco.mju_negQuat(turned, self._data.xquat[next(iter(self.body.feet.values()))])
+            mujoco.mju_negQuat(
+                turned, self._data.xquat[self.body.feet.get(foot) or next(iter(self.body.feet.values()))]
+            )
         return turned
 
     def _balanced(self) -> bool:

@@ -59,23 +59,6 @@ class FakeDrive:
         return self.power * TURN_DPS if self.lease and now <= self.until_s else 0.0
 
 
-class Silent:
-    """Draws nothing; remembers what it should have drawn."""
-
-    def __init__(self):
-        self.begun: list[tuple] = []
-
-    def begin(self, drawing, path, now):
-        self.begun.append((drawing, path))
-        return ""
-
-    def poll(self, now):
-        return None
-
-    def close(self):
-        pass
-
-
 class AttitudeContext(FakeContext):
     """The context of an attitude; `run` lets time pass for it, its inertial unit and its drive."""
 

@@ -1,73 +1,42 @@
-"""Pictures are drawn by a process of their own, and what goes wrong there is a sentence."""
+"""A calibration is drawn whatever was measured, and by text alone."""
 
-import time
-from pathlib import Path
+from xml.etree import ElementTree as ET
 
-import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from lbr.operations.attitude import painter as painting
-from lbr.operations.attitude.painter import Painter
-from lbr.operations.attitude.picture import Drawing
-from tests.support.robot import until
+from lbr.operations.attitude.picture import MOST_DRAWN, SIZE, Drawing, save, svg
 
-DRAWING = Drawing(title="a title", measured=[(1.0, 2.0), (3.0, 4.0)], corrected=[(0.0, 1.0)])
+SVG = "{http://www.w3.org/2000/svg}"
+points = st.lists(st.tuples(st.floats(), st.floats()), max_size=30)
 
 
-@pytest.fixture
-def painter():
-    under_test = Painter()
-    yield under_test
-    under_test.close()
+def dots(text: str) -> list[tuple[float, float]]:
+    found = ET.fromstring(text).iter(f"{SVG}circle")
+    return [(float(one.attrib["cx"]), float(one.attrib["cy"])) for one in found]
 
 
-@pytest.fixture
-def instead(tmp_path, monkeypatch):
-    """Put a program of our own in the place of the one that draws."""
-
-    def put(source: str):
-        (tmp_path / "draws_otherwise.py").write_text(source)
-        monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-        monkeypatch.setattr(painting, "MODULE", "draws_otherwise")
-
-    return put
-
-
-def outcome(painter: Painter, path: Path, *, late: float = 0.0):
-    assert painter.begin(DRAWING, path, time.monotonic()) == ""
-    return until(lambda: painter.poll(time.monotonic() + late), limit_s=9.0, what="a picture")
+def test_a_picture_has_a_dot_for_each_point_about_its_middle(tmp_path):
+    path = tmp_path / "mag.svg"
+    save(Drawing(title="a <b> & c", measured=[(20.0, 0.0), (0.0, 20.0)], corrected=[(0.0, -20.0)]), path)
+    text = path.read_text(encoding="utf-8")
+    right, above, below = dots(text)
+    assert right == (SIZE - above[1], SIZE / 2)
+    assert above[0] == below[0] == SIZE / 2
+    assert above[1] < below[1]
+    assert ET.fromstring(text).findtext(f"{SVG}title") == "a <b> & c"
+    assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.slow_start
-@pytest.mark.timeout(30)
-def test_a_picture_is_drawn(painter, tmp_path):
-    painter.begin(DRAWING, tmp_path / "mag.png", time.monotonic())
-    drawn = until(lambda: painter.poll(time.monotonic()), limit_s=25.0, what="a picture")
-    assert drawn.path == str(tmp_path / "mag.png")
-    assert (tmp_path / "mag.png").read_bytes().startswith(b"\x89PNG")
-    assert painter.poll(time.monotonic()) is None
+@given(measured=points, corrected=points, title=st.text(st.characters(categories=["L", "P"])))
+def test_whatever_was_measured_is_drawn_within_the_picture(measured, corrected, title):
+    assert all(
+        0 <= one <= SIZE
+        for dot in dots(svg(Drawing(title=title, measured=measured, corrected=corrected)))
+        for one in dot
+    )
 
 
-@pytest.mark.parametrize(
-    ("source", "words"),
-    [
-        ("raise SystemExit(3)", "extra 'plots'"),
-        ("raise ValueError('no ink')", "no ink"),
-        ("raise SystemExit(5)", "exit code 5"),
-    ],
-)
-def test_why_there_is_no_picture_is_a_sentence(painter, tmp_path, instead, source, words):
-    instead(source)
-    drawn = outcome(painter, tmp_path / "mag.png")
-    assert drawn.path == ""
-    assert words in drawn.trouble
-
-
-def test_a_picture_that_takes_for_ever_is_given_up(painter, tmp_path, instead):
-    instead("import time\ntime.sleep(60)")
-    assert "within 60 s" in outcome(painter, tmp_path / "mag.png", late=61.0).trouble
-
-
-def test_the_program_gets_what_is_to_be_drawn(painter, tmp_path, instead):
-    instead("import sys, pathlib\npathlib.Path(sys.argv[1]).write_bytes(sys.stdin.buffer.read())")
-    drawn = outcome(painter, tmp_path / "mag.png")
-    assert b"a title" in Path(drawn.path).read_bytes()
+def test_of_very_many_points_some_are_drawn():
+    many = [(float(number), 1.0) for number in range(10 * MOST_DRAWN)]
+    assert 0 < len(dots(svg(Drawing(title="", measured=many, corrected=[])))) <= MOST_DRAWN

@@ -8,6 +8,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from msgspec.structs import replace
 
 from lbr.messages.joints import StoredMotion
+from lbr.operations.joints.feet import LONGEST_S
 from lbr.operations.joints.moving import MARGIN_RAD
 from lbr.operations.joints.state import Tick
 from tests.operations.joints.joints_bench import BODY, DT, NAMES, Bench, Servos, frame
@@ -36,6 +37,7 @@ class Motion(RuleBasedStateMachine):
         self.leases = {}
         self.outside = {}
         self.renewed = -inf
+        self.steps = self.stepped = False
         self.bench.servos.stores = True
         self.bench.standing()
         self._look()
@@ -53,6 +55,7 @@ class Motion(RuleBasedStateMachine):
             return
         elapsed_s = min(bench.now - self.told_at, 0.055)  # what is refused lets time pass too
         before = {} if self.told is None else {goal.id: goal for goal in self.told.goals}
+        self.steps = self._steps()
         halted = self.told is None or after.halt != self.told.halt
         for goal in after.goals:
             self._goal(before.get(goal.id), goal, elapsed_s, halted=halted)
@@ -71,12 +74,19 @@ class Motion(RuleBasedStateMachine):
         began = before is None or before.torque == 0.0 or before.position_rad is None
         if began or halted:
             allowed = inf
-        elif self.bench.state.leases.live is None and not self._just_ended():
+        elif self.bench.state.leases.live is None and not (self._just_ended() or self.steps):
             allowed = 0.0
         else:
             allowed = joint.speed_rps * max(elapsed_s, 0.0)
         if not began:
             assert abs(goal.position_rad - before.position_rad) <= allowed + 1e-6, name
+
+    def _steps(self):
+        """Say whether it steps to its feet, or did so until now; never for longer than it may."""
+        feet = self.bench.state.feet
+        steps, self.stepped = feet is not None or self.stepped, feet is not None
+        assert feet is None or self.bench.now <= feet.begun + LONGEST_S + 1e-6
+        return steps
 
     def _just_ended(self):
         return self.bench.results and self.bench.results[-1].result == "reached"
@@ -134,9 +144,15 @@ class Motion(RuleBasedStateMachine):
             self.somebody_renews(source)
             self.time_passes(10, hear=True)
 
-    @rule(source=sources, through=st.lists(good, min_size=1, max_size=3), append=st.booleans(), smooth=st.booleans())
-    def somebody_goes_through_frames(self, source, through, append, smooth):
-        frames = tuple(frame(0.2, **positions) for positions in through)
+    @rule(
+        source=sources,
+        through=st.lists(good, min_size=1, max_size=3),
+        append=st.booleans(),
+        smooth=st.booleans(),
+        stable=st.booleans(),
+    )
+    def somebody_goes_through_frames(self, source, through, append, smooth, stable):
+        frames = tuple(replace(frame(0.2, **positions), stable=stable) for positions in through)
         lease = self.leases.get(source, "") if append or smooth else ""
         how = "smooth" if smooth else "linear"
         self._ask(source, {"frames": frames, "append": append, "lease": lease, "interpolation": how})
@@ -180,6 +196,13 @@ class Motion(RuleBasedStateMachine):
         self.bench.stop()
         self._look()
         assert self.bench.state.move is None
+
+    @rule(source=sources, through=st.lists(good, min_size=1, max_size=3), rounds=st.integers(1, 30))
+    def somebody_is_stopped_in_mid_step(self, source, through, rounds):
+        self.somebody_goes_through_frames(source, through, append=False, smooth=True, stable=True)
+        self.time_passes(rounds, hear=True)
+        self.anybody_stops()
+        self.time_passes(rounds, hear=True)
 
     @rule(engaged=st.booleans())
     def the_emergency_stop_changes(self, engaged):
@@ -233,7 +256,7 @@ class Motion(RuleBasedStateMachine):
     @invariant()
     def what_is_stopped_does_not_move(self):
         if self.bench.state.leases.estop:
-            assert self.bench.state.move is None
+            assert (self.bench.state.move, self.bench.state.feet) == (None, None)
 
     @invariant()
     def the_controller_plays_for_who_holds(self):

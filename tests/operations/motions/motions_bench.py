@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from lbr.capability.context import Received
+from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import Code, Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import (
@@ -76,6 +77,7 @@ class FakeJoints:
         self.lost = False
         self.results: list[GoalResult] = []
         self.stopped_s: float | None = None
+        self.feet_s: float | None = None
         self._numbers = count(1)
 
     def move(self, message, now):
@@ -103,6 +105,7 @@ class FakeJoints:
         return CommandReply(accepted=True, lease=self.lease, ttl_s=0.3, goal=self.goal)
 
     def halt(self, message):
+        self.at_once = message.at_once
         self.halts.append(message.reason)
         self.lost = message.lost
         if self.holder:
@@ -144,6 +147,7 @@ class World(FakeContext):
         self.unmeasured: dict[str, str] = {}
         self.doubted: set[str] = set()
         self.told_of_joints = True
+        self.pitch_rad: float | None = None
         self.gone = {"power"}
         self.asked_joints = ("joints",)
 
@@ -161,6 +165,9 @@ class World(FakeContext):
         return self.asked_joints
 
     def latest(self, port):
+        if port == "attitude":
+            how = AttitudeState(valid=True, epoch="e", measured_s=self.now, roll_rad=0.0, pitch_rad=self.pitch_rad)
+            return None if self.pitch_rad is None else Received(how, None, self.now, "attitude")
         if not self.told_of_joints:
             return None
         joints = {
@@ -177,6 +184,7 @@ class World(FakeContext):
             goal=self.body.goal or None,
             passed=self.body.passed(self.now),
             stopped_s=self.body.stopped_s,
+            feet_s=self.body.feet_s,
             reason=self.body.why_dead,
             code=self.body.code_dead,
         )

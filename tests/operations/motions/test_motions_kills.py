@@ -33,6 +33,9 @@ EDITS = (
         VALUES ('bioloid', 'swing', {step}, 0.5, '{json.dumps(pose)}')"""
         for step, pose in enumerate(POSES, 1)
     ),
+    "INSERT INTO motion (robot, name) VALUES ('bioloid', 'stride')",
+    """INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions)
+    SELECT robot, 'stride', step, 0.7, 1, positions FROM motion_step WHERE motion = 'swing'""",
 )
 PLAYER = """
 import json, sys
@@ -81,6 +84,26 @@ def player(robot):
     with plays(robot, motion="swing", times=100) as popen:
         soon(lambda: swings(robot), what="the joints swing")
         yield popen
+
+
+@contextmanager
+def strides(robot: Robot) -> "Iterator[subprocess.Popen[str]]":
+    """Play what says where it stands, and wait until it is on its way from there."""
+    soon(lambda: robot.capability("motions")["phase"] == "ready", what="motions are there")
+    soon(lambda: robot.ask("joints/torque", {"on": True})["accepted"], what="torque is on")
+    with plays(robot, motion="stride", times=100) as popen:
+        soon(lambda: robot.ask("joints/state")["moving"] and not stands(robot), what="it is on its way")
+        yield popen
+
+
+def stands(robot: Robot) -> bool:
+    """Say whether the joints are in one of the poses where it stands."""
+    measured = {name: one["position_rad"] for name, one in robot.ask("joints/state")["joints"].items()}
+    return any(all(abs(measured[name] - pose[name]) < 0.01 for name in pose) for pose in POSES)
+
+
+def stepping(robot: Robot) -> bool:
+    return robot.ask("joints/state")["feet_s"] is not None
 
 
 def angles(robot: Robot) -> dict[int, float]:
@@ -169,3 +192,42 @@ def test_killed_joints_end_the_motion_and_what_starts_again_does_not_go_on(robot
     assert stays(robot)
     assert phase(robot) == "holding"
     assert idle(robot)
+
+
+def test_a_stop_in_mid_step_goes_on_to_where_it_stands(robot):
+    with strides(robot):
+        answers = [robot.ask("motions/stop"), robot.ask("joints/stop")]
+        assert all(answer["accepted"] for answer in answers)
+        soon(lambda: not stepping(robot))
+        assert stands(robot)
+        assert stays(robot)
+        assert phase(robot) == "following"
+
+
+def test_a_killed_player_leaves_it_where_it_stands_and_to_the_driver(robot):
+    with strides(robot) as player:
+        player.kill()
+        soon(lambda: phase(robot) == "holding")
+        assert stands(robot)
+        assert stays(robot)
+        assert "lapsed" in newest_result(robot)
+
+
+def test_killed_motions_hold_in_mid_step_at_once(robot):
+    with strides(robot):
+        os.kill(robot.capability("motions")["pid"], signal.SIGKILL)
+        soon(lambda: phase(robot) == "holding")
+        assert not stepping(robot)
+        assert stays(robot)
+
+
+def test_joints_that_are_killed_on_the_way_to_its_feet_leave_it_held_and_do_not_go_on(robot):
+    with strides(robot):
+        pid = robot.capability("joints")["pid"]
+        robot.ask("joints/stop")
+        os.kill(pid, signal.SIGKILL)
+        soon(lambda: phase(robot) == "holding")
+        soon(lambda: robot.capability("joints")["phase"] == "ready")
+        assert stays(robot)
+        assert phase(robot) == "holding"
+        assert not stepping(robot)

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from lbr.capability.kind import STOP
 from lbr.messages.description import CommandDescription, RobotDescription, Schema
 from lbr.messages.joints import Joint, Motion
 from lbr.messages.system import CapabilityStatus, Role
@@ -31,6 +32,12 @@ class Catalog:
         Commands hold the leases of who sent them, and pictures are for who is known.
         """
         return tuple(dict.fromkeys(key for key in keys if key in self.streams or key in WATCHED))
+
+    @property
+    def lenders(self) -> frozenset[str]:
+        """Return the capabilities whose motion can be held, and which take a stop."""
+        lend = {name.partition("/")[0] for name, command in self.commands.items() if command.leased}
+        return frozenset(one for one in lend if f"{one}/{STOP}" in self.commands)
 
     def document(
         self,
@@ -75,6 +82,7 @@ class Catalog:
             "ranges": told.ranges,
             "buttons": list(buttons),
             "phrases": told.phrases,
+            "base": told.base,
         }
 
 

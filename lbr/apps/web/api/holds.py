@@ -5,7 +5,7 @@
       the page is silent, gone, rests ──►   release within a round
       Hand.news ◄───────────────────────    holds, refused, ended: why, and who has it
 
-A page is believed for `SILENT_S` after each message. It is not believed at all when it quotes a time of the server's that
+A page is believed for `SILENT_S` after each message, and for longer while what it began ends by itself (`patience`). It is not believed at all when it quotes a time of the server's that
 is too old: a network delivers what it has held back when it heals, and the hand may be off the stick since.
 """
 
@@ -18,12 +18,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.apps.web.api.page_message import Wanted
+from lbr.apps.web.api.patience import SILENT_S
 from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
 from lbr.errors import BusError
 from lbr.messages.codes import Reason
 
-SILENT_S = 0.25
-"""Wheels are to stand within 0.4 s of a page's last word: this, a round, and the way to the motors."""
 OLDEST_S = 0.5
 """A page answers a frame at once; on a bad line of a phone that takes a third of a second."""
 AGAIN_S = 0.1
@@ -47,7 +46,7 @@ ENDED_BY_OTHERS: frozenset[str] = frozenset(
 REST = "release it first, and begin again"
 RELEASED = "the page released it"
 GONE = "the page is gone"
-SILENT = f"the page said nothing for {SILENT_S:g} s"
+SILENT = "the page said nothing for {:g} s"
 
 
 class HoldNews(Struct, frozen=True, kw_only=True):
@@ -106,7 +105,8 @@ class Holds:
     """Every hand there is; all but `add` is for the loop.
 
     `transport` is by what motion is borrowed in a source's name; `keys` are those of a held command (`motion`) and of the
-    stop of its capability (`halt`, if it has one).
+    stop of its capability (`halt`, if it has one). `patience_s` says for how long a page may be silent while that which it
+    wants goes on; what it does not hold begins by a word of the last `SILENT_S` alone.
     """
 
     def __init__(
@@ -114,7 +114,9 @@ class Holds:
         transport: Callable[[str, Mapping[str, str]], Transport],
         keys: Callable[[Wanted], Mapping[str, str]],
         clock: Callable[[], float] = time.monotonic,
+        patience_s: Callable[[Wanted], float] = lambda _wanted: SILENT_S,
     ) -> None:
+        self._patience_s = patience_s
         self._transport = transport
         self._keys = keys
         self._clock = clock
@@ -143,7 +145,8 @@ class Holds:
 
     def _step(self, hand: Hand, now: float) -> None:
         said = hand.said
-        fresh = now - said.at <= SILENT_S  # NaN is not
+        patience_s = self._silent_s(hand, said)
+        fresh = now - said.at <= patience_s  # NaN is not
         rested = said.rests != hand.rests
         hand.rests = said.rests
         if rested:
@@ -154,7 +157,9 @@ class Holds:
         self._follow(hand)
         if hand.lease is not None and (rested or wanted is None or hand.wanted is None or wanted.to != hand.wanted.to):
             self._release(
-                hand, _why(said, rested=rested, wanted=wanted), lost=said.gone or (wanted is None and not rested)
+                hand,
+                _why(said, patience_s, rested=rested, wanted=wanted),
+                lost=said.gone or (wanted is None and not rested),
             )
         if wanted is None or wanted.n == hand.over_n:
             return
@@ -162,6 +167,13 @@ class Holds:
             self._begin(hand, wanted, now)
         else:
             self._keep(hand, hand.lease, wanted)
+
+    def _silent_s(self, hand: Hand, said: Said) -> float:
+        """Return how long its page may say nothing: longer only while it holds what it wants."""
+        held = hand.wanted if hand.lease is not None and hand.lease.holds else None
+        if held is None or said.wanted is None or held.n != said.wanted.n:
+            return SILENT_S
+        return max(SILENT_S, self._patience_s(said.wanted))
 
     def _follow(self, hand: Hand) -> None:
         """Read what the robot answered, and note the end of a lease."""
@@ -247,8 +259,10 @@ def _number(hand: Hand) -> int:
     return hand.wanted.n if hand.wanted is not None else 0
 
 
-def _why(said: Said, *, rested: bool, wanted: Wanted | None) -> Reason:
+def _why(said: Said, patience_s: float, *, rested: bool, wanted: Wanted | None) -> Reason:
     """Return why a lease is given up; it lapses where the page did not say so."""
     if said.gone:
         return Reason("holder_gone", GONE)
-    return Reason("lapsed", SILENT) if wanted is None and not rested else Reason("cancelled", RELEASED)
+    return (
+        Reason("lapsed", SILENT.format(patience_s)) if wanted is None and not rested else Reason("cancelled", RELEASED)
+    )

@@ -49,10 +49,14 @@ class Sessions(Protocol):
 
 
 class Live(BaseRoute):
-    """The open sockets. All but `close` is for the server's thread."""
+    """The open sockets. All but `close` is for the server's thread.
 
-    def __init__(self, api: Api, gate: Gate, viewers: Turns, sessions: Sessions) -> None:
+    `page` is the build of the page that is served: told first, so that one of another build moves nothing.
+    """
+
+    def __init__(self, api: Api, gate: Gate, viewers: Turns, sessions: Sessions, page: str = "") -> None:
         self._api = api
+        self._page = page
         self._gate = gate
         self._viewers = viewers
         self._sessions = sessions
@@ -78,7 +82,7 @@ class Live(BaseRoute):
             await socket.accept(PROTOCOL if PROTOCOL in scope.get("subprotocols", ()) else None)
             if (connection := serving.connection_of(scope)) is not None:
                 connection.mark("watching")
-            viewer = _Viewer(self._api, feeds, client)
+            viewer = _Viewer(self._api, feeds, client, self._page)
             try:
                 await self._serve(viewer, socket, receive)
             finally:
@@ -136,7 +140,7 @@ class Live(BaseRoute):
 class _Viewer:
     """One socket: what it wants to hear, what it was sent, and its hand."""
 
-    def __init__(self, api: Api, feeds: Feeds, client: Client) -> None:
+    def __init__(self, api: Api, feeds: Feeds, client: Client, page: str) -> None:
         self.client = client
         self.period_s = 1.0 / USUAL_HZ
         self._api = api
@@ -147,7 +151,7 @@ class _Viewer:
         self._known: object = None
         self._sent: dict[str, int] = {}
         self._event = 0
-        self._news: deque[bytes] = deque(maxlen=MOST_NEWS)
+        self._news: deque[bytes] = deque([b'"page":' + _encode(page)] if page else (), maxlen=MOST_NEWS)
         self._woken = asyncio.Event()
         self._frame_s = 0.0
         self._hand = Hand(source_of(client), api.may(client), self._tell_from_loop)

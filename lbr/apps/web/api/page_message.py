@@ -6,13 +6,12 @@ import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from lbr.apps.web.routing import plain
-from lbr.messages.units import NAME_PATTERN
+from lbr.messages.units import NAME_LETTERS
 
 LARGEST = 16 * 1024
 MOST_KEYS = 64
 FASTEST_HZ = 50.0
 USUAL_HZ = 25.0
-_PART = NAME_PATTERN.strip("^$")
 
 Number = Annotated[int, Meta(ge=0, le=2**53)]
 Key = Annotated[str, Meta(max_length=100)]
@@ -21,7 +20,7 @@ Key = Annotated[str, Meta(max_length=100)]
 class Wanted(Struct, frozen=True, kw_only=True):
     """Motion that a page wants: the command that it is asked by, its message, and the page's number for it."""
 
-    to: Annotated[str, Meta(pattern=f"^{_PART}/{_PART}$", max_length=81)]
+    to: Annotated[str, Meta(pattern=f"^{NAME_LETTERS}/{NAME_LETTERS}$(?!\\n)", max_length=81)]
     message: dict[str, Any] = {}
     n: Number
 

@@ -14,13 +14,19 @@ from lbr.bus import codec
 from lbr.bus.wire import RawMessage, encode
 from lbr.errors import MalformedError
 from lbr.messages.codes import MEANINGS
-from lbr.messages.leases import CommandReply
+from lbr.messages.leases import STOPPED_SINCE, CommandReply
 from lbr.messages.system import RANKS, CapabilityStatus, Role
+from lbr.messages.why import Chain
 
 COMMAND_S = 5.0
 STREAM_S = 1.0
 LINE_S = 30.0
+WHY_S = 2.0
+LONGEST_PART = 64
 LONGEST_LINE = 4096
+HALTED_S = 0.3
+AT_ONCE_S = 0.05
+"""A request that is whole when its head is read has waited for less, unless this process was held up."""
 TOLD = 400
 OF_PEOPLE = "web:"
 """How the robot knows a sender for whom this server asks: a token's name, or an address, follows."""
@@ -49,6 +55,7 @@ class Described(Struct, frozen=True, kw_only=True):
     ranges: list[dict[str, Any]]
     buttons: list[dict[str, Any]]
     phrases: list[dict[str, Any]]
+    base: dict[str, Any] | None = None
 
 
 class Newest(Struct, frozen=True, kw_only=True):
@@ -87,11 +94,11 @@ class Asks(Protocol):
     def document(self, role: Role | None) -> dict[str, Any]:
         """Return what `GET /api` answers to one who has a role."""
 
-    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float) -> Question:
-        """Ask on a key below the robot's name; Refused (503) without a bus."""
+    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
+        """Ask on a key below the robot's name what has waited here for so long; Refused (503) without a bus."""
 
-    def line(self, line: str, *, role: Role, source: str, timeout_s: float) -> Question:
-        """Say a console line with the rights of a role."""
+    def line(self, line: str, *, role: Role, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
+        """Say a console line, which has waited here for so long, with the rights of a role."""
 
     def now(self) -> float:
         """Monotonic seconds."""
@@ -118,6 +125,15 @@ class Requests:
                 method="POST", path="/api/console", handle=self._console, summary="Say a console line",
                 description="With the rights of who asks. 200 whatever became of it: `code` says that.",
                 replies={200: ConsoleAnswer}, body=ConsoleBody, within_s=LINE_S + 1.0,
+            ),
+            Route(
+                method="GET", path="/api/why", handle=self._why, summary="What holds the robot still",
+                replies={200: Chain}, within_s=WHY_S + 1.0,
+            ),
+            Route(
+                method="GET", path="/api/why/{part}", handle=self._why, summary="What holds a part still, and what to type",
+                description="`first` is the place among `links` of what is told; `state` is `ok` if nothing holds it.",
+                replies={200: Chain}, refuses=unknown, within_s=WHY_S + 1.0,
             ),
             Route(
                 method="GET", path="/api/{capability}/{name}", handle=self._newest, hidden=True,
@@ -156,21 +172,68 @@ class Requests:
         request.require(command.role)
         source, payload = source_of(request.client), _payload(asked)
         if RANKS[command.role] > RANKS["view"] and not command.leased:
+            await self._refuse_too_late(request, source)
             self._robot.tell("command", f"{source} asks {name}: {payload[:TOLD].decode(errors='replace')}")
-        question = self._robot.query(name, payload, source=source, timeout_s=COMMAND_S)
+        question = self._robot.query(
+            name, payload, source=source, timeout_s=COMMAND_S, waited_s=self._waited_s(request)
+        )
         await until(lambda: question.done or bool(question.replies))
         if not question.replies:
             raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
         return _replied(question.replies[0])
 
+    async def _refuse_too_late(self, request: Request, source: str) -> None:
+        """Raise Refused for what waited here while another stopped the robot: it may begin what moves by itself.
+
+        Of motion that is held each mover knows that, by how long it is told that the command has waited.
+        """
+        if self._waited_s(request) < AT_ONCE_S:
+            return
+        catalog = self._robot.catalog()
+        movers = {name.partition("/")[0] for name, command in catalog.commands.items() if command.leased}
+        asked = [
+            self._robot.query(name, b"", source=source, timeout_s=HALTED_S)
+            for name in (f"{mover}/state" for mover in sorted(movers))
+            if name in catalog.streams
+        ]
+        await until(lambda: all(one.done or one.replies for one in asked))
+        for state in (_decoded(raw) for one in asked for raw in one.replies[:1]):
+            at, who = state.get("halted_s"), state.get("halted_by")
+            if not (isinstance(at, int | float) and isinstance(who, str)) or who in {"", source}:
+                continue
+            if not request.came_s > at:
+                raise Refused(409, f"{STOPPED_SINCE}by {who}", code="stopped_since")
+
     async def _console(self, request: Request) -> Response:
         role: Role = request.client.role or "view"
-        question = self._robot.line(request.data.line, role=role, source=source_of(request.client), timeout_s=LINE_S)
+        question = self._robot.line(
+            request.data.line,
+            role=role,
+            source=source_of(request.client),
+            timeout_s=LINE_S,
+            waited_s=self._waited_s(request),
+        )
         await until(lambda: question.done or bool(question.replies))
         if not question.replies:
             raise Refused(503, f"the robot did not answer within {LINE_S:g} s", {"Retry-After": "1"}, "timeout")
         answer = _decoded(question.replies[0])
         return json(answer, 200, Reason_Code=_code(answer.get("reason_code", "")))
+
+    async def _why(self, request: Request) -> Response:
+        part = request.keys.get("part", "")[:LONGEST_PART]
+        line, role = f"/why/{part}" if part else "why", request.client.role or "view"
+        question = self._robot.line(line, role=role, source=source_of(request.client), timeout_s=WHY_S)
+        await until(lambda: question.done or bool(question.replies))
+        if not question.replies:
+            raise Refused(503, f"the robot did not answer within {WHY_S:g} s", {"Retry-After": "1"}, "timeout")
+        answer = _decoded(question.replies[0])
+        if answer.get("code") != 0:
+            raise Refused(404, str(answer.get("text", "")), code="unknown_name")
+        return json(answer.get("data"))
+
+    def _waited_s(self, request: Request) -> float:
+        """Return for how long a request has waited here: what came before a stop, and is read after it, moves nothing."""
+        return max(0.0, self._robot.now() - request.came_s)
 
 
 def source_of(client: Client) -> str:

@@ -34,9 +34,16 @@ class Bus(Protocol):
         """Hear the newest `depth` messages of a key."""
 
     def ask(
-        self, key: str, payload: bytes, *, source: str, timeout_s: float, wake: Callable[[], None] = lambda: None
+        self,
+        key: str,
+        payload: bytes,
+        *,
+        source: str,
+        timeout_s: float,
+        waited_s: float = 0.0,
+        wake: Callable[[], None] = lambda: None,
     ) -> Question:
-        """Ask by a query; BusError if that cannot even be sent."""
+        """Ask by a query what has waited here for so long; BusError if that cannot even be sent."""
 
     def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> Transport:
         """Return by what motion is borrowed: `keys` by request."""
@@ -56,10 +63,19 @@ class RobotBus:
         return wire.PolledSubscription(self._session, key, depth=depth)
 
     def ask(
-        self, key: str, payload: bytes, *, source: str, timeout_s: float, wake: Callable[[], None] = lambda: None
+        self,
+        key: str,
+        payload: bytes,
+        *,
+        source: str,
+        timeout_s: float,
+        waited_s: float = 0.0,
+        wake: Callable[[], None] = lambda: None,
     ) -> Question:
-        """Ask by a query."""
-        return wire.PendingQuery(self._session, key, payload, timeout_s=timeout_s, source=source, wake=wake)
+        """Ask by a query what has waited here for so long."""
+        return wire.PendingQuery(
+            self._session, key, payload, timeout_s=timeout_s, source=source, waited_s=waited_s, wake=wake
+        )
 
     def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> Transport:
         """Return by what motion is borrowed."""

@@ -8,8 +8,11 @@ import msgspec
 
 from lbr.apps.web.api.catalog import EVENT, STATUS, Catalog
 from lbr.apps.web.api.feeds import Feeds
+from lbr.apps.web.api.handover import Handover
 from lbr.apps.web.api.holds import Holds
+from lbr.apps.web.api.managing import Managing
 from lbr.apps.web.api.page_message import Wanted
+from lbr.apps.web.api.patience import silent_s
 from lbr.apps.web.api.requests import Requests
 from lbr.apps.web.api.robot_bus import Bus, Feed, Question
 from lbr.apps.web.face import Client, Refused, Route
@@ -54,11 +57,12 @@ class Api:
         self._statuses: Feed | None = bus.hear(keys.status(robot.name)) if bus is not None else None
         self.known: Catalog | None = None
         self.feeds = Feeds(bus, self._key, robot.ctx.name, robot.now) if bus is not None else None
-        self.holds = Holds(self._transport, self._keys_of, robot.now)
+        self.holds = Holds(self._transport, self._keys_of, robot.now, self._silent_s)
 
     def routes(self) -> list[Route]:
         """Return what is answered."""
-        return Requests(self).routes()
+        handover = Handover(self.catalog, self._tell_of, self.now)
+        return [*handover.routes(), *Managing(self).routes(), *Requests(self).routes()]
 
     def step(self) -> None:
         """Do one round of work."""
@@ -99,14 +103,19 @@ class Api:
             buttons=robot.buttons,
         )
 
-    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float) -> Question:
-        """Ask on a key below the robot's name."""
-        return self._ask(self._key(name), payload, source=source, timeout_s=timeout_s)
+    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
+        """Ask on a key below the robot's name what has waited here for so long."""
+        return self._ask(self._key(name), payload, source=source, timeout_s=timeout_s, waited_s=waited_s)
 
-    def line(self, line: str, *, role: Role, source: str, timeout_s: float) -> Question:
-        """Say a console line with the rights of a role."""
+    def line(self, line: str, *, role: Role, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
+        """Say a console line, which has waited here for so long, with the rights of a role."""
         key = keys.console_of_pages(self._robot.name, role)
-        return self._ask(key, line.encode(errors="replace"), source=source, timeout_s=timeout_s)
+        said = line.encode(errors="replace")
+        return self._ask(key, said, source=source, timeout_s=timeout_s, waited_s=waited_s)
+
+    def manage(self, payload: bytes, *, source: str, timeout_s: float) -> Question:
+        """Ask the executive for what it knows of rows, tokens and logs."""
+        return self._ask(keys.manage(self._robot.name), payload, source=source, timeout_s=timeout_s)
 
     def now(self) -> float:
         """Monotonic seconds."""
@@ -119,6 +128,9 @@ class Api:
     def tell(self, kind: str, text: str) -> None:
         """Have an event published."""
         self._robot.ctx.event(kind, text)
+
+    def _tell_of(self, kind: str, text: str, data: dict[str, object]) -> None:
+        self._robot.ctx.event(kind, text, data=data)
 
     def may(self, client: Client) -> Callable[[Wanted], Reason | None]:
         """Return what says why motion is not for a client, or not there."""
@@ -136,6 +148,10 @@ class Api:
             return Reason("role", f"this needs the role '{command.role}', and you have '{client.role or 'none'}'")
         return None
 
+    def _silent_s(self, wanted: Wanted) -> float:
+        command = self.known.commands.get(wanted.to) if self.known is not None else None
+        return silent_s(command, wanted.message)
+
     def _keys_of(self, wanted: Wanted) -> Mapping[str, str]:
         stop = f"{wanted.capability}/{STOP}"
         found = {"motion": self._key(wanted.to)}
@@ -150,11 +166,13 @@ class Api:
         system = {STATUS: keys.status, EVENT: keys.event}
         return system[name](self._robot.name) if name in system else f"{self._robot.name}/{name}"
 
-    def _ask(self, key: str, payload: bytes, *, source: str, timeout_s: float) -> Question:
+    def _ask(self, key: str, payload: bytes, *, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
         if self._bus is None:
             raise Refused(503, NO_BUS, code="not_possible")
         try:
-            return self._bus.ask(key, payload, source=source, timeout_s=timeout_s, wake=self._robot.ctx.wake)
+            return self._bus.ask(
+                key, payload, source=source, timeout_s=timeout_s, waited_s=waited_s, wake=self._robot.ctx.wake
+            )
         except BusError as err:
             raise Refused(503, str(err), {"Retry-After": "1"}) from None
 

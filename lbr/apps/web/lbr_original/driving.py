@@ -76,6 +76,7 @@ class Driver:
         self._hold: Hold | None = None
         self._asking = False
         self._given_up = (0, "")  # how often, and why
+        self._stopped_s = -inf
         self._rests: tuple[Who, float] | None = None
         self.begun = -inf
         """When a motion was accepted last."""
@@ -90,10 +91,15 @@ class Driver:
         if self._hold is not None and self._hold.who.is_heard_by(who):
             self._hold.heartbeat.beat(self._robot.now())
 
-    async def move(self, who: Who, asked: Asked) -> None:
-        """Move like this from now on; return once the drive has accepted it, else raise Refused with the reason."""
+    async def move(self, who: Who, asked: Asked, came_s: float = inf) -> None:
+        """Move like this from now on; return once the drive has accepted it, else raise Refused with the reason.
+
+        What came before a stop, and is read only now, begins nothing; `came_s` is when it came.
+        """
         assert asked.motion is not None
         before = self._given_up
+        if came_s <= self._stopped_s:
+            raise Refused(409, before[1], code="stopped")
         self._refuse_unrested(who)
         await until(lambda: not self._asking or self._given_up != before)
         self._refuse_given_up(before)
@@ -110,11 +116,11 @@ class Driver:
         finally:
             self._asking = False
 
-    async def stop(self, who: Who, why: str) -> None:
+    async def stop(self, who: Who, why: str, came_s: float = inf) -> None:
         """Stop whatever moves, whoever moves it; return once that was acknowledged, else raise Refused."""
         if self._rests is not None and self._rests[0].is_heard_by(who):
             self._rests = None
-        self.give_up(why, who)
+        self.give_up(why, who, came_s)
         asked = self._robot.ctx.ask("halt", StopCommand(reason=why[:200], whole=True), STOP_S)
         await until(lambda: asked.answers() is not None)
         answers = asked.answers() or {}
@@ -131,9 +137,10 @@ class Driver:
         if self._hold is not None and self._hold.who.is_heard_by(who):
             self.give_up(why, who)
 
-    def give_up(self, why: str, by: Who | None = None) -> None:
+    def give_up(self, why: str, by: Who | None = None, came_s: float = inf) -> None:
         """Move nothing any more, also not what was asked for and has not begun; `by` is the client that says so."""
         self._given_up = (self._given_up[0] + 1, why)
+        self._stopped_s = max(self._stopped_s, min(came_s, self._robot.now()))
         hold, self._hold = self._hold, None
         if hold is None:
             return

@@ -138,9 +138,9 @@ class LbrOriginalFace(web.Face):
 
     async def _do(self, request: Request, who: Who, asked: Asked) -> None:
         if asked.stop:
-            await self._driver.stop(who, f"stopped by {who}")
+            await self._driver.stop(who, f"stopped by {who}", request.came_s)
         elif asked.motion is not None:
-            await self._driver.move(who, asked)
+            await self._driver.move(who, asked, request.came_s)
         else:
             self._driver.beat(who)
         if asked.speech:

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from starlette.responses import Response
 
 from lbr.apps.web.face import Face, Message, Refused, Request, Route, encoded, json
+from lbr.apps.web.model.building import Building, MotionGiven, UploadName
 from lbr.apps.web.model.poses import key_pose
 from lbr.apps.web.robot import EDIT_S, Robot
 from lbr.bodies.model import body_file, model
@@ -34,10 +35,12 @@ class MotionParams(Struct, frozen=True, kw_only=True):
 
 
 class MotionBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion to keep; with `replace` it takes the place of the one that has its name."""
+    """A motion to keep; with `replace` it takes the place of the one that has its name. A long one is sent before, by
+    parts, and named here by its `upload`."""
 
     name: Name
-    frames: Annotated[tuple[KeyFrame, ...], Meta(min_length=1, max_length=MAX_FRAMES)]
+    frames: Annotated[tuple[KeyFrame, ...], Meta(max_length=MAX_FRAMES)] = ()
+    upload: UploadName | None = None
     help: Annotated[str, Meta(max_length=200)] = ""
     replace: bool = False
 
@@ -51,6 +54,20 @@ class ModelFace(Face):
         self._robot = robot
         self._made: tuple[object, bytes, str] | None = None
         self._drawn: tuple[object, bytes] | None = None
+        self._building = Building(robot)
+
+    def step(self, now: float) -> None:  # noqa: ARG002
+        """Go on with what the builder has done."""
+        self._building.step()
+
+    def close(self) -> None:
+        """End it."""
+        self._building.close()
+
+    @property
+    def jobs(self) -> int:
+        """Return how much of that is under way."""
+        return self._building.jobs
 
     def routes(self) -> tuple[Route, ...]:
         """Return them."""
@@ -90,6 +107,7 @@ class ModelFace(Face):
                 refuses={409: "It does not fit the robot, or there is one of this name."},
                 within_s=EDIT_S + 1.0,
             ),
+            *self._building.routes(),
         )
 
     def _model(self, request: Request) -> Response:
@@ -113,8 +131,14 @@ class ModelFace(Face):
 
     async def _keep(self, request: Request) -> Response:
         given: MotionBody = request.data
+        frames = given.frames
+        if given.upload is not None:
+            sent: MotionGiven = self._building.given(request.client, given.upload)
+            frames = sent.frames
+        if not frames:
+            raise Refused(400, f"motion '{given.name}' has no key frames")
         before = next((one for one in self._robot.motions if one.name == given.name), None)
-        kept = Motion(name=given.name, frames=given.frames, help=given.help)
+        kept = Motion(name=given.name, frames=frames, help=given.help)
         if before is not None and given.replace:
             kept = replace(kept, lead_in=before.lead_in, lead_out=before.lead_out, help=given.help or before.help)
         who = str(request.client)[:80]

@@ -10,6 +10,7 @@ from importlib import resources
 from importlib.resources.abc import Traversable
 from typing import Any
 
+import msgspec
 from starlette.responses import Response
 
 from lbr.apps.web.face import HTML, Face, Refused, Request, Route
@@ -19,8 +20,8 @@ FOREVER = "public, max-age=31536000, immutable"
 """For files whose names change with their content."""
 LOOK_AGAIN = "no-cache"
 ASSETS = "assets/"
-INDEX = "index.html"
-NOT_SERVED = frozenset({INDEX, "manifest.json"})
+INDEX, MANIFEST = "index.html", "manifest.json"
+NOT_SERVED = frozenset({INDEX, MANIFEST})
 MEDIA = {
     ".css": "text/css; charset=utf-8",
     ".html": "text/html; charset=utf-8",
@@ -68,6 +69,21 @@ def built(place: Traversable | None = None) -> tuple[File, ...]:
     return found
 
 
+class _Manifest(msgspec.Struct):
+    """What the build wrote about itself."""
+
+    sources: str
+
+
+def build(place: Traversable | None = None) -> str:
+    """Return what the built page is called, as it knows it itself; empty if there is none."""
+    kept = (place or resources.files(__package__) / "dist") / MANIFEST
+    try:
+        return msgspec.json.decode(kept.read_bytes(), type=_Manifest).sources[:16]
+    except (OSError, msgspec.MsgspecError):
+        return ""
+
+
 def file(name: str, content: bytes) -> File:
     """Return a file as it is served; compressed where that makes it smaller."""
     suffix = f".{name.rpartition('.')[2]}"
@@ -102,6 +118,7 @@ class PageFace(Face):
                 method="GET", path="/", handle=self._of(INDEX), summary="The page", replies={200: HTML}, role=None,
                 page=True, hidden=True, accept=HTML,
             ),
+            Route(path="/display", handle=self._of(INDEX), replies={200: HTML}, **part),
             *(Route(path=f"/{one.name}", handle=self._of(one.name), replies={200: one.media}, **part) for one in beside),
             Route(path=f"/{ASSETS}{{name}}", handle=self._asset, replies={200: "*/*"}, **part),
         ]  # fmt: skip

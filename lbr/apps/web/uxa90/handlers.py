@@ -33,12 +33,12 @@ class Handlers:
             request.require(role)
 
         wanted = parsing.flag(query, "measured") if "id" in query or "measured" in query else False
-        return web.json(await self._work.motor(query, require, measured=wanted))
+        return web.json(await self._work.motor(query, require, measured=wanted, came_s=request.came_s))
 
     async def several(self, request: Request) -> Response:
         """Move several."""
         _refuse_head(request)
-        return web.json(await self._work.several(_body(request), _query(request)))
+        return web.json(await self._work.several(_body(request), _query(request), request.came_s))
 
     async def motions(self, _request: Request) -> Response:
         """List them."""
@@ -47,7 +47,7 @@ class Handlers:
     async def play(self, request: Request) -> Response:
         """Play one."""
         _refuse_head(request)
-        return web.json(await self._work.play(request.keys["key"]))
+        return web.json(await self._work.play(request.keys["key"], request.came_s))
 
     async def jobs(self, _request: Request) -> Response:
         """List them."""

@@ -73,11 +73,14 @@ class Service:
             "jobs": self.jobs.waiting,
         }
 
-    async def motor(self, query: parsing.Query, require: Callable[[Role], None], *, measured: bool) -> MotorAnswer:
+    async def motor(
+        self, query: parsing.Query, require: Callable[[Role], None], *, measured: bool, came_s: float = inf
+    ) -> MotorAnswer:
         """Answer /motor."""
         wanted = parsing.of_motor(self.motors, query)
         if isinstance(wanted, Move):
             require("operate")
+            self._refuse_stopped_since(came_s)
             return await self._move(wanted, parsing.unit_of(query), measured=measured)
         unit = parsing.unit_of(query)
         match wanted:
@@ -88,14 +91,16 @@ class Service:
             case Info(motor=motor):
                 return MotorAnswer(self._shown(self.motors.data(motor, unit=unit), measured=measured), "getMotorInfo")
 
-    async def several(self, body: Any, query: parsing.Query) -> MultiAnswer:
+    async def several(self, body: Any, query: parsing.Query, came_s: float = inf) -> MultiAnswer:
         """Answer /multimotor."""
+        self._refuse_stopped_since(came_s)
         wanted = parsing.of_motors(self.motors, body, query)
         job = await self._turn(wanted.turns)
         return MultiAnswer("setMultiMotorsPos", MultiPositions(wanted.echoed), UNSET if job is None else job)
 
-    async def play(self, key: str) -> PlayedAnswer:
+    async def play(self, key: str, came_s: float = inf) -> PlayedAnswer:
         """Answer /motion/KEY: what motors do ends first."""
+        self._refuse_stopped_since(came_s)
         button, by_id = self.buttons.find(key)
         if button.motion:
             self._refuse_busy()
@@ -173,6 +178,13 @@ class Service:
         joints = self._robot.snapshot.joints_state
         if joints is not None and joints.estop:
             raise Refused(409, f"{joints.reason or 'emergency stop'}; 'reset' releases it", code="estop")
+
+    def _refuse_stopped_since(self, came_s: float) -> None:
+        """Refuse what had begun to come before the joints were stopped, and is read whole only now."""
+        joints = self._robot.snapshot.joints_state
+        if joints is not None and joints.stopped_s is not None and came_s <= joints.stopped_s:
+            by = f" by {joints.stopped_by}" if joints.stopped_by else ""
+            raise Refused(409, f"the robot was stopped{by} after this was sent", code="stopped_since")
 
     def _watch_stops(self) -> None:
         """Stop what waits, too, when the joints are stopped."""

@@ -10,7 +10,9 @@ from lbr.simulation.measured import Beam
 
 Scancode = (
     Annotated[int, Meta(ge=1, lt=2**32)]
-    | Annotated[str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$", description="the same in hexadecimal, such as 0x400021")]
+    | Annotated[
+        str, Meta(pattern="^0[xX][0-9a-fA-F]{1,8}$(?!\\n)", description="the same in hexadecimal, such as 0x400021")
+    ]
 )
 
 

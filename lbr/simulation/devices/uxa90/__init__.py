@@ -10,7 +10,7 @@ from lbr.simulation.faults import Faults, Probability, ServoIds
 
 Scale = Annotated[float, Meta(gt=0.0, le=1e6)]
 Byte = Annotated[int, Meta(ge=0, le=255)]
-Slot = Annotated[str, Meta(pattern="^[1-9][0-9]?$", description="the number of a main board's motion")]
+Slot = Annotated[str, Meta(pattern="^[1-9][0-9]?$(?!\\n)", description="the number of a main board's motion")]
 
 
 class Uxa90Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -55,7 +55,7 @@ class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     baud: Annotated[int, Meta(ge=4800, le=921_600)] = 115_200
     ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=30)], ...], Meta(min_length=1)] = tuple(range(25))
     firmware: Annotated[tuple[Byte, ...], Meta(min_length=2, max_length=2)] = (0xC9, 0x00)
-    serial: Annotated[str, Meta(pattern="^[0-9]{13}$")] = "6012000010005"
+    serial: Annotated[str, Meta(pattern="^[0-9]{13}$(?!\\n)")] = "6012000010005"
     zeros: Annotated[tuple[Annotated[int, Meta(ge=0, le=254)], ...], Meta(min_length=31, max_length=31)] = (
         *(130, 129, 129, 131, 38, 214, 85, 172, 128, 132, 131, 130, 87, 169, 134, 125),
         *(128, 126, 215, 43, 127, 127, 127, 130, 125, 1, 127, 127, 127, 127, 127),

@@ -21,7 +21,7 @@ FRAME_S = 0.02
 """How often the main board sends its servos a place on the way."""
 
 Count = Annotated[float, Meta(ge=1, le=254, description="nominal counts; 127 is the middle of a servo's range")]
-Digits = Annotated[str, Meta(pattern="^[0-9]{1,2}$", description="a servo's id")]
+Digits = Annotated[str, Meta(pattern="^[0-9]{1,2}$(?!\\n)", description="a servo's id")]
 Level = Annotated[int, Meta(ge=0, le=4, description="torque level, 0 the strongest")]
 
 

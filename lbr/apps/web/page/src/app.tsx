@@ -3,10 +3,12 @@ import { signal } from "@preact/signals";
 import { Component, type ComponentType } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { unknown } from "./access";
+import { loadAgain, outdated } from "./build";
+import { Asked } from "./handover";
 import { link } from "./live";
 import { dismiss, notices, type Tone } from "./notices";
 import { Badge, Button, Dialog, Empty, Icon, type IconName } from "./parts";
-import { robot } from "./robot";
+import { away, robot } from "./robot";
 import { Settings } from "./settings";
 import { SignIn } from "./sign-in";
 import { StopButton } from "./stop-button";
@@ -86,6 +88,7 @@ function LinkState() {
 }
 
 function Waiting() {
+  if (away.value && robot.value === null) return <Empty icon="unlink" title={t("away.title")}><p>{t("away.text")}</p></Empty>;
   return <div class="loading" role="status"><div class="pulse" />{t("shell.loading")}</div>;
 }
 
@@ -103,6 +106,7 @@ function Alarms() {
         </div>
       )}
       {lost && <div class="alarm" role="alert"><Icon name="unlink" /><p>{t("link.lost.long")}</p></div>}
+      {outdated.value && <div class="alarm" role="alert"><Icon name="warn" /><p>{t("build.old")}</p><Button onClick={loadAgain}>{t("build.load")}</Button></div>}
       <Dialog
         title={t("stop.reset.title")} open={asks} onClose={() => ask(false)}
         actions={<>
@@ -119,6 +123,7 @@ function Alarms() {
 function Notices() {
   return (
     <div class="notices" role="status" aria-live="polite">
+      <Asked />
       {notices.value.map((one) => (
         <div key={one.id} class={`notice notice-${one.tone}`}>
           <Icon name={TONES[one.tone]} /><p>{one.text}</p>

@@ -36,11 +36,15 @@ export const heading = (value: number): number => ((value % 360) + 360) % 360;
 export const between = (from: number, to: number): number => heading(to - from + 180) - 180;
 
 const WINDS = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"] as const;
-export const wind = (value: number): (typeof WINDS)[number] => WINDS[Math.round(heading(value) / 45) % 8]!;
+/** The wind that a heading looks to, by the page's language: east is O in German. */
+export function wind(value: number, language?: string): string {
+  const name = WINDS[Math.round(heading(value) / 45) % 8]!;
+  return (language ?? (globalThis.document?.documentElement.lang || "en")).startsWith("de") ? name.replace("E", "O") : name;
+}
 
 /** A name of a row as people read it: left_shoulder_roll is "left shoulder roll". */
 export const plain = (name: string): string => name.replaceAll("_", " ");
 
 /** The time of day of a wall clock in nanoseconds. */
 export const timeOfDay = (wallNs: number): string =>
-  wallNs > 0 ? new Date(wallNs / 1e6).toLocaleTimeString(globalThis.document?.documentElement.lang || "en") : NONE;
+  wallNs > 0 ? new Date(wallNs / 1e6).toLocaleTimeString(globalThis.document?.documentElement.lang || "en", { hourCycle: "h23" }) : NONE;

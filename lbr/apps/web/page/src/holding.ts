@@ -2,7 +2,8 @@
 // hidden, loses the focus or the link; and the robot ends it, whatever the page does, when it is not told to go on.
 import { signal } from "@preact/signals";
 import { told } from "./access";
-import { heardTime, link, onHold, onLink, send, type HoldNews } from "./live";
+import { OLD, outdated } from "./build";
+import { heardTime, link, onHold, onLink, send, silentMs, type HoldNews } from "./live";
 import { notice } from "./notices";
 import { t } from "./words";
 
@@ -10,10 +11,16 @@ export interface Holding { moving: boolean; to: string; holds: boolean; code: st
 const RESTS: Holding = { moving: false, to: "", holds: false, code: "", reason: "", holder: "" };
 /** How often it is told that the hand is still there: well within the 0.25 s after which the robot's server halts. */
 const KEEP_MS = 80;
-/** Changes are told this often at most. */
-const CHANGE_MS = 40;
+/** Changes are told this often at most: a little more often than screens show pictures, well below what the server bears. */
+const CHANGE_MS = 16;
+/** A page that came to nothing for so long, or heard nothing, was asleep or cut off: its hand is off. The robot knew sooner. */
+const ASLEEP_MS = 1000;
+/** The robot waits longer for a page that plays what ends by itself; so does this. */
+const PLAYING_MS = 3000;
 /** A reason why it ended is shown for so long. */
 const SHOWN_MS = 8000;
+/** What is told of the last few wishes still counts: so many are told while an answer is on its way. */
+const LATELY = 8;
 const EXPECTED = new Set(["", "done", "idle", "superseded", "time_over"]);
 
 const state = signal<Holding>(RESTS);
@@ -21,14 +28,17 @@ let n = 0;
 let wanted = "";
 let told_ = "";
 let toldAt = 0;
+let changedAt = 0;
 let over = false;
 /** Since the last release something was asked for: the robot wants to hear of the rest, after a refusal and a stop too. */
 let begun = false;
 let once = false;
-let timer: ReturnType<typeof setInterval> | undefined;
+let active = false;
+let timer: ReturnType<typeof setTimeout> | undefined;
 
 /** Begins to move or changes how: `to` is a command's key, such as `drive/command`. Repeat it as often as you like. False: refused until `release`. */
 function move(to: string, message: object): boolean {
+  if (behind(to)) return false;
   if (over && to === state.value.to) return false;
   if (link.value !== "open" && link.value !== "quiet") return false;
   once = false;
@@ -39,6 +49,7 @@ function move(to: string, message: object): boolean {
 /** Begins what ends by itself, such as a turn or a motion, and keeps it until the robot says that it ended. */
 function play(to: string, message: object): void {
   release();
+  if (behind(to)) return notice(OLD.reason(), "warn");
   once = true;
   begin(to, message);
 }
@@ -47,33 +58,50 @@ function begin(to: string, message: object): void {
   over = false;
   wanted = JSON.stringify({ to, message });
   if (!state.value.moving || state.value.to !== to) state.value = { ...RESTS, moving: true, to };
-  timer ??= setInterval(beat, KEEP_MS / 2);
-  if (performance.now() - toldAt >= CHANGE_MS) beat();
+  active = true;
+  beat();
 }
 
+/** Whether the robot has another page than this one: then nothing moves, and it is said why. */
+function behind(to: string): boolean {
+  if (outdated.value) state.value = { ...RESTS, to, code: OLD.code, reason: OLD.reason() };
+  return outdated.value;
+}
+
+/** Tells what is new, or that the hand is still there, once that is due. */
 function beat(): void {
+  clearTimeout(timer);
   const now = performance.now();
-  if (wanted !== told_ && now - toldAt >= CHANGE_MS) {
-    const { to, message } = JSON.parse(wanted) as { to: string; message: object };
-    if (send({ hold: { to, message, n: ++n }, ...heardTime(!told_) })) {
-      begun = true;
-      told_ = wanted;
-      toldAt = now;
-    }
-  } else if (now - toldAt >= KEEP_MS && told_) {
-    if (send({ keep: n, ...heardTime() })) toldAt = now;
-  }
+  if (told_ && Math.max(now - toldAt, silentMs()) > (once ? PLAYING_MS : ASLEEP_MS)) return slept();
+  const changed = wanted !== told_;
+  if (changed && now - changedAt >= CHANGE_MS) tell(now);
+  else if (!changed && now - toldAt >= KEEP_MS && send({ keep: n, ...heardTime() })) toldAt = now;
+  const due = (wanted === told_ ? toldAt + KEEP_MS : changedAt + CHANGE_MS) - performance.now();
+  timer = setTimeout(beat, Math.max(1, due));
+}
+
+function tell(now: number): void {
+  const { to, message } = JSON.parse(wanted) as { to: string; message: object };
+  if (!send({ hold: { to, message, n: ++n }, ...heardTime() })) return;
+  begun = true;
+  told_ = wanted;
+  toldAt = changedAt = now;
+}
+
+/** Takes the hand off because this page was asleep, or hears nothing. */
+function slept(): void {
+  send({ release: true });
+  end({ n, holds: false, code: "lapsed", reason: t("link.slept"), holder: "" });
 }
 
 /** Lets what moves come to rest. */
 function release(): void {
-  clearInterval(timer);
-  timer = undefined;
-  over = once = false;
+  clearTimeout(timer);
+  active = over = once = false;
   if (begun) send({ release: true });
   begun = false;
   wanted = told_ = "";
-  toldAt = 0;
+  toldAt = changedAt = 0;
   if (state.value === RESTS) return;
   state.value = { ...RESTS, code: state.value.code, reason: state.value.reason, holder: state.value.holder };
   const left = state.value;
@@ -81,14 +109,18 @@ function release(): void {
 }
 
 function heard(news: HoldNews): void {
-  if (!timer || news.n < n - 3) return;
+  if (!active || news.n < n - LATELY) return;
   state.value = { ...state.value, holds: news.holds, code: news.code, reason: news.reason, holder: news.holder };
-  if (news.holds || (news.n !== n && !news.code)) return;
-  clearInterval(timer);
-  timer = undefined;
+  if (!news.holds && (news.n === n || news.code)) end(news);
+}
+
+/** Notes that what moved has ended without this hand. */
+function end(news: HoldNews): void {
+  clearTimeout(timer);
+  active = false;
   wanted = told_ = "";
   over = !once;
-  state.value = { ...state.value, moving: false };
+  state.value = { ...state.value, moving: false, holds: false, code: news.code, reason: news.reason, holder: news.holder };
   if (once) {
     if (EXPECTED.has(news.code)) notice(t("drive.reached", { reason: news.reason }), "good");
     else notice(told(news), news.code === "stopped" ? "info" : "warn");

@@ -2,6 +2,7 @@
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { token } from "./access";
+import { noteBuild } from "./build";
 import type { Event, Status } from "./messages";
 import { notice } from "./notices";
 import { look, robot } from "./robot";
@@ -21,8 +22,8 @@ const RATE_HZ = 25;
 export const STALE_MS = 1500;
 /** @status comes once a second; without it for so long the line is dead, whatever the socket says. */
 const SILENT_MS = 4000;
-/** Between two frames of the server, and some more. */
-const LONGEST_PAUSE_MS = 1300;
+/** The robot speaks five times a second; one that does not is shown as silent. */
+const QUIET_MS = 1000;
 const AGAIN_MS = [300, 600, 1200, 2500] as const;
 const MOST_EVENTS = 300;
 const ALWAYS = ["@status", "@event"];
@@ -37,10 +38,11 @@ let openedAt = 0;
 let eventCount = 0;
 let asked = "";
 /** The newest time of the robot's server that was heard; told with motion, so that what waited on the line is known to be old. */
-let serverTime: { t: number; at: number } | null = null;
+let serverTime: number | null = null;
 let telling = false;
 let again: ReturnType<typeof setTimeout> | undefined;
 export const onHold = new Set<(news: HoldNews) => void>();
+export const onEvent = new Set<(event: Event) => void>();
 export const onLink = new Set<(open: boolean) => void>();
 
 function sampled<T>(message: T, ageMs: number): Sample<T> {
@@ -93,14 +95,11 @@ export function send(message: string | object): boolean {
   return true;
 }
 
-/** The newest time of the server's that was heard, for what must not be late.
- *
- * It speaks once a second while nothing is new, five times while motion is held; so what `begins` counts on from there. */
-export function heardTime(begins = false): { t?: number } {
-  if (serverTime === null) return {};
-  const since = Math.max(0, performance.now() - serverTime.at - 2);
-  return { t: Math.floor(serverTime.t + (begins ? Math.min(since, LONGEST_PAUSE_MS) : 0)) };
-}
+/** For how long nothing was heard. */
+export const silentMs = (): number => performance.now() - heardAt;
+
+/** The newest time of the server's that was heard, for what must not be late; it speaks five times a second at least. */
+export const heardTime = (): { t?: number } => (serverTime === null ? {} : { t: serverTime });
 
 export function connect(): void {
   clearTimeout(again);
@@ -143,7 +142,7 @@ export function disconnect(): void {
   onLink.forEach((fn) => fn(false));
 }
 
-interface Told { t?: number; error?: { code: string; reason: string }; streams?: Record<string, { age_ms: number; message: unknown }>; events?: Event[]; hold?: HoldNews }
+interface Told { t?: number; page?: string; error?: { code: string; reason: string }; streams?: Record<string, { age_ms: number; message: unknown }>; events?: Event[]; hold?: HoldNews }
 
 function hear(text: string): void {
   let told: Told;
@@ -153,9 +152,10 @@ function hear(text: string): void {
     return;
   }
   heardAt = performance.now();
-  if (typeof told.t === "number") serverTime = { t: told.t, at: heardAt };
+  if (typeof told.t === "number") serverTime = told.t;
   if (told.error) notice(told.error.reason, "warn");
   tries = 0;
+  if (typeof told.page === "string") noteBuild(told.page);
   if (link.value !== "open") link.value = "open";
   for (const [key, { age_ms, message }] of Object.entries(told.streams ?? {})) {
     const sample = sampled(message, age_ms);
@@ -165,6 +165,7 @@ function hear(text: string): void {
   }
   if (told.events?.length) {
     const fresh = told.events.map((event) => ({ ...event, id: ++eventCount }));
+    told.events.forEach((event) => onEvent.forEach((fn) => fn(event)));
     events.value = [...fresh.reverse(), ...events.value].slice(0, MOST_EVENTS);
   }
   if (told.hold) onHold.forEach((fn) => fn(told.hold!));
@@ -206,5 +207,5 @@ setInterval(() => {
     disconnect();
     old.onclose = null;
     lost();
-  } else if (silent > SILENT_MS / 2 && link.value === "open") link.value = "quiet";
+  } else if (silent > QUIET_MS && link.value === "open") link.value = "quiet";
 }, 250);

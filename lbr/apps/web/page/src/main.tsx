@@ -5,6 +5,10 @@ import "./style/shell.css";
 import { render } from "preact";
 import { App } from "./app";
 import { begin } from "./begin";
+import { keepPage } from "./build";
 
-render(<App />, document.getElementById("page")!);
+const host = document.getElementById("page")!;
+if (/\/display\/?$/.test(location.pathname)) void import("./views/display/Display").then(({ default: Display }) => render(<Display />, host));
+else render(<App />, host);
 void begin();
+window.addEventListener("load", keepPage);

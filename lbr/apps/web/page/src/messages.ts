@@ -12,13 +12,19 @@ export interface GoalResult {
 }
 export interface BatteryState { valid: boolean; reason?: string; voltage_v?: number | null; current_a?: number | null; charge?: number | null; charging?: boolean | null; level: string }
 export interface OdometryState { valid: boolean; epoch: string; reason?: string; x_m?: number | null; y_m?: number | null; yaw_rad?: number | null; distance_m?: number | null; speed_mps?: number | null; turn_rps?: number | null; stalled?: boolean; slipping?: boolean }
-export interface AttitudeState { valid: boolean; reason?: string; roll_rad?: number | null; pitch_rad?: number | null; yaw_rad?: number | null; heading_deg?: number | null; heading_reason?: string }
+export interface AttitudeState { valid: boolean; reason?: string; roll_rad?: number | null; pitch_rad?: number | null; yaw_rad?: number | null; heading_deg?: number | null; heading_reason?: string; calibrated?: boolean }
+export interface CalibrationProgress { phase: "collecting" | "fitting" | "done" | "refused"; collected: number; wanted: number; coverage: number; text?: string }
 export interface Ranges { forward_m?: number | null; back_m?: number | null; left_m?: number | null; right_m?: number | null; bottom_m?: number | null; status: Record<string, string>; others_m?: Record<string, number | null> }
 export interface Scan { sensor: string; angle_min_rad: number; angle_increment_rad: number; range_min_m: number; range_max_m: number; ranges_m: (number | string | null)[] }
 export interface SpeechState { speaking: boolean; text: string; queued: number; reason?: string; playing?: string }
+export interface CallState {
+  phase: "idle" | "ringing" | "connecting" | "talking"; caller: string; at_once: boolean; by_webrtc: number; most: number; displays: number;
+  camera: string; picture: string; hears: string; sound: string; reason: string; calls: number; lacks?: string;
+}
+export interface DanceState { phase: "resting" | "dancing" | "ended"; song: string; dance: string; beat: number; beats: number; reason: string }
 export interface CameraState { on: boolean; phase: string; width_px?: number | null; height_px?: number | null; fps?: number | null; reason?: string }
 export interface RangeSensor { name: string; kind: string; x_m?: number; y_m?: number; z_m?: number; yaw_rad?: number; pitch_rad?: number; fov_rad?: number; min_m?: number; max_m?: number; rays?: number; stop_m?: number | null }
-export interface Event { kind: string; subject: string; text: string; level?: "info" | "warning" | "error"; wall_ns?: number; code?: string; about?: string }
+export interface Event { kind: string; subject: string; text: string; level?: "info" | "warning" | "error"; wall_ns?: number; code?: string; about?: string; data?: Record<string, unknown> }
 export interface CapabilityStatus {
   name: string; kind: string; phase: string; pid: number | null; restarts: number; uptime_s: number | null; reason: string; rates_hz: Record<string, number>;
   cpu_percent?: number | null; memory_mb?: number | null; last_end?: string; host?: string; code?: string;
@@ -31,9 +37,10 @@ export interface Capability {
   name: string; kind: string; family: string; summary: string; phase?: string; reason?: string;
   outputs: Record<string, Schema>; commands: Record<string, CommandInfo>;
 }
-export interface Word { word: string; help: string; role: Role; usage: string }
+export interface Word { word: string; help: string; role: Role; usage: string; fields?: { name: string; choices?: string[] }[] }
 export interface Robot {
   robot: string; simulated: boolean; version: string; revision: number; role: Role; capabilities: Capability[]; words: Word[];
   joints: Record<string, unknown>[]; motions: Record<string, unknown>[]; cameras: unknown[]; wheels: Record<string, unknown>[];
   ranges: RangeSensor[]; buttons: Record<string, unknown>[]; phrases: { name: string; language?: string; text?: string }[];
+  base?: { capability: string; kind: string; sideways: boolean; max_speed_mps: number; max_turn_rps: number } | null;
 }

@@ -1,6 +1,8 @@
 // What the robot is: GET /api, asked again when its rows change; and what a page asks of it.
 import { computed, signal } from "@preact/signals";
 import { ask, type Answer } from "./access";
+import { OLD, outdated } from "./build";
+import { notice } from "./notices";
 import type { Capability, CommandReply, Role, Robot, Schema } from "./messages";
 
 export { ask as fetchJson } from "./access";
@@ -12,6 +14,8 @@ const LISTS = ["capabilities", "words", "joints", "motions", "cameras", "wheels"
 const AGAIN_MS = 2000;
 let asking: Promise<void> | null = null;
 let again: ReturnType<typeof setTimeout> | undefined;
+/** Nothing answered where the robot was asked what it is; it is asked again. */
+export const away = signal(false);
 
 /** Asks what the robot is; asks again until it answers. */
 export function look(): Promise<void> {
@@ -22,6 +26,7 @@ export function look(): Promise<void> {
 
 async function looked(): Promise<void> {
   const answer = await ask<Robot>("api", { quiet: true });
+  away.value = answer.status === 0;
   if (answer.ok && answer.data) robot.value = whole(answer.data);
   else if (answer.status !== 401) again = setTimeout(() => void look(), AGAIN_MS);
 }
@@ -53,9 +58,17 @@ export const streamOfType = (type: string): string => streamsOfType(type)[0] ?? 
 /** Whether the console knows a word, and this user may say it. */
 export const knows = (word: string): boolean => robot.value?.words.some((one) => one.word === word && may(one.role)) ?? false;
 
-export const command = (capability: string, name: string, message: unknown, options: { quiet?: boolean } = {}): Promise<Answer<CommandReply>> =>
-  ask<CommandReply>(`api/${capability}/${name}`, { method: "POST", body: message, ...options });
+/** A page that is behind its robot asks for nothing that may move it; to stop is no command. */
+async function asked<T>(path: string, options: Parameters<typeof ask>[1] & object): Promise<Answer<T>> {
+  if (!outdated.value) return ask<T>(path, options);
+  const answer = { ok: false, status: 409, code: OLD.code, reason: OLD.reason(), data: null };
+  if (!options.quiet) notice(answer.reason, "warn");
+  return answer;
+}
+
+export const command = (capability: string, name: string, message: unknown, options: { quiet?: boolean; timeoutMs?: number } = {}): Promise<Answer<CommandReply>> =>
+  asked<CommandReply>(`api/${capability}/${name}`, { method: "POST", body: message, ...options });
 
 /** Has the console carry out a line, as if it were typed there. */
 export const consoleLine = (line: string, options: { quiet?: boolean; timeoutMs?: number } = {}): Promise<Answer<{ text?: string; data?: unknown; confirm?: string }>> =>
-  ask(`api/console`, { method: "POST", body: { line }, timeoutMs: 20_000, ...options });
+  asked(`api/console`, { method: "POST", body: { line }, timeoutMs: 20_000, ...options });

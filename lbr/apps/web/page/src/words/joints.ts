@@ -65,6 +65,8 @@ export const joints = {
   "joints.roll": ["Roll", "Rollen"],
   "joints.pitch": ["Pitch", "Nicken"],
   "joints.yaw": ["Yaw", "Gieren"],
+  "joints.turning": ["Turning x · y · z, rad/s", "Drehung x · y · z, rad/s"],
+  "joints.pull": ["Acceleration x · y · z, m/s²", "Beschleunigung x · y · z, m/s²"],
   "joints.heading": ["Heading", "Kurs"],
   "joints.ups": ["Supply", "Versorgung"],
   "joints.source.external": ["external power", "externe Speisung"],

@@ -4,21 +4,25 @@ import { Badge, Slider, Toggle } from "../../parts";
 import { percent } from "../../format";
 import { may, robot, streamOfType } from "../../robot";
 import { t } from "../../words";
+import { CompassCard } from "./CompassCard";
 import { Gauges } from "./Gauges";
 import { gather } from "./MapView";
+import { Distances } from "./Distances";
 import { Moves } from "./Moves";
-import { gamepad, listenToHands, top } from "./pilot";
+import { gamepad, listenToHands, sideways, top } from "./pilot";
+import { Songs } from "./Songs";
 import { Speak } from "./Speak";
 import { Stage } from "./Stage";
 import { Stick } from "./Stick";
 import { canTilt, tilt, tilts } from "./tilt";
+import { Turner } from "./Turner";
 import { Why } from "./Why";
 import "./Drive.css";
 
 export default function Drive() {
   const from = streamOfType("DriveState");
   const drive = from.split("/")[0]!;
-  useEffect(() => listenToHands(`${drive}/command`), [drive]);
+  useEffect(() => listenToHands(drive), [drive]);
   useEffect(gather, [robot.value?.revision]);
   useEffect(keepAwake, []);
   return (
@@ -30,14 +34,18 @@ export default function Drive() {
         <Gauges />
         <div class="drive-hand">
           <Stick />
+          {sideways() && <Turner />}
           <Slider label={t("drive.power")} min={0.1} max={1} step={0.05} value={top.value} show={percent} disabled={!may("operate")} onInput={(value) => { top.value = value; }} />
           {canTilt() && <Toggle label={t("drive.tilt")} checked={tilts.value} disabled={!may("operate")} onChange={(on) => void tilt(on)} />}
         </div>
       </div>
       <div class="drive-more">
         <Moves drive={drive} />
+        <Distances />
+        <CompassCard />
         <Speak />
-        {gamepad.value ? <Badge icon="gamepad" tone="good">{t("drive.gamepad")}</Badge> : <p class="drive-keys muted">{t("drive.keys")}</p>}
+        <Songs />
+        {gamepad.value ? <Badge icon="gamepad" tone="good">{t(sideways() ? "drive.gamepad.aside" : "drive.gamepad")}</Badge> : matchMedia("(pointer: fine)").matches && <p class="drive-keys muted">{t(sideways() ? "drive.keys.aside" : "drive.keys")}</p>}
       </div>
     </div>
   );

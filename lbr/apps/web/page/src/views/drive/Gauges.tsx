@@ -2,11 +2,11 @@
 import type { ComponentChildren } from "preact";
 import { metres, number, percent } from "../../format";
 import { clock, useStream, type Sample } from "../../live";
-import type { BatteryState, OdometryState, Ranges } from "../../messages";
+import type { BatteryState, OdometryState, Ranges, Scan } from "../../messages";
 import { Icon, type IconName } from "../../parts";
 import { robot, streamOfType } from "../../robot";
-import { t } from "../../words";
-import { fans } from "./geometry";
+import { named, t } from "../../words";
+import { nearestOf, read } from "./geometry";
 
 interface GaugeProps { icon: IconName; label: string; value: string; unit?: string; tone?: "good" | "warn" | "bad"; sample: Sample<unknown> | null; note?: string; children?: ComponentChildren }
 
@@ -24,11 +24,11 @@ function Gauge({ icon, label, value, unit, tone, sample, note, children }: Gauge
 }
 
 export function Gauges() {
-  const [odometry, battery, ranges] = [streamOfType("OdometryState"), streamOfType("BatteryState"), streamOfType("Ranges")];
+  const [odometry, battery, ranges, scan] = [streamOfType("OdometryState"), streamOfType("BatteryState"), streamOfType("Ranges"), streamOfType("Scan")];
   return (
     <div class="drive-gauges">
       {odometry && <Speed from={odometry} />}
-      {ranges && <Nearest from={ranges} />}
+      {ranges ? <Nearest from={ranges} /> : scan && <NearestOfScan from={scan} />}
       {battery && <Battery from={battery} />}
     </div>
   );
@@ -42,11 +42,28 @@ function Speed({ from }: { from: string }) {
 
 function Nearest({ from }: { from: string }) {
   const sample = useStream<Ranges>(from);
-  const seen = sample ? fans(robot.value?.ranges ?? [], sample.message).flatMap((fan) => (fan.distance === null ? [] : [fan.distance])) : [];
+  const rows = robot.value?.ranges ?? [];
+  const level = new Set(rows.filter((row) => Math.abs(row.pitch_rad ?? 0) > 0.5).map((row) => row.name).concat("bottom"));
+  const all = sample ? read(rows, sample.message).filter((one) => !level.has(one.name)) : [];
+  const seen = all.flatMap((one) => (one.distance === null ? [] : [one.distance]));
+  const blind = all.filter((one) => one.status === "invalid" || one.status === "missing");
   const nearest = seen.length > 0 ? Math.min(...seen) : null;
-  const tone = nearest === null ? undefined : nearest < 0.4 ? "bad" : nearest < 0.9 ? "warn" : undefined;
-  return <Gauge icon="radar" label={t("drive.nearest")} value={nearest === null && sample ? "> 3 m" : metres(nearest)} sample={sample} tone={tone} />;
+  const free = nearest === null && all.some((one) => one.status === "over_range");
+  return (
+    <Gauge
+      icon={blind.length > 0 ? "warn" : "radar"} label={t("drive.nearest")} value={free ? t("drive.free") : metres(nearest)} sample={sample} tone={toneOf(nearest) ?? (blind.length > 0 ? "warn" : undefined)}
+      note={blind.length > 0 ? t("drive.blind", { names: blind.map((one) => named(one.name)).join(", ") }) : ""}
+    />
+  );
 }
+
+function NearestOfScan({ from }: { from: string }) {
+  const sample = useStream<Scan>(from);
+  const nearest = sample ? nearestOf(sample.message) : null;
+  return <Gauge icon="radar" label={t("drive.nearest")} value={nearest === null && sample ? t("drive.free") : metres(nearest)} sample={sample} tone={toneOf(nearest)} />;
+}
+
+const toneOf = (nearest: number | null): "bad" | "warn" | undefined => (nearest === null ? undefined : nearest < 0.4 ? "bad" : nearest < 0.9 ? "warn" : undefined);
 
 function Battery({ from }: { from: string }) {
   const sample = useStream<BatteryState>(from);

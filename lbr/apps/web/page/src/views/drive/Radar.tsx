@@ -1,12 +1,12 @@
 // The surroundings seen from above, ahead is up: fans of single sensors, points of scans, where the base is about to go.
 import { useCallback, useMemo, useRef } from "preact/hooks";
-import { metres, plain } from "../../format";
+import { metres } from "../../format";
 import { listen, useStream, type Sample } from "../../live";
 import type { DriveState, Ranges, Scan } from "../../messages";
 import { robot, streamOfType, streamsOfType } from "../../robot";
-import { t } from "../../words";
+import { maybe, named, t } from "../../words";
 import { Canvas, type Pen } from "./Canvas";
-import { fans, points, size, way, type Fan, type Point } from "./geometry";
+import { fans, points, read, size, way, type Fan, type Point } from "./geometry";
 
 const NEAR_M = 0.4;
 const WARN_M = 0.9;
@@ -43,7 +43,7 @@ export function Radar({ reach = 2.4, class: more = "" }: { reach?: number; class
 export function RangesInWords() {
   const sample = useStream<Ranges>(streamOfType("Ranges"));
   if (!sample) return null;
-  const said = fans(robot.value?.ranges ?? [], sample.message).map((fan) => `${plain(fan.name)} ${metres(fan.distance)}`);
+  const said = read(robot.value?.ranges ?? [], sample.message).map((one) => `${named(one.name)} ${one.status === "ok" ? metres(one.distance) : maybe(`range.${one.status}`)}`);
   return <p class="sr">{t("drive.radar.alt", { list: said.join(", ") })}</p>;
 }
 
@@ -66,9 +66,10 @@ function rings({ ctx, width, height, colour }: Pen, scale: number): void {
 function drawFan({ ctx, colour }: Pen, at: (point: Point) => [number, number], scale: number, fan: Fan, old: boolean): void {
   const [x, y] = at(fan);
   const middle = -fan.yaw - Math.PI / 2;
+  if (fan.status === "invalid" || (old && fan.distance === null)) return drawUnknown(ctx, x, y, scale, fan, middle, colour(old ? "--muted" : "--warn"));
   const far = fan.distance === null;
   const distance = Math.min(fan.distance ?? fan.max, 6);
-  const tone = old || fan.status === "invalid" ? "--muted" : far ? "--accent" : distance < NEAR_M ? "--bad" : distance < WARN_M ? "--warn" : "--accent";
+  const tone = old ? "--muted" : far ? "--accent" : distance < NEAR_M ? "--bad" : distance < WARN_M ? "--warn" : "--accent";
   ctx.beginPath();
   ctx.moveTo(x, y);
   ctx.arc(x, y, distance * scale, middle - fan.fov / 2, middle + fan.fov / 2);
@@ -85,6 +86,19 @@ function drawFan({ ctx, colour }: Pen, at: (point: Point) => [number, number], s
   ctx.lineCap = "round";
   ctx.strokeStyle = colour(tone);
   ctx.stroke();
+}
+
+/** A sensor that says nothing of use: an empty, dashed fan. */
+function drawUnknown(ctx: CanvasRenderingContext2D, x: number, y: number, scale: number, fan: Fan, middle: number, colour: string): void {
+  ctx.beginPath();
+  ctx.moveTo(x, y);
+  ctx.arc(x, y, Math.min(fan.max, 1) * scale, middle - fan.fov / 2, middle + fan.fov / 2);
+  ctx.closePath();
+  ctx.setLineDash([4, 5]);
+  ctx.lineWidth = 1.5;
+  ctx.strokeStyle = colour;
+  ctx.stroke();
+  ctx.setLineDash([]);
 }
 
 function drawScan({ ctx, colour }: Pen, at: (point: Point) => [number, number], found: Point[], old: boolean): void {

@@ -1,20 +1,19 @@
 // What the robot sees: a camera, the map, or its surroundings, behind the heading.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { useSignal } from "@preact/signals";
 import { remember, remembered } from "../../kept";
 import { useStream } from "../../live";
 import type { AttitudeState, CameraState, OdometryState } from "../../messages";
-import { Choice, Empty, Icon, Segments, Stale, type IconName } from "../../parts";
+import { Button, Choice, Empty, Icon, Segments, Stale, type IconName } from "../../parts";
 import { capabilities, command, may, streamOfType } from "../../robot";
-import { plain } from "../../format";
-import { t } from "../../words";
+import { call, caller, hangUp, ring } from "../../call";
+import { Picture as Shown, PREFIX } from "../../stream";
+import { named, t } from "../../words";
 import { Compass } from "./Compass";
 import { MapView } from "./MapView";
 import { Radar, RangesInWords } from "./Radar";
 
 type Picture = "camera" | "map" | "radar";
-const AGAIN_MS = 2000;
-const PREFIX = "camera_";
 
 export function Stage() {
   const cameras = capabilities("camera");
@@ -33,15 +32,22 @@ export function Stage() {
       {picture === "radar" && <Radar class="drive-radar-large" />}
       {picture === undefined && <Empty icon="camera" title={t("drive.camera.none")} />}
       <Heading />
+      {caller() && <Phone />}
       <div class="drive-stage-choice">
         {choices.length > 1 && (
           <Segments<Picture> label={t("drive.stage")} value={picture!} options={choices} onChange={(value) => { shown.value = value; remember("picture", value); }} />
         )}
       </div>
-      {ranges && picture !== "radar" && <div class="drive-inset"><Radar reach={1.7} /></div>}
+      {ranges && picture !== "radar" && <div class="drive-inset" data-picture={picture}><Radar reach={1.7} /></div>}
       {ranges && <RangesInWords />}
     </section>
   );
+}
+
+function Phone() {
+  const { stage } = call.value;
+  if (stage === "idle") return may("operate") ? <Button class="drive-phone" icon="phone" label={t("call.call")} onClick={() => void ring()} /> : null;
+  return <Button class="drive-phone" kind="danger" icon="hangup" label={t("call.end")} onClick={hangUp} />;
 }
 
 function Heading() {
@@ -65,38 +71,13 @@ function Camera({ names }: { names: string[] }) {
   const on = state === null || state.message.on;
   return (
     <>
-      {on ? <Stream key={name} name={name} /> : <div class="drive-nopicture"><Icon name="camera" /><p>{t("drive.camera.off")}</p><p class="muted">{state?.message.reason}</p></div>}
+      {on ? <Shown name={name} /> : <div class="drive-nopicture"><Icon name="camera" /><p>{t("drive.camera.off")}</p><p class="muted">{state?.message.reason}</p></div>}
       {names.length > 1 && (
         <div class="drive-camera">
-          <Choice label={t("drive.camera")} value={name} options={names.map((one) => ({ value: one, text: plain(one.replace(PREFIX, "")) }))} onChange={pick} />
+          <Choice label={t("drive.camera")} value={name} options={names.map((one) => ({ value: one, text: named(one.replace(PREFIX, "")) }))} onChange={pick} />
         </div>
       )}
       {state && <div class="drive-camera-age"><Stale sample={state} after={4000} /></div>}
-    </>
-  );
-}
-
-/** The newest pictures of one camera. A hidden page looks at none, for a stream goes on in the background otherwise. */
-function Stream({ name }: { name: string }) {
-  const address = (): string => (document.hidden ? "" : `stream.mjpg?camera=${encodeURIComponent(name.replace(PREFIX, ""))}&at=${Date.now()}`);
-  const [source, from] = useState(address);
-  const [there, come] = useState(false);
-  useEffect(() => {
-    const seen = (): void => { come(false); from(address()); };
-    document.addEventListener("visibilitychange", seen);
-    return () => document.removeEventListener("visibilitychange", seen);
-  }, []);
-  useEffect(() => {
-    if (source !== "failed") return undefined;
-    const again = setTimeout(() => from(address()), AGAIN_MS);
-    return () => clearTimeout(again);
-  }, [source]);
-  return (
-    <>
-      {!there && <div class="drive-nopicture" role="status"><Icon name="camera" /><p>{t("drive.camera.wait")}</p></div>}
-      {source && source !== "failed" && (
-        <img class="drive-picture" src={source} alt={t("drive.camera.alt")} draggable={false} data-there={there || undefined} onLoad={() => come(true)} onError={() => { come(false); from("failed"); }} />
-      )}
     </>
   );
 }

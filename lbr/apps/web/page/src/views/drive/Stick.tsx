@@ -3,16 +3,18 @@ import { useEffect, useRef } from "preact/hooks";
 import { may, role } from "../../robot";
 import { DEAD } from "../../stick";
 import { t } from "../../words";
-import { hand, push, refused } from "./pilot";
+import { hand, push, refused, sideways } from "./pilot";
 import { follow as followTilt, tilts } from "./tilt";
 
 export function Stick() {
   const field = useRef<HTMLDivElement>(null);
+  /** Where the field was when the finger came: what moves on the page below a finger steers nothing. */
+  const box = useRef({ left: 0, top: 0, width: 1, height: 1 });
   const finger = useRef<number | null>(null);
   const tilting = useRef<(() => void) | null>(null);
   const allowed = may("operate");
   const follow = (event: PointerEvent): void => {
-    const { left, top, width, height } = field.current!.getBoundingClientRect();
+    const { left, top, width, height } = box.current;
     const [x, y] = [(event.clientX - left - width / 2) / (width * 0.36), (top + height / 2 - event.clientY) / (height * 0.36)];
     const far = Math.max(1, Math.hypot(x, y));
     push("stick", x / far, y / far);
@@ -27,16 +29,26 @@ export function Stick() {
     tilting.current = null;
     push("stick", 0, 0);
   };
-  useEffect(() => off, []);
+  useEffect(() => {
+    // Browsers tell of moves once a picture; where they tell at once, the robot need not wait for it.
+    const moved = (event: Event): void => { if (finger.current === (event as PointerEvent).pointerId && !tilting.current) follow(event as PointerEvent); };
+    const element = field.current!;
+    element.addEventListener("pointerrawupdate", moved);
+    return () => {
+      element.removeEventListener("pointerrawupdate", moved);
+      off();
+    };
+  }, []);
   const { x, y } = hand.value;
   const way = Math.hypot(x, y);
   return (
     <div
-      ref={field} class="drive-stick" role="application" aria-label={allowed ? t("drive.stick") : t("drive.stick.view", { role: t(`role.${role.value ?? "view"}`) })}
+      ref={field} class="drive-stick" role="application" aria-label={allowed ? t(sideways() ? "drive.stick.aside" : "drive.stick") : t("drive.stick.view", { role: t(`role.${role.value ?? "view"}`) })}
       aria-disabled={!allowed} tabIndex={0} data-active={way > DEAD || undefined} data-refused={refused.value || undefined}
       onPointerDown={(event) => {
         if (!allowed || finger.current !== null || (event.pointerType === "mouse" && event.button !== 0)) return;
         finger.current = event.pointerId;
+        box.current = field.current!.getBoundingClientRect();
         field.current!.setPointerCapture(event.pointerId);
         event.preventDefault();
         if (document.activeElement instanceof HTMLElement) document.activeElement.blur();

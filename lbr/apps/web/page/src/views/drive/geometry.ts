@@ -28,7 +28,23 @@ export function fans(rows: RangeSensor[], readings: Ranges): Fan[] {
       name: row.name, x: row.x_m ?? 0, y: row.y_m ?? 0, yaw: row.yaw_rad ?? 0, fov: row.fov_rad ?? 0.4, min: row.min_m ?? 0.02, max: row.max_m ?? 4,
       distance: metresOf(readings, row.name), status: readings.status[row.name] ?? "",
     }))
-    .filter((fan) => fan.status !== "missing");
+    .filter((fan) => fan.status !== "missing" && (fan.status !== "" || fan.distance !== null));
+}
+
+export interface Reading { name: string; distance: number | null; status: string }
+
+/** What each sensor reads that the message tells of, in the order of the rows; one that has a row and no answer is missing. */
+export function read(rows: RangeSensor[], readings: Ranges): Reading[] {
+  const named = new Set([...rows.map((row) => row.name), ...Object.keys(readings.status), ...Object.keys(readings.others_m ?? {})]);
+  return [...named]
+    .map((name) => ({ name, distance: metresOf(readings, name), status: readings.status[name] ?? (metresOf(readings, name) === null ? "" : "ok") }))
+    .filter((one) => one.status !== "" && (one.status !== "missing" || rows.some((row) => row.name === one.name)));
+}
+
+/** The nearest that a scan saw; null if nothing. */
+export function nearestOf(scan: Scan): number | null {
+  const seen = scan.ranges_m.filter((one): one is number => typeof one === "number" && one >= scan.range_min_m && one <= scan.range_max_m);
+  return seen.length > 0 ? seen.reduce((one, other) => Math.min(one, other)) : null;
 }
 
 /** The points of a scan, in the base's frame. */

@@ -6,7 +6,21 @@ const MOST_CELLS = 30_000;
 const MOST_STEPS = 4000;
 const STEP_M = 0.04;
 
+/** What of the map is shown: so many dots a metre, round a place; null follows the base and shows all. */
+export interface Sight extends Point { scale: number }
+const LEAST_SCALE = 4;
+const MOST_SCALE = 400;
+
+/** A sight nearer or further by a factor, the place under `at` (metres from its middle) staying where it is. */
+export function zoomed(sight: Sight, factor: number, at: Point = { x: 0, y: 0 }): Sight {
+  const scale = Math.min(MOST_SCALE, Math.max(LEAST_SCALE, sight.scale * (Number.isFinite(factor) && factor > 0 ? factor : 1)));
+  const rest = 1 - sight.scale / scale;
+  return { scale, x: sight.x + at.x * rest, y: sight.y + at.y * rest };
+}
+
 export class WorldMap {
+  /** What the newest scan saw, in the world's frame. */
+  seen: Point[] = [];
   readonly cells = new Map<string, { x: number; y: number; count: number }>();
   readonly trail: Point[] = [];
   pose: Pose | null = null;
@@ -23,11 +37,13 @@ export class WorldMap {
     if (this.trail.length > MOST_STEPS) this.trail.shift();
   }
 
-  /** Notes what was seen from where the base is now. */
-  see(points: Point[]): void {
-    if (!this.pose) return;
-    for (const point of points) {
-      const { x, y } = placed(this.pose, point);
+  /** Notes what was seen from where the base is now; a scan is shown as it is, besides. */
+  see(points: Point[], scan = false): void {
+    const pose = this.pose;
+    if (!pose) return;
+    const all = points.map((point) => placed(pose, point));
+    if (scan) this.seen = all;
+    for (const { x, y } of all) {
       const [column, row] = [Math.round(x / CELL_M), Math.round(y / CELL_M)];
       const key = `${column},${row}`;
       const cell = this.cells.get(key);
@@ -43,6 +59,7 @@ export class WorldMap {
   clear(): void {
     this.cells.clear();
     this.trail.length = 0;
+    this.seen = [];
     this.pose = null;
   }
 }

@@ -2,14 +2,14 @@
 import { effect, signal } from "@preact/signals";
 import { holding } from "../../holding";
 import { remember, remembered } from "../../kept";
-import { may } from "../../robot";
-import { aim, alike, ofKeys, type Aim } from "../../stick";
+import { may, robot } from "../../robot";
+import { aim, alike, ofKeys, together, twist, type Aim, type Push, type Twist } from "../../stick";
 import { stop } from "../../stopping";
 
 /** The most power that is given; chosen by the slider, kept by the browser. */
 export const top = signal<number>(remembered("top", 0.4));
 /** Where the stick is, for the picture of it. */
-export const hand = signal<{ x: number; y: number }>({ x: 0, y: 0 });
+export const hand = signal<Push>({ x: 0, y: 0, turn: 0 });
 /** The robot refused, or ended, this motion: the hand has to come to rest first. */
 export const refused = signal(false);
 /** The next motion takes over from who holds the robot. */
@@ -20,20 +20,24 @@ effect(() => remember("top", top.value));
 
 const SLOW = 0.5;
 const DRIVES = new Set(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "KeyW", "KeyA", "KeyS", "KeyD"]);
+const TURNS = new Set(["KeyQ", "KeyE"]);
 const TYPED = "input:not([type=range]):not([type=checkbox]), textarea, select, [role=dialog]";
 /** What arrow keys mean something to by itself. */
 const ARROWED = "input[type=range], [role=radiogroup]";
-const sources = new Map<string, { x: number; y: number }>();
+const sources = new Map<string, Push>();
 const held = new Set<string>();
-let to = "";
+const driver = signal("");
 let slow = false;
-let last: Aim | null = null;
+let last: Aim | Twist | null = null;
 
 function update(): void {
-  let strongest = { x: 0, y: 0 };
-  for (const one of sources.values()) if (Math.hypot(one.x, one.y) > Math.hypot(strongest.x, strongest.y)) strongest = one;
-  hand.value = strongest;
-  const wanted = may("operate") ? aim(strongest.x, strongest.y, top.value * (slow ? SLOW : 1)) : null;
+  hand.value = together(sources.values());
+  if (document.hidden) {
+    if (last !== null) holding.release();
+    last = null;
+    return;
+  }
+  const wanted = may("operate") ? wish(hand.value, top.value * (slow ? SLOW : 1)) : null;
   if (wanted === null) {
     if (last !== null || refused.value) holding.release();
     last = null;
@@ -44,47 +48,57 @@ function update(): void {
   if (last === null) holding.forget();
   if (!alike(last, wanted) || !holding.state.value.moving) {
     const message = takeOver.value ? { ...wanted, take_over: true } : wanted;
-    refused.value = !holding.move(to, message);
+    refused.value = !holding.move(`${driver.value}/${sideways() ? "twist" : "command"}`, message);
   }
   last = wanted;
 }
 
+/** Whether the base goes sideways: then the stick does so, and turning has a control of its own. */
+export const sideways = (): boolean => robot.value?.base?.sideways === true && robot.value.base.capability === driver.value;
+
+function wish(push: Push, most: number): Aim | Twist | null {
+  const base = robot.value?.base;
+  return base && sideways() ? twist(push, base, most) : aim(push.x, push.y, most);
+}
+
 /** Notes where a source's stick is; at rest it counts no more. */
-export function push(source: string, x: number, y: number): void {
-  if (x === 0 && y === 0) sources.delete(source);
-  else sources.set(source, { x, y });
+export function push(source: string, x: number, y: number, turn = 0): void {
+  if (x === 0 && y === 0 && turn === 0) sources.delete(source);
+  else sources.set(source, { x, y, turn });
   update();
 }
 
 /** Takes every hand off; a thumb that is still on the stick has to be lifted first. */
 function rest(): void {
-  const pushed = sources.has("stick");
+  const pushed = sources.has("stick") || sources.has("turn");
   sources.clear();
   held.clear();
   update();
   refused.value = pushed;
 }
 
-/** Listens to keys and gamepads for the command `key` until the returned function is called. */
-export function listenToHands(key: string): () => void {
-  to = key;
+/** Listens to keys and gamepads for the capability that drives until the returned function is called. */
+export function listenToHands(name: string): () => void {
+  driver.value = name;
+  const press = (): void => {
+    const { x, y, turn } = ofKeys(held);
+    push("keys", x, y, turn);
+  };
   const down = (event: KeyboardEvent): void => {
     const target = event.target instanceof Element ? event.target : document.body;
     if (event.ctrlKey || event.metaKey || event.altKey || target.closest(TYPED)) return;
     if (event.code.startsWith("Arrow") && target.closest(ARROWED)) return;
     slow = event.shiftKey;
-    if (!DRIVES.has(event.code)) return update();
+    if (!DRIVES.has(event.code) && !(sideways() && TURNS.has(event.code))) return update();
     event.preventDefault();
     held.add(event.code);
-    const { x, y } = ofKeys(held);
-    push("keys", x, y);
+    press();
   };
   const up = (event: KeyboardEvent): void => {
     slow = event.shiftKey;
     if (event.key === "Escape") held.clear();
     held.delete(event.code);
-    const { x, y } = ofKeys(held);
-    push("keys", x, y);
+    press();
   };
   const hidden = (): void => { if (document.hidden) rest(); };
   const ended = effect(() => {
@@ -120,8 +134,9 @@ function listenToGamepads(): () => void {
     const pad = navigator.getGamepads?.().find((one) => one?.connected) ?? null;
     gamepad.value = pad?.id ?? "";
     if (!pad) return push("gamepad", 0, 0);
-    const [x = 0, y = 0] = pad.axes;
-    push("gamepad", Math.hypot(x, y) > PAD_DEAD ? x : 0, Math.hypot(x, y) > PAD_DEAD ? -y : 0);
+    const [x = 0, y = 0, turn = 0] = pad.axes;
+    const pushed = Math.hypot(x, y) > PAD_DEAD;
+    push("gamepad", pushed ? x : 0, pushed ? -y : 0, sideways() && Math.abs(turn) > PAD_DEAD ? turn : 0);
     const b = pad.buttons[B]?.pressed ?? false;
     if (b && !stopping) void stop();
     stopping = b;

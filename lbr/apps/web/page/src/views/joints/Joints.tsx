@@ -1,5 +1,6 @@
 // The joints: the body in three dimensions, each joint's angle and torque, and what else tells how the robot is.
 import { useEffect, useMemo, useState } from "preact/hooks";
+import { Held } from "../../handover";
 import { holding } from "../../holding";
 import { plain } from "../../format";
 import { Badge, Button, Card, Dialog, Empty, Icon, Segments, Stale, Toggle } from "../../parts";
@@ -83,6 +84,7 @@ function Shown({ model }: { model: BodyModel }) {
         {model.links.length > 0
           ? <Body3d model={model} streams={streams} selected={selected} may={operates} onPick={pick} onDrag={(joint, rad) => aim(joint, rad, true)} onDrop={() => mover.drop()} />
           : <div class="joints-stage"><Empty icon="joints" title={t("joints.nobody")}><p>{model.reason}</p></Empty></div>}
+        {[...new Set(Object.values(joints?.owners ?? {}))].map((owner) => <Held key={owner} capability={owner} />)}
         {why && <p class="joints-why" role="status"><Icon name="info" />{why}</p>}
       </div>
       <div class="joints-right">

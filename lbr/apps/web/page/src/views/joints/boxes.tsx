@@ -21,7 +21,7 @@ export function Boxes() {
   const ups = streamOfType("UpsState");
   return (
     <>
-      {attitude && <Attitude stream={attitude} />}
+      {attitude && <Attitude stream={attitude} imu={streamOfType("ImuSample")} />}
       {ups && <Supply stream={ups} />}
       {power && <Guard stream={power} />}
     </>
@@ -32,8 +32,14 @@ function Facts({ facts }: { facts: [string, string][] }) {
   return <dl class="joints-facts">{facts.map(([what, value]) => <div key={what}><dt>{what}</dt><dd>{value}</dd></div>)}</dl>;
 }
 
-function Attitude({ stream }: { stream: string }) {
+interface ImuSample { gyro_rps?: number[] | null; accel_mps2?: number[] | null }
+
+/** Three numbers along x, y and z. */
+const along = (given: number[] | null | undefined, digits: number): string => (given?.length === 3 ? given.map((one) => number(one, digits)).join(" · ") : "–");
+
+function Attitude({ stream, imu }: { stream: string; imu: string }) {
   const sample = useCalm<AttitudeState>(stream);
+  const raw = useCalm<ImuSample>(imu, 200)?.message;
   const state = sample?.message;
   return (
     <Card title={t("joints.attitude")} icon="compass" actions={<Stale sample={sample} />}>
@@ -46,6 +52,7 @@ function Attitude({ stream }: { stream: string }) {
           [t("joints.heading"), state?.heading_deg == null ? "–" : `${number(state.heading_deg)}°`],
         ]} />
       </div>
+      {imu && <div class="joints-imu"><Facts facts={[[t("joints.turning"), along(raw?.gyro_rps, 2)], [t("joints.pull"), along(raw?.accel_mps2, 1)]]} /></div>}
       {state && (state.reason || state.heading_reason) && <p class="joints-reason">{state.reason || state.heading_reason}</p>}
     </Card>
   );

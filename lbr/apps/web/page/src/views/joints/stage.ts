@@ -232,7 +232,7 @@ export class Stage {
     const tall = Math.max(high[2] - ground, 0.1);
     const wide = Math.hypot(high[1] - low[1], high[0] - low[0]);
     const reach = Math.max(tall, wide / Math.max(aspect, 0.3)) / 2 / Math.tan((FOV_DEG * Math.PI) / 360);
-    const away = 1.22 * reach + wide / 3;
+    const away = 1.34 * reach + wide / 3;
     this.camera.position.set(middle.x + away * Math.cos(yaw) * 0.97, middle.y + away * 0.2, middle.z - away * Math.sin(yaw) * 0.97);
     this.controls.target.copy(middle);
     this.controls.update();

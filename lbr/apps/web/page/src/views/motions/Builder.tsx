@@ -1,213 +1,257 @@
-// The motion builder: key frames on a time line, posed by dragging a puppet, by sliders or as the robot stands; played on the
-// puppet first, then on the robot.
-import { signal } from "@preact/signals";
+// The motion builder: key frames on a time line, posed by dragging a puppet, by sliders and numbers or as the robot stands;
+// checked for balance by the robot's machine, played on the puppet first, then on the robot.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { degrees, number, plain } from "../../format";
 import { holding } from "../../holding";
-import { remember, remembered } from "../../kept";
 import { notice } from "../../notices";
-import { Badge, Button, Card, Choice, Field, Slider } from "../../parts";
-import { fetchJson, may, robot } from "../../robot";
+import { Badge, Button, Card, Choice, Dialog, Field, Slider } from "../../parts";
+import { may } from "../../robot";
 import { estop } from "../../stopping";
 import { t } from "../../words";
-import { jointStreams, useJoints } from "../joints/hooks";
+import { jointStreams, ownerOf, useJoints } from "../joints/hooks";
 import { jointNames, mirrored, type BodyModel } from "../joints/model";
-import type { KeyFrame, Motion, MotionRow } from "./data";
-import { Figure } from "./Figure";
+import { at as sampleAt, cancel, check, current, onSheet } from "./balance";
+import { CheckCard } from "./Check";
+import type { MotionRow } from "./data";
+import { canRedo, canUndo, change, chosen, clip, copy, dirty, index, redo, sheet, undo } from "./desk";
+import { Files } from "./Files";
+import { Hands } from "./Hands";
+import { added, doubled, faults, lasts, mirroredAll, mirroredFrame, paced, placed, poseAt, poseOver, removed, replaced, SHORTEST_S, smoothed, sparse } from "./sheet";
 import { Puppet } from "./Puppet";
-import { added, EMPTY, faults, good, lasts, mirroredFrame, nameFrom, poseAt, poseOver, read, removed, replaced, shifted, SHORTEST_S, smoothed, type Sheet } from "./sheet";
+import { Timeline } from "./Timeline";
 
-const KEPT = "motion.draft";
-const sheet = signal<Sheet>(remembered<Sheet>(KEPT, EMPTY));
-const before = signal<Sheet[]>([]);
-const MOST_BACK = 40;
+/** What one message to the robot may hold, and some room: longer motions are saved first, and played by their name. */
+const MOST_TOLD = 14_000;
+const TYPED = "input:not([type=range]):not([type=checkbox]), textarea, select, [role=dialog]";
+const PACE = 1.25;
 
-function change(next: Sheet): void {
-  if (next === sheet.value) return;
-  before.value = [...before.value, sheet.value].slice(-MOST_BACK);
-  sheet.value = next;
-  remember(KEPT, next);
-}
-
-function back(): void {
-  const last = before.value.at(-1);
-  if (!last) return;
-  before.value = before.value.slice(0, -1);
-  sheet.value = last;
-  remember(KEPT, last);
-}
-
-export function Builder({ model, motions }: { model: BodyModel; motions: MotionRow[] }) {
+export function Builder({ model, motions, player }: { model: BodyModel; motions: MotionRow[]; player: string }) {
   const now = sheet.value;
-  const [at, choose] = useState(0);
+  const at = index.value;
+  const frame = now.frames[at];
   const [joint, pick] = useState("");
   const [time, setTime] = useState<number | null>(null);
-  const names = jointNames(model);
+  const [live, goLive] = useState(false);
+  const [asks, ask] = useState(false);
+  const names = useMemo(() => jointNames(model), [model]);
   const streams = jointStreams();
-  const state = useJoints(streams, 250)?.state;
-  const index = Math.min(at, Math.max(0, now.frames.length - 1));
-  const frame = now.frames[index];
-  const pose = useMemo(() => (time === null ? poseAt(now.frames, index) : poseOver(now.frames, time)), [now, index, time]);
+  const joints = useJoints(streams, live ? 60 : 250);
+  const state = joints?.state;
+  const measured = (): Record<string, number> => Object.fromEntries(Object.entries(state?.joints ?? {}).flatMap(([name, one]) => (one.position_rad == null || !model.joints[name] ? [] : [[name, clamp(model, name, one.position_rad)]])));
+  const pose = live && state ? measured() : time === null ? poseAt(now.frames, at) : poseOver(now.frames, time, poseAt(now.frames, 0));
   const wrong = useMemo(() => faults(now.frames, model), [now, model]);
   const limits = wrong.filter((one) => one.kind === "limit");
   const can = may("operate") && !estop.value.engaged;
-  const owner = streams[0]?.split("/")[0] ?? "joints";
+  const owner = streams[0] ? ownerOf(streams[0]) : "joints";
+  const report = current.value?.report ?? null;
+  const samples = useMemo(() => (report ? onSheet(report, now.frames) : []), [report, now]);
+  const sample = samples.length && time !== null ? sampleAt(samples, time) : null;
 
-  const measured = (): Record<string, number> => Object.fromEntries(Object.entries(state?.joints ?? {}).flatMap(([name, one]) => (one.position_rad == null ? [] : [[name, clamp(model, name, one.position_rad)]])));
-  const put = (positions: Record<string, number>): void => { if (frame) change(replaced(now, index, { positions: { ...frame.positions, ...positions } })); };
+  const put = (positions: Record<string, number>, hand: string): void => { if (frame) change(replaced(now, at, { positions: { ...frame.positions, ...positions } }), `${hand}-${at}`); };
   const append = (positions: Record<string, number>): void => {
-    const place = now.frames.length ? index + 1 : 0;
+    const place = now.frames.length ? at + 1 : 0;
     change(added(now, place, { positions, duration_s: 1 }));
-    choose(place);
+    chosen.value = place;
+    setTime(null);
   };
-  const robotPlay = (): void => holding.play(`${owner}/command`, { frames: now.frames, interpolation: "smooth" });
-
+  const capture = (): void => { if (state) append(measured()); };
+  const acts: Acts = {
+    add: () => append(frame ? poseAt(now.frames, at) : zero(model)),
+    copy,
+    cut: () => { copy(); acts.remove(); },
+    paste: () => { if (clip.value) { const place = now.frames.length ? at + 1 : 0; change(added(now, place, clip.value)); chosen.value = place; } },
+    double: () => { if (frame) { change(doubled(now, at)); chosen.value = at + 1; } },
+    remove: () => { if (frame) { change(removed(now, at)); chosen.value = Math.max(0, at - 1); } },
+    mirror: () => { if (frame) change(replaced(now, at, mirroredFrame({ ...frame, positions: poseAt(now.frames, at) }, names))); },
+    earlier: () => { if (at > 0) { change(placed(now, at, at - 1)); chosen.value = at - 1; } },
+    later: () => { if (at < now.frames.length - 1) { change(placed(now, at, at + 1)); chosen.value = at + 1; } },
+    go: (by) => { setTime(null); chosen.value = Math.min(Math.max(0, now.frames.length - 1), Math.max(0, at + by)); },
+    undo, redo,
+  };
+  const start = (): Record<string, number> => (state && names.every((name) => state.joints[name]?.torque !== 0) ? measured() : {});
+  const run = (): Promise<Awaited<ReturnType<typeof check>>> => { goLive(false); return check(now, start()); };
+  const play = (): void => {
+    const frames = sparse(now.frames);
+    const kept = !dirty.value && motions.some((one) => one.name === now.name && one.slot == null);
+    if (kept) holding.play(`${player}/play`, { motion: now.name, times: 1 });
+    else if (JSON.stringify(frames).length <= MOST_TOLD) holding.play(`${owner}/command`, { frames, interpolation: "smooth" });
+    else notice(t("motions.too.long"), "warn");
+  };
+  const checked = useRef(play);
+  checked.current = play;
+  /** Plays what stands; what falls is asked about once more, and any touch in between, a stop above all, ends it. */
+  const playChecked = async (): Promise<void> => {
+    if (current.value?.why) return play();
+    if (current.value?.report) return current.value.report.stands ? play() : ask(true);
+    const untouched = watchTouches();
+    const found = await run();
+    const calm = untouched();
+    if (!found || !calm) return;
+    if (found.report && !found.report.stands) return ask(true);
+    if (found.why) notice(t("motions.check.not", { why: found.why }), "info");
+    if (!estop.value.engaged) checked.current();
+  };
+  useKeys(acts);
+  useEffect(() => () => cancel(), []);
   return (
     <div class="motions-builder">
       <div class="motions-build-main">
-        {model.links.length > 0 && <Puppet model={model} pose={pose} selected={joint} drags={time === null && frame !== undefined} onPick={pick} onDrag={(name, rad) => put({ [name]: rad })} />}
-        <Line now={now} index={index} time={time} model={model} wrong={new Set(limits.map((one) => one.frame))} onChoose={(to) => { setTime(null); choose(to); }} />
-        <div class="motions-tools" role="toolbar" aria-label={t("motions.tools")}>
-          <Preview whole={lasts(now.frames)} time={time} onTime={setTime} />
-          <Button icon="camera" disabled={!state} onClick={() => append(measured())}>{t("motions.add.robot")}</Button>
-          <Button icon="joints" onClick={() => append(frame ? poseAt(now.frames, index) : zero(model))}>{t("motions.add.same")}</Button>
-          <Button icon="back" class="motions-left" label={t("motions.earlier")} disabled={index === 0} onClick={() => { change(shifted(now, index, -1)); choose(index - 1); }} />
-          <Button icon="ahead" class="motions-right" label={t("motions.later")} disabled={index >= now.frames.length - 1} onClick={() => { change(shifted(now, index, 1)); choose(index + 1); }} />
-          <Button icon="mirror" disabled={!frame} onClick={() => frame && change(replaced(now, index, mirroredFrame({ ...frame, positions: poseAt(now.frames, index) }, names)))}>{t("motions.mirror.do")}</Button>
-          <Button icon="motions" disabled={now.frames.length < 3} onClick={() => change(smoothed(now))}>{t("motions.smooth")}</Button>
-          <Button kind="quiet" icon="trash" label={t("motions.remove")} disabled={!frame} onClick={() => { change(removed(now, index)); choose(Math.max(0, index - 1)); }} />
-          <Button kind="quiet" icon="turnleft" label={t("motions.undo")} disabled={before.value.length === 0} onClick={back} />
-        </div>
+        <Puppet model={model} pose={pose} tilt={time !== null && sample ? sample : null} selected={joint} drags={time === null && frame !== undefined && !live} live={live} onPick={pick} onDrag={(name, rad) => put({ [name]: rad }, name)} />
+        <Timeline model={model} time={time} report={report} wrong={new Set(limits.map((one) => one.frame))} onTime={setTime} />
+        <Tools acts={acts} frame={frame !== undefined}>
+          <Preview whole={lasts(now.frames)} time={time} onTime={(s) => { goLive(false); setTime(s); }} />
+        </Tools>
       </div>
       <div class="motions-build-side">
-        {frame && (
-          <Card title={t("motions.frame.at", { frame: index + 1, of: now.frames.length })} icon="joints">
-            <Slider label={t("motions.keep.lasts")} min={SHORTEST_S} max={5} step={0.1} value={frame.duration_s} show={(value) => `${number(value, 1)} s`} onInput={(value) => change(replaced(now, index, { duration_s: value }))} />
-            <Choice label={t("motions.joint")} value={joint} options={[{ value: "", text: t("motions.joint.none") }, ...names.map((name) => ({ value: name, text: plain(name) }))]} onChange={pick} />
-            {joint && <One joint={joint} model={model} value={pose[joint] ?? 0} onPut={put} other={mirrored(joint, names)} />}
-          </Card>
-        )}
-        <Card title={t("motions.file")} icon="save">
-          <Field label={t("motions.keep.name")} value={now.name} maxLength={40} placeholder="bow" autocomplete="off" onInput={(event) => { sheet.value = { ...now, name: nameFrom(event.currentTarget.value) }; remember(KEPT, sheet.value); }} />
+        <Card title={t("motions.motion")} icon="motions">
           <p class="motions-badges">
             <Badge>{t("motions.frames", { count: now.frames.length })}</Badge><Badge>{number(lasts(now.frames), 1)} s</Badge>
             {limits.length > 0 && <Badge tone="bad" icon="warn">{t("motions.wrong.limit", { joint: plain(limits[0]!.joint), value: degrees(limits[0]!.value), most: degrees(limits[0]!.most) })}</Badge>}
             {limits.length === 0 && wrong.length > 0 && <Badge tone="warn" icon="speed">{t("motions.wrong.speed", { joint: plain(wrong[0]!.joint) })}</Badge>}
           </p>
+          <Button kind="primary" icon="play" class="motions-on-robot" disabled={!can || now.frames.length === 0 || limits.length > 0} onClick={() => void playChecked()}>{t("motions.on.robot")}</Button>
           <div class="joints-actions">
-            <Button kind="primary" icon="play" disabled={!can || now.frames.length === 0 || limits.length > 0} onClick={robotPlay}>{t("motions.on.robot")}</Button>
-            <Save now={now} bad={limits.length > 0} known={motions.some((one) => one.name === now.name)} />
+            <Button disabled={!frame} onClick={() => change(paced(now, 1 / PACE), "pace")}>{t("motions.slower")}</Button>
+            <Button disabled={!frame} onClick={() => change(paced(now, PACE), "pace")}>{t("motions.faster")}</Button>
+            <Button disabled={now.frames.length < 3} onClick={() => change(smoothed(now))}>{t("motions.smooth")}</Button>
+            <Button icon="mirror" disabled={!frame} onClick={() => change(mirroredAll(now, names))}>{t("motions.mirror.all")}</Button>
           </div>
-          <Files model={model} motions={motions} onOpen={(opened) => { change(opened); choose(0); }} />
         </Card>
+        {frame && (
+          <Card title={t("motions.frame.at", { frame: at + 1, of: now.frames.length })} icon="joints">
+            <Slider label={t("motions.keep.lasts")} min={SHORTEST_S} max={Math.max(5, Math.ceil(frame.duration_s))} step={0.05} value={frame.duration_s} show={(value) => `${number(value, 2)} s`} onInput={(value) => change(replaced(now, at, { duration_s: value }), `lasts-${at}`)} />
+            <Choice label={t("motions.joint")} value={joint} options={[{ value: "", text: t("motions.joint.none") }, ...names.map((name) => ({ value: name, text: plain(name) }))]} onChange={pick} />
+            {joint && <One joint={joint} model={model} value={pose[joint] ?? 0} onPut={(positions) => put(positions, joint)} other={mirrored(joint, names)} />}
+          </Card>
+        )}
+        <CheckCard sample={sample && report?.falls_s != null && sample.t_s > report.falls_s ? null : sample} empty={now.frames.length === 0 || limits.length > 0} onCheck={() => void run()} />
+        <Hands model={model} joints={joints} live={live} onLive={(on) => { setTime(null); goLive(on); }} onCapture={capture} />
+        <Card title={t("motions.file")} icon="save"><Files model={model} motions={motions} bad={limits.length > 0} /></Card>
       </div>
+      <Dialog
+        title={t("motions.falls.title")} open={asks} onClose={() => ask(false)}
+        actions={<><Button kind="quiet" autofocus onClick={() => ask(false)}>{t("dialog.cancel")}</Button><Button kind="danger" icon="play" onClick={() => { ask(false); play(); }}>{t("motions.falls.yes")}</Button></>}
+      >
+        <p>{report?.falls_s != null ? t("motions.falls.text", { robot: model.robot, s: number(report.falls_s, 1), frame: report.falls_frame ?? 0 }) : t("motions.falls.begins", { robot: model.robot })}</p>
+      </Dialog>
     </div>
   );
+}
+
+/** Begins to watch; what it returns says whether nothing was touched since, and the page was seen all the time. */
+function watchTouches(): () => boolean {
+  let calm = true;
+  const note = (event: Event): void => { if (event.type !== "blur" || event.target === window) calm = false; };
+  const kinds = ["pointerdown", "keydown", "visibilitychange", "blur"] as const;
+  for (const kind of kinds) window.addEventListener(kind, note, { capture: true });
+  return () => {
+    for (const kind of kinds) window.removeEventListener(kind, note, { capture: true });
+    return calm && !document.hidden;
+  };
 }
 
 const zero = (model: BodyModel): Record<string, number> => Object.fromEntries(jointNames(model).map((name) => [name, clamp(model, name, 0)]));
 const clamp = (model: BodyModel, name: string, rad: number): number => Math.min(model.joints[name]?.upper ?? rad, Math.max(model.joints[name]?.lower ?? rad, rad));
 
+type Act = "add" | "copy" | "cut" | "paste" | "double" | "remove" | "mirror" | "earlier" | "later" | "undo" | "redo";
+type Acts = Record<Act, () => void> & { go: (by: number) => void };
+
+/** Keys, where nothing is typed; space and Escape stay the robot's stop. */
+function useKeys(acts: Acts): void {
+  const newest = useRef(acts);
+  newest.current = acts;
+  useEffect(() => {
+    const press = (event: KeyboardEvent): void => {
+      const target = event.target instanceof Element ? event.target : document.body;
+      if (target.closest(TYPED) || document.querySelector("[role=dialog]")) return;
+      if (target.closest("input[type=range]") && event.key.startsWith("Arrow")) return;
+      const act = meant(event);
+      if (!act) return;
+      event.preventDefault();
+      if (typeof act === "number") newest.current.go(act);
+      else newest.current[act]();
+    };
+    window.addEventListener("keydown", press);
+    return () => window.removeEventListener("keydown", press);
+  }, []);
+}
+
+function meant(event: KeyboardEvent): Act | number | null {
+  const key = event.key.toLowerCase();
+  if (event.ctrlKey || event.metaKey) {
+    if (key === "z") return event.shiftKey ? "redo" : "undo";
+    return ({ y: "redo", c: "copy", x: "cut", v: "paste", d: "double" } as const)[key as "y"] ?? null;
+  }
+  if (event.altKey) return key === "arrowleft" ? "earlier" : key === "arrowright" ? "later" : null;
+  if (key === "arrowleft" || key === "arrowright") return key === "arrowleft" ? -1 : 1;
+  if (key === "home" || key === "end") return key === "home" ? -Infinity : Infinity;
+  return ({ delete: "remove", backspace: "remove", insert: "add", a: "add", m: "mirror" } as const)[key as "m"] ?? null;
+}
+
+function Tools({ acts, frame, children }: { acts: Acts; frame: boolean; children: preact.ComponentChildren }) {
+  const last = index.value >= sheet.value.frames.length - 1;
+  return (
+    <div class="motions-tools" role="toolbar" aria-label={t("motions.tools")}>
+      {children}
+      <Button icon="plus" onClick={acts.add}>{t("motions.add.same")}</Button>
+      <span class="motions-some">
+        <Button icon="copy" label={t("motions.copy")} disabled={!frame} onClick={acts.copy} />
+        <Button icon="paste" label={t("motions.paste")} disabled={!clip.value} onClick={acts.paste} />
+        <Button icon="double" label={t("motions.double")} disabled={!frame} onClick={acts.double} />
+        <Button icon="mirror" label={t("motions.mirror.do")} disabled={!frame} onClick={acts.mirror} />
+        <Button icon="back" class="motions-left" label={t("motions.earlier")} disabled={index.value === 0} onClick={acts.earlier} />
+        <Button icon="ahead" class="motions-right" label={t("motions.later")} disabled={last} onClick={acts.later} />
+        <Button icon="trash" label={t("motions.remove")} disabled={!frame} onClick={acts.remove} />
+      </span>
+      <span class="motions-some">
+        <Button kind="quiet" icon="undo" label={t("motions.undo")} disabled={!canUndo.value} onClick={acts.undo} />
+        <Button kind="quiet" icon="redo" label={t("motions.redo")} disabled={!canRedo.value} onClick={acts.redo} />
+      </span>
+    </div>
+  );
+}
+
 function One({ joint, model, value, onPut, other }: { joint: string; model: BodyModel; value: number; onPut: (positions: Record<string, number>) => void; other: string }) {
   const range = model.joints[joint];
+  const [typed, type] = useState<string | null>(null);
+  const deg = (rad: number): string => String(Math.round((1800 * rad) / Math.PI) / 10);
+  const [lower, upper] = [range?.lower ?? -Math.PI, range?.upper ?? Math.PI];
+  const take = (text: string): void => {
+    const rad = (Number(text.replace(",", ".")) * Math.PI) / 180;
+    if (text.trim() !== "" && Number.isFinite(rad)) onPut({ [joint]: clamp(model, joint, rad) });
+    type(null);
+  };
+  const edge = Math.min(value - lower, upper - value) < Math.PI / 360;
   return (
     <>
-      <Slider label={plain(joint)} min={range?.lower ?? -3.1} max={range?.upper ?? 3.1} step={Math.PI / 360} value={value} show={(rad) => degrees(rad, 1)} onInput={(rad) => onPut({ [joint]: rad })} />
+      <Slider label={plain(joint)} min={lower} max={upper} step={Math.PI / 360} value={value} show={(rad) => degrees(rad, 1)} onInput={(rad) => onPut({ [joint]: rad })} />
+      <div class="motions-number">
+        <Field label={t("motions.angle")} inputMode="decimal" value={typed ?? deg(value)} onInput={(event) => type(event.currentTarget.value)} onKeyDown={(event) => { if (event.key === "Enter") take(event.currentTarget.value); }} onBlur={(event) => { if (typed !== null) take(event.currentTarget.value); }} />
+        <Badge tone={edge ? "warn" : "calm"} icon={edge ? "warn" : undefined}>{t("motions.range", { lower: degrees(lower), upper: degrees(upper) })}</Badge>
+      </div>
       {other && <Button onClick={() => onPut({ [other]: clamp(model, other, value) })}>{t("motions.other.side")}</Button>}
     </>
   );
 }
 
-/** The key frames, each as wide as it lasts. */
-function Line({ now, index, time, model, wrong, onChoose }: { now: Sheet; index: number; time: number | null; model: BodyModel; wrong: Set<number>; onChoose: (at: number) => void }) {
-  if (now.frames.length === 0) return <p class="motions-hint motions-empty">{t("motions.build.empty")}</p>;
-  const shown = now.frames.slice(0, 120);
-  const whole = lasts(now.frames);
-  return (
-    <div class="motions-line">
-      <ol role="listbox" aria-label={t("motions.line")}>
-        {shown.map((frame, at) => (
-          <li key={at} style={{ width: `${Math.round(Math.min(220, 74 + 30 * Math.max(0, frame.duration_s - 0.5)))}px` }}>
-            <button type="button" role="option" aria-selected={at === index} class="motions-frame" data-wrong={wrong.has(at) || undefined} onClick={() => onChoose(at)}>
-              <Thumb model={model} frames={now.frames} at={at} />
-              <span>{at + 1} · {number(frame.duration_s, 1)} s</span>
-            </button>
-          </li>
-        ))}
-      </ol>
-      {time !== null && <div class="motions-bar"><span style={{ width: `${(100 * time) / Math.max(0.1, whole)}%` }} /></div>}
-    </div>
-  );
-}
-
-function Thumb({ model, frames, at }: { model: BodyModel; frames: KeyFrame[]; at: number }) {
-  const pose = useMemo(() => poseAt(frames, at), [frames, at]);
-  return <Figure model={model} pose={pose} />;
-}
-
 /** Plays it on the puppet. */
 function Preview({ whole, time, onTime }: { whole: number; time: number | null; onTime: (s: number | null) => void }) {
   const frame = useRef(0);
-  const stop = (): void => { cancelAnimationFrame(frame.current); onTime(null); };
+  const [plays, setPlays] = useState(false);
+  const stop = (): void => { cancelAnimationFrame(frame.current); setPlays(false); onTime(null); };
   useEffect(() => () => cancelAnimationFrame(frame.current), []);
   const play = (): void => {
-    const begun = performance.now();
+    const begun = performance.now() - 1000 * (time !== null && time < whole - 0.05 ? time : 0);
+    setPlays(true);
     const step = (at: number): void => {
       const s = (at - begun) / 1000;
-      if (s > whole + 0.3) return stop();
+      if (s > whole + 0.4) return stop();
       onTime(Math.max(0, s));
       frame.current = requestAnimationFrame(step);
     };
     frame.current = requestAnimationFrame(step);
   };
-  return time === null
-    ? <Button kind="primary" icon="play" disabled={whole === 0} onClick={play}>{t("motions.preview")}</Button>
-    : <Button icon="pause" onClick={stop}>{t("motions.preview.end")}</Button>;
-}
-
-function Save({ now, bad, known }: { now: Sheet; bad: boolean; known: boolean }) {
-  const save = async (): Promise<void> => {
-    const answer = await fetchJson("api/motion", { method: "POST", body: { name: now.name, help: now.help, frames: now.frames, replace: known } });
-    if (answer.ok) notice(t("motions.saved", { motion: plain(now.name) }), "good");
-  };
-  return <Button icon="save" disabled={!may("admin") || !good(now.name) || now.frames.length === 0 || bad} onClick={() => void save()}>{t(known ? "motions.replace" : "motions.save")}</Button>;
-}
-
-function Files({ model, motions, onOpen }: { model: BodyModel; motions: MotionRow[]; onOpen: (sheet: Sheet) => void }) {
-  const input = useRef<HTMLInputElement>(null);
-  const own = motions.filter((one) => one.slot == null);
-  const names = jointNames(model);
-  const open = async (name: string): Promise<void> => {
-    const answer = await fetchJson<Motion>(`api/motion?motion=${encodeURIComponent(name)}`);
-    if (answer.ok && answer.data) onOpen({ name: answer.data.name, help: answer.data.help ?? "", frames: answer.data.frames });
-  };
-  const take = async (file: File | undefined): Promise<void> => {
-    if (!file) return;
-    try {
-      if (file.size > 4 << 20) throw new Error(`${Math.round(file.size / 1024)} kB`);
-      onOpen(read(await file.text(), names));
-    } catch (err) {
-      notice(t("motions.no.motion", { file: file.name, why: err instanceof Error ? err.message : String(err) }), "warn");
-    }
-  };
-  const export_ = (): void => {
-    const now = sheet.value;
-    const text = JSON.stringify({ format: "lbr-motion", robot: robot.value?.robot ?? "", motion: { name: now.name || "motion", help: now.help, frames: now.frames }, version: 1 }, null, 1);
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
-    link.download = `${now.name || "motion"}.json`;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-  };
-  return (
-    <>
-      {own.length > 0 && <Choice label={t("motions.open")} value="" options={[{ value: "", text: "…" }, ...own.map((one) => ({ value: one.name, text: plain(one.name) }))]} onChange={(name) => { if (name) void open(name); }} />}
-      <div class="joints-actions">
-        <Button onClick={() => input.current?.click()}>{t("motions.import")}</Button>
-        <Button disabled={sheet.value.frames.length === 0} onClick={export_}>{t("motions.export")}</Button>
-        <Button kind="quiet" disabled={sheet.value.frames.length === 0} onClick={() => onOpen(EMPTY)}>{t("motions.new")}</Button>
-      </div>
-      <input ref={input} type="file" accept=".json,application/json" hidden aria-label={t("motions.import")} onChange={(event) => { void take(event.currentTarget.files?.[0]); event.currentTarget.value = ""; }} />
-    </>
-  );
+  return plays
+    ? <Button icon="pause" onClick={stop}>{t("motions.preview.end")}</Button>
+    : <Button kind="primary" icon="play" disabled={whole === 0} onClick={play}>{t("motions.preview")}</Button>;
 }

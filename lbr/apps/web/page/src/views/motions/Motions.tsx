@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { number, plain } from "../../format";
+import { Held } from "../../handover";
 import { holding } from "../../holding";
 import { Badge, Button, Card, Empty, Field, Icon, Segments, Slider, Toggle } from "../../parts";
 import { capabilities, command, may, robot, streamOfType } from "../../robot";
@@ -55,13 +56,14 @@ export default function Motions() {
     />
   );
   if (what === "build" && model) {
-    return <div class="motions-both">{tabs}<Playing state={state} part={part} onStop={end} /><Builder model={model} motions={all} /></div>;
+    return <div class="motions-both">{tabs}<Held capability={owner} /><Playing state={state} part={part} onStop={end} /><Builder model={model} motions={all} player={owner} /></div>;
   }
   return (
     <div class="motions-both">
     {tabs}
     <div class="motions" data-remote={keys.length > 0 || undefined}>
       <div class="motions-main">
+        <Held capability={owner} />
         <Playing state={state} part={part} onStop={end} />
         <Card class="motions-options">
           {own.length > 0 && <Slider label={t("motions.speed")} min={0.3} max={2} step={0.1} value={speed.value} show={(value) => `${number(value, 1)} ×`} onInput={(value) => { speed.value = value; }} />}
@@ -139,7 +141,7 @@ function Remote({ all, can, now, onPlay }: { all: ButtonRow[]; can: boolean; now
   const key = (one: ButtonRow) => (
     <button key={one.id} type="button" class="motions-key" data-red={one.button === "S" || undefined} aria-pressed={one.motion === now} disabled={!can} title={plain(one.motion ?? "")} onClick={() => onPlay(one.motion ?? "")}>
       <span class="motions-cap" aria-hidden="true">{keycap(one.button || String(one.id))}</span>
-      <span class="motions-key-name">{plain(one.name)}</span>
+      <span class="motions-key-name">{plain(one.motion || one.name)}</span>
     </button>
   );
   return (

@@ -1,12 +1,15 @@
 // The body as a puppet: it takes the pose that it is given, and a limb that is dragged tells where it was put.
 import { useEffect, useRef, useState } from "preact/hooks";
+import { Icon } from "../../parts";
 import { t } from "../../words";
 import { stageColours } from "../joints/Body3d";
 import type { BodyModel } from "../joints/model";
 import type { Stage } from "../joints/stage";
 import { Figure } from "./Figure";
 
-interface Props { model: BodyModel; pose: Record<string, number>; selected: string; drags: boolean; onPick: (joint: string) => void; onDrag: (joint: string, rad: number) => void }
+interface Lean { roll_rad: number; pitch_rad: number }
+/** `tilt` is how the simulated body leant, `live`: it is the robot's own pose. */
+interface Props { model: BodyModel; pose: Record<string, number>; tilt: Lean | null; selected: string; drags: boolean; live: boolean; onPick: (joint: string) => void; onDrag: (joint: string, rad: number) => void }
 
 export function Puppet(props: Props) {
   const canvas = useRef<HTMLCanvasElement>(null);
@@ -15,7 +18,7 @@ export function Puppet(props: Props) {
   newest.current = props;
   const [flat, goFlat] = useState(false);
   const [ready, setReady] = useState(false);
-  const { model, pose, selected, drags } = props;
+  const { model, pose, selected, drags, tilt, live } = props;
   useEffect(() => {
     let ended = false;
     void import("../joints/stage").then(({ Stage: Made, drawable }) => {
@@ -40,12 +43,14 @@ export function Puppet(props: Props) {
     const zero = Object.fromEntries(Object.entries(model.joints).map(([name, range]) => [name, Math.min(range.upper ?? 0, Math.max(range.lower ?? 0, 0))]));
     stage.current?.setPose({ ...zero, ...pose }, {});
   }, [pose, ready]);
+  useEffect(() => stage.current?.setTilt(tilt?.roll_rad ?? null, tilt?.pitch_rad ?? null), [tilt?.roll_rad, tilt?.pitch_rad, ready]);
   useEffect(() => stage.current?.select(selected), [selected, ready]);
   useEffect(() => stage.current?.setDrag(drags), [drags, ready]);
   return (
     <div class="joints-stage motions-puppet" data-ready={ready || flat}>
       {flat ? <Figure model={model} pose={pose} /> : <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("motions.puppet")} />}
-      {!flat && <p class="joints-stage-hint">{t("motions.puppet.hint")}</p>}
+      {live && <p class="motions-live"><Icon name="link" />{t("motions.live")}</p>}
+      {!flat && <p class="joints-stage-hint">{t(tilt ? "motions.puppet.simulated" : live ? "motions.puppet.live" : "motions.puppet.hint")}</p>}
     </div>
   );
 }

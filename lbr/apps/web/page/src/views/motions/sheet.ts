@@ -1,6 +1,6 @@
 // A motion in the making: key frames one after the other. Pure: each change returns a new sheet.
 import { mirrored, type BodyModel } from "../joints/model";
-import type { KeyFrame, Motion } from "./data";
+import type { KeyFrame } from "./data";
 
 export interface Sheet { name: string; help: string; frames: KeyFrame[] }
 export const EMPTY: Sheet = { name: "", help: "", frames: [] };
@@ -80,17 +80,50 @@ export function faults(frames: readonly KeyFrame[], model: BodyModel): Fault[] {
   return found;
 }
 
-/** Reads a file: what `lbr motion export` wrote, or a plain list of key frames. Throws with a sentence. */
-export function read(text: string, names: readonly string[]): Sheet {
-  const told = JSON.parse(text) as { motion?: Partial<Motion> } & Partial<Motion>;
-  const motion = told.motion ?? told;
-  if (!Array.isArray(motion.frames) || motion.frames.length === 0) throw new Error("no key frames");
-  if (motion.frames.length > MOST_FRAMES) throw new Error(`${motion.frames.length} > ${MOST_FRAMES}`);
-  const frames = motion.frames.map((frame, at): KeyFrame => {
-    const positions = Object.fromEntries(Object.entries(frame?.positions ?? {}).filter(([name]) => names.includes(name)));
-    if (!Object.values(positions).every((angle) => typeof angle === "number" && Number.isFinite(angle))) throw new Error(`#${at + 1}`);
-    const duration = Number(frame.duration_s);
-    return { positions, duration_s: Number.isFinite(duration) ? Math.min(LONGEST_S, Math.max(0.01, duration)) : 1 };
+/** Another one like it behind a key frame: a pose of its own, whole. */
+export const doubled = (sheet: Sheet, at: number): Sheet => added(sheet, at + 1, { positions: poseAt(sheet.frames, at), duration_s: sheet.frames[at]?.duration_s ?? 1 });
+
+/** A key frame taken out of its place and put into another. */
+export function placed(sheet: Sheet, from: number, to: number): Sheet {
+  const frame = sheet.frames[from];
+  if (!frame || to < 0 || to >= sheet.frames.length || from === to) return sheet;
+  const rest = sheet.frames.filter((_, at) => at !== from);
+  return edited(sheet, [...rest.slice(0, to), frame, ...rest.slice(to)]);
+}
+
+/** A key frame reached earlier or later; those behind it stay where they are in time. */
+export function timed(sheet: Sheet, at: number, s: number): Sheet {
+  const frame = sheet.frames[at];
+  if (!frame) return sheet;
+  const next = sheet.frames[at + 1];
+  const begun = lasts(sheet.frames.slice(0, at));
+  const latest = next ? begun + frame.duration_s + next.duration_s - SHORTEST_S : begun + LONGEST_S;
+  const to = Math.min(latest, begun + LONGEST_S, Math.max(begun + SHORTEST_S, s));
+  const rest = next ? begun + frame.duration_s + next.duration_s - to : 0;
+  return edited(sheet, sheet.frames.map((one, index) => (index === at ? { ...one, duration_s: grain(to - begun) } : index === at + 1 ? { ...one, duration_s: grain(rest) } : one)));
+}
+
+/** All of it faster (2: twice as fast) or slower. */
+export const paced = (sheet: Sheet, factor: number): Sheet =>
+  edited(sheet, sheet.frames.map((frame) => ({ ...frame, duration_s: grain(Math.min(LONGEST_S, Math.max(SHORTEST_S, frame.duration_s / factor))) })));
+
+/** Left and right exchanged in all of it. */
+export const mirroredAll = (sheet: Sheet, names: readonly string[]): Sheet => edited(sheet, sheet.frames.map((frame) => mirroredFrame(frame, names)));
+
+/** What differs from the key frame before, in a tenth of a milliradian: what is sent and kept. */
+export function sparse(frames: readonly KeyFrame[]): KeyFrame[] {
+  const before: Record<string, number> = {};
+  return frames.map(({ positions, duration_s }) => {
+    const told = Object.entries(positions).map(([name, angle]): [string, number] => [name, Math.round(angle * 10_000) / 10_000]).filter(([name, angle]) => before[name] !== angle);
+    Object.assign(before, Object.fromEntries(told));
+    return { positions: Object.fromEntries(told), duration_s: Math.round(duration_s * 1000) / 1000 };
   });
-  return { name: nameFrom(String(motion.name ?? "")), help: String(motion.help ?? "").slice(0, 200), frames };
+}
+
+const grain = (s: number): number => Math.round(s * 100) / 100;
+
+/** When each key frame is reached. */
+export function reached(frames: readonly KeyFrame[]): number[] {
+  let s = 0;
+  return frames.map((frame) => (s += frame.duration_s));
 }

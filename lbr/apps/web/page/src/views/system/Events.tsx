@@ -1,26 +1,51 @@
-// What happened since the page was opened, the newest first.
-import { useState } from "preact/hooks";
+// What happened, the newest first: what was written down, and what is heard since; of one part, or only what matters.
+import { useEffect, useState } from "preact/hooks";
 import { plain, timeOfDay } from "../../format";
-import { events } from "../../live";
-import { Empty, Icon, Segments } from "../../parts";
+import { events, link } from "../../live";
+import type { Event } from "../../messages";
+import { Choice, Empty, Icon, Segments } from "../../parts";
+import { fetchJson, robot } from "../../robot";
 import { t } from "../../words";
+import { dayOf, matches, merged, type Level } from "./history";
+
+const MOST = 300;
 
 export function Events() {
-  const [level, show] = useState<"all" | "warnings">("all");
-  const shown = events.value.filter((one) => level === "all" || (one.level ?? "info") !== "info");
+  const [level, atLeast] = useState<Level>("info");
+  const [subject, of] = useState("");
+  const [written, tell] = useState<Event[]>([]);
+  const [subjects, know] = useState<string[]>([]);
+  const there = link.value === "open";
+  useEffect(() => {
+    if (!there) return;
+    let over = false;
+    const wanted = new URLSearchParams({ level, ...(subject ? { subject } : {}) });
+    void fetchJson<{ data: { events: Event[] } | null }>(`api/events?${wanted}`, { quiet: true, timeoutMs: 12_000 }).then((answer) => {
+      if (over || !answer.ok) return;
+      const found = answer.data?.data?.events ?? [];
+      tell(found);
+      know((before) => [...new Set([...before, ...found.map((one) => one.subject)])]);
+    });
+    return () => { over = true; };
+  }, [subject, level, there]);
+  const shown = merged(events.value.filter((one) => matches(one, subject, level)), written.filter((one) => matches(one, subject, level)), MOST);
+  const parts = [...new Set([...(robot.value?.capabilities ?? []).map((one) => one.name), "executive", ...events.value.map((one) => one.subject), ...subjects])].filter(Boolean).sort();
+  const today = new Date();
+  const language = document.documentElement.lang || "en";
   return (
     <div class="stack">
       <div class="system-tools">
-        <Segments label={t("system.levels")} value={level} onChange={show} options={[{ value: "all", text: t("system.all") }, { value: "warnings", text: t("system.warnings") }]} />
+        <Choice label={t("system.part")} value={subject} options={[{ value: "", text: t("system.parts.all") }, ...parts.map((one) => ({ value: one, text: plain(one) }))]} onChange={of} />
+        <Segments<Level> label={t("system.levels")} value={level} onChange={atLeast} options={[{ value: "info", text: t("system.all") }, { value: "warning", text: t("system.warnings") }, { value: "error", text: t("system.errors") }]} />
       </div>
       {shown.length === 0 ? <Empty icon="events" title={t("system.none")} /> : (
         <ol class="system-events">
-          {shown.map((one) => (
-            <li key={one.id} data-level={one.level ?? "info"}>
+          {shown.map(({ key, event: one }) => (
+            <li key={key} data-level={one.level ?? "info"}>
               <Icon name={(one.level ?? "info") === "info" ? "info" : "warn"} />
               <div>
                 <p><strong>{plain(one.subject)}</strong> {one.text}</p>
-                <p class="system-event-foot muted"><time class="num">{timeOfDay(one.wall_ns ?? 0)}</time> · {one.kind}{one.code ? ` · ${one.code}` : ""}</p>
+                <p class="system-event-foot muted"><time class="num">{[dayOf(one.wall_ns ?? 0, today, language), timeOfDay(one.wall_ns ?? 0)].filter(Boolean).join(" ")}</time> · {plain(one.kind)}{one.code ? ` · ${one.code}` : ""}</p>
               </div>
             </li>
           ))}

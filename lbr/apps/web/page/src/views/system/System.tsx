@@ -1,27 +1,43 @@
-// System: which parts there are and how they are, what happened, and any number as a chart.
+// System: which parts there are and how they are, what happened, any number as a chart, the rows, who may come in.
 import { signal } from "@preact/signals";
 import { remember, remembered } from "../../kept";
-import { Segments } from "../../parts";
+import { Segments, type IconName } from "../../parts";
+import { capabilities, may } from "../../robot";
 import { t } from "../../words";
+import { Cameras } from "./Cameras";
 import { Chart } from "./Chart";
 import { Events } from "./Events";
 import { Parts } from "./Parts";
+import { Rows } from "./Rows";
+import { Tokens } from "./Tokens";
 import "./System.css";
 
-type Page = "parts" | "events" | "chart";
+type Page = "parts" | "events" | "chart" | "cameras" | "rows" | "tokens";
 const page = signal<Page>(remembered<Page>("system", "parts"));
+const VIEWS: Record<Page, () => preact.JSX.Element> = { parts: Parts, events: Events, chart: Chart, cameras: Cameras, rows: Rows, tokens: Tokens };
 
 export default function System() {
+  const pages: { value: Page; icon: IconName; there: boolean }[] = [
+    { value: "parts", icon: "system", there: true },
+    { value: "events", icon: "events", there: true },
+    { value: "chart", icon: "chart", there: true },
+    { value: "cameras", icon: "camera", there: capabilities("camera").length > 0 },
+    { value: "rows", icon: "rows", there: may("operate") },
+    { value: "tokens", icon: "lock", there: may("admin") },
+  ];
+  const there = pages.filter((one) => one.there);
+  const now = there.some((one) => one.value === page.value) ? page.value : "parts";
+  const Shown = VIEWS[now];
   return (
     <div class="system">
       <div class="system-head">
         <h2>{t("view.system")}</h2>
         <Segments<Page>
-          label={t("view.system")} value={page.value} onChange={(value) => { page.value = value; remember("system", value); }}
-          options={[{ value: "parts", text: t("system.parts"), icon: "system" }, { value: "events", text: t("system.events"), icon: "events" }, { value: "chart", text: t("system.chart"), icon: "chart" }]}
+          label={t("view.system")} value={now} onChange={(value) => { page.value = value; remember("system", value); }}
+          options={there.map((one) => ({ value: one.value, text: t(`system.${one.value}`), icon: one.icon }))}
         />
       </div>
-      {page.value === "parts" ? <Parts /> : page.value === "events" ? <Events /> : <Chart />}
+      <Shown />
     </div>
   );
 }

@@ -1,0 +1,520 @@
+"""Behaviours as a capability: reads the tables, runs one, moves the robot as it says, and tells where it is and why."""
+
+import random
+from collections import deque
+from collections.abc import Iterable, Mapping
+from math import inf
+from typing import Any, TypeVar
+
+import msgspec
+from msgspec.structs import replace
+
+from lbr.apps.behaviours import BehaviourSettings, files, outputs, texts
+from lbr.apps.behaviours.kernel import DONE, Run
+from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LowBattery
+from lbr.apps.behaviours.outputs import Halt, Motion
+from lbr.apps.behaviours.senses import Senses
+from lbr.apps.behaviours.table import Compiled, Fault, Parts, Table, compile_table, linked
+from lbr.bus.lease_client import LeaseTarget
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context, PendingReply, Received
+from lbr.capability.halts import Halts
+from lbr.capability.mover import DRIVE, GONE, RESULT_S, Mover
+from lbr.errors import InputError
+from lbr.messages.beacon import SeekCommand
+from lbr.messages.behaviour import (
+    BehaviourChecked,
+    BehaviourFault,
+    BehaviourRow,
+    BehaviourState,
+    BehaviourSummary,
+    BehaviourTable,
+    BehaviourTables,
+    BehaviourWritten,
+    CheckBehaviour,
+    NamedBehaviour,
+    ReadBehaviour,
+    RowView,
+    RunBehaviour,
+    WriteBehaviour,
+)
+from lbr.messages.codes import Reason
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.joints import PlayCommand
+from lbr.messages.leases import STOPPED_SINCE, CommandReply, StopCommand
+from lbr.messages.rows import Row, RowsChanged
+from lbr.messages.sensing import RING, RangeSensor
+from lbr.messages.speech import SayCommand
+
+R = TypeVar("R", bound=Row)
+STATE_EVERY_S, RESTING_EVERY_S = 0.25, 1.0
+SAY_S = 5.0
+BATTERY_S, DRIVE_S = 3.0, 1.0
+"""What is older is not known: three periods of the battery, ten of the drive."""
+MOST_SAID = 8
+MOST_FAULTS = 50
+"""Of a table, told to a page; what is beyond them is seen once they are mended."""
+MOST_FILES = 8
+"""Of pages that look at tables; one a round is looked at, so that no number of them keeps the robot's mover busy."""
+MOTIONS = (DriveCommand, TurnCommand, HeadingCommand, PlayCommand, SeekCommand)
+BORROWED = {
+    **DRIVE,
+    HeadingCommand: LeaseTarget("heading", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
+    PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
+    SeekCommand: LeaseTarget("seek", "seek_halt", "beacon", f"the beacon: {GONE}", result_s=RESULT_S),
+}
+RESTING = BehaviourState(phase="resting")
+WATCHED = frozenset({"drive", "joints"})
+"""What tells of stops by others: also while nothing of a table moves, a stop is the end of it."""
+
+
+class Behaviours(Capability[BehaviourSettings]):
+    """Runs one table at a time. Whatever ends its motion against its will ends the run, and so does every stop."""
+
+    rate_hz = 20.0
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[BehaviourSettings]) -> None:
+        super().__init__(ctx)
+        self._tables: dict[str, BehaviourTable] = {row.name: row for row in ctx.rows(BehaviourTable)}
+        self._rows: tuple[BehaviourRow, ...] = ctx.rows(BehaviourRow)
+        self._sensors: tuple[RangeSensor, ...] = ctx.rows(RangeSensor)
+        self._senses = Senses(ctx)
+        self._mover = Mover(ctx, ctx.settings.ttl_s, BORROWED)
+        self._compiled: dict[str, Compiled] = {}
+        self._run: Run | None = None
+        self._streams: frozenset[str] = frozenset()
+        self._began = 0.0
+        self._ticket = -1
+        self._said: list[PendingReply] = []
+        self._last = self._told = RESTING
+        self._tell_at = 0.0
+        self._dice = random.Random()
+        self._stopped_s = -inf
+        self._halts = Halts(at=ctx.clock())
+        self._files: deque[Call] = deque()
+        self._looked = False
+        self._low = LowBattery()
+
+    def open(self) -> None:
+        """Read the tables."""
+        self._compile()
+
+    def step(self) -> None:
+        """Go on with the run."""
+        if self.ctx.estop.engaged:
+            self._stop(Reason("estop", f"emergency stop: {self.ctx.estop.reason}"))
+            self.ctx.estop.acknowledge(stopped=True)
+        if self.ctx.settings.when_low:
+            self._look_after_the_battery(self.ctx.settings.when_low)
+        if self._run is not None:
+            self._go_on(self._run)
+        self._hear_of_words()
+        self._looked = bool(self._files)
+        if self._files:
+            self._answer_or_refuse(self._files.popleft())
+        self._tell()
+
+    def command(self, call: Call) -> None:
+        """Answer the words; of what pages ask of written tables one in a round, what else they ask waits."""
+        if isinstance(call.message, CheckBehaviour | ReadBehaviour):
+            if self._looked and len(self._files) >= MOST_FILES:
+                call.refuse("too many tables are looked at at once; ask again", "busy")
+                return
+            if self._looked:
+                self._files.append(call)
+                return
+            self._looked = True
+        self._answer_or_refuse(call)
+        self._tell()
+
+    def close(self) -> None:
+        """End the run, and stop what it moves."""
+        self._stop(Reason("shutting_down", "behaviours are shutting down"))
+
+    def _answer_or_refuse(self, call: Call) -> None:
+        try:
+            self._answer(call)
+        except InputError as err:
+            call.refuse(str(err), err.code)
+
+    def _answer(self, call: Call) -> None:
+        message = call.message
+        match call.name:
+            case "stop":
+                assert isinstance(message, StopCommand)
+                said = f"stopped by {call.source}" + (f": {message.reason}" if message.reason else "")
+                text = f"{self._run.table} is stopped" if self._run is not None else "no behaviour runs"
+                self._stopped_s = max(self._stopped_s, call.arrived)
+                self._halts = self._halts.heard(call.arrived, call.source)
+                self._stop(Reason("stopped", said))
+                call.reply(CommandReply(accepted=True, reason=text))
+            case "run":
+                assert isinstance(message, RunBehaviour)
+                call.reply(CommandReply(accepted=True, reason=self._begin(message.name, call)))
+            case "rows":
+                assert isinstance(message, RowsChanged)
+                self._follow(message)
+                call.reply(CommandReply(accepted=True))
+            case "list":
+                call.reply(CommandReply(accepted=True, reason=texts.listed(self._tables, self._compiled, self._told)))
+            case "show":
+                assert isinstance(message, NamedBehaviour)
+                call.reply(CommandReply(accepted=True, reason=self._shown(message.name)))
+            case "why":
+                call.reply(CommandReply(accepted=True, reason=texts.why(self._state())))
+            case "pause" | "resume" | "step":
+                call.reply(CommandReply(accepted=True, reason=self._ordered(call.name, call)))
+            case _:
+                self._answer_of_files(call)
+
+    def _answer_of_files(self, call: Call) -> None:
+        """Answer what pages ask of tables that are written."""
+        match call.message:
+            case CheckBehaviour(name=name, rows=rows):
+                call.reply(BehaviourChecked(accepted=True, faults=self._faults(name, rows)))
+            case ReadBehaviour() as message:
+                call.reply(self._read(message))
+            case WriteBehaviour() as message:
+                call.reply(BehaviourWritten(accepted=True, content=self._written(message)))
+            case _:
+                super().command(call)
+
+    def _look_after_the_battery(self, table: str) -> None:
+        """Begin a table once the battery is low, unless the robot is stopped, driven, or runs another."""
+        self._senses.listen(frozenset({"battery", *WATCHED}))
+        now = self.ctx.clock()
+        battery = [one.message for one in self._senses.newest("battery") if now - one.arrived <= BATTERY_S]
+        known = [one for one in battery if one.valid and one.level != "unknown"]
+        charging = any(one.charging for one in known)
+        low = any(one.level in {"low", "critical"} for one in known) if known else None
+        busy = self._run is not None or self.ctx.estop.engaged or self._moved_by_others(now)
+        if self._low.due(now, low=low, charging=charging, busy=busy):
+            try:
+                self._begin(table)
+            except InputError as err:
+                self.ctx.event("behaviour_refused", f"the battery is low: {err}", level="warning", code=err.code)
+
+    def _moved_by_others(self, now: float) -> bool:
+        """Say whether anyone holds what moves, or has just stopped it; what is not heard of may be held."""
+        states = [one for stream in WATCHED for one in self._senses.newest(stream)]
+        if not states:
+            return True
+        return any(
+            one.message.holder is not None
+            or now - one.arrived > DRIVE_S
+            or (one.message.stopped_s is not None and now - _on_our_clock(one, one.message.stopped_s) < ALONE_FOR_S)
+            for one in states
+        )
+
+    def _begin(self, name: str, call: Call | None = None) -> str:
+        if self._run is not None:
+            text = (
+                f"'{self._run.called[0] if self._run.called else self._run.table}' runs: /behaviour/stop ends it first"
+            )
+            raise InputError(text, "busy")
+        if self.ctx.estop.engaged:
+            raise InputError(f"emergency stop: {self.ctx.estop.reason}; reset releases it", "estop")
+        table = self._runnable(name)
+        if call is not None:
+            self._refuse_late(call)
+        reachable = self._reachable(table)
+        self._streams = frozenset(key.stream for one in reachable for key in one.keys) & self._senses.there
+        self._senses.listen(self._senses.there)
+        now = self._began = self.ctx.clock()
+        self._run = Run(table, self._good(), now, self._dice.randrange)
+        self._ticket = -1
+        text = f"runs {name} from '{self._run.state}'"
+        self.ctx.event("behaviour_began", text, code="done", about=self.ctx.name if call is None else call.source)
+        return text
+
+    def _refuse_late(self, call: Call) -> None:
+        """Refuse to move by what was said before a stop, or was typed or written before another's, however late it
+        comes."""
+        if not call.arrived > self._stopped_s:
+            raise InputError("a stop came after this command", "stopped")
+        if call.waited_s == 0.0:
+            return
+        self._senses.listen(WATCHED)
+        halts = [self._halts.by_others(call.source)]
+        for received in (one for stream in WATCHED for one in self._senses.newest(stream)):
+            at, who = received.message.halted_s, received.message.halted_by
+            if at is not None and who not in {"", call.source, self.ctx.name}:
+                halts.append((_on_our_clock(received, at), who))
+        at, who = max(halts)
+        if not call.arrived - call.waited_s > at:  # this way round, NaN waited too long
+            raise InputError(f"{STOPPED_SINCE}{f'by {who}' if who else 'behaviours started over'}", "stopped_since")
+
+    def _runnable(self, name: str) -> Table:
+        self._require(name)
+        compiled = self._compiled[name]
+        if compiled.table is None:
+            raise InputError(texts.faults(name, compiled.errors), "bad_value")
+        return compiled.table
+
+    def _reachable(self, table: Table) -> list[Table]:
+        """Return a table and all that it runs."""
+        good, found = self._good(), {table.name: table}
+        waiting = [table]
+        while waiting:
+            for name in waiting.pop().calls:
+                if name in good and name not in found:
+                    found[name] = good[name]
+                    waiting.append(good[name])
+        return list(found.values())
+
+    def _go_on(self, run: Run) -> None:
+        self._senses.listen(self._streams | WATCHED)
+        results = [received.message for received in self.ctx.take("results")]
+        self._mover.step(results)
+        if why := self._stopped_by_others():
+            run.stop(why)
+        now = self.ctx.clock()
+        self._hear(run, now)
+        run.step(now, self._senses.look)
+        self._do(run, now)
+        if run.over is not None:
+            self._end(run)
+
+    def _hear(self, run: Run, now: float) -> None:
+        """Tell the run what became of its motion."""
+        outcome = self._mover.outcome()
+        if outcome is None or run.paused:
+            return
+        if isinstance(run.order, MOTIONS) and run.ticket == self._ticket:
+            if self._mover.ended:
+                self._mover.halt("it is over")
+            run.ended(outcome, now)
+        elif run.keeps is not None and self._mover.ended:
+            self._mover.halt("it is over")
+            run.lost(outcome)
+
+    def _do(self, run: Run, now: float) -> None:
+        """Carry out what the run orders now."""
+        if run.paused or run.over is not None:
+            self._mover.halt("the table is paused" if run.paused else "the table is over")
+            return
+        order = run.order
+        if isinstance(order, Halt):
+            self._mover.halt("the table says so")
+            run.ended(DONE, now)
+        elif isinstance(order, SayCommand):
+            self._say(run, order, now)
+        wanted: Motion | None = order if isinstance(order, MOTIONS) else run.keeps
+        if wanted is None:
+            if self._mover.motion is not None:
+                self._mover.halt("the table goes on without it")
+        elif self._mover.motion is None or (run.ticket != self._ticket and wanted is order):
+            self._mover.begin(wanted)
+        self._ticket = run.ticket
+
+    def _say(self, run: Run, order: SayCommand, now: float) -> None:
+        """Have it said, if there is a voice; a table does not wait for its words, nor fail for them."""
+        if self.ctx.targets("say"):
+            self._said = [*self._said, self.ctx.ask("say", order, SAY_S)][-MOST_SAID:]
+        run.ended(DONE, now)
+
+    def _hear_of_words(self) -> None:
+        """Tell of what was not said."""
+        for asked in [one for one in self._said if one.answers() is not None]:
+            self._said.remove(asked)
+            for name, reply in (asked.answers() or {}).items():
+                if not isinstance(reply, CommandReply) or not reply.accepted:
+                    why = reply.reason if isinstance(reply, CommandReply) else "it does not answer"
+                    self.ctx.event("behaviour_silent", f"'{name}' says nothing: {why}", level="warning")
+
+    def _stopped_by_others(self) -> Reason | None:
+        """Return who stopped the robot since the run began, also while nothing of it moved.
+
+        Of all that came, not of the newest alone: a halt of the table's own comes right behind another's stop.
+        """
+        own = {"", self.ctx.name, *self.ctx.targets("seek")}  # what it has moved stops for it, too
+        for received in (one for stream in WATCHED for one in self._senses.came(stream)):
+            state = received.message
+            if state.estop and received.arrived > self._began:
+                return Reason("estop", state.reason or "emergency stop")
+            for at, who in ((state.stopped_s, state.stopped_by), (state.halted_s, state.halted_by)):
+                if at is None or who in own:
+                    continue
+                if _on_our_clock(received, at) > self._began:
+                    return Reason("stopped", f"stopped by {who}")
+        return None
+
+    def _ordered(self, what: str, call: Call) -> str:
+        run, now = self._run, self.ctx.clock()
+        if run is None:
+            raise InputError("no behaviour runs: /behaviour/run/NAME begins one", "idle")
+        if what == "pause":
+            run.pause(now)
+            self._do(run, now)
+            return f"{run.table} is paused in '{run.state}'; /behaviour/resume goes on"
+        if what == "step" and not run.paused:
+            raise InputError("it is not paused: /behaviour/pause first, then one step at a time", "refused")
+        self._refuse_late(call)
+        run.resume(now, one_step=what == "step")
+        return f"{run.table} goes on from '{run.state}'" + (" up to the next state" if what == "step" else "")
+
+    def _stop(self, why: Reason) -> None:
+        if self._run is not None:
+            self._run.stop(why)
+            self._end(self._run)
+
+    def _end(self, run: Run) -> None:
+        """Stand still, and say how it ended."""
+        self._mover.halt("the behaviour is over")
+        self._last = self._state(over=True)
+        self._run = None
+        why = run.over or DONE.why
+        name = (run.called or (run.table,))[0]
+        level = "info" if run.good or why.code == "stopped" else "warning"
+        ended = f"{name} {why.text}" if run.good else f"{name} failed in '{self._last.state}': {why.text}"
+        self.ctx.event("behaviour_ended", ended, level=level, code=why.code)
+
+    def _follow(self, message: RowsChanged) -> None:
+        """Take other rows over: what runs goes by them from its next state on."""
+        self._tables = {row.name: row for row in _edited(BehaviourTable, self._tables.values(), message)}
+        self._rows = tuple(_edited(BehaviourRow, self._rows, message))
+        self._sensors = tuple(_edited(RangeSensor, self._sensors, message))
+        before = {**self._good(), **(self._run.tables if self._run is not None else {})}
+        self._compile()
+        if self._run is None:
+            return
+        run, kept = self._run, self._good()
+        for name in {run.table, *run.called} & before.keys() & self._compiled.keys():
+            if name not in kept:  # there, but faulty
+                kept[name] = before[name]
+                said = texts.faults(name, self._compiled[name].errors)
+                self.ctx.event("behaviour_refused", f"it goes on as it was: {said}", level="warning", code="bad_value")
+        run.replace(kept)
+        self._streams |= frozenset(key.stream for one in kept.values() for key in one.keys) & self._senses.there
+
+    def _compile(self) -> None:
+        by_table: dict[str, list[BehaviourRow]] = {name: [] for name in self._tables}
+        for row in self._rows:
+            by_table.setdefault(row.behaviour, []).append(row)
+        there = self._parts()
+        self._compiled = linked(
+            {name: compile_table(table, by_table[name], there) for name, table in sorted(self._tables.items())}
+        )
+        told = (
+            BehaviourSummary(
+                name=name, help=table.help, rows=len(by_table[name]), faults=_told(self._compiled[name].faults)
+            )
+            for name, table in sorted(self._tables.items())
+        )
+        self.ctx.publish("tables", BehaviourTables(tables=tuple(told)))
+
+    def _parts(self) -> Parts:
+        """Return what this robot has."""
+        asks = frozenset(way for way in outputs.NEEDS if self.ctx.targets(way))
+        return Parts(self._senses.there, asks, frozenset(row.name for row in self._sensors) or frozenset(RING))
+
+    def _good(self) -> dict[str, Table]:
+        return {name: one.table for name, one in self._compiled.items() if one.table is not None}
+
+    def _faults(
+        self, name: str, rows: Iterable[BehaviourRow], lines: Mapping[int, int] | None = None
+    ) -> tuple[BehaviourFault, ...]:
+        """Return what would be wrong with a table of these rows, beside the robot's others."""
+        table = self._tables.get(name) or BehaviourTable(name=name)
+        mine = [row if row.behaviour == name else replace(row, behaviour=name) for row in rows]
+        return _told(linked({**self._compiled, name: compile_table(table, mine, self._parts())})[name].faults, lines)
+
+    def _read(self, message: ReadBehaviour) -> BehaviourChecked:
+        """Return what is in a file; one that cannot be read has no rows."""
+        found = files.read(message.content, message.name, json=message.file.lower().endswith(".json"))
+        if found.faults:
+            faults = tuple(BehaviourFault(line=one.line, column=one.column, text=one.text) for one in found.faults)
+            return BehaviourChecked(accepted=True, faults=faults)
+        faults = self._faults(message.name, found.rows, found.lines)
+        return BehaviourChecked(accepted=True, faults=faults, rows=found.rows)
+
+    def _written(self, message: WriteBehaviour) -> bytes:
+        self._require(message.name)
+        rows = [row for row in self._rows if row.behaviour == message.name]
+        if message.form == "json":
+            return files.to_json(rows)
+        return files.to_csv(rows, ";" if message.form == "semicolons" else ",").encode("utf-8-sig")
+
+    def _require(self, name: str) -> None:
+        """Raise InputError if there is no such table."""
+        if name not in self._tables:
+            there = ", ".join(sorted(self._tables)) or "none"
+            raise InputError(f"there is no behaviour '{name}': there is {there}", "unknown_name")
+
+    def _shown(self, name: str) -> str:
+        name = name or self._told.table
+        if not name:
+            raise InputError("no behaviour ran yet: /behaviour/show/NAME shows one", "idle")
+        self._require(name)
+        rows = [row for row in self._rows if row.behaviour == name]
+        at = self._told.state if self._run is not None and self._told.table == name else ""
+        return texts.graph(self._tables[name], rows, at)
+
+    def _state(self, *, over: bool = False) -> BehaviourState:
+        run = self._run
+        if run is None:
+            return self._last
+        now = self.ctx.clock()
+        state_s, run_s = run.times(now)
+        rows: tuple[RowView, ...] = () if over else run.why(now, self._senses.look)
+        why = run.over
+        return BehaviourState(
+            phase="ended" if over else "paused" if run.paused else "running",
+            table=run.table,
+            state=run.state,
+            called=run.called,
+            doing=run.doing,
+            state_s=round(state_s, 2),
+            run_s=round(run_s, 2),
+            transitions=run.transitions,
+            result=run.result,
+            variables=dict(run.variables),
+            rows=rows,
+            good=run.good if over else None,
+            reason=why.text if why is not None else "",
+            code=why.code if why is not None else "",
+        )
+
+    def _tell(self) -> None:
+        """Publish where it is: at once when that changes, else at a steady rate."""
+        now, run = self.ctx.clock(), self._run
+        before = self._told
+        same = (run is None and before is self._last) or (
+            run is not None
+            and (before.phase, before.table, before.state, before.doing)
+            == ("paused" if run.paused else "running", run.table, run.state, run.doing)
+        )
+        if same and now < self._tell_at:
+            return
+        self._tell_at = now + (STATE_EVERY_S if run is not None else RESTING_EVERY_S)
+        self._told = self._state()
+        self.ctx.publish("state", self._told)
+
+
+def _told(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> tuple[BehaviourFault, ...]:
+    """Return faults as messages have them; the first that people can read."""
+    return tuple(
+        BehaviourFault(
+            step=one.step, line=(lines or {}).get(one.step, 0), column=one.column, text=one.text, error=one.error
+        )
+        for one in list(faults)[:MOST_FAULTS]
+    )
+
+
+def _edited(row: type[R], before: Iterable[R], message: RowsChanged) -> list[R]:
+    """Return the rows of a table as an edit makes them."""
+    try:
+        gone = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[Any, ...]]))
+        told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[Any])
+        new = [msgspec.convert(one, row) for one in told]
+    except (msgspec.MsgspecError, TypeError) as err:
+        raise InputError(f"rows of {row.TABLE} cannot be read: {err}", "malformed") from err
+    found = {one.key: one for one in before if one.key not in gone}
+    return list((found | {one.key: one for one in new}).values())
+
+
+def _on_our_clock(received: Received, at_s: float) -> float:
+    """Return a time that a message tells by its sender's clock, which may be another machine's."""
+    stamp = received.stamp
+    return at_s if stamp is None else received.arrived - (stamp.mono_ns / 1e9 - at_s)

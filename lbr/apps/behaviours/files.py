@@ -1,0 +1,325 @@
+"""State tables as files: CSV as spreadsheets write it, and JSON; in the columns that tables have always had. Pure."""
+
+import csv
+import io
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, get_args
+
+import msgspec
+
+from lbr.apps.behaviours.table import DEADLINE, NEXT, STATE, TYPE
+from lbr.messages.behaviour import LONGEST_CELL, MOST_ROWS, BehaviourRow, RowType
+
+LARGEST_BYTES = 4_000_000
+OUTPUT = "O:"
+MOST_FAULTS = 50
+_TYPES = get_args(RowType)
+_COMMA = re.compile(r"(?<=\d),(?=\d)")
+_SEPARATOR = re.compile(r"^sep=([,;|\t])\r?\n", re.IGNORECASE)
+
+
+class FileFault(NamedTuple):
+    """What is wrong in a file: line (0: the whole file), column, and what to do."""
+
+    line: int
+    column: str
+    text: str
+
+    def __str__(self) -> str:
+        at = f"line {self.line}, " if self.line else ""
+        return f"{at}{self.column}: {self.text}" if self.column else f"{at.replace(', ', ': ')}{self.text}"
+
+
+class Read(NamedTuple):
+    """The rows of a file, the line of each by its step, and what could not be read."""
+
+    rows: tuple[BehaviourRow, ...]
+    lines: Mapping[int, int]
+    faults: tuple[FileFault, ...]
+
+
+def read(content: bytes, name: str, *, json: bool) -> Read:
+    """Return what is in a file, as the table `name`; never raises."""
+    if len(content) > LARGEST_BYTES:
+        return _refused(f"it has {len(content)} bytes, and {LARGEST_BYTES} are the most")
+    return _of_json(content, name) if json else _of_csv(content, name)
+
+
+def to_csv(rows: Iterable[BehaviourRow], delimiter: str = ",") -> str:
+    """Return rows as CSV, in the order of their steps."""
+    ordered = sorted(rows, key=lambda row: row.step)
+    conditions = list(dict.fromkeys(column for row in ordered for column in row.conditions))
+    results = list(dict.fromkeys(column for row in ordered for column in row.outputs))
+    deadlines = any(row.deadline_s is not None for row in ordered)
+    file = io.StringIO()
+    writer = csv.writer(file, delimiter=delimiter, lineterminator="\r\n")
+    writer.writerow(
+        [TYPE, STATE, *conditions, *(OUTPUT + one for one in results), NEXT, *([DEADLINE] if deadlines else [])]
+    )
+    for row in ordered:
+        deadline = [f"{row.deadline_s:g}" if row.deadline_s is not None else ""] if deadlines else []
+        cells = [row.conditions.get(one, "") for one in conditions] + [row.outputs.get(one, "") for one in results]
+        writer.writerow([row.type, row.state, *cells, row.next_state, *deadline])
+    return file.getvalue()
+
+
+def to_json(rows: Iterable[BehaviourRow]) -> bytes:
+    """Return rows as JSON: a state and its rows, in the order of their steps."""
+    found: dict[str, list[dict[str, Any]]] = {}
+    for row in sorted(rows, key=lambda row: row.step):
+        one: dict[str, Any] = {
+            "Row": row.step,
+            TYPE: row.type,
+            STATE: row.state,
+            "Inputs": row.conditions,
+            "Outputs": row.outputs,
+            NEXT: row.next_state,
+        }
+        if row.deadline_s is not None:
+            one[DEADLINE] = row.deadline_s
+        found.setdefault(row.state, []).append(one)
+    return msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n"
+
+
+def text_of(content: bytes) -> str | None:
+    """Return the text of a file as spreadsheets write it: UTF-8 or UTF-16 by its mark, UTF-8, else Western; None: no text."""
+    try:
+        if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
+            return content.decode("utf-16")
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
+            return None
+        text = content.decode("cp1252", errors="replace")
+    return None if "\0" in text else text
+
+
+def _of_csv(content: bytes, name: str) -> Read:
+    text = text_of(content)
+    if text is None:
+        return _refused("it is no text: save it as CSV (UTF-8)")
+    delimiter, skipped = _delimiter(text), 0
+    if (mark := _SEPARATOR.match(text)) is not None:
+        text, skipped = text[mark.end() :], 1
+    if text[:2] == "PK":
+        return _refused("it is a spreadsheet's own file: save it as CSV (UTF-8)")
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
+    rows: list[BehaviourRow] = []
+    lines: dict[int, int] = {}
+    faults: list[FileFault] = []
+    try:
+        header = [column.strip() for column in next(reader, [])]
+        faults += _of_header(header, reader.line_num + skipped)
+        if any(fault.column in {STATE, NEXT} for fault in faults):
+            return Read((), {}, tuple(faults))
+        before = reader.line_num
+        for cells in reader:
+            line, before = before + 1 + skipped, reader.line_num
+            if not any(cell.strip() for cell in cells):
+                continue
+            if len(rows) >= MOST_ROWS or len(faults) >= MOST_FAULTS:
+                faults.append(FileFault(line, "", f"the rest is not read: {MOST_ROWS} rows are the most"))
+                break
+            row = _row(name, len(rows) + 1, line, header, cells, delimiter, faults)
+            if row is not None:
+                lines[row.step] = line
+                rows.append(row)
+    except csv.Error as err:
+        faults.append(FileFault(reader.line_num + skipped, "", f"it is no CSV: {err}"))
+    return Read(tuple(rows), lines, tuple(faults))
+
+
+def _of_header(header: Sequence[str], line: int) -> Iterator[FileFault]:
+    for column in (STATE, NEXT):
+        if column not in header:
+            found = ", ".join(one[:40] for one in header[:6] if one) or "nothing"
+            yield FileFault(
+                line, column, f"this column is missing; the first line must name the columns, and has {found}"
+            )
+    for column, times in Counter(header).items():
+        if column and times > 1:
+            yield FileFault(line, column[:80], "this column is there twice")
+        if len(column) > 80:
+            yield FileFault(line, column[:80], "the name of a column has 80 characters at most")
+        if ":" in column and not column.startswith(OUTPUT):
+            yield FileFault(line, column[:80], "a column with ':' is an output and begins with O:, such as O:level")
+
+
+def _row(
+    name: str,
+    step: int,
+    line: int,
+    header: Sequence[str],
+    cells: Sequence[str],
+    delimiter: str,
+    faults: list[FileFault],
+) -> BehaviourRow | None:
+    given = {column: cell.strip() for column, cell in zip(header, cells, strict=False) if column}
+    beyond = [cell for cell in cells[len(header) :] if cell.strip()]
+    if beyond:
+        faults.append(FileFault(line, "", f"'{beyond[0][:40]}' stands beyond the last column"))
+    nameless = [cell for column, cell in zip(header, cells, strict=False) if not column and cell.strip()]
+    if nameless:
+        faults.append(FileFault(line, "", f"'{nameless[0][:40]}' stands in a column without a name"))
+    if delimiter == ";":  # with it go decimal commas
+        keep = {TYPE, STATE, NEXT, f"{OUTPUT}speech"}
+        given = {column: cell if column in keep else _COMMA.sub(".", cell) for column, cell in given.items()}
+    return _made(name, step, line, given, faults)
+
+
+def _made(name: str, step: int, line: int, given: Mapping[str, str], faults: list[FileFault]) -> BehaviourRow | None:
+    """Return a row of its cells; what is no row is told."""
+    kind = given.get(TYPE, "").strip()
+    kind = kind if kind in _TYPES else kind.lower() if kind.lower() in _TYPES else "#" if kind[:1] == "#" else kind
+    before = len(faults)
+    if kind not in _TYPES:
+        faults.append(
+            FileFault(line, TYPE, f"'{kind[:40]}' is no type: leave it empty, or write start, entry, end, fail or #")
+        )
+    for column, cell in given.items():
+        most = 80 if column in {STATE, NEXT} else LONGEST_CELL
+        if len(cell) > most:
+            faults.append(FileFault(line, column[:80], f"it has {len(cell)} characters, and {most} are the most"))
+        elif any(ord(one) < 32 for one in cell):
+            faults.append(
+                FileFault(line, column[:80], "it has a line break or another character that cannot be printed")
+            )
+    deadline = _deadline(given.get(DEADLINE, ""), line, faults)
+    if len(faults) > before:
+        return None
+    own = {TYPE, STATE, NEXT, DEADLINE}
+    return BehaviourRow(
+        behaviour=name,
+        step=step,
+        type=kind,  # type: ignore[arg-type]
+        state=given.get(STATE, ""),
+        conditions={column: cell for column, cell in given.items() if cell and column not in own and ":" not in column},
+        outputs={
+            column[len(OUTPUT) :].strip() or "O:": cell
+            for column, cell in given.items()
+            if cell and column.startswith(OUTPUT)
+        },
+        next_state=given.get(NEXT, ""),
+        deadline_s=deadline,
+    )
+
+
+def _deadline(text: str, line: int, faults: list[FileFault]) -> float | None:
+    if not text:
+        return None
+    try:
+        found = float(text)
+    except ValueError:
+        found = 0.0
+    if not 0.0 < found <= 86400.0:
+        faults.append(FileFault(line, DEADLINE, f"'{text[:40]}' is no time: write seconds from 0.1 to 86400"))
+        return None
+    return found
+
+
+def _delimiter(text: str) -> str:
+    """Return what stands between cells: as Excel's mark says, else what the first line has most of."""
+    if (mark := _SEPARATOR.match(text)) is not None:
+        return mark[1]
+    first = text[: text.find("\n")] if "\n" in text else text
+    return max(",;\t", key=first.count)
+
+
+def _of_json(content: bytes, name: str) -> Read:
+    try:
+        found = msgspec.json.decode(content[3:] if content[:3] == b"\xef\xbb\xbf" else content)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as err:
+        return _refused(f"it is no JSON: {err}")
+    faults: list[FileFault] = []
+    given = list(_json_rows(found, faults))
+    numbers = [one.get("Row") for _, one in given]
+    if given and len(set(map(str, numbers))) == len(given) and all(isinstance(one, int) for one in numbers):
+        given.sort(key=lambda one: one[1]["Row"])
+    typed = any(one.get(TYPE) for _, one in given)
+    ends = frozenset[str]() if typed else _leading_nowhere(given)
+    rows = []
+    for step, (place, one) in enumerate(given[:MOST_ROWS], start=1):
+        cells = _json_cells(place, one, faults)
+        if cells is not None and not typed:
+            cells[TYPE] = "end" if cells[STATE] in ends else "start" if step == 1 else ""
+        own = len(faults)
+        row = _made(name, step, 0, cells, faults) if cells is not None else None
+        faults[own:] = [fault._replace(column=f"{place}, {fault.column}") for fault in faults[own:]]
+        rows += [row] if row is not None else []
+    if len(given) > MOST_ROWS:
+        faults.append(FileFault(0, "", f"it has {len(given)} rows, and {MOST_ROWS} are the most"))
+    return Read(tuple(rows), {}, tuple(faults[:MOST_FAULTS]))
+
+
+def _json_rows(found: Any, faults: list[FileFault]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield each row with where it stands."""
+    if isinstance(found, dict):
+        groups = [(f"state '{str(state)[:40]}'", state, rows) for state, rows in found.items()]
+    elif isinstance(found, list):
+        groups = [("the list", "", found)]
+    else:
+        faults.append(FileFault(0, "", "it is no table: write an object of states, each a list of rows"))
+        return
+    for place, state, rows in groups:
+        if not isinstance(rows, list):
+            faults.append(FileFault(0, place, "it has no list of rows"))
+            continue
+        for number, one in enumerate(rows, start=1):
+            if isinstance(one, dict):
+                yield f"{place}, row {number}", {STATE: state, **one}
+            else:
+                faults.append(FileFault(0, f"{place}, row {number}", "it is no object"))
+
+
+def _json_cells(place: str, one: Mapping[str, Any], faults: list[FileFault]) -> dict[str, str] | None:
+    known = {"Row", TYPE, STATE, NEXT, DEADLINE, "Inputs", "Outputs"}
+    cells: dict[str, str] = {}
+    before = len(faults)
+    for column in (TYPE, STATE, NEXT, DEADLINE):
+        cells[column] = _text(one.get(column), f"{place}, {column}", faults)
+    for part, prefix in (("Inputs", ""), ("Outputs", OUTPUT)):
+        given = one.get(part)
+        if given is None:
+            continue
+        if not isinstance(given, dict):
+            faults.append(FileFault(0, f"{place}, {part}", "it is no object of columns and cells"))
+            continue
+        for column, value in given.items():
+            if not 1 <= len(column) <= 78 or (not prefix and (":" in column or column in known)):
+                faults.append(FileFault(0, f"{place}, {column[:80]}", "a column cannot be called so"))
+            else:
+                cells[prefix + column] = _text(value, f"{place}, {column}", faults)
+    there = f"there is no such field: {', '.join(sorted(known))}"
+    faults += [FileFault(0, f"{place}, {column[:80]}", there) for column in sorted(set(one) - known)]
+    return cells if len(faults) == before else None
+
+
+def _text(value: Any, place: str, faults: list[FileFault]) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return value.strip()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float) and abs(value) < 1e15:
+        return f"{value:.12g}"
+    faults.append(FileFault(0, place, "it is neither a text nor a number that anything could be"))
+    return ""
+
+
+def _leading_nowhere(given: Iterable[tuple[str, Mapping[str, Any]]]) -> frozenset[str]:
+    """Return the states that lead to no other: in a file that has no types they are its ends, and the first row starts."""
+    states: set[str] = set()
+    leading: set[str] = set()
+    for _, one in given:
+        state, following = (_text(one.get(column), column, []) for column in (STATE, NEXT))
+        states.add(state)
+        if following not in {state, ""}:
+            leading.add(state)
+    return frozenset(states - leading)
+
+
+def _refused(text: str) -> Read:
+    return Read((), {}, (FileFault(0, "", text),))

@@ -1,0 +1,479 @@
+"""A run of a table: which state it is in, what is to be done now, and why it stays. Pure: time, values and dice come in.
+
+    step(now, look) ──► rows of the state, in their order ──► the first that holds: its orders, one after the other
+    ended(outcome)  ──► the order is done ──► the next; after the last one, the next state
+
+It asks for one order at a time, in `order`. Whoever drives it carries that out and says by `ended` what became of it.
+"""
+
+from collections.abc import Callable, Mapping
+from math import inf, isfinite
+
+from lbr.apps.behaviours import outputs
+from lbr.apps.behaviours.cells import Value
+from lbr.apps.behaviours.keys import RUN, VARIABLE, Key, Look
+from lbr.apps.behaviours.outputs import Assign, CallTable, Order, OutputError, Wait, told
+from lbr.apps.behaviours.table import Condition, State, Table
+from lbr.capability.mover import FINAL, Outcome, bounded
+from lbr.messages.beacon import SeekCommand
+from lbr.messages.behaviour import RowView, Unmet
+from lbr.messages.codes import Reason
+from lbr.messages.drive import DriveCommand
+from lbr.messages.speech import SayCommand
+
+SETTLE_S = 0.3
+"""After a motion nothing is decided for so long: three periods of what tells where the robot is now."""
+RETRY_S = 1.0
+"""Before a command is tried again: what stopped it, such as a busy machine, has mostly passed by then."""
+LONGEST_ORDER_S = 120.0
+"""No motion takes longer: at a tenth of full power a room is crossed in less. Waits and tables have times of their own."""
+LONGEST_SEARCH_S = 400.0
+"""A search by beams goes along a whole wall, twelve metres and back at walking pace or less, and looks at each step."""
+DEEPEST = 8
+"""Tables within tables; a table that runs itself is refused when it is read."""
+
+
+DONE = Outcome(True, Reason("done", "done"))
+
+
+class _Held:
+    """What is remembered of a cell while its state lasts: since when it holds, and whether it did the last time."""
+
+    __slots__ = ("before", "since")
+
+    def __init__(self) -> None:
+        self.since = inf
+        self.before: bool | None = None
+
+
+class _Frame:
+    """A table on the way: the one that runs, or one that waits for the table it has called."""
+
+    def __init__(self, table: Table, now: float, chance: float) -> None:
+        self.table = table
+        self.visits: dict[str, int] = {}
+        self.enter(table.start, now, chance)
+
+    def enter(self, name: str, now: float, chance: float) -> None:
+        """Be in a state from now on."""
+        self.state: State = self.table.states[name]
+        self.since = now
+        self.chance = chance
+        self.visits[name] = self.visits.get(name, 0) + 1
+        self.held: dict[tuple[int, int], _Held] = {}
+        self.todo: list[Order] = []
+        self.retries = self.left = 0
+        self.next_state = ""
+        self.ending = self.state.end
+
+
+class Run:
+    """A run of a table, begun at `now`; `draw` returns one of so many, from 0.
+
+    `order` is what is to be done now, None: nothing; `ticket` tells one order from the next. `keeps` is a motion without
+    an end that goes on meanwhile. `tables` are those it goes by from the next state on. `over` says how the run ended, `good` whether well.
+    """
+
+    def __init__(self, table: Table, tables: Mapping[str, Table], now: float, draw: Callable[[int], int]) -> None:
+        self.order: Order | None = None
+        self.ticket = 0
+        self.keeps: DriveCommand | None = None
+        self.over: Reason | None = None
+        self.good = False
+        self.transitions = 0
+        self.variables: dict[str, Value] = {}
+        self.result = ""
+        self.tables = dict(tables) | {table.name: table}
+        self._draw = draw
+        self._began = self._now = now
+        self._lost_s = 0.0
+        self._paused_at: float | None = None
+        self._renew: tuple[DriveCommand, float] | None = None
+        self._keeps_left = 0
+        self._one_step = False
+        self._wait_until = self._settled_at = self._ordered_at = self._again_at = -inf
+        self._failing: Reason | None = None
+        self._frames = [_Frame(table, now, self._chance())]
+        self._begin_state(now)
+
+    @property
+    def paused(self) -> bool:
+        """Return whether it waits to go on."""
+        return self._paused_at is not None
+
+    @property
+    def table(self) -> str:
+        """Return the table that it is in."""
+        return self._frames[-1].table.name
+
+    @property
+    def state(self) -> str:
+        """Return the state that it is in."""
+        return self._frames[-1].state.name
+
+    @property
+    def called(self) -> tuple[str, ...]:
+        """Return the tables that wait for the one that it is in, outermost first."""
+        return tuple(frame.table.name for frame in self._frames[:-1])
+
+    @property
+    def doing(self) -> str:
+        """Return what it does, for people."""
+        if self.order is not None:
+            return told(self.order)
+        return told(self.keeps) if self.keeps is not None else ""
+
+    def times(self, now: float) -> tuple[float, float]:
+        """Return for how long it is in its state, and has run; pauses do not count."""
+        at = self._at(now)
+        return at - self._frames[-1].since, at - self._began
+
+    def step(self, now: float, look: Look) -> None:
+        """Go on: take the first row whose conditions all hold, unless an order is under way."""
+        if self.over is not None or self.paused:
+            return
+        self._now, at = now, self._at(now)
+        if self._renew is not None and at >= self._renew[1]:
+            self.keeps, self._renew = self._renew[0], None
+            self.ticket += 1
+        if not self._too_long(at):
+            self._go_forward(at, now, look)
+
+    def _too_long(self, at: float) -> bool:
+        """Say whether the run, or its state, has lasted too long, and end it."""
+        frame, max_s = self._frames[-1], self._frames[0].table.max_s
+        if at - self._began >= max_s:
+            self._end(good=False, why=Reason("time_over", f"it ran for {max_s:g} s, the longest it may"))
+        elif at - frame.since >= frame.state.deadline_s and not frame.ending:
+            said = f"'{frame.state.name}' lasted for {frame.state.deadline_s:g} s, the longest it may"
+            self._fail(Reason("timeout", said))
+        else:
+            return False
+        return True
+
+    def _go_forward(self, at: float, now: float, look: Look) -> None:
+        frame = self._frames[-1]
+        if isinstance(self.order, Wait):
+            if at >= self._wait_until:
+                self.ended(DONE, now)
+        elif self.order is not None:
+            longest_s = LONGEST_SEARCH_S if isinstance(self.order, SeekCommand) else LONGEST_ORDER_S
+            if at - self._ordered_at >= longest_s:
+                why = f"it is not done after {longest_s:g} s"
+                self.ended(Outcome(False, Reason("timeout", why)), now)
+        elif frame.todo:
+            if at >= self._again_at:
+                self._next_order(now)
+        elif frame.next_state or frame.ending:
+            self._leave(now)
+        elif at >= self._settled_at:
+            self._look_around(at, now, look)
+
+    def ended(self, outcome: Outcome, now: float) -> None:
+        """Take what became of the order that was under way."""
+        if self.over is not None or self.order is None:
+            return
+        frame, order = self._frames[-1], self.order
+        self._now = now
+        if not isinstance(order, Wait | SayCommand):
+            self.result = outcome.why.code
+            self._settled_at = self._at(now) + SETTLE_S
+        if outcome.good or frame.ending:
+            self.order = None
+            if isinstance(order, DriveCommand) and not bounded(order) and outcome.good:
+                self.keeps, self._keeps_left = order, frame.retries
+            frame.todo.pop(0)
+            frame.left = frame.retries
+            return
+        if outcome.why.code in FINAL:
+            self._end(good=False, why=outcome.why)
+        elif frame.left > 0:
+            frame.left -= 1
+            self.order, self._again_at = None, self._at(now) + RETRY_S
+        else:
+            self.order = None
+            self._after_failure(outcome.why, told(order))
+
+    def lost(self, outcome: Outcome) -> None:
+        """Take that the motion which was kept up has ended by itself."""
+        if self.over is not None or self.keeps is None:
+            return
+        order, self.keeps = self.keeps, None
+        self.result = outcome.why.code
+        if self._keeps_left > 0 and outcome.why.code not in FINAL:
+            self._keeps_left -= 1
+            self._renew = order, self._at(self._now) + RETRY_S
+            return
+        frame = self._frames[-1]
+        if outcome.why.code in FINAL:
+            self._end(good=False, why=outcome.why)
+        elif not frame.ending and not frame.state.asks_for_result:
+            self._fail(Reason(outcome.why.code, f"{told(order)}: {outcome.why.text}"))
+
+    def pause(self, now: float) -> None:
+        """Stand still from now on; what is under way is begun again by `resume`."""
+        if self.over is None and self._paused_at is None:
+            self._paused_at = now
+
+    def resume(self, now: float, *, one_step: bool = False) -> None:
+        """Go on; for `one_step` up to the next state, and pause there."""
+        self._one_step = one_step
+        if self._paused_at is not None:
+            self._lost_s += now - self._paused_at
+            self._paused_at = None
+            self.ticket += 1
+
+    def stop(self, why: Reason) -> None:
+        """End it where it is; nothing more is done."""
+        self._end(good=False, why=why)
+
+    def replace(self, tables: Mapping[str, Table]) -> None:
+        """Go by these tables from the next state on; without one that is under way there is no way on."""
+        self.tables = dict(tables)
+        for frame in self._frames:
+            if frame.table.name not in tables and self.over is None:
+                self._end(
+                    good=False, why=Reason("changed", f"the table '{frame.table.name}' was taken away while it ran")
+                )
+
+    def why(self, now: float, look: Look) -> tuple[RowView, ...]:
+        """Return the rows of the state with what of each does not hold, and by how much; changes nothing."""
+        frame, at = self._frames[-1], self._at(now)
+        return tuple(
+            RowView(
+                step=line.step,
+                next_state=line.next_state,
+                unmet=tuple(
+                    unmet
+                    for place, condition in enumerate(line.conditions)
+                    if (unmet := self._unmet(frame, (number, place), condition, at, look)) is not None
+                ),
+            )
+            for number, line in enumerate(frame.state.lines)
+        )
+
+    def _at(self, now: float) -> float:
+        """Return the run's own time: it stands while the run is paused."""
+        return (now if self._paused_at is None else self._paused_at) - self._lost_s
+
+    def _chance(self) -> float:
+        return self._draw(10_000) / 100.0
+
+    def _look_around(self, at: float, now: float, look: Look) -> None:
+        frame = self._frames[-1]
+        for number, line in enumerate(frame.state.lines):
+            # every condition is looked at, also after one that does not hold: `for` and `becomes` remember
+            holds = [self._holds(frame, (number, place), one, at, look) for place, one in enumerate(line.conditions)]
+            if all(holds):
+                self._take(line.outputs, line.next_state, now)
+                return
+
+    def _take(self, cells: Mapping[str, str], next_state: str, now: float) -> None:
+        frame = self._frames[-1]
+        frame.next_state = next_state
+        self._orders(cells)
+        self._go_on(now)
+
+    def _orders(self, cells: Mapping[str, str]) -> None:
+        frame = self._frames[-1]
+        try:
+            found = outputs.make(cells, self._draw, self.variables)
+        except OutputError as err:
+            self._fail(Reason("bad_value", f"O:{err.column}: {err}"))
+            return
+        frame.todo += found.orders
+        frame.retries = frame.left = found.retries
+
+    def _go_on(self, now: float) -> None:
+        due = self._at(now) >= self._again_at
+        if self.over is None and self._frames[-1].todo and self.order is None and due:
+            self._next_order(now)
+
+    def _next_order(self, now: float) -> None:
+        """Begin the next order; what needs nobody else is done at once."""
+        frame = self._frames[-1]
+        while frame.todo and isinstance(frame.todo[0], Assign):
+            self._assign(frame.todo.pop(0))  # type: ignore[arg-type]
+            if self._frames[-1] is not frame:
+                return  # its table has failed: what else the row would have done is not to be done
+        if not frame.todo or self.over is not None:
+            return
+        order = frame.todo[0]
+        self.ticket += 1
+        self._offer(order, now)
+
+    def _offer(self, order: Order, now: float) -> None:
+        self.order = order
+        self._ordered_at = self._at(now)
+        if isinstance(order, Wait):
+            self._wait_until = self._at(now) + order.seconds
+        elif isinstance(order, CallTable):
+            self._call(order, now)
+        elif not isinstance(order, SayCommand):
+            self.keeps = self._renew = None
+
+    def _call(self, order: CallTable, now: float) -> None:
+        table = self.tables.get(order.name)
+        if table is None or len(self._frames) >= DEEPEST:
+            why = f"there is no table '{order.name}'" if table is None else f"more than {DEEPEST} tables run each other"
+            self.ended(Outcome(False, Reason("unknown_name", why)), now)
+            return
+        self.order = None
+        self._frames.append(_Frame(table, self._at(now), self._chance()))
+        self._begin_state(now)
+
+    def _assign(self, order: Assign) -> None:
+        if order.how == "=":
+            self.variables[order.name] = order.value
+            return
+        before = self.variables.get(order.name, 0.0)
+        if isinstance(before, str) or isinstance(order.value, str):
+            self._fail(Reason("bad_value", f"O:set: ${order.name} is '{before}', to which nothing is added"))
+            return
+        after = before + (order.value if order.how == "+=" else -order.value)
+        if not isfinite(after):  # what goes by it would go on for ever, or do nothing
+            self._fail(Reason("bad_value", f"O:set: ${order.name} is more than can be reckoned with"))
+            return
+        self.variables[order.name] = after
+
+    def _leave(self, now: float) -> None:
+        """Go to the next state, or end the table."""
+        frame = self._frames[-1]
+        if frame.ending:
+            self._return(now, good=frame.state.good)
+            return
+        newest = self.tables.get(frame.table.name, frame.table)
+        if frame.next_state not in newest.states:
+            self._fail(
+                Reason("changed", f"the state '{frame.next_state}' was taken out of '{newest.name}' while it ran")
+            )
+            return
+        frame.table = newest
+        self.transitions += 1
+        frame.enter(frame.next_state, self._at(now), self._chance())
+        self._begin_state(now)
+        if self._one_step:
+            self._one_step = False
+            self.pause(now)
+
+    def _begin_state(self, now: float) -> None:
+        frame = self._frames[-1]
+        state = frame.state
+        for cells in state.entry:
+            self._orders(cells)
+            if self._frames[-1] is not frame or frame.state is not state:
+                return  # it failed: what else this state would have begun with is not the failure's
+        if not self.paused:
+            self._go_on(now)
+
+    def _return(self, now: float, *, good: bool) -> None:
+        """End a table: the run, or go on in the one that called it."""
+        frame = self._frames[-1]
+        why = self._failing if self._failing is not None and not good else None
+        if len(self._frames) == 1:
+            at = Reason("done" if good else "failed", f"ended in '{frame.state.name}'")
+            self._end(good=good, why=why or at)
+            return
+        self._frames.pop()
+        self._failing = None
+        self.order = self._frames[-1].todo[0]
+        outcome = (
+            DONE
+            if good
+            else Outcome(
+                False,
+                Reason(
+                    why.code if why else "failed", f"'{frame.table.name}' failed" + (f": {why.text}" if why else "")
+                ),
+            )
+        )
+        self.ended(outcome, now)
+
+    def _after_failure(self, why: Reason, what: str) -> None:
+        """Go on after an order that failed, if the next state asks how it ended; else fail."""
+        frame = self._frames[-1]
+        following = frame.table.states.get(frame.next_state) if frame.next_state else frame.state
+        if following is not None and following.asks_for_result:
+            frame.todo.clear()
+        else:
+            self._fail(Reason(why.code, f"{what}: {why.text}"))
+
+    def _fail(self, why: Reason) -> None:
+        """Go to the failure state; without one, or failing in it, the table is over."""
+        frame = self._frames[-1]
+        self.order = self.keeps = self._renew = None
+        failure = frame.table.failure
+        self._failing = why
+        if frame.ending or not failure:
+            if len(self._frames) == 1:
+                self._end(good=False, why=why)
+                return
+            self._frames.pop()
+            self.order = self._frames[-1].todo[0]
+            self.ended(Outcome(False, Reason(why.code, f"'{frame.table.name}' failed: {why.text}")), self._now)
+            return
+        self.transitions += 1
+        frame.enter(failure, self._at(self._now), self._chance())
+        for cells in frame.state.entry:
+            self._orders(cells)
+
+    def _end(self, *, good: bool, why: Reason) -> None:
+        if self.over is None:
+            self.over, self.good = why, good
+            self.order = self.keeps = self._renew = None
+
+    def _value(self, frame: _Frame, condition: Condition, at: float, look: Look) -> Value | None:
+        key = condition.key
+        if key.stream == RUN:
+            return self._of_the_run(frame, key, at)
+        if key.stream == VARIABLE:
+            return self.variables.get(key.path[0])
+        return look(key, condition.newest_s)
+
+    def _of_the_run(self, frame: _Frame, key: Key, at: float) -> Value | None:
+        match key.column:
+            case "Time":
+                return at - frame.since
+            case "Run Time":
+                return at - self._began
+            case "Visits":
+                return float(frame.visits[frame.state.name])
+            case "Chance":
+                return frame.chance
+        return self.result or None
+
+    def _holds(self, frame: _Frame, place: tuple[int, int], condition: Condition, at: float, look: Look) -> bool:
+        cell = condition.cell
+        value = self._value(frame, condition, at, look)
+        fits = cell.fits.off(value, turning=condition.key.turning) == 0.0
+        if not (cell.for_s or cell.becomes):
+            return fits
+        held = frame.held.setdefault(place, _Held())
+        before, held.before = held.before, fits
+        held.since = inf if not fits else min(held.since, at)
+        if cell.becomes and not cell.for_s:
+            return fits and before is False
+        long_enough = at - held.since >= cell.for_s
+        return fits and long_enough
+
+    def _unmet(
+        self, frame: _Frame, place: tuple[int, int], condition: Condition, at: float, look: Look
+    ) -> Unmet | None:
+        cell, key = condition.cell, condition.key
+        value = self._value(frame, condition, at, look)
+        off = cell.fits.off(value, turning=key.turning)
+        text, by = "", None if off == inf else off
+        if value is None and off:
+            text = "nothing that is new enough"
+        elif off == 0.0:
+            held = frame.held.get(place)
+            if cell.for_s:
+                lacking = cell.for_s - (at - held.since if held is not None and held.since != inf else 0.0)
+                if lacking <= 0.0:
+                    return None
+                text, by = f"holds, for {lacking:.1f} s too short", lacking
+            elif cell.becomes:
+                text, by = "holds already: it has to be otherwise first", None
+            else:
+                return None
+        return Unmet(column=key.column, condition=cell.text, seen=value, by=by, text=text)

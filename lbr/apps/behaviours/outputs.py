@@ -1,0 +1,334 @@
+"""What a row does: from its output cells to commands of the robot. Pure.
+
+A number may be a variable, `$speed`; what is one of several, `a | b`, is drawn when the row is taken.
+"""
+
+import difflib
+import re
+from collections.abc import Callable, Iterator, Mapping
+from math import isfinite, isnan
+from typing import Any, NamedTuple
+
+import msgspec
+from msgspec import Struct
+
+from lbr.apps.behaviours.cells import Value
+from lbr.messages.beacon import MANOEUVRES, SeekCommand
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.joints import PlayCommand
+from lbr.messages.speech import SayCommand
+from lbr.messages.units import NAME_PATTERN
+
+ALONG = ("range", "sensor", "distance", "duration", "angle")
+NUMBERS = ("level", "angle", "range", "distance", "duration", "heading", "turn", "wait", "times", "retry")
+TEXTS = ("sensor", "speech", "phrase", "motion", "beacon", "run", "set")
+ALL = (*NUMBERS, *TEXTS)
+MOST_RETRIES = 20
+MOST_CHOICES = 20
+"""Of one cell; each of them is tried when a table is read."""
+LONGEST_WAIT_S = 3600.0
+WAYS = {
+    "level": "move",
+    "turn": "turn",
+    "heading": "heading",
+    "motion": "play",
+    "beacon": "seek",
+    "speech": "say",
+    "phrase": "say",
+}
+"""By which request an output is carried out."""
+NEEDS = {"move": "drive", "turn": "drive", "heading": "drive", "play": "motions", "seek": "beacon", "say": "speech"}
+_SENSORS = {"rear": "back"}
+"""Names that tables have always given to sensors."""
+_ASSIGNS = re.compile(r"\s*\$?(\w+)\s*(=|\+=|-=)\s*(.*?)\s*\Z")
+Draw = Callable[[int], int]
+"""Returns one of so many, from 0."""
+
+
+class Wait(Struct, frozen=True):
+    """Stand for so long."""
+
+    seconds: float
+
+
+class Halt(Struct, frozen=True):
+    """Stand still."""
+
+
+class CallTable(Struct, frozen=True):
+    """Run another table to its end."""
+
+    name: str
+
+
+class Assign(Struct, frozen=True):
+    """Change a variable."""
+
+    name: str
+    how: str
+    value: Value
+
+
+Motion = DriveCommand | TurnCommand | HeadingCommand | PlayCommand | SeekCommand
+Order = Wait | Halt | CallTable | Assign | SayCommand | Motion
+
+
+class Orders(NamedTuple):
+    """What one row does, in its order, and how often a motion or a table that failed is tried again."""
+
+    orders: tuple[Order, ...] = ()
+    retries: int = 0
+
+
+class OutputError(ValueError):
+    """An output that no command takes: which, and why."""
+
+    def __init__(self, column: str, text: str) -> None:
+        super().__init__(text)
+        self.column = column
+
+
+def sensors(cells: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the sensors to which cells bind a motion, by their rows' names."""
+    if not cells.get("range", "").strip():
+        return ()
+    named = [one.strip().lower() for one in cells.get("sensor", "forward").split("|")]
+    return tuple(_SENSORS.get(name, name) for name in named)
+
+
+def told(order: Order) -> str:
+    """Return what an order does, for people."""
+    if isinstance(order, DriveCommand):
+        return _drive_told(order)
+    said = {
+        TurnCommand: "turn by {0.angle_deg:g}°",
+        HeadingCommand: "turn to {0.heading_deg:g}°",
+        PlayCommand: "play {0.motion}",
+        SeekCommand: "{0.manoeuvre} by the dock's beams",
+        SayCommand: "say {0.phrase}{0.text}",
+        Wait: "wait {0.seconds:g} s",
+        CallTable: "run {0.name}",
+        Assign: "${0.name} {0.how} {0.value}",
+        Halt: "stand still",
+    }
+    return said[type(order)].format(order)
+
+
+def _drive_told(order: DriveCommand) -> str:
+    ends = [
+        f"{word} {value:g} {unit}"
+        for word, value, unit in (
+            (f"until {order.sensor} is", order.range_cm, "cm"),
+            ("for", order.distance_cm, "cm"),
+            ("for", order.interval_s, "s"),
+        )
+        if value
+    ]
+    return " ".join((f"drive at {order.power:g} towards {order.angle_deg:g}°", *ends))
+
+
+def make(cells: Mapping[str, str], draw: Draw, variables: Mapping[str, Value]) -> Orders:
+    """Return what cells order now; OutputError says which of them no command takes."""
+    given = {name: _chosen(text, draw) for name, text in cells.items() if text.strip()}
+    numbers = {name: _number(name, given[name], variables) for name in NUMBERS if name in given}
+    orders = list(_orders(given, numbers))
+    retries = _within("retry", numbers.get("retry", 0.0), MOST_RETRIES)
+    return Orders(tuple(orders), 0 if isnan(retries) else int(retries))
+
+
+def faults(cells: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Yield each column of which no command takes what a cell says, also where that is one of several, and why."""
+    for name in cells:
+        if name not in ALL:
+            near = difflib.get_close_matches(name, ALL, n=1)
+            meant = f"did you mean O:{near[0]}?" if near else f"there is {', '.join(ALL)}"
+            yield name, f"no command takes it; {meant}"
+    known = {name: text for name, text in cells.items() if name in ALL}
+    for name, text in known.items():
+        if text.count("|") >= MOST_CHOICES:
+            yield name, f"it is one of {text.count('|') + 1}, and {MOST_CHOICES} are the most"
+            return
+    most = max((len(text.split("|")) for text in known.values()), default=1)
+    found: dict[str, str] = {}
+    for number in range(most):
+        try:
+            make(known, lambda count, number=number: min(number, count - 1), _Unset())  # type: ignore[misc]
+        except OutputError as err:
+            found.setdefault(err.column, str(err))
+    yield from found.items()
+
+
+def variables_of(cells: Mapping[str, str]) -> set[str]:
+    """Return the variables that cells set."""
+    return {found[1] for part in cells.get("set", "").split(";") if (found := _ASSIGNS.match(part))}
+
+
+def read_by(cells: Mapping[str, str]) -> set[str]:
+    """Return the variables that cells read."""
+    return {text.strip()[1:] for name, text in cells.items() if name in NUMBERS and text.strip().startswith("$")}
+
+
+class _Unset(dict[str, Value]):
+    """Variables of which nothing is known yet: a check takes them for what fits."""
+
+    def __contains__(self, _name: object) -> bool:
+        return True
+
+    def __getitem__(self, _name: str) -> Value:
+        return float("nan")
+
+
+def _orders(given: Mapping[str, str], numbers: Mapping[str, float]) -> Iterator[Order]:
+    duration = numbers.get("duration", 0.0)
+    if duration < 0.0:
+        yield Wait(_within("duration", -duration, LONGEST_WAIT_S))
+    yield from _assigned(given.get("set", ""))
+    if "speech" in given or "phrase" in given:
+        text, phrase = given.get("speech", ""), given.get("phrase", "")
+        yield _command(SayCommand, {"text": ("speech", text), "phrase": ("phrase", phrase)})
+    way = _way(given)
+    if way:
+        yield _moving(way, given, numbers, max(0.0, duration))
+    elif duration > 0.0:
+        yield Wait(_within("duration", duration, LONGEST_WAIT_S))
+    if "wait" in numbers:
+        yield Wait(_within("wait", numbers["wait"], LONGEST_WAIT_S))
+
+
+def _way(given: Mapping[str, str]) -> str:
+    """Return the output by which a row moves the robot, empty for none; what goes with another is refused."""
+    moving = [name for name in ("level", "turn", "heading", "motion", "beacon", "run") if name in given]
+    if len(moving) > 1:
+        raise OutputError(moving[1], f"a row moves the robot in one way, and O:{moving[0]} is one already")
+    way = moving[0] if moving else ""
+    alone = [name for name in ALONG if name in given and way != "level" and (way or name != "duration")]
+    if alone:
+        also = f", not with O:{way}" if way else ""
+        raise OutputError(alone[0], f"O:{alone[0]} goes with O:level alone{also}")
+    if "times" in given and way != "motion":
+        raise OutputError("times", "O:times goes with O:motion")
+    return way
+
+
+def _moving(way: str, given: Mapping[str, str], numbers: Mapping[str, float], duration: float) -> Order:
+    if way == "level":
+        return _drive(given, numbers, duration)
+    if way == "run":
+        if not re.fullmatch(NAME_PATTERN, given["run"]):
+            raise OutputError("run", f"'{given['run']}' is no table's name: small letters, digits, underscores")
+        return CallTable(given["run"])
+    fields: dict[str, tuple[str, Any]]
+    if way == "motion":
+        fields = {"motion": ("motion", given["motion"]), "times": ("times", _whole(numbers))}
+        played: PlayCommand = _command(PlayCommand, fields)
+        return played
+    if way == "beacon":
+        return _seek(given["beacon"])
+    if way == "turn":
+        turn: TurnCommand = _command(TurnCommand, {"angle_deg": ("turn", numbers["turn"])})
+        return turn
+    heading: HeadingCommand = _command(HeadingCommand, {"heading_deg": ("heading", numbers["heading"])})
+    return heading
+
+
+def _seek(text: str) -> Order:
+    manoeuvre = next((one for one in MANOEUVRES if one == text.strip().lower()), None)
+    if manoeuvre is None:
+        raise OutputError("beacon", f"'{text[:40]}' is no manoeuvre: there is {', '.join(MANOEUVRES)}")
+    return SeekCommand(manoeuvre=manoeuvre)
+
+
+def _drive(given: Mapping[str, str], numbers: Mapping[str, float], duration: float) -> Order:
+    if numbers["level"] == 0.0:
+        return Halt()
+    if "sensor" in given and "range" not in given:
+        raise OutputError("sensor", "O:sensor goes with O:range, at which it stops")
+    sensor = given.get("sensor", "forward").lower()
+    fields: dict[str, tuple[str, Any]] = {
+        "power": ("level", numbers["level"]),
+        "angle_deg": ("angle", numbers.get("angle", 0.0)),
+        "interval_s": ("duration", duration),
+        "distance_cm": ("distance", numbers.get("distance", 0.0)),
+    }
+    if numbers.get("range", 0.0):
+        fields |= {"range_cm": ("range", numbers["range"]), "sensor": ("sensor", _SENSORS.get(sensor, sensor))}
+    found: DriveCommand = _command(DriveCommand, fields)
+    return found
+
+
+def _command(kind: type[Any], fields: Mapping[str, tuple[str, Any]]) -> Any:
+    """Return a command; what it refuses is told with the column it came from. A number that is not known yet is left out."""
+    known = {name: value for name, (_, value) in fields.items() if not _unknown(value)}
+    base = _fitting(kind)
+    for name, value in known.items():
+        try:
+            msgspec.convert({**base, name: value}, kind)
+        except msgspec.ValidationError as err:
+            raise OutputError(fields[name][0], str(err).partition(" - at")[0]) from err
+    return msgspec.convert({**base, **known}, kind)
+
+
+def _fitting(kind: type[Any]) -> dict[str, Any]:
+    """Return something for each field that a command cannot do without."""
+    return {
+        field.name: "a" if field.name == "motion" else 0.0 for field in msgspec.structs.fields(kind) if field.required
+    }
+
+
+def _assigned(text: str) -> Iterator[Order]:
+    for part in text.split(";") if text.strip() else ():
+        found = _ASSIGNS.match(part)
+        if found is None or not found[1].isidentifier() or not found[3]:
+            raise OutputError(
+                "set", f"'{part.strip()}' sets nothing: write laps = 0, or laps += 1; several with ; between"
+            )
+        name, how, value = found.groups()
+        try:
+            number: Value = float(value)
+        except ValueError:
+            number = value
+        if how != "=" and isinstance(number, str):
+            raise OutputError("set", f"'{value}' is no number to be added to ${name}")
+        if not (isinstance(number, str) or isfinite(number)):
+            raise OutputError("set", f"'{value}' is no number that can be reckoned with")
+        yield Assign(name, how, number)
+
+
+def _chosen(text: str, draw: Draw) -> str:
+    several = [one.strip() for one in text.split("|")]
+    return several[draw(len(several))] if len(several) > 1 else several[0]
+
+
+def _number(name: str, text: str, variables: Mapping[str, Value]) -> float:
+    if text.startswith("$"):
+        if text[1:] not in variables:
+            raise OutputError(name, f"the variable {text} has no value yet: O:set gives it one")
+        value = variables[text[1:]]
+        if isinstance(value, str):
+            raise OutputError(name, f"the variable {text} is '{value}', which is no number")
+        return value
+    try:
+        found = float(text)
+    except ValueError:
+        raise OutputError(name, f"'{text[:40]}' is no number") from None
+    if not abs(found) <= 1e9:
+        raise OutputError(name, f"{text} is no number that a command takes")
+    return found
+
+
+def _whole(numbers: Mapping[str, float]) -> float:
+    """Return how many times; a float that is whole as a whole number."""
+    times = numbers.get("times", 1.0)
+    return times if isnan(times) or times != int(times) else int(times)
+
+
+def _within(name: str, value: float, most: float) -> float:
+    """Return a number of these bounds, or one that is not known yet."""
+    if not (isnan(value) or 0.0 <= value <= most):
+        raise OutputError(name, f"{value:g} is not from 0 to {most:g}")
+    return value
+
+
+def _unknown(value: object) -> bool:
+    """Say whether it is a variable that nothing is known of yet."""
+    return isinstance(value, float) and isnan(value)

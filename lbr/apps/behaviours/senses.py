@@ -1,0 +1,45 @@
+"""The robot's telemetry as conditions ask for it: the newest message of each source, for as long as it counts."""
+
+from lbr.apps.behaviours import BehaviourSettings
+from lbr.apps.behaviours.cells import Value
+from lbr.apps.behaviours.keys import STREAMS, Key
+from lbr.capability.context import Context, Received
+
+
+class Senses:
+    """Listens to the streams that a table reads; of several sources the newest that has a value counts."""
+
+    def __init__(self, ctx: Context[BehaviourSettings]) -> None:
+        self._ctx = ctx
+        self._heard: dict[str, dict[str, Received]] = {}
+        self._came: dict[str, list[Received]] = {}
+
+    @property
+    def there(self) -> frozenset[str]:
+        """Return the streams that the robot has."""
+        return frozenset(stream for stream in STREAMS if self._ctx.sources(stream))
+
+    def listen(self, streams: frozenset[str]) -> None:
+        """Take in what came."""
+        for stream in streams:
+            self._came[stream] = self._ctx.take(stream)
+            for received in self._came[stream]:
+                self._heard.setdefault(stream, {})[received.source] = received
+
+    def newest(self, stream: str) -> list[Received]:
+        """Return the newest message of each source of a stream."""
+        return list(self._heard.get(stream, {}).values())
+
+    def came(self, stream: str) -> list[Received]:
+        """Return what was taken in last of a stream, oldest first."""
+        return self._came.get(stream, [])
+
+    def look(self, key: Key, newest_s: float) -> Value | None:
+        """Return the value of a key, None if there is none that is as new as that."""
+        now, found, arrived = self._ctx.clock(), None, float("-inf")
+        for received in self._heard.get(key.stream, {}).values():
+            if received.arrived > arrived and now - received.arrived <= newest_s:
+                value = key.read(received.message)
+                if value is not None:
+                    found, arrived = value, received.arrived
+        return found

@@ -1,0 +1,91 @@
+"""Decodes a sound file to PCM WAV, in a process of its own: `python -m lbr.apps.sound.decode FROM TO`.
+
+What people put into a folder may be anything, so that it is read by a process that may die, hang and be killed. It has
+no network: of what the library knows, only files are read, and no lists that name other files. Exit code 1 and one
+sentence on the standard error if there is no sound in it.
+"""
+
+import resource
+import sys
+import wave
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from lbr.apps.sound import formats
+from lbr.errors import InputError, LbrError
+
+RATE_HZ = 44_100
+LONGEST_S = 1800.0
+MEMORY_BYTES = 2 << 30
+CONTAINERS = "wav,w64,aiff,caf,au,mp3,flac,ogg,amr,aac,asf,matroska,webm,mov,mp4,m4a,3gp,3g2,mj2"
+"""What FFmpeg may take a file for, by its own names; none of them opens other files."""
+OPTIONS = {"format_whitelist": CONTAINERS, "protocol_whitelist": "none"}
+
+
+def decode(source: Path, target: Path) -> None:
+    """Write a file's sound, of one channel, as PCM WAV; raise InputError saying what is wrong with the file."""
+    formats.ensure_decodable(source)
+    import av  # noqa: PLC0415 - the extra that brings it may not be there
+
+    try:
+        with source.open("rb") as file, av.open(file, "r", options=OPTIONS, metadata_errors="ignore") as container:
+            if not container.streams.audio:
+                raise InputError(f"{source} has no sound in it")
+            written = _write(target, _sound(av, container), source)
+    except av.error.FFmpegError as err:
+        why = f"{err.strerror or err}"
+        raise InputError(f"{source} cannot be decoded ({why}); is it a sound file, and whole?") from err
+    except OSError as err:
+        raise InputError(f"{source} cannot be read ({err.strerror or err})") from err
+    if not written:
+        raise InputError(f"{source} holds no sound that can be decoded; is it damaged?")
+
+
+def _sound(av: Any, container: Any) -> Iterator[bytes]:
+    """Return the samples, piece by piece; pieces that are damaged are left out."""
+    resampler = av.AudioResampler(format="s16", layout="mono", rate=RATE_HZ)
+    for packet in container.demux(container.streams.audio[0]):
+        try:
+            frames = packet.decode()
+        except av.error.InvalidDataError:
+            continue
+        for frame in frames:
+            yield from _samples(resampler.resample(frame))
+    yield from _samples(resampler.resample(None))
+
+
+def _samples(frames: Any) -> Iterator[bytes]:
+    for frame in frames:
+        yield bytes(frame.planes[0])[: frame.samples * 2]
+
+
+def _write(target: Path, pieces: Iterator[bytes], source: Path) -> int:
+    written = 0
+    with wave.open(str(target), "wb") as out:
+        out.setparams((1, 2, RATE_HZ, 0, "NONE", ""))
+        for piece in pieces:
+            written += len(piece)
+            if written > LONGEST_S * RATE_HZ * 2:
+                raise InputError(f"{source} would play for more than {LONGEST_S:.0f} s; cut it")
+            out.writeframesraw(piece)
+    return written
+
+
+def main(argv: list[str]) -> int:
+    """Decode one file."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+    source, target = argv
+    try:
+        decode(Path(source), Path(target))
+    except LbrError as err:
+        print(err, file=sys.stderr)
+        return 1
+    except Exception as err:  # noqa: BLE001 - whatever it is, there is no sound
+        print(f"{source} cannot be decoded ({type(err).__name__}: {str(err)[:200]})", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

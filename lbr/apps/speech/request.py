@@ -1,0 +1,46 @@
+"""What the engine's process is asked for, and what it answers: JSON lines. No I/O."""
+
+from msgspec import Struct
+
+
+class Cloud(Struct, frozen=True, kw_only=True):
+    """Where and how long the cloud is asked; `cache` is the folder of what it said before."""
+
+    region: str = ""
+    endpoint: str = ""
+    timeout_s: float = 3.0
+    cache: str = ""
+
+
+class Request(Struct, frozen=True, kw_only=True):
+    """A text to be written to a file as sound; `volume` from 0 to 1, `voice` an engine and its voice, or nothing."""
+
+    text: str
+    language: str
+    words_per_min: int
+    volume: float
+    path: str
+    voice: str = ""
+    pitch: int = 50
+    models: str = ""
+    cloud: Cloud = Cloud()
+
+    @property
+    def engine(self) -> str:
+        """Return which engine is to speak, or nothing."""
+        return self.voice.partition("/")[0]
+
+    @property
+    def name(self) -> str:
+        """Return the voice by the name that its engine knows."""
+        return self.voice.partition("/")[2]
+
+
+class Answer(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """What became of a request, or at first, of the engine itself; no reason is success.
+
+    `note` says why another voice than the row's has spoken.
+    """
+
+    reason: str = ""
+    note: str = ""

@@ -1,0 +1,371 @@
+"""What the page's motion builder asks: is it balanced, what is in this file, what was this motion before."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+from msgspec import Meta, Struct
+from starlette.responses import Response
+
+from lbr import home
+from lbr.apps.web.bridge import until
+from lbr.apps.web.face import Client, Refused, Request, Route, json
+from lbr.apps.web.model.uploads import MOST_PACKED, Uploads
+from lbr.apps.web.model.work import BUSY, SHORT_S, Work, Works
+from lbr.apps.web.robot import Robot
+from lbr.apps.web.routing import decoded
+from lbr.bodies import motion_forms
+from lbr.errors import LbrError
+from lbr.messages.codes import Code
+from lbr.messages.joints import JointRad, Motion
+from lbr.messages.motion_work import (
+    BalanceReport,
+    Checked,
+    CheckJob,
+    Frames,
+    NotDone,
+    ReadJob,
+    ReadMotions,
+    Said,
+    Versions,
+    VersionsJob,
+    WriteJob,
+    Written,
+)
+from lbr.messages.units import Name
+
+LARGEST_PART = 48_000
+UploadName = Annotated[
+    str, Meta(pattern="^[A-Za-z0-9-]{1,40}$(?!\\n)", description="the sender's own name for what it sends")
+]
+STATUS: Mapping[str, int] = {"busy": 503, "timeout": 503, "failed": 500, "cancelled": 410, "shutting_down": 503}
+
+
+class UploadBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A part, counted from 0, of something packed by gzip."""
+
+    upload: UploadName
+    part: Annotated[int, Meta(ge=0, le=MOST_PACKED)] = 0
+    content: Annotated[bytes, Meta(max_length=LARGEST_PART)]
+
+
+class Uploaded(Struct, frozen=True, kw_only=True):
+    """How much of an upload has come."""
+
+    bytes: int
+
+
+class ReadBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A file that was sent by parts, and what it is called: its end says what form it has."""
+
+    upload: UploadName
+    file: Annotated[str, Meta(max_length=200)]
+
+
+class MotionGiven(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A motion as a page has it, which need not be kept."""
+
+    name: Name = "motion"
+    help: Annotated[str, Meta(max_length=200)] = ""
+    frames: Frames
+
+
+class WriteBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A motion, as `MotionGiven` sent by parts or `motion` by its name, and the form that its file is to have."""
+
+    upload: UploadName | None = None
+    motion: Name | None = None
+    form: Annotated[str, Meta(max_length=11)] = ".json"
+
+
+class CheckBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A motion, as `MotionGiven` sent by parts or `motion` by its name; `start` is where the joints are before it."""
+
+    upload: UploadName | None = None
+    motion: Name | None = None
+    start: dict[str, JointRad] = {}
+
+
+class Check(Struct, frozen=True, kw_only=True):
+    """A check under way: its number, how much is done, 0 to 1, and the report once there is one."""
+
+    check: int
+    part: float = 0.0
+    report: BalanceReport | None = None
+
+
+class CheckParams(Struct, frozen=True, kw_only=True):
+    """Which check."""
+
+    check: int
+
+
+class VersionParams(Struct, frozen=True, kw_only=True):
+    """Which motion."""
+
+    motion: Annotated[str, Meta(max_length=40)]
+
+
+class Form(Struct, frozen=True, kw_only=True):
+    """A form of motion files, by the end of their names; `writes`: not only read."""
+
+    suffix: str
+    summary: str
+    writes: bool
+
+
+class Forms(Struct, frozen=True, kw_only=True):
+    """The forms that are known here."""
+
+    forms: tuple[Form, ...]
+
+
+class Building:
+    """The routes of the builder, and the work that they have done."""
+
+    def __init__(self, robot: Robot, works: Works | None = None) -> None:
+        self._robot = robot
+        self._works = works or Works(robot.now)
+        self._uploads = Uploads(robot.now)
+        self._checks: dict[int, tuple[str, Work]] = {}
+        self._number = 0
+
+    def routes(self) -> tuple[Route, ...]:
+        """Return them."""
+        slow = {503: "Too much is under way, or it took too long."}
+        return (
+            Route(
+                method="POST",
+                path="/api/motion/upload",
+                handle=self._upload,
+                summary="Send what is larger than a body, in parts",
+                description="Base64 of what gzip packed. It is kept for a minute, for the request that names it.",
+                body=UploadBody,
+                replies={200: Uploaded},
+                role="operate",
+                refuses={409: "A part is missing before this one.", 503: "Too much is sent at once."},
+            ),
+            Route(
+                method="GET",
+                path="/api/motion/forms",
+                handle=self._forms,
+                summary="The forms of motion files that can be read and written",
+                replies={200: Forms},
+            ),
+            Route(
+                method="POST",
+                path="/api/motion/read",
+                handle=self._read,
+                summary="Read the motions in a file, for this robot's joints; nothing is kept",
+                body=ReadBody,
+                replies={200: ReadMotions},
+                role="operate",
+                refuses={400: "It is no motion, or none of this robot's.", **slow},
+                within_s=SHORT_S + 1.0,
+            ),
+            Route(
+                method="POST",
+                path="/api/motion/write",
+                handle=self._write,
+                summary="Write a motion as a file, in base64, with what that form cannot say",
+                body=WriteBody,
+                replies={200: Written},
+                role="operate",
+                refuses={
+                    400: "That form is only read, or cannot say it.",
+                    404: "What was sent in parts is not there.",
+                    **slow,
+                },
+                within_s=SHORT_S + 1.0,
+            ),
+            Route(
+                method="GET",
+                path="/api/motion/versions",
+                handle=self._versions,
+                summary="What a motion was before, newest first",
+                params=VersionParams,
+                replies={200: Versions},
+                role="view",
+                refuses=slow,
+                within_s=SHORT_S + 1.0,
+            ),
+            Route(
+                method="POST",
+                path="/api/motion/check",
+                handle=self._check,
+                summary="Play a motion with the simulated body, to see whether it stays on its feet",
+                description="It moves no robot. Ask how far it is; what is not asked for in 5 s ends.",
+                body=CheckBody,
+                replies={200: Check},
+                role="operate",
+                refuses={404: "There is no such motion, or what was sent in parts is not there.", **slow},
+            ),
+            Route(
+                method="GET",
+                path="/api/motion/check",
+                handle=self._checked,
+                summary="How far a check is, and its report",
+                params=CheckParams,
+                replies={200: Check},
+                role="view",
+                refuses={404: "There is no such check.", 500: "It could not be done; the sentence says why."},
+            ),
+            Route(
+                method="DELETE",
+                path="/api/motion/check",
+                handle=self._cancel,
+                summary="End a check",
+                params=CheckParams,
+                replies={200: Check},
+                role="operate",
+                refuses={404: "There is no such check."},
+            ),
+        )
+
+    def step(self) -> None:
+        """Go on with what is under way."""
+        self._works.step()
+
+    def close(self) -> None:
+        """End what is under way."""
+        self._works.close()
+        self._checks.clear()
+
+    @property
+    def jobs(self) -> int:
+        """Return how much is under way."""
+        return self._works.count
+
+    def given(self, client: Client, upload: str) -> MotionGiven:
+        """Return the motion that a client has sent by parts; Refused says what is wrong with it."""
+        found: MotionGiven = decoded(self._uploads.take(str(client), upload), MotionGiven)
+        return found
+
+    async def _upload(self, request: Request) -> Response:
+        given: UploadBody = request.data
+        size = self._uploads.add(str(request.client), given.upload, given.part, given.content)
+        return json(Uploaded(bytes=size))
+
+    def _forms(self, _request: Request) -> Response:
+        known = motion_forms.known(self._robot.name)
+        return json(Forms(forms=tuple(Form(suffix=s, summary=t, writes=w) for s, t, w in known)))
+
+    async def _read(self, request: Request) -> Response:
+        given: ReadBody = request.data
+        content = self._uploads.take(str(request.client), given.upload)
+        job = ReadJob(
+            content=content,
+            suffix=Path(given.file).suffix.lower(),
+            joints=self._robot.joints,
+            motors=self._robot.motors,
+        )
+        return json(await self._done(job, ReadMotions))
+
+    async def _write(self, request: Request) -> Response:
+        given: WriteBody = request.data
+        job = WriteJob(
+            robot=self._robot.name,
+            motion=self._meant(request.client, given.upload, given.motion),
+            suffix=given.form.lower(),
+            joints=self._robot.joints,
+            motors=self._robot.motors,
+        )
+        return json(await self._done(job, Written))
+
+    async def _versions(self, request: Request) -> Response:
+        job = VersionsJob(robot=self._robot.name, database=self._database(), motion=request.params.motion)
+        return json(await self._done(job, Versions))
+
+    async def _check(self, request: Request) -> Response:
+        given: CheckBody = request.data
+        motion = self._meant(request.client, given.upload, given.motion)
+        known = {one.name: one for one in self._robot.motions}
+        lead_in = known.get(motion.lead_in)
+        job = CheckJob(
+            robot=self._robot.name,
+            home=self._robot.ctx.home,
+            database=self._database(),
+            joints=self._robot.joints,
+            frames=motion.frames,
+            lead_in=lead_in.frames if lead_in is not None else (),
+            start=given.start,
+        )
+        who = str(request.client)
+        for number, (whose, work) in tuple(self._checks.items()):
+            if whose == who or work.result is not None:
+                work.end(work.result or NotDone(reason="another was asked for", code="cancelled"))
+                del self._checks[number]
+        work_ = self._works.start(job, asked=True)
+        if work_ is None:
+            raise _refused(BUSY)
+        self._number += 1
+        self._checks[self._number] = who, work_
+        return json(Check(check=self._number))
+
+    async def _checked(self, request: Request) -> Response:
+        work = self._the_check(request)
+        work.asked_s = self._robot.now()
+        if isinstance(work.result, NotDone):
+            raise _refused(work.result)
+        report = work.result.report if isinstance(work.result, Checked) else None
+        part = 1.0 if report is not None else work.part
+        return json(Check(check=request.params.check, part=part, report=report))
+
+    async def _cancel(self, request: Request) -> Response:
+        work = self._the_check(request)
+        if work.result is None:
+            work.end(NotDone(reason="it was cancelled", code="cancelled"))
+        self._checks.pop(request.params.check, None)
+        return json(Check(check=request.params.check, part=work.part))
+
+    def _the_check(self, request: Request) -> Work:
+        whose, work = self._checks.get(request.params.check, ("", None))
+        if work is None or whose != str(request.client):
+            raise Refused(404, f"there is no check {request.params.check} of yours: begin another")
+        return work
+
+    def _meant(self, client: Client, upload: str | None, name: str | None) -> Motion:
+        """Return the motion that a request is about, with what is known of the one of its name."""
+        known = {one.name: one for one in self._robot.motions}
+        if upload is not None:
+            given = self.given(client, upload)
+            before = known.get(name or given.name)
+            lead_in = before.lead_in if before is not None else ""
+            return Motion(name=given.name, frames=given.frames, help=given.help, lead_in=lead_in)
+        if (found := known.get(name or "")) is None:
+            raise Refused(404, f"there is no motion '{name or ''}'")
+        if found.slot is not None:
+            text = (
+                f"'{found.name}' is kept by the robot's controller, in slot {found.slot}: there is no more of it here"
+            )
+            raise Refused(400, text, code="not_possible")
+        return found
+
+    async def _done(self, job: Any, kind: type) -> Said:
+        """Have a job done, and return what came of it; Refused says why nothing did."""
+        work = self._works.start(job)
+        if work is None:
+            raise _refused(BUSY)
+        await until(lambda: work.result is not None)
+        result = work.result
+        if result is None or not isinstance(result, kind):
+            raise _refused(result if isinstance(result, NotDone) else NotDone(reason="there is no result"))
+        return result
+
+    def _database(self) -> str:
+        """Return the file of this robot's rows: what runs here says it of itself."""
+        with suppress(LbrError, OSError):
+            for one in home.running():
+                if one.robot == self._robot.name:
+                    return one.database
+        return str(Path(self._robot.ctx.home) / "robot.db")
+
+
+def _refused(why: NotDone) -> Refused:
+    try:
+        code = msgspec.convert(why.code, Code)
+    except msgspec.ValidationError:
+        code = "failed"
+    return Refused(STATUS.get(why.code, 400), why.reason, code=code)

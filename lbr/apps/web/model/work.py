@@ -1,0 +1,146 @@
+"""Work with motions that is too long, or too hostile, for the server's loop: done by a process of its own, which is bounded.
+
+loop ── job, as a file ──► python -m lbr.commands.motion_work ── lines of JSON ──► step: how far · the result
+  ends it: cancelled, too late, the server ends; it dies with the server
+"""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+
+import msgspec
+
+from lbr.capability.die_with_parent import dying_with_parent
+from lbr.messages.motion_work import CheckJob, Job, NotDone, Progress, Said
+
+PROGRAM = "lbr.commands.motion_work"
+MOST_AT_ONCE = 2
+"""Beside what moves the robot, on a small machine."""
+CHECK_S, SHORT_S = 90.0, 20.0
+"""How long a check of ten minutes of motion takes where a second of it takes a seventh; and all else."""
+MOST_SAID = 8 << 20
+UNASKED_S = 5.0
+"""A page asks four times a second how far its check is."""
+BUSY = NotDone(reason=f"{MOST_AT_ONCE} pieces of work with motions are under way: try again in a moment", code="busy")
+
+
+class Work:
+    """One job under way; `part` is how much is done, `result` what came of it, once it did."""
+
+    def __init__(self, job: Job, now: float) -> None:
+        self.part = 0.0
+        self.result: Said | None = None
+        self.asked_s = now
+        self._until = now + (CHECK_S if isinstance(job, CheckJob) else SHORT_S)
+        self._said = b""
+        self._process: subprocess.Popen[bytes] | None = None
+        try:
+            self._process = _started(job)
+        except OSError as err:
+            self.result = NotDone(reason=f"a process for this cannot be started: {err.strerror}")
+
+    def step(self, now: float) -> None:
+        """Read what it said, and end it when it is late or not asked for any more."""
+        process = self._process
+        if process is None:
+            return
+        assert process.stdout is not None
+        over = process.poll() is not None
+        while chunk := _available(process.stdout.fileno()):
+            self._said += chunk
+        *lines, self._said = self._said.split(b"\n")
+        for line in lines:
+            self._hear(line)
+        if self.result is not None:
+            self.end(self.result)
+        elif over:
+            self.end(NotDone(reason=f"the process that was to do it ended by itself ({process.returncode})"))
+        elif now > self._until:
+            self.end(NotDone(reason="it took too long, and was ended", code="timeout"))
+        elif now - self.asked_s > UNASKED_S:
+            self.end(NotDone(reason="it was not asked for any more", code="cancelled"))
+        elif len(self._said) > MOST_SAID:
+            self.end(NotDone(reason="it says too much"))
+
+    def end(self, result: Said) -> None:
+        """End the process; this is what came of it."""
+        self.result = result
+        process, self._process = self._process, None
+        if process is None:
+            return
+        assert process.stdout is not None
+        process.kill()
+        process.stdout.close()
+        process.wait()
+
+    def _hear(self, line: bytes) -> None:
+        try:
+            said = msgspec.json.decode(line, type=Said)
+        except msgspec.DecodeError as err:
+            said = NotDone(reason=f"what the process said cannot be read: {err}")
+        if isinstance(said, Progress):
+            self.part = said.part
+        else:
+            self.result = said
+
+
+class Works:
+    """The jobs under way, all for the loop; `make` starts one."""
+
+    def __init__(self, clock: Callable[[], float], make: Callable[[Job, float], Work] = Work) -> None:
+        self._clock = clock
+        self._make = make
+        self._under_way: list[Work] = []
+
+    def start(self, job: Job, *, asked: bool = False) -> Work | None:
+        """Start a job, unless too many are under way; one that is to be `asked` for ends when it is not."""
+        self.step()
+        if len(self._under_way) >= MOST_AT_ONCE:
+            return None
+        work = self._make(job, self._clock())
+        if not asked:
+            work.asked_s = float("inf")
+        self._under_way.append(work)
+        return work
+
+    def step(self) -> None:
+        """Go on with all of them."""
+        for work in self._under_way:
+            work.step(self._clock())
+        self._under_way = [work for work in self._under_way if work.result is None]
+
+    def close(self) -> None:
+        """End all of them."""
+        for work in self._under_way:
+            work.end(NotDone(reason="the server ends", code="shutting_down"))
+        self._under_way = []
+
+    @property
+    def count(self) -> int:
+        """Return how many are under way."""
+        return len(self._under_way)
+
+
+def _started(job: Job) -> "subprocess.Popen[bytes]":
+    """Start the process, its job behind its standard input: a file, so that nothing waits until it is read."""
+    with os.fdopen(os.memfd_create("motion-work", os.MFD_CLOEXEC), "w+b") as file:
+        file.write(msgspec.json.encode(job) + b"\n")
+        file.seek(0)
+        process = subprocess.Popen(
+            dying_with_parent((sys.executable, "-P", "-m", PROGRAM)),
+            stdin=file,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            bufsize=0,
+        )
+    assert process.stdout is not None
+    os.set_blocking(process.stdout.fileno(), False)
+    return process
+
+
+def _available(fd: int) -> bytes:
+    with suppress(BlockingIOError):
+        return os.read(fd, 1 << 20)
+    return b""

@@ -1,0 +1,86 @@
+// Two people, one robot: who wants what another holds asks for it, and the holder hands it over or goes on.
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { ask } from "./access";
+import { plain } from "./format";
+import { holding } from "./holding";
+import { onEvent } from "./live";
+import { notice } from "./notices";
+import { Button, Icon } from "./parts";
+import { may, streamOfType } from "./robot";
+import { t } from "./words";
+
+interface Asker { by: string; capability: string }
+/** Who asks for what this page holds. */
+const asker = signal<Asker | null>(null);
+/** How long a question stays on the screen of the one who holds. */
+const SHOWN_MS = 20_000;
+/** How long a handover is taken for the answer to what was asked here. */
+const AWAITED_MS = 120_000;
+let wanted = { capability: "", at: 0 };
+
+/** Asks the holder of a capability, such as `drive`, for it. */
+export async function askFor(capability: string): Promise<void> {
+  wanted = { capability, at: performance.now() };
+  if ((await ask("api/ask", { method: "POST", body: { capability } })).ok) notice(t("hand.asked"), "info");
+}
+
+function handOver({ by, capability }: Asker): void {
+  holding.release();
+  asker.value = null;
+  void ask("api/hand_over", { method: "POST", body: { capability, to: by } });
+}
+
+const named = (source: string): string => source.replace(/^web:/, "");
+
+onEvent.add(({ kind, data }) => {
+  const { by, capability } = (data ?? {}) as Partial<Asker>;
+  if (typeof by !== "string" || typeof capability !== "string") return;
+  const { holds, to } = holding.state.value;
+  if (kind === "asked_for" && holds && to.startsWith(`${capability}/`)) {
+    const asked = { by, capability };
+    asker.value = asked;
+    navigator.vibrate?.(80);
+    setTimeout(() => { if (asker.value === asked) asker.value = null; }, SHOWN_MS);
+  } else if (kind === "handed_over" && wanted.capability === capability && performance.now() - wanted.at < AWAITED_MS) {
+    wanted = { capability: "", at: 0 };
+    notice(t("hand.yours", { by: named(by) }), "good");
+  }
+});
+
+const question = ({ by, capability }: Asker): string => {
+  const drives = capability === streamOfType("DriveState").split("/")[0];
+  return drives ? t("hand.wants.drive", { by: named(by) }) : t("hand.wants", { by: named(by), what: plain(capability) });
+};
+
+/** Says that another holds what was asked for here, and asks the holder for it. */
+export function Held({ capability }: { capability: string }) {
+  const { code, holder, to, moving } = holding.state.value;
+  useEffect(() => {
+    if (code !== "held" || moving) return;
+    const timer = setTimeout(holding.forget, SHOWN_MS);
+    return () => clearTimeout(timer);
+  }, [code, moving]);
+  if (code !== "held" || !to.startsWith(`${capability}/`) || !may("operate")) return null;
+  return (
+    <div class="held" role="status">
+      <Icon name="person" />
+      <p><strong>{t("code.held")}</strong>{holder && <span>{named(holder)}</span>}</p>
+      <Button icon="person" onClick={() => void askFor(capability)}>{t("hand.ask")}</Button>
+    </div>
+  );
+}
+
+/** The question of another, and its answers; it moves nothing else on the screen, for a thumb may be on the stick. */
+export function Asked() {
+  const asked = asker.value;
+  if (!asked) return null;
+  return (
+    <div class="notice notice-ask" role="alert">
+      <Icon name="person" />
+      <p><strong>{question(asked)}</strong></p>
+      <Button kind="primary" onClick={() => handOver(asked)}>{t("hand.over")}</Button>
+      <Button kind="quiet" onClick={() => { asker.value = null; }}>{t("hand.later")}</Button>
+    </div>
+  );
+}

@@ -1,0 +1,37 @@
+// The robot's cameras: what each sees, its privacy switch, and a picture to keep.
+import { number, plain } from "../../format";
+import { useStream } from "../../live";
+import type { Capability, CameraState } from "../../messages";
+import { notice } from "../../notices";
+import { Badge, Button, Icon, Stale, Toggle } from "../../parts";
+import { capabilities, command, may } from "../../robot";
+import { Picture, PREFIX } from "../../stream";
+import { t } from "../../words";
+
+export function Cameras() {
+  return <div class="cameras">{capabilities("camera").map((one) => <Camera key={one.name} of={one} />)}</div>;
+}
+
+function Camera({ of }: { of: Capability }) {
+  const state = useStream<CameraState>(`${of.name}/state`);
+  const told = state?.message;
+  const snapshot = async (): Promise<void> => {
+    const answer = await command(of.name, "snapshot", {});
+    if (answer.ok) notice((answer.data as { path?: string } | null)?.path ?? t("cameras.kept"), "good");
+  };
+  return (
+    <section class="camera" aria-label={plain(of.name)}>
+      <div class="system-part-head">
+        <h3 class="cut">{plain(of.name.replace(PREFIX, ""))}</h3>
+        <Stale sample={state} after={4000} />
+        {told && <Badge tone={told.on ? (told.phase === "ready" || told.phase === "streaming" ? "good" : "calm") : "calm"}>{told.on ? told.phase : t("cameras.private.off")}</Badge>}
+      </div>
+      <div class="camera-picture">{told && !told.on ? <><Icon name="nocamera" /><p>{t("cameras.off")}</p></> : <Picture name={of.name} />}</div>
+      <p class="camera-facts muted num">{told?.width_px ? `${told.width_px} × ${told.height_px}` : ""}{told?.fps ? ` · ${number(told.fps, 1)} / s` : ""}{told?.reason ? ` ${told.reason}` : ""}</p>
+      <div class="system-tools">
+        {of.commands["switch"] && <Toggle label={t("cameras.private")} checked={told?.on ?? false} disabled={!told || !may(of.commands["switch"].role)} onChange={(on) => void command(of.name, "switch", { on })} />}
+        {of.commands["snapshot"] && may(of.commands["snapshot"].role) && <Button icon="camera" disabled={told?.on === false} onClick={() => void snapshot()}>{t("cameras.keep")}</Button>}
+      </div>
+    </section>
+  );
+}

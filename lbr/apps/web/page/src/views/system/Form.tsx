@@ -1,0 +1,65 @@
+// A form made from a schema: each problem stands beside its field.
+import { useOwnId } from "../../parts";
+import { plain } from "../../format";
+import { t } from "../../words";
+import { read, same, shown, unitOf, type FieldOf, type Problem } from "./schema";
+
+interface FormProps {
+  fields: FieldOf[]; value: Record<string, unknown>; path?: string; fixed?: (path: string) => boolean;
+  wrong: (path: string) => string; onChange: (value: Record<string, unknown>) => void;
+  /** What another has written there since this form was opened; undefined where nothing, or the same. */
+  theirs?: Record<string, unknown>;
+}
+
+export const said = (problem: Problem | undefined): string => (problem ? t(problem.key, { value: problem.value ?? "" }) : "");
+
+export function Form({ fields, value, path = "", fixed = () => false, wrong, onChange, theirs = {} }: FormProps) {
+  const put = (name: string, next: unknown): void => {
+    const { [name]: _, ...rest } = value;
+    onChange(next === undefined ? rest : { ...value, [name]: next });
+  };
+  return (
+    <div class="form">
+      {fields.map((field) => field.kind === "object" ? (
+        <fieldset key={field.name} class="form-group">
+          <legend>{plain(field.name)}</legend>
+          {field.help && <p class="form-help">{field.help}</p>}
+          {wrong(path + field.name) && <p class="form-wrong" role="alert">{wrong(path + field.name)}</p>}
+          <Form fields={field.fields} value={(value[field.name] ?? {}) as Record<string, unknown>} path={`${path}${field.name}.`} fixed={fixed} wrong={wrong} theirs={theirs[field.name] as Record<string, unknown> | undefined} onChange={(next) => put(field.name, Object.keys(next).length > 0 || field.needed || value[field.name] !== undefined ? next : undefined)} />
+        </fieldset>
+      ) : <One key={field.name} field={field} value={value[field.name]} fixed={fixed(path + field.name)} wrong={wrong(path + field.name)} theirs={theirs[field.name]} onChange={(next) => put(field.name, next)} />)}
+    </div>
+  );
+}
+
+function One({ field, value, fixed, wrong, theirs, onChange }: { field: FieldOf; value: unknown; fixed: boolean; wrong: string; theirs: unknown; onChange: (value: unknown) => void }) {
+  const id = useOwnId();
+  const { stem, unit } = unitOf(field);
+  const about = { "aria-invalid": wrong !== "", "aria-describedby": wrong || field.help ? `${id}-about` : undefined, disabled: fixed };
+  const usual = field.fallback === null || field.fallback === "" ? "" : shown(field, field.fallback);
+  const bounds = [field.least ?? field.above, field.most ?? field.below].some((one) => one !== null) ? `${field.least ?? field.above ?? "…"} – ${field.most ?? field.below ?? "…"}` : "";
+  const typed = (text: string): void => onChange(read(field, text));
+  return (
+    <div class={`field form-field ${wrong ? "form-bad" : ""}`}>
+      {field.kind === "flag" ? (
+        <label class="toggle" for={id}><input id={id} type="checkbox" role="switch" checked={(value ?? field.fallback) === true} onChange={(event) => onChange(event.currentTarget.checked)} {...about} /><span>{plain(field.name)}</span></label>
+      ) : (
+        <>
+          <label class="field-label" for={id}>{plain(stem)}{unit && <span class="sr"> {plain(field.name.slice(stem.length + 1))}</span>}{bounds && <span class="form-bounds num">{bounds}</span>}</label>
+          {field.kind === "choice" ? (
+            <select id={id} class="input" value={shown(field, value ?? field.fallback)} onChange={(event) => typed(event.currentTarget.value)} {...about}>
+              {field.nullable && <option value="">–</option>}
+              {field.choices.map((one) => <option key={one} value={one}>{one}</option>)}
+            </select>
+          ) : field.kind === "json" ? (
+            <textarea id={id} class="input form-json" rows={Math.min(8, 1 + Math.ceil(shown(field, value).length / 48))} value={shown(field, value)} placeholder={usual} spellcheck={false} onChange={(event) => typed(event.currentTarget.value)} {...about} />
+          ) : (
+            <span class="form-number" data-unit={unit || undefined}><input id={id} class="input" inputMode={field.kind === "text" ? "text" : "decimal"} value={shown(field, value)} placeholder={usual} spellcheck={false} autocomplete="off" onInput={(event) => typed(event.currentTarget.value)} {...about} />{unit && <span class="form-unit" aria-hidden="true">{unit}</span>}</span>
+          )}
+        </>
+      )}
+      {theirs !== undefined && !same(theirs, value) && <p class="form-theirs" role="status">{t("form.theirs", { value: shown(field, theirs) || "–" })}</p>}
+      {(wrong || field.help) && <p id={`${id}-about`} class={wrong ? "form-wrong" : "form-help"}>{wrong || field.help}</p>}
+    </div>
+  );
+}

@@ -1,0 +1,142 @@
+// What a form needs to know of a table's columns and of settings, from their JSON schemas. Pure.
+export interface Schema {
+  $ref?: string; $defs?: Record<string, Schema>; type?: string | string[]; title?: string; description?: string; properties?: Record<string, Schema>; required?: string[];
+  enum?: unknown[]; const?: unknown; anyOf?: Schema[]; minimum?: number; maximum?: number; exclusiveMinimum?: number; exclusiveMaximum?: number; pattern?: string; maxLength?: number; minLength?: number; default?: unknown;
+}
+export type FieldKind = "text" | "number" | "integer" | "flag" | "choice" | "object" | "json";
+export interface FieldOf {
+  name: string; kind: FieldKind; help: string; needed: boolean; nullable: boolean; fallback: unknown; choices: string[];
+  least: number | null; most: number | null; above: number | null; below: number | null; longest: number | null; pattern: string; fields: FieldOf[];
+}
+export type Problem = { key: "form.needed" | "form.number" | "form.whole" | "form.least" | "form.most" | "form.above" | "form.below" | "form.longest" | "form.json"; value?: number };
+
+const UNITS: Record<string, string> = {
+  s: "s", ms: "ms", us: "µs", hz: "Hz", m: "m", cm: "cm", mm: "mm", deg: "°", rad: "rad", mps: "m/s", mps2: "m/s²", rps: "rad/s", dps: "°/s", v: "V", mv: "mV", a: "A", ma: "mA", ah: "Ah", c: "°C",
+  g: "g", kg: "kg", nm: "N m", px: "px", percent: "%", db: "dB", mb: "MB", kb: "kB", bytes: "B", baud: "baud", w: "W", ut: "µT",
+};
+
+/** A number's name without its unit, and the unit as it is written: `watchdog_ms` is "watchdog" in ms. */
+export function unitOf(field: Pick<FieldOf, "name" | "kind">): { stem: string; unit: string } {
+  const [, stem = "", per = "", unit = ""] = /^(.+?)(_per)?_([a-z0-9]+)$/.exec(field.name) ?? [];
+  const known = (field.kind === "number" || field.kind === "integer") && UNITS[unit];
+  return known ? { stem, unit: per ? `/ ${known}` : known } : { stem: field.name, unit: "" };
+}
+
+function resolved(schema: Schema, defs: Record<string, Schema>, depth = 0): Schema {
+  const name = schema.$ref?.split("/").pop();
+  const found = name !== undefined && depth < 8 ? defs[name] : undefined;
+  return found ? { ...resolved(found, defs, depth + 1), ...(schema.default !== undefined ? { default: schema.default } : {}), ...(schema.description ? { description: schema.description } : {}) } : schema;
+}
+
+/** The fields of a struct, in its order. */
+export function fieldsOf(schema: Schema, defs: Record<string, Schema> = schema.$defs ?? {}, depth = 0): FieldOf[] {
+  const struct = resolved(schema, defs);
+  return Object.entries(struct.properties ?? {}).map(([name, one]) => fieldOf(name, one, defs, (struct.required ?? []).includes(name), depth));
+}
+
+function fieldOf(name: string, given: Schema, defs: Record<string, Schema>, needed: boolean, depth: number): FieldOf {
+  const whole = resolved(given, defs);
+  const options = (whole.anyOf ?? [whole]).map((one) => resolved(one, defs));
+  const some = options.filter((one) => one.type !== "null");
+  const bare: Schema = some.length === 1 ? some[0]! : {};
+  const fields = bare.type === "object" && bare.properties && depth < 3 ? fieldsOf(bare, defs, depth + 1) : [];
+  const choices = bare.enum ?? (bare.const !== undefined ? [bare.const] : []);
+  return {
+    name, kind: fields.length > 0 ? "object" : kindOf(bare, choices), needed, nullable: some.length < options.length,
+    help: given.description ?? whole.description ?? bare.description ?? "", fallback: given.default ?? whole.default ?? null, choices: choices.map(String),
+    least: bare.minimum ?? null, most: bare.maximum ?? null, above: bare.exclusiveMinimum ?? null, below: bare.exclusiveMaximum ?? null,
+    longest: bare.maxLength ?? null, pattern: bare.pattern ?? "", fields,
+  };
+}
+
+function kindOf(schema: Schema, choices: unknown[]): FieldKind {
+  if (choices.length > 0) return choices.every((one) => typeof one === "string" || typeof one === "number") ? "choice" : "json";
+  switch (schema.type) {
+    case "string": return "text";
+    case "number": return "number";
+    case "integer": return "integer";
+    case "boolean": return "flag";
+    default: return "json";
+  }
+}
+
+/** What a person typed as the value of a field; undefined leaves it out, and what cannot be read stays as it was typed. */
+export function read(field: FieldOf, typed: string): unknown {
+  const text = typed.trim();
+  if (field.kind === "text") return typed;
+  if (text === "") return field.nullable && field.needed ? null : undefined;
+  if (field.kind === "number" || field.kind === "integer") {
+    const value = Number(text.replace(",", "."));
+    return Number.isFinite(value) ? value : typed;
+  }
+  if (field.kind === "choice") return field.choices.includes(text) && /^-?\d+(\.\d+)?$/.test(text) && !Number.isNaN(Number(text)) ? Number(text) : text;
+  try {
+    return JSON.parse(text);
+  } catch {
+    return typed;
+  }
+}
+
+/** A value as a person types it. */
+export function shown(field: FieldOf, value: unknown): string {
+  if (value === undefined || value === null) return "";
+  return field.kind === "json" && typeof value !== "string" ? JSON.stringify(value) : String(value);
+}
+
+/** What is wrong with a value as far as its schema says; null if nothing is. */
+export function wrong(field: FieldOf, value: unknown): Problem | null {
+  if (value === undefined || value === null || value === "") return field.needed && !field.nullable && !(field.kind === "text" && value === "") ? { key: "form.needed" } : null;
+  if (field.kind === "json" && typeof value === "string" && /^\s*[[{]/.test(value)) return { key: "form.json" };
+  if (field.kind === "text") return field.longest !== null && String(value).length > field.longest ? { key: "form.longest", value: field.longest } : null;
+  if (field.kind !== "number" && field.kind !== "integer") return null;
+  if (typeof value !== "number") return { key: "form.number" };
+  if (field.kind === "integer" && !Number.isInteger(value)) return { key: "form.whole" };
+  if (field.least !== null && value < field.least) return { key: "form.least", value: field.least };
+  if (field.most !== null && value > field.most) return { key: "form.most", value: field.most };
+  if (field.above !== null && value <= field.above) return { key: "form.above", value: field.above };
+  if (field.below !== null && value >= field.below) return { key: "form.below", value: field.below };
+  return null;
+}
+
+/** The paths of all fields with something wrong, such as `settings.max_power`. */
+export function problems(fields: FieldOf[], value: Record<string, unknown>, path = ""): Map<string, Problem> {
+  const found = new Map<string, Problem>();
+  for (const field of fields) {
+    const at = path + field.name, one = value[field.name];
+    if (field.kind === "object") {
+      for (const [key, problem] of problems(field.fields, (one ?? {}) as Record<string, unknown>, `${at}.`)) if (one !== undefined || problem.key !== "form.needed") found.set(key, problem);
+      continue;
+    }
+    const problem = wrong(field, one);
+    if (problem) found.set(at, problem);
+  }
+  return found;
+}
+
+/** What `now` says otherwise than `before`, also within settings: what another has written meanwhile. */
+export function writtenSince(before: Record<string, unknown>, now: Record<string, unknown>): Record<string, unknown> {
+  const struct = (one: unknown): one is Record<string, unknown> => typeof one === "object" && one !== null && !Array.isArray(one);
+  return Object.fromEntries(Object.entries(now).filter(([name, value]) => !same(before[name], value)).map(([name, value]) => [name, struct(value) ? writtenSince(struct(before[name]) ? before[name] : {}, value) : value]));
+}
+
+/** What another has written, with my changes laid upon it; within settings only what I changed is mine. */
+export function kept(there: Record<string, unknown>, before: Record<string, unknown>, mine: Record<string, unknown>): Record<string, unknown> {
+  const settings = mine["settings"];
+  if (typeof settings !== "object" || settings === null || Array.isArray(settings)) return { ...there, ...mine };
+  const was = (before["settings"] ?? {}) as Record<string, unknown>;
+  const now: Record<string, unknown> = { ...((there["settings"] ?? {}) as Record<string, unknown>) };
+  for (const name of new Set([...Object.keys(was), ...Object.keys(settings)])) {
+    const wanted = (settings as Record<string, unknown>)[name];
+    if (same(was[name], wanted)) continue;
+    if (wanted === undefined) delete now[name];
+    else now[name] = wanted;
+  }
+  return { ...there, ...mine, settings: now };
+}
+
+export const same = (one: unknown, other: unknown): boolean => JSON.stringify(one) === JSON.stringify(other);
+
+/** The columns that are another than before; of a new row, all that are said. */
+export function changes(before: Record<string, unknown> | null, now: Record<string, unknown>): Record<string, unknown> {
+  return Object.fromEntries(Object.entries(now).filter(([name, value]) => value !== undefined && (before === null || !same(before[name], value))));
+}

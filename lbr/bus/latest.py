@@ -1,0 +1,30 @@
+"""The newest message of many streams at once, and how old each is."""
+
+import contextlib
+import time
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from lbr.bus import codec, stamp, wire
+from lbr.bus.session import Session
+from lbr.errors import MalformedError
+
+
+class Latest(NamedTuple):
+    """What a stream said last; its age is null where the clock of its sender is not ours."""
+
+    message: dict[str, Any]
+    age_s: float | None
+
+
+def ask(bus: Session, keys: Iterable[str], *, source: str, timeout_s: float) -> dict[str, Latest]:
+    """Return the newest message of each stream by its topic; what does not answer in time is left out."""
+    found: dict[str, Latest] = {}
+    for raw in wire.ask_all(bus, keys, source=source, timeout_s=timeout_s):
+        said = stamp.read(raw.attachment)
+        age_s = (time.monotonic_ns() - said.mono_ns) / 1e9 if said and said.boot == stamp.boot_id() else None
+        with contextlib.suppress(MalformedError):  # what a program publishes may be anything
+            value = codec.decode(raw.payload)
+            if isinstance(value, dict):
+                found[raw.key.partition("/")[2]] = Latest(value, age_s)
+    return found

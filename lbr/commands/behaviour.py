@@ -1,0 +1,375 @@
+"""`lbr behaviour`: state tables from spreadsheets and back, checked, drawn, and run."""
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lbr.commands.options import FileName, json_option, print_json, robot_options
+from lbr.errors import InputError, RowError
+from lbr.messages.behaviour import BehaviourRow, BehaviourTable
+from lbr.messages.plain import one_line
+from lbr.messages.units import NAME_PATTERN
+
+if TYPE_CHECKING:
+    from lbr.apps.behaviours.files import Read
+    from lbr.apps.behaviours.table import Compiled, Fault, Parts
+    from lbr.commands.options import Whom
+    from lbr.database.rows import RobotRows
+    from lbr.database.store import Database
+
+database_option = click.option(
+    "--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out."
+)
+robot_option = click.option("--robot", metavar="NAME", help="Whose behaviours; the usual robot's if left out.")
+
+
+@click.group("behaviour")
+def command() -> None:
+    """Write state tables in a spreadsheet, check and take them, and run them. A running robot follows an edit."""
+
+
+@command.command("check")
+@click.argument("what", metavar="FILE|TABLE")
+@robot_option
+@database_option
+def check(what: str, robot: str | None, database: Path | None) -> int:
+    """Say all that is wrong with a table in FILE (CSV or JSON) or in the robot's rows, with line, column and what to do."""
+    from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of `lbr --help`
+
+    if not _is_a_file(what):
+        with _opened(database) as opened:
+            rows = opened.load(_robot(opened, robot))
+        table, compiled = _table(rows, what), _compiled(rows)[what]
+        _complain(f"behaviour '{table.name}'", compiled.faults, {})
+        if compiled.errors:
+            raise RowError(tuple(f"behaviour '{table.name}', {told(one)}" for one in compiled.errors))
+        click.echo(f"{what}: good")
+        return 0
+    path = Path(what)
+    found = _read(path, "behaviour")
+    of_robot = _rows_if_any(database, robot)
+    compiled = _fits(path, BehaviourTable(name=_name_of(path)), found, of_robot)
+    _complain(str(path), compiled.faults, found.lines)
+    states = len(compiled.table.states) if compiled.table is not None else 0
+    click.echo(f"{path}: good: {len(found.rows)} rows, {states} states")
+    return 0
+
+
+@command.command("import")
+@click.argument("file", type=FileName(dir_okay=False))
+@click.option("--name", metavar="NAME", help="What it is to be called; as the file if left out.")
+@click.option("--help-text", "text", metavar="TEXT", help="What it is for, in one line.")
+@click.option(
+    "--max",
+    "max_s",
+    type=click.FloatRange(0.0, 86400.0),
+    metavar="SECONDS",
+    help="The longest it may run; 0: until it ends.",
+)
+@click.option("--replace", "replacing", is_flag=True, help="Put it in the place of the table that has this name.")
+@robot_option
+@database_option
+@json_option
+def import_(
+    file: Path,
+    name: str | None,
+    text: str | None,
+    max_s: float | None,
+    replacing: bool,
+    robot: str | None,
+    database: Path | None,
+    as_json: bool,
+) -> int:
+    """Take the table in FILE, CSV or JSON, as a behaviour of the robot; one with a fault is refused, and all are named.
+
+    A robot that runs has it at once. If it is the one that is being run, its states count from when they are next entered.
+    """
+    from lbr.commands.rows import problems_of  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.database.edits import Edit  # noqa: PLC0415
+
+    called = name or _name_of(file)
+    if not re.fullmatch(NAME_PATTERN, called) or len(called) > 40:
+        raise InputError(f"'{called}' is not a name: small letters, digits and _, a letter first; give one by --name")
+    with _opened(database) as opened:
+        whose = _robot(opened, robot)
+        rows = opened.load(whose)
+        before = next((one for one in rows.of(BehaviourTable) if one.name == called), None)
+        if before is not None and not replacing:
+            how = "--replace puts this one in its place, --name gives it another name"
+            raise InputError(f"behaviour '{called}' is there already: {how}", "exists")
+        kept = before or BehaviourTable(name=called)
+        table = BehaviourTable(
+            name=called,
+            help=kept.help if text is None else text,
+            max_s=kept.max_s if max_s is None else max_s,
+        )
+        found = _read(file, called)
+        compiled = _fits(file, table, found, rows)
+        _complain(str(file), compiled.faults, found.lines)
+        edit = Edit(rows=(table, *found.rows), create=None)
+        opened.edit(whose, edit, problems_of)
+    if as_json:
+        print_json({"robot": whose, "name": called, "rows": len(found.rows)})
+    else:
+        click.echo(f"took '{called}' for {whose}: {len(found.rows)} rows; 'lbr behaviour run {called}' runs it")
+    return 0
+
+
+@command.command("export")
+@click.argument("table")
+@click.option(
+    "--csv",
+    "form",
+    flag_value="csv",
+    default=True,
+    help="For a spreadsheet; this is what is written if nothing is said.",
+)
+@click.option("--json", "form", flag_value="json", help="As JSON.")
+@click.option(
+    "--semicolons", is_flag=True, help="CSV with semicolons, as spreadsheets want it where numbers have commas."
+)
+@click.option("--to", "path", type=FileName(), metavar="FILE", help="Else it is printed.")
+@robot_option
+@database_option
+def export(table: str, form: str, semicolons: bool, path: Path | None, robot: str | None, database: Path | None) -> int:
+    """Write a TABLE as CSV or JSON, for a spreadsheet or for others; 'lbr behaviour import' takes it."""
+    from lbr.apps.behaviours import files  # noqa: PLC0415 - kept out of `lbr --help`
+
+    _, rows = _found(table, robot, database)
+    if form == "json":
+        content = files.to_json(rows)
+    else:
+        text = files.to_csv(rows, ";" if semicolons else ",")
+        content = text.encode("utf-8-sig" if path is not None else "utf-8")  # the mark tells Excel that it is UTF-8
+    if path is None:
+        click.echo(content.decode().replace("\r\n", "\n"), nl=False)
+        return 0
+    return _written(path, content)
+
+
+@command.command("show")
+@click.argument("table")
+@click.option("--svg", is_flag=True, help="As a picture, for a browser.")
+@click.option("--to", "path", type=FileName(), metavar="FILE", help="Else it is printed.")
+@robot_option
+@database_option
+def show(table: str, svg: bool, path: Path | None, robot: str | None, database: Path | None) -> int:
+    """Draw the states of a TABLE, and what leads from one to the next."""
+    from lbr.apps.behaviours import drawing, texts  # noqa: PLC0415 - kept out of `lbr --help`
+
+    of_table, rows = _found(table, robot, database)
+    drawn = drawing.svg(of_table, rows) if svg else texts.graph(of_table, rows) + "\n"
+    if path is None:
+        click.echo(drawn, nl=False)
+        return 0
+    return _written(path, drawn.encode())
+
+
+@command.command("list")
+@robot_option
+@database_option
+def list_(robot: str | None, database: Path | None) -> int:
+    """List the behaviours in the robot's rows, and what is wrong with those that cannot be run."""
+    from lbr.apps.behaviours import texts  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.messages.behaviour import BehaviourState  # noqa: PLC0415
+
+    with _opened(database) as opened:
+        rows = opened.load(_robot(opened, robot))
+    tables = {one.name: one for one in rows.of(BehaviourTable)}
+    click.echo(texts.listed(tables, _compiled(rows), BehaviourState(phase="resting")))
+    return 0
+
+
+@command.command("columns")
+def columns() -> int:
+    """List the columns that a condition may have: names of the telemetry, and of the run itself."""
+    from lbr.apps.behaviours import keys, outputs  # noqa: PLC0415 - kept out of `lbr --help`
+
+    click.echo("as tables have always had them, distances in centimetres:\n  " + ", ".join(keys.COLUMNS))
+    click.echo("any of the telemetry, by its last name where only one has it:")
+    for name in keys.all_names():
+        click.echo(f"  {name}")
+    click.echo("outputs:\n  " + ", ".join(f"O:{name}" for name in outputs.ALL))
+    return 0
+
+
+def _word(name: str, text: str) -> None:
+    """Add a subcommand that says one of the console's words to a running robot."""
+
+    @click.command(name, help=text)
+    @robot_options
+    @json_option
+    @click.pass_context
+    def say(context: click.Context, whom: "Whom", as_json: bool) -> Any:
+        return _said(context, f"/behaviour/{name}", whom, as_json=as_json)
+
+    command.add_command(say)
+
+
+@command.command("run")
+@click.argument("table")
+@robot_options
+@json_option
+@click.pass_context
+def run(context: click.Context, table: str, whom: "Whom", as_json: bool) -> Any:
+    """Have a running robot run TABLE from its start; it goes on without this command, and 'lbr behaviour stop' ends it."""
+    return _said(context, f"/behaviour/run/{table}", whom, as_json=as_json)
+
+
+for _name, _text in (
+    ("stop", "End the behaviour that runs, and stand still."),
+    ("pause", "Stand still; resume goes on."),
+    ("step", "After a pause: go on up to the next state, and pause there."),
+    ("resume", "Go on after a pause."),
+    ("why", "Say where the run is, and for each row what does not hold and by how much."),
+):
+    _word(_name, _text)
+
+
+def _said(context: click.Context, line: str, whom: "Whom", *, as_json: bool) -> Any:
+    from lbr.commands import send  # noqa: PLC0415 - the bus is for those who use it
+
+    return context.invoke(
+        send.command,
+        words=(line,),
+        robot=whom.robot,
+        connect=whom.connect,
+        token_file=whom.token_file,
+        hold_s=5.0,
+        as_json=as_json,
+    )
+
+
+def _is_a_file(what: str) -> bool:
+    return not re.fullmatch(NAME_PATTERN, what) or Path(what).is_file()
+
+
+def _name_of(path: Path) -> str:
+    name = re.sub(r"[^a-z0-9_]+", "_", path.stem.removesuffix(".states").lower()).strip("_")
+    return name[:40] if re.match("[a-z]", name) else f"table_{name}"[:40]
+
+
+def _read(path: Path, name: str) -> "Read":
+    """Return what is in a file; RowError names all that could not be read in it."""
+    from lbr.apps.behaviours import files  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.database import given_files  # noqa: PLC0415
+
+    content = given_files.read(path, files.LARGEST_BYTES)
+    found = files.read(content, name, json=path.suffix.lower() == ".json")
+    if found.faults:
+        raise RowError(tuple(one_line(f"{path}, {fault}") for fault in found.faults))
+    return found
+
+
+def _fits(path: Path, table: BehaviourTable, found: "Read", rows: "RobotRows | None") -> "Compiled":
+    """Return a table of a file, checked beside the robot's own; RowError names all that is wrong with it."""
+    from lbr.apps.behaviours.table import compile_table, linked  # noqa: PLC0415 - kept out of `lbr --help`
+
+    compiled = {
+        **(_alone(rows) if rows is not None else {}),
+        table.name: compile_table(table, found.rows, _parts(rows)),
+    }
+    mine = (linked(compiled) if rows is not None else compiled)[table.name]
+    if mine.errors:
+        raise RowError(tuple(one_line(_told(str(path), one, found.lines)) for one in mine.errors))
+    return mine
+
+
+def _complain(where: str, faults: "tuple[Fault, ...]", lines: Any) -> None:
+    """Print what is odd, no more."""
+    for one in faults:
+        if not one.error:
+            click.echo(one_line(f"note: {_told(where, one, lines)}"), err=True)
+
+
+def _told(where: str, fault: "Fault", lines: Any) -> str:
+    at = [f"line {lines[fault.step]}"] if fault.step in lines else [f"row {fault.step}"] if fault.step else []
+    return ", ".join([where, *at, *([fault.column] if fault.column else [])]) + f": {fault.text}"
+
+
+def _compiled(rows: "RobotRows") -> "dict[str, Compiled]":
+    from lbr.apps.behaviours.table import linked  # noqa: PLC0415 - kept out of `lbr --help`
+
+    return linked(_alone(rows))
+
+
+def _alone(rows: "RobotRows") -> "dict[str, Compiled]":
+    """Return every table of a robot, each checked by itself."""
+    from lbr.apps.behaviours.table import compile_table  # noqa: PLC0415 - kept out of `lbr --help`
+
+    parts, lines = _parts(rows), rows.of(BehaviourRow)
+    return {
+        one.name: compile_table(one, [row for row in lines if row.behaviour == one.name], parts)
+        for one in rows.of(BehaviourTable)
+    }
+
+
+def _parts(rows: "RobotRows | None") -> "Parts":
+    """Return what a robot has for tables; anything if that is not known, or it has no capability that runs them."""
+    from lbr.apps.behaviours.keys import EVERY  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours.table import ANY_ROBOT, Parts  # noqa: PLC0415
+    from lbr.commands.rows import wiring_of  # noqa: PLC0415
+    from lbr.messages.sensing import RING, RangeSensor  # noqa: PLC0415
+
+    wired = wiring_of(rows, "behaviour") if rows is not None else None
+    if rows is None or wired is None:
+        return ANY_ROBOT
+    sensors = frozenset(row.name for row in rows.of(RangeSensor)) or frozenset(RING)
+    return Parts(wired & EVERY, wired - EVERY, sensors)
+
+
+def _found(table: str, robot: str | None, database: Path | None) -> tuple[BehaviourTable, tuple[BehaviourRow, ...]]:
+    with _opened(database) as opened:
+        rows = opened.load(_robot(opened, robot))
+    of_table = _table(rows, table)
+    return of_table, tuple(row for row in rows.of(BehaviourRow) if row.behaviour == table)
+
+
+def _table(rows: "RobotRows", name: str) -> BehaviourTable:
+    tables = {one.name: one for one in rows.of(BehaviourTable)}
+    if name not in tables:
+        there = ", ".join(sorted(tables)) or "none"
+        raise InputError(f"{rows.robot.name} has no behaviour '{name}': there is {there}", "unknown_name")
+    return tables[name]
+
+
+def _opened(database: Path | None) -> "Database":
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    return opened(database or home.default_database())
+
+
+def _rows_if_any(database: Path | None, robot: str | None) -> "RobotRows | None":
+    """Return a robot's rows to check a file by; None where there is no database yet, and none is named."""
+    from lbr import home  # noqa: PLC0415
+
+    if database is None and robot is None and not home.default_database().exists():
+        return None
+    with _opened(database) as opened:
+        return opened.load(_robot(opened, robot))
+
+
+def _robot(opened: "Database", robot: str | None) -> str:
+    from lbr.commands.rows import robot_in  # noqa: PLC0415
+
+    if robot is None:
+        return robot_in(opened)
+    if robot not in opened.robots():
+        there = ", ".join(opened.robots()) or "none"
+        raise InputError(f"there is no robot '{robot}' in {opened.path}: {there}", "unknown_name")
+    return robot
+
+
+def _written(path: Path, content: bytes) -> int:
+    try:
+        with path.open("xb") as file:
+            file.write(content)
+    except FileExistsError:
+        raise InputError(f"{path} exists already; name another file, or remove it") from None
+    except OSError as err:
+        raise InputError(f"{path} cannot be written: {err.strerror}") from err
+    click.echo(f"wrote {path}")
+    return 0

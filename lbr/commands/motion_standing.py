@@ -1,0 +1,59 @@
+"""In which key frames of a motion the simulated body stands: played up to each of them, stopped there, and watched."""
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from lbr.messages.joints import Joint, KeyFrame
+from lbr.operations.joints import trajectory
+from lbr.simulation.humanoid.balance import Balance
+from lbr.simulation.humanoid.settings import HumanoidWorldSettings
+
+if TYPE_CHECKING:
+    from lbr.database.rows import RobotRows
+
+WORLD = "humanoid_world"
+ROUNDS = (1, 2)
+"""A walk is stopped in its first round, from rest, and in its second, under way."""
+ASKEW_RAD = 0.006
+"""How far a joint's zero is off, one standard deviation: a third of a degree, what a calibration by hand leaves."""
+SEEDS = (1, 2, 3)
+
+
+def world(rows: "RobotRows", robot: str) -> HumanoidWorldSettings:
+    """Return how a robot is simulated: as its rows say, or with the body of its name."""
+    found = (row.settings for row in rows.capabilities if row.kind == WORLD)
+    return msgspec.json.decode(next(found, f'{{"model": "{robot}"}}'), type=HumanoidWorldSettings)
+
+
+def stable_frames(
+    settings: HumanoidWorldSettings,
+    joints: Sequence[Joint],
+    home: str,
+    lead_in: Sequence[KeyFrame],
+    frames: Sequence[KeyFrame],
+) -> Iterator[bool]:
+    """Yield of each key frame whether the body stays on its feet there, with joints a little askew, each time."""
+    rounds = ROUNDS if lead_in else ROUNDS[:1]
+    for at in range(len(frames)):
+        ways = [(*lead_in, *tuple(frames) * (count - 1), *frames[: at + 1]) for count in rounds]
+        yield all(_stands(settings, joints, home, way, seed) for way in ways for seed in SEEDS)
+
+
+def _stands(
+    settings: HumanoidWorldSettings, joints: Sequence[Joint], home: str, frames: Sequence[KeyFrame], seed: int
+) -> bool:
+    chance = random.Random(seed)
+    askew = {joint.name: chance.gauss(0.0, ASKEW_RAD) for joint in joints}
+    start = {joint.name: min(max(0.0, joint.lower_rad), joint.upper_rad) for joint in joints} | frames[0].positions
+    way = trajectory.plan(start, frames, {joint.name: joint.speed_rps for joint in joints})
+
+    def goals(t: float) -> Mapping[str, float]:
+        return {name: at + askew[name] for name, at in {**start, **trajectory.positions(way, t)}.items()}
+
+    balance = Balance(settings, joints, home, goals=goals, duration_s=way.duration_s, frame=lambda _t: 1)
+    for _ in balance.play():
+        pass
+    return balance.report.stands

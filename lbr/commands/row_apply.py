@@ -1,0 +1,213 @@
+"""`lbr db plan`, `apply`, `export` and `import`: rows out of a file or folder, judged before they are written."""
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from msgspec.structs import replace
+
+from lbr.commands.options import FileName, Number, complete_robot, database_option, json_option
+from lbr.commands.row_past import change_options, end_left_trial, running_here, tell
+from lbr.commands.row_touched import Touching
+from lbr.errors import InputError
+
+if TYPE_CHECKING:
+    from lbr.database import past
+    from lbr.database.store import Database
+
+
+LONGEST_S = 600.0
+LOOK_S = 0.1
+GRACE_S = 5.0
+"""For a robot that writes down late what became of a trial: its disk may be slow."""
+
+
+@click.command("plan")
+@click.argument("source", type=FileName())
+@click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="Look at the rows of one robot alone.")
+@database_option
+@json_option
+def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) -> int:
+    """Show what 'lbr db apply SOURCE' would change, row by row, what would be wrong, and what would start, stop and restart.
+
+    SOURCE is a file of SQL that edits rows, a copy of a database, or a folder of 'lbr db export'. Nothing is touched. Exit
+    code 2 with problems.
+    """
+    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    with opened(database or home.default_database()) as rows:
+        touching = Touching(rows, running_here(rows.path))
+        became = _become(rows, source, robot, touching, dry_run=True)
+        return tell(became, "", dry_run=True, as_json=as_json, touched=touching.told(), place=_place(source, rows))
+
+
+@click.command("apply")
+@click.argument("source", type=FileName())
+@click.option(
+    "--within",
+    "within_s",
+    type=Number(0.1, LONGEST_S),
+    metavar="SECONDS",
+    help="Go back unless all that is touched is ready by then, also if lbr is killed meanwhile. Waits for it.",
+)
+@change_options
+def apply(
+    source: Path,
+    within_s: float | None,
+    robot: str | None,
+    expected: int | None,
+    dry_run: bool,
+    database: Path | None,
+    as_json: bool,
+) -> int:
+    """Have the rows as SOURCE says, all of them or none; what it is, 'lbr db plan' says. A running robot follows.
+
+    Exit code 2 if that would be wrong, and nothing is changed; 1 if --within went back.
+    """
+    return _apply(source, robot, expected, database, within_s=within_s, dry_run=dry_run, as_json=as_json)
+
+
+@click.command("import")
+@click.argument("folder", type=FileName(exists=True, file_okay=False), metavar="DIR")
+@change_options
+def import_(
+    folder: Path, robot: str | None, expected: int | None, dry_run: bool, database: Path | None, as_json: bool
+) -> int:
+    """Have the rows as the files in DIR say that 'lbr db export' wrote, all or none. Exit code 2 with problems.
+
+    The robots that have a folder there get exactly these rows; a table without a file stays, and so do other robots.
+    """
+    return _apply(folder, robot, expected, database, dry_run=dry_run, as_json=as_json)
+
+
+@click.command("export")
+@click.argument("folder", type=FileName(file_okay=False), metavar="DIR")
+@click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="Write the rows of one robot alone.")
+@database_option
+@json_option
+def export(folder: Path, robot: str | None, database: Path | None, as_json: bool) -> int:
+    """Write the rows into DIR as text that git compares well: a folder for each robot, a file for each table.
+
+    Files that are there are overwritten; tokens, events and the audit trail stay out of it.
+    """
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.options import print_json  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+    from lbr.database import row_files  # noqa: PLC0415
+
+    with opened(database or home.default_database()) as rows:
+        if robot is not None and robot not in (names := rows.robots()):
+            raise InputError(f"there is no robot '{robot}' in {rows.path}: {', '.join(names)}", "unknown_name")
+        tables, schema = rows.tables()
+        revision = rows.revision()
+    files = row_files.written(tables, schema, robot)
+    row_files.write(folder, files)
+    if as_json:
+        print_json({"revision": revision, "files": [str(folder / one.name) for one in files]})
+    else:
+        click.echo(
+            f"wrote {len(files)} files of {len({one.robot for one in files})} folders into {folder}: revision {revision}"
+        )
+    return 0
+
+
+COMMANDS = (plan, apply, export, import_)
+
+
+def _apply(
+    source: Path,
+    robot: str | None,
+    expected: int | None,
+    database: Path | None,
+    *,
+    dry_run: bool,
+    as_json: bool,
+    within_s: float | None = None,
+) -> int:
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    with opened(database or home.default_database()) as rows:
+        running = running_here(rows.path)
+        if within_s is not None and not running:
+            raise InputError(
+                f"no robot runs from {rows.path} that could say whether it is ready: leave --within out", "not_possible"
+            )
+        touching = Touching(rows, running)
+        became = _become(rows, source, robot, touching, expected, within_s, dry_run=dry_run)
+        trial = None if within_s is None or became.revision == became.before else _awaited(rows, became.revision)
+        code = tell(
+            became,
+            f"the rows are as {source} says",
+            dry_run=dry_run,
+            as_json=as_json,
+            touched=touching.told(),
+            place=_place(source, rows),
+            trial=trial,
+        )
+    return code or (1 if trial is not None and trial.state != "kept" else 0)
+
+
+def _awaited(rows: "Database", revision: int) -> "past.Trial | None":
+    """Wait for what becomes of rows on trial; the executive goes on alone if this is killed."""
+    from lbr.database import becoming  # noqa: PLC0415
+
+    trial = becoming.trial(rows)
+    if trial is not None:
+        click.echo(f"revision {revision} is on trial by '{trial.robot}' for {trial.within_s:g} s", err=True)
+        until = time.monotonic() + trial.within_s + GRACE_S
+        while trial is not None and trial.revision == revision and trial.state == "running":
+            if trial.robot not in running_here(rows.path):
+                return replace(trial, text="its robot ended: its next start goes back")
+            if time.monotonic() >= until:
+                return replace(trial, text="its robot does not judge it: 'lbr status' says how it is")
+            time.sleep(LOOK_S)
+            trial = becoming.trial(rows)
+    return trial
+
+
+def _become(
+    rows: "Database",
+    source: Path,
+    robot: str | None,
+    touching: Touching,
+    expected: int | None = None,
+    within_s: float | None = None,
+    *,
+    dry_run: bool,
+) -> "past.Became":
+    from lbr.database import becoming, sources  # noqa: PLC0415
+
+    if not dry_run:
+        end_left_trial(rows)
+    wanted = sources.wanted(source, rows.path, robot)
+
+    def looked_at(*arguments: Any) -> "tuple[past.Step, ...]":
+        found = wanted(*arguments)
+        touching.look(found)
+        return found
+
+    def on_trial(steps: "tuple[past.Step, ...]") -> tuple[str, float]:
+        return touching.judge_of(steps), within_s or 0.0
+
+    return becoming.become(
+        rows,
+        looked_at,
+        touching,
+        text=f"applied {source.name}",
+        expected=expected,
+        dry_run=dry_run,
+        on_trial=on_trial if within_s is not None else None,
+    )
+
+
+def _place(source: Path, rows: "Database") -> Any:
+    """Return what says a problem with the file where it stands, for a folder."""
+    from lbr.database import row_files  # noqa: PLC0415
+
+    if not source.is_dir():
+        return str
+    schema = rows.tables()[1]
+    return lambda problem: row_files.place(problem, schema)

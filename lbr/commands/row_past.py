@@ -1,0 +1,306 @@
+"""`lbr db history`, `rollback` and `undo`: what became of the rows, and the way back."""
+
+import time
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+from click.shell_completion import CompletionItem
+
+from lbr.commands.options import F, complete_robot, database_option, json_option, print_json
+from lbr.errors import InputError
+from lbr.messages.plain import one_line
+
+if TYPE_CHECKING:
+    from lbr.commands.row_touched import Touched
+    from lbr.database import past
+    from lbr.database.difference import Difference
+    from lbr.database.reading import Problem, RawTables
+    from lbr.database.rows import RevisionRow, RobotRows
+    from lbr.database.store import Database
+    from lbr.database.tables import Schema
+    from lbr.home import Running
+
+
+def complete_table(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the tables whose changes are kept, to complete a command line by."""
+    from lbr.database.shipped import shipped  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.resources import robot_db_sql  # noqa: PLC0415
+
+    return [CompletionItem(name) for name in shipped(robot_db_sql())[1] if name.startswith(begun)]
+
+
+def change_options(function: F) -> F:
+    """Add --robot, --revision, --dry-run, --db and --json, for what changes many rows at once."""
+    options: tuple[Callable[[F], F], ...] = (
+        click.option(
+            "--robot", metavar="NAME", shell_complete=complete_robot, help="Change the rows of one robot alone."
+        ),
+        click.option(
+            "--revision",
+            "expected",
+            type=click.IntRange(0),
+            metavar="N",
+            help="Refuse if the rows have another revision by now than the one that you looked at.",
+        ),
+        click.option("--dry-run", is_flag=True, help="Only say what would be done."),
+        database_option,
+        json_option,
+    )
+    for option in reversed(options):
+        function = option(function)
+    return function
+
+
+@click.command("history")
+@click.option(
+    "-n", "count", type=click.IntRange(1), default=20, show_default=True, help="How many of the newest changes."
+)
+@click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="Changes of one robot's rows.")
+@click.option("--table", metavar="TABLE", shell_complete=complete_table, help="Changes of one table's rows.")
+@click.option("--row", metavar="ROW", help="Changes of one row, as it is told: lbr/drive, or drive.")
+@database_option
+@json_option
+def history(
+    count: int, robot: str | None, table: str | None, row: str | None, database: Path | None, as_json: bool
+) -> int:
+    """Show who changed which rows, when and by what, row by row, the newest last.
+
+    The numbers are revisions: 'lbr db diff A B' compares two, 'lbr db rollback REV' goes back to one.
+    """
+    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
+    from lbr.commands.rows import opened  # noqa: PLC0415
+    from lbr.database import past  # noqa: PLC0415
+
+    with opened(database or home.default_database()) as rows:
+        if table is not None and table not in (known := rows.tables()[1]):
+            raise InputError(f"no table '{table}' keeps its changes: {', '.join(sorted(known))}", "unknown_name")
+        changes = rows.changes()
+    found = []
+    for change in changes:
+        mine = [one for one in change.rows if _is_asked(one, robot, table, row)]
+        if mine:
+            found.append((change, [past.of_revision(one) for one in mine]))
+    found = found[-count:]
+    if as_json:
+        print_json([_as_json(change, lines) for change, lines in found])
+        return 0
+    for change, lines in found:
+        click.echo(one_line(f"{_numbers(change)}  {_local(change.at)}  {_who(change)}"))
+        for line in lines:
+            click.echo(one_line(f"    {line}"))
+    if not found:
+        click.echo("no such row was changed" if robot or table or row else "no row was changed")
+    return 0
+
+
+@click.command("rollback")
+@click.argument("number", type=click.IntRange(0), metavar="REV")
+@change_options
+def rollback(
+    number: int, robot: str | None, expected: int | None, dry_run: bool, database: Path | None, as_json: bool
+) -> int:
+    """Have the rows as they were at revision REV; a change like any other, which 'lbr db undo' takes back.
+
+    All of them or none: exit code 2 with what would be wrong, and nothing is changed. The emergency stop, tokens and the
+    audit trail stay as they are. A running robot follows.
+    """
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    with opened(database or home.default_database()) as rows:
+        became = go_back(rows, number, robot, expected, dry_run=dry_run)
+    return tell(became, f"the rows are as at revision {number}", dry_run=dry_run, as_json=as_json)
+
+
+@click.command("undo")
+@click.argument("count", type=click.IntRange(1), default=1, metavar="[N]")
+@change_options
+def undo(
+    count: int, robot: str | None, expected: int | None, dry_run: bool, database: Path | None, as_json: bool
+) -> int:
+    """Take back the newest change of rows, or the newest N; 'undo' once more takes that back.
+
+    A change is what 'lbr db history' tells as one. With --robot, the newest ones of that robot's rows: what others have
+    changed since in other rows stays.
+    """
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    with opened(database or home.default_database()) as rows:
+        if not dry_run and (taken_back := end_left_trial(rows)):
+            if count > 1:
+                raise InputError(f"{taken_back}: look at 'lbr db history', and say 'lbr db undo' again", "changed")
+            click.echo(taken_back)
+            return 0
+        changes = rows.changes()
+        mine = [one for one in changes if any(_is_asked(row, robot, None, None) for row in one.rows)]
+        if len(mine) < count:
+            raise InputError(f"there are {len(mine)} changes to take back, not {count}", "not_possible")
+        if expected is None:
+            expected = changes[-1].last
+        became = go_back(rows, mine[-count].first - 1, robot, expected, dry_run=dry_run)
+    which = "the newest change is" if count == 1 else f"the newest {count} changes are"
+    return tell(became, f"{which} taken back", dry_run=dry_run, as_json=as_json)
+
+
+COMMANDS = (history, rollback, undo)
+
+
+def go_back(
+    rows: "Database", number: int, robot: str | None, expected: int | None, *, dry_run: bool = False
+) -> "past.Became":
+    """Have the rows as they were at a revision; InputError says why that cannot be."""
+    from lbr.database import becoming, past  # noqa: PLC0415
+
+    def wanted(tables: "RawTables", schema: "Schema", at: "past.At") -> "tuple[past.Step, ...]":
+        return past.steps(tables, at(number), schema, robot)
+
+    whose = f" of '{robot}'" if robot else ""
+    check_robot(rows, robot)
+    if not dry_run:
+        end_left_trial(rows)
+    return becoming.become(
+        rows, wanted, problems, text=f"went back to revision {number}{whose}", expected=expected, dry_run=dry_run
+    )
+
+
+def end_left_trial(rows: "Database") -> str:
+    """Take back what is on trial by a robot that does not run any more, as its next start would; return what was done."""
+    from lbr.database import becoming  # noqa: PLC0415
+    from lbr.executive.planning import trials  # noqa: PLC0415
+
+    trial = becoming.trial(rows)
+    return "" if trial is None or trial.robot in running_here(rows.path) else trials.go_back(rows, trial.robot)
+
+
+def running_here(path: Path) -> "dict[str, Running]":
+    """Return the robots that run from a database, by name."""
+    from lbr import home  # noqa: PLC0415
+
+    return {one.robot: one for one in home.running() if _is_same(Path(one.database), path)}
+
+
+def check_robot(rows: "Database", robot: str | None) -> None:
+    """Raise InputError if there neither is nor was a robot of this name."""
+    if robot is None or robot in (names := rows.robots()):
+        return
+    if not any(one.row_key[:1] == (robot,) for one in rows.revisions() if one.table == "robot"):
+        raise InputError(f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}", "unknown_name")
+
+
+def problems(rows: "RobotRows") -> "tuple[Problem, ...]":
+    """Return what a start would find wrong with a robot's rows."""
+    from lbr.commands.rows import planned  # noqa: PLC0415
+
+    return planned(rows)[1]
+
+
+def between(rows: "Database", first: int, second: int | None) -> "tuple[Difference, ...]":
+    """Return what differs between two revisions; now, if there is no second."""
+    from lbr.database import past  # noqa: PLC0415
+
+    now, schema = rows.tables()
+    after = now if second is None else rows.tables_at(second)
+    return past.told(past.steps(rows.tables_at(first), after, schema))
+
+
+def tell(
+    became: "past.Became",
+    done: str,
+    *,
+    dry_run: bool,
+    as_json: bool,
+    touched: "tuple[Touched, ...]" = (),
+    place: "Callable[[Problem], str]" = str,
+    trial: "past.Trial | None" = None,
+) -> int:
+    """Say what became of rows, and return the exit code: 2 if nothing was changed because of problems."""
+    from lbr.database import past  # noqa: PLC0415
+
+    told = past.told(became.steps)
+    written = not (dry_run or became.problems or not became.steps)
+    if as_json:
+        print_json(
+            {
+                "written": written,
+                "before": became.before,
+                "revision": became.revision,
+                "differences": told,
+                "problems": became.problems,
+                "touched": touched,
+                "trial": trial,
+            }
+        )
+        return 2 if became.problems else 0
+    for one in told:
+        click.echo(one_line(str(one)))
+    for problem in became.problems:
+        click.echo(f"problem: {one_line(place(problem))}", err=True)
+    if became.problems:
+        click.echo("nothing was changed", err=True)
+        return 2
+    for robot in touched:
+        click.echo(one_line(str(robot)))
+    if not told:
+        click.echo("nothing differs: nothing was changed")
+    elif dry_run:
+        click.echo(f"nothing was changed yet; the rows have revision {became.before}")
+    elif trial is not None and trial.state != "kept":
+        click.echo(
+            f"went back to revision {trial.back}: {trial.text}" if trial.state == "back" else trial.text, err=True
+        )
+    else:
+        click.echo(f"{done}: revision {became.revision}")
+    return 0
+
+
+def local_time(seconds: float) -> str:
+    """Return a moment as clocks here show it."""
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(seconds))
+
+
+def _is_same(one: Path, other: Path) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:
+        return False
+
+
+def _is_asked(revision: "RevisionRow", robot: str | None, table: str | None, row: str | None) -> bool:
+    """Say whether a revision is of a robot, of a table and of a row; None is any."""
+    values = revision.new or revision.old or {}
+    mine = robot is None or values.get("name" if revision.table == "robot" else "robot") == robot
+    keys = {"/".join(revision.row_key), "/".join(revision.row_key[1:])}
+    return mine and table in {None, revision.table} and (row is None or row in keys)
+
+
+def _numbers(change: "past.Change") -> str:
+    return str(change.last) if change.first == change.last else f"{change.first}-{change.last}"
+
+
+def _who(change: "past.Change") -> str:
+    if not change.program:
+        return change.text
+    return f"{change.source}, {change.program}" + (f": {change.text}" if change.text else "")
+
+
+def _local(at: str) -> str:
+    try:
+        return local_time(datetime.fromisoformat(at).timestamp())
+    except ValueError:  # as another SQLite client may write it
+        return at
+
+
+def _as_json(change: "past.Change", lines: "list[Difference]") -> dict[str, object]:
+    return {
+        "first": change.first,
+        "last": change.last,
+        "at": change.at,
+        "source": change.source,
+        "program": change.program,
+        "text": change.text,
+        "rows": lines,
+    }

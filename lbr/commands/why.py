@@ -1,0 +1,173 @@
+"""`lbr why`."""
+
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+from click.shell_completion import CompletionItem
+
+from lbr.commands.options import FileName, Whom, json_option, print_json, robot_options
+from lbr.errors import BusError, InputError
+
+if TYPE_CHECKING:
+    from lbr import home
+    from lbr.console.target import Target
+    from lbr.messages.system import Event
+    from lbr.messages.why import Chain
+    from lbr.why.snapshot import Facts, Snapshot
+
+ANSWER_S = 1.5
+"""A robot that runs answers within a fifth of a second; one that does not by then is looked at from its rows."""
+EVENTS = 200
+
+
+def complete_part(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the parts that the rows here have, to complete a command line by."""
+    from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.why import chain  # noqa: PLC0415
+
+    path = home.default_database()
+    found = {name for facts in _of_rows(path, None) for name in chain.names(facts)} if path.exists() else set()
+    return [CompletionItem(name) for name in sorted(found) if name.startswith(begun)]
+
+
+@click.command("why")
+@click.argument("part", required=False, default="", shell_complete=complete_part)
+@robot_options
+@click.option("--db", "database", type=FileName(), help="The rows to read of a robot that does not run.")
+@json_option
+def command(part: str, whom: Whom, database: Path | None, as_json: bool) -> int:
+    """Say what holds PART still: the first link from what was asked to what moves, and what to type.
+
+    PART is a capability, a joint, a camera or another device; without one it is all that moves. A robot that does not
+    run or does not answer is explained by its rows. Exit code 0: it was answered, 1: there are
+    no rows to answer from, 2: bad input.
+    """
+    from lbr.messages.plain import one_line  # noqa: PLC0415
+    from lbr.why import telling  # noqa: PLC0415
+
+    found = ask(part, whom, database)
+    if as_json:
+        print_json(found)
+    else:
+        for line in telling.lines(found):
+            click.echo(one_line(line))
+    return 0
+
+
+def ask(part: str, whom: Whom, database: Path | None) -> "Chain":
+    """Return why a part stands still: by the robot's own word, or by its rows if it has none."""
+    from lbr import home  # noqa: PLC0415
+    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.why.chain import explain  # noqa: PLC0415
+
+    began = time.monotonic()
+    here = [one for one in home.running() if whom.robot in {None, one.robot}]
+    if not here and not whom.connect:
+        return explain(_dead(part, whom.robot, database or home.default_database()), part)
+    try:
+        if (answer := _heard(target.find(*whom), part)) is not None:
+            return answer
+    except BusError:
+        if whom.connect or len(here) != 1:
+            raise
+    if whom.connect:
+        raise BusError(f"the robot at {whom.connect} does not answer")
+    return explain(_silent(here[0], time.monotonic() - began), part)
+
+
+def _heard(found: "Target", part: str) -> "Chain | None":
+    """Return the robot's own answer, None if it has none in time."""
+    import msgspec  # noqa: PLC0415
+
+    from lbr.bus import keys, wire  # noqa: PLC0415
+    from lbr.console import target  # noqa: PLC0415
+    from lbr.messages.system import ConsoleResult  # noqa: PLC0415
+    from lbr.messages.why import Chain  # noqa: PLC0415
+
+    if "/" in part or "\n" in part:
+        raise InputError(f"'{part}' is not a part; a part is a name such as drive", "unknown_name")
+    line, source, answered = f"/why/{part}" if part else "why", target.source("lbr why"), threading.Event()
+    with target.connected(found) as bus:
+        question = wire.PendingQuery(
+            bus,
+            keys.console(found.robot, found.role),
+            line.encode(),
+            timeout_s=ANSWER_S,
+            source=source,
+            proof=found.proof,
+            wake=answered.set,
+        )
+        until = time.monotonic() + ANSWER_S
+        while not (question.done or question.replies) and time.monotonic() < until:
+            answered.wait(max(0.0, until - time.monotonic()))
+            answered.clear()
+        answers = list(question.replies)
+    if not answers:
+        return None
+    result = msgspec.json.decode(answers[0].payload, type=ConsoleResult)
+    if result.code != 0:
+        raise InputError(result.text, result.reason_code or "refused")  # type: ignore[arg-type]
+    return msgspec.convert(result.data, Chain)
+
+
+def _dead(part: str, robot: str | None, path: Path) -> "Snapshot":
+    """Return what the rows say of a robot that does not run: the named one, else one that has such a part."""
+    from lbr.commands.options import DEFAULT_PROFILE  # noqa: PLC0415
+    from lbr.console.printable import shown  # noqa: PLC0415
+    from lbr.executive.planning import profile  # noqa: PLC0415
+    from lbr.why import chain  # noqa: PLC0415
+
+    if not path.exists():
+        raise BusError(f"no robot runs here, and there are no rows in {path}; 'lbr run' makes them and starts one")
+    found, usual = _of_rows(path, robot), profile.load(DEFAULT_PROFILE).robot
+    if not found:
+        raise InputError(f"there is no robot {shown(robot or '')!r} in {path}", "unknown_name")
+    known = [one for one in found if not part or part in chain.names(one)] or found
+    return _snapshot(next((one for one in known if one.robot == usual), known[0]), "down", path)
+
+
+def _silent(running: "home.Running", waited_s: float) -> "Snapshot":
+    """Return what is known of a robot that holds its lock and does not answer."""
+    from lbr.why.snapshot import Facts  # noqa: PLC0415
+
+    path = Path(running.database)
+    found = _of_rows(path, running.robot, running.profile) if path.exists() else []
+    facts = found[0] if found else Facts(robot=running.robot, profile=running.profile)
+    return _snapshot(facts, "silent", path, waited_s)
+
+
+def _snapshot(facts: "Facts", executive: str, path: Path, waited_s: float = 0.0) -> "Snapshot":
+    from lbr.commands.rows import opened  # noqa: PLC0415
+    from lbr.why.snapshot import Snapshot  # noqa: PLC0415
+
+    events: tuple[Event, ...] = ()
+    if path.exists():
+        with opened(path) as rows:
+            events = rows.events(EVENTS)
+    return Snapshot(
+        facts=facts,
+        executive=executive,  # type: ignore[arg-type]
+        waited_s=waited_s,
+        events=events,
+        wall_ns=time.time_ns(),
+    )
+
+
+def _of_rows(path: Path, robot: str | None, profile: str = "") -> "list[Facts]":
+    """Return what a database says of its robots, or of one of them."""
+    from lbr.commands.rows import opened, planned  # noqa: PLC0415
+    from lbr.executive.planning import facts  # noqa: PLC0415
+    from lbr.executive.planning.watch import loaded  # noqa: PLC0415
+
+    with opened(path) as database:
+        names = [name for name in database.robots() if robot in {None, name}]
+        all_rows = loaded(database, names)
+    found = []
+    for name in names:
+        made, problems = planned(all_rows[name])
+        of_bad = facts.of_bad_rows(all_rows[name], tuple(str(one) for one in problems), profile)
+        found.append(facts.facts(made, profile) if made is not None else of_bad)
+    return found

@@ -1,0 +1,86 @@
+"""What a motion was before, out of the revisions that the database keeps of every row; pure."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from datetime import datetime
+from itertools import islice
+from typing import Any
+
+import msgspec
+
+from lbr.database.rows import RevisionRow
+from lbr.messages.joints import Motion, MotionRow, MotionStep, motions_of
+from lbr.messages.motion_work import MotionVersion
+
+MOST = 50
+TOGETHER_S = 1.0
+"""An edit writes its rows one after the other within this; a person who saves again takes longer."""
+TABLES = frozenset((MotionRow.TABLE, MotionStep.TABLE))
+Values = dict[tuple[str, ...], dict[str, Any]]
+"""Rows of a motion by table and key."""
+
+
+def versions(now: Motion | None, revisions: Iterable[RevisionRow], robot: str, name: str) -> tuple[MotionVersion, ...]:
+    """Return the versions of a motion, newest first, what it is `now` among them; those without key frames are none.
+
+    A change that only takes back the one before makes no version of its own.
+    """
+    found: list[MotionVersion] = []
+    for one in islice(_backwards(now, revisions, robot, name), 4 * MOST):
+        if one.motion.frames and (not found or found[-1].motion != one.motion):
+            found.append(one)
+    return tuple(found[:MOST])
+
+
+def _backwards(now: Motion | None, revisions: Iterable[RevisionRow], robot: str, name: str) -> Iterator[MotionVersion]:
+    mine = [one for one in revisions if one.table in TABLES and one.row_key[:2] == (robot, name)]
+    values = {(row.TABLE, *map(str, row.key)): msgspec.to_builtins(row) for row in (now.rows if now else ())}
+    while mine:
+        edit = _last_edit(mine)
+        if (motion := _motion(values, name)) is not None:
+            yield MotionVersion(revision=edit[-1].id, since=edit[-1].changed_at, motion=motion)
+        for one in reversed(edit):
+            _undo(values, one)
+        del mine[-len(edit) :]
+    if (motion := _motion(values, name)) is not None:
+        yield MotionVersion(revision=0, since="", motion=motion)
+
+
+def _last_edit(revisions: list[RevisionRow]) -> list[RevisionRow]:
+    """Return the newest changes that were written together, oldest first."""
+    first = len(revisions) - 1
+    while first > 0 and _apart_s(revisions[first - 1], revisions[first]) <= TOGETHER_S:
+        first -= 1
+    return revisions[first:]
+
+
+def _apart_s(one: RevisionRow, next_: RevisionRow) -> float:
+    """Return how much later the next was; not a number where that is not known, so that they count as apart."""
+    try:
+        return abs((datetime.fromisoformat(next_.changed_at) - datetime.fromisoformat(one.changed_at)).total_seconds())
+    except (ValueError, TypeError):
+        return float("nan")
+
+
+def _undo(values: Values, one: RevisionRow) -> None:
+    key = one.row_key[1:]
+    values.pop((one.table, *key), None)
+    if one.old is not None:
+        values[(one.table, *key)] = one.old
+
+
+def _motion(values: Mapping[tuple[str, ...], dict[str, Any]], name: str) -> Motion | None:
+    """Return what rows make; None if there is no such motion among them, or not all of it can be read."""
+    try:
+        rows = [_row(value, MotionRow) for (table, *_), value in values.items() if table == MotionRow.TABLE]
+        steps = [_row(value, MotionStep) for (table, *_), value in values.items() if table == MotionStep.TABLE]
+    except (msgspec.ValidationError, msgspec.DecodeError):
+        return None
+    found = motions_of(rows, sorted(steps, key=lambda step: step.step))
+    return next((one for one in found if one.name == name), None)
+
+
+def _row(value: Mapping[str, Any], kind: Any) -> Any:
+    told = {field: value[field] for field in kind.__struct_fields__ if value.get(field) is not None}
+    if isinstance(told.get("positions"), str):
+        told["positions"] = msgspec.json.decode(told["positions"])
+    return msgspec.convert(told, kind, strict=False)

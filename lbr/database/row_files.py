@@ -1,0 +1,230 @@
+"""Rows as text files that git compares well: a folder for each robot, in it a file for each table. Pure but for `read` and `write`.
+
+rows/lbr/capability.json    the rows of 'lbr', by their keys; what the database holds as JSON stands there as JSON
+rows/_shared/phrase.json    what is every robot's
+"""
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from msgspec import Struct
+
+from lbr.database.columns import json_strictly
+from lbr.database.difference import same
+from lbr.database.reading import ROBOT, Problem, RawRow, RawTables
+from lbr.database.tables import WRITTEN_BY_LBR, Schema
+from lbr.errors import InputError, RowError
+from lbr.messages.rows import shown
+
+SHARED = "_shared"
+"""The folder of rows that are every robot's; no robot can be called so."""
+MOST_BYTES = 32_000_000
+"""Of one file: a hundred times the largest table that comes with lbr."""
+_SUFFIX = ".json"
+
+
+class File(Struct, frozen=True, kw_only=True):
+    """One table of one robot as text; `robot` is SHARED for rows that are every robot's."""
+
+    robot: str
+    table: str
+    text: str
+
+    @property
+    def name(self) -> str:
+        """Return where it stands in its folder."""
+        return f"{self.robot}/{self.table}{_SUFFIX}"
+
+
+def written(tables: RawTables, schema: Schema, robot: str | None = None) -> tuple[File, ...]:
+    """Return the files of all tables, also of empty ones; of one robot alone, without what is every robot's, if so asked."""
+    found = []
+    for folder in sorted(row["name"] for row in tables.get(ROBOT, ()) if robot in {None, row["name"]}):
+        for table in schema:
+            owner = _owner(table, schema)
+            if owner:
+                rows = [row for row in tables.get(table, ()) if row[owner] == folder]
+                found.append(File(robot=folder, table=table, text=_text(table, rows, schema)))
+    if robot is None:
+        shared = [table for table in schema if not _owner(table, schema)]
+        found += [File(robot=SHARED, table=one, text=_text(one, tables.get(one, ()), schema)) for one in shared]
+    return tuple(found)
+
+
+def taken(files: tuple[File, ...], tables: RawTables, schema: Schema) -> RawTables:
+    """Return the tables as they are with these files; a table without a file stays. RowError names file, row and column."""
+    after: dict[str, list[RawRow]] = {table: list(rows) for table, rows in tables.items()}
+    faults: list[str] = []
+    for file in files:
+        rows, found = _rows(file, schema)
+        faults += found
+        owner = _owner(file.table, schema) if file.table in schema else ""
+        if not found:
+            rest = [row for row in after[file.table] if owner and row[owner] != file.robot]
+            after[file.table] = [*rest, *_with_what_lbr_writes(file.table, rows, tables, schema)]
+    if faults:
+        raise RowError(tuple(faults))
+    return after
+
+
+def place(problem: Problem, schema: Schema) -> str:
+    """Return a problem of a row as a sentence that names the file where it stands."""
+    if problem.table not in schema:
+        return str(problem)
+    owner, _, rest = problem.row.partition("/")
+    folder, row = (owner, rest or owner) if _owner(problem.table, schema) else (SHARED, problem.row)
+    column = f", {problem.column}" if problem.column else ""
+    return f"{folder}/{problem.table}{_SUFFIX}, '{row}'{column}: {problem.text}"
+
+
+def write(folder: Path, files: tuple[File, ...]) -> None:
+    """Write files into a folder, each whole or not at all; others that are there stay. InputError says which cannot be."""
+    for file in files:
+        if file.name.count("/") != 1 or file.name.startswith("."):
+            raise InputError(f"'{shown(file.name)}' would be no file in {folder}: rename the robot or the table")
+        path = folder / file.name
+        new = path.with_name(f".{path.name}.new-{os.getpid()}")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            new.write_text(file.text, encoding="utf-8", errors="surrogateescape")
+            new.replace(path)
+        except OSError as err:
+            raise InputError(f"{path} cannot be written ({err.strerror}): check the folder") from err
+        finally:
+            with suppress(OSError):
+                new.unlink()
+
+
+def read(folder: Path, robot: str | None = None) -> tuple[File, ...]:
+    """Read the files of a folder, of one robot alone if so asked; InputError names what cannot be read, or is none of them."""
+    found = []
+    try:
+        for place in sorted(one for one in folder.iterdir() if one.is_dir() and not one.name.startswith(".")):
+            if robot in {None, place.name}:
+                found += [_read(place, path) for path in sorted(place.iterdir()) if path.suffix == _SUFFIX]
+    except OSError as err:
+        raise InputError(f"{err.filename} cannot be read ({err.strerror})") from err
+    if not found:
+        whose = f"{robot}/" if robot else "lbr/"
+        raise InputError(
+            f"{folder} has no rows in it: files such as {whose}capability.json, as `lbr db export` writes them"
+        )
+    return tuple(found)
+
+
+def _read(place: Path, path: Path) -> File:
+    content = path.read_bytes() if path.stat().st_size <= MOST_BYTES else None
+    if content is None:
+        raise InputError(f"{path} is too large: more than {MOST_BYTES} bytes are no rows")
+    text = content.decode("utf-8", errors="surrogateescape")
+    return File(robot=place.name, table=path.stem, text=text)
+
+
+def _owner(table: str, schema: Schema) -> str:
+    """Return the column that says whose a row is; empty for rows that are every robot's."""
+    return "name" if table == ROBOT else "robot" if "robot" in schema[table] else ""
+
+
+def _text(table: str, rows: Any, schema: Schema) -> str:
+    keys = schema.keys_of[table]
+    told = [
+        {name: _told(value) for name, value in row.items() if name != "robot" and (table, name) not in WRITTEN_BY_LBR}
+        for row in sorted(rows, key=lambda row: tuple((isinstance(row[name], str), row[name]) for name in keys))
+    ]
+    return json.dumps(told, ensure_ascii=False, indent=2) + "\n"
+
+
+def _told(value: Any) -> Any:
+    """Return a value as a file has it: JSON that is an object or a list as such, if nothing is lost by it."""
+    if isinstance(value, str) and value[:1] in {"{", "["}:
+        try:
+            found = json_strictly(value)
+        except (ValueError, RecursionError):
+            return value
+        if same(_stored(found), value):
+            return found
+    return value
+
+
+def _stored(value: Any) -> Any:
+    if isinstance(value, dict | list):
+        return json.dumps(value, ensure_ascii=False)
+    return int(value) if isinstance(value, bool) else value
+
+
+def _rows(file: File, schema: Schema) -> tuple[list[RawRow], list[str]]:
+    """Return the rows of a file, and what is wrong with it."""
+    if file.table not in schema:
+        return [], [f"{file.name}: there is no table '{shown(file.table)}': {', '.join(sorted(schema))}"]
+    if (file.robot == SHARED) == bool(_owner(file.table, schema)):
+        whose = (
+            "every robot's: it stands in " + SHARED if file.robot != SHARED else "a robot's: it stands in its folder"
+        )
+        return [], [f"{file.name}: a row of {file.table} is {whose}"]
+    try:
+        found = json_strictly(file.text)
+    except (RecursionError, ValueError) as err:
+        return [], [_no_json(file, err)]
+    if not isinstance(found, list):
+        return [], [f"{file.name}: is not a list of rows"]
+    rows, faults, seen = [], [], set()
+    for number, values in enumerate(found, 1):
+        row, wrong = _row(file, number, values, schema)
+        key = tuple(row.get(name) for name in schema.keys_of[file.table])
+        if not wrong and key in seen:
+            wrong = [f"{_at(file, number, values, schema)}: is there twice"]
+        seen.add(key)
+        rows.append(row)
+        faults += wrong
+    return rows, faults
+
+
+def _no_json(file: File, err: Exception) -> str:
+    if isinstance(err, json.JSONDecodeError):
+        return f"{file.name}, line {err.lineno}: is not JSON ({err.msg}); is it cut off?"
+    return f"{file.name}: is not JSON: {'nested too deeply' if isinstance(err, RecursionError) else err}"
+
+
+def _row(file: File, number: int, values: Any, schema: Schema) -> tuple[RawRow, list[str]]:
+    at = _at(file, number, values, schema)
+    if not isinstance(values, dict):
+        return {}, [f"{at}: is not an object of columns"]
+    columns = {name for name in schema[file.table] if name != "robot" and (file.table, name) not in WRITTEN_BY_LBR}
+    faults = [f"{at}, {shown(name)}: {file.table} has no such column" for name in values if name not in columns]
+    row: dict[str, Any] = {}
+    for name in schema[file.table]:
+        if name == "robot":
+            row[name] = file.robot
+        elif name in values:
+            row[name] = _stored(values[name])
+        elif name in columns:
+            try:
+                row[name] = schema.default(file.table, name)
+            except LookupError:
+                faults.append(f"{at}, {name}: is missing, and has no default")
+    if file.table == ROBOT and row.get("name") != file.robot:
+        faults.append(f"{at}, name: must be '{shown(file.robot)}', as its folder")
+    return row, faults
+
+
+def _at(file: File, number: int, values: Any, schema: Schema) -> str:
+    keys = [name for name in schema.keys_of[file.table] if name != "robot"]
+    told = "/".join(shown(values.get(name)) for name in keys) if isinstance(values, dict) else ""
+    return f"{file.name}, row {number}" + (f" ('{told}')" if told else "")
+
+
+def _with_what_lbr_writes(
+    table: str, rows: list[RawRow], tables: Mapping[str, Any], schema: Schema
+) -> Iterator[RawRow]:
+    """Yield rows with the columns that no file has: as they stand, or as a new row has them."""
+    own = [name for name in schema[table] if (table, name) in WRITTEN_BY_LBR]
+    keys = schema.keys_of[table]
+    now = {tuple(row[name] for name in keys): row for row in tables.get(table, ())} if own else {}
+    for row in rows:
+        there = now.get(tuple(row[name] for name in keys))
+        kept = {name: there[name] if there is not None else schema.default(table, name) for name in own}
+        yield {**row, **kept}

@@ -1,0 +1,110 @@
+"""Rows to change to, out of a file or folder: SQL that edits rows, a copy of a database, or what was exported.
+
+SQL runs on a copy in memory, and may change rows that make robots, and nothing else.
+"""
+
+import sqlite3
+import tempfile
+import time
+from contextlib import closing
+from pathlib import Path
+
+from lbr.database import constraints, copies, past, row_files
+from lbr.database.connection import Connection, connect, pragma, sentences
+from lbr.database.packaged import READING
+from lbr.database.reading import RawTables
+from lbr.database.store import Database
+from lbr.database.tables import Schema, read_tables
+from lbr.errors import InputError, RowError
+
+MAGIC = b"SQLite format 3\0"
+COMPUTED_S = 5.0
+"""Of the processor, for one file of SQL."""
+LOOK_EVERY = 10_000
+MOST_BYTES = 32_000_000
+_CHANGING = {sqlite3.SQLITE_INSERT, sqlite3.SQLITE_UPDATE, sqlite3.SQLITE_DELETE}
+_SCRIPT = "it may insert, update and delete rows that make robots, and do nothing else"
+
+
+def wanted(source: Path, database: Path, robot: str | None = None) -> past.Wanted:
+    """Return what has the rows of a database be as a source has them; of one robot alone, if so asked.
+
+    InputError if there is no such source, RowError naming file, line, row and column if it cannot be taken.
+    """
+    if source.is_dir():
+        files = row_files.read(source, robot)
+        return lambda tables, schema, _at: past.steps(tables, row_files.taken(files, tables, schema), schema, robot)
+    try:
+        size = source.stat().st_size
+        with source.open("rb") as opened:
+            content = opened.read(MOST_BYTES + 1) if not (begin := opened.read(len(MAGIC))).startswith(MAGIC) else b""
+    except OSError as err:
+        raise InputError(f"{source} cannot be read ({err.strerror})", "unknown_name") from err
+    if begin == MAGIC:
+        found, theirs = _of_copy(source)
+        return lambda tables, schema, _at: past.steps(tables, _fitting(source, found, theirs, schema), schema, robot)
+    if size > MOST_BYTES:
+        raise InputError(f"{source} is too large: more than {MOST_BYTES} bytes are no edit of rows")
+    try:
+        script = (begin + content).decode("utf-8")
+    except UnicodeDecodeError as err:
+        raise InputError(
+            f"{source} is neither SQL nor a robot's database, but other bytes: at byte {err.start}"
+        ) from err
+
+    def by_sql(tables: RawTables, schema: Schema, _at: past.At) -> tuple[past.Step, ...]:
+        return past.steps(tables, _run(source, script, database), schema, robot)
+
+    return by_sql
+
+
+def _of_copy(source: Path) -> tuple[RawTables, Schema]:
+    """Return the rows of another database, in the schema of this version; the file stays as it is."""
+    with tempfile.TemporaryDirectory(prefix="lbr-copy-") as place:
+        copy = Path(place) / "robot.db"
+        copies.copy_whole(source, copy)
+        with Database.open(copy) as opened:
+            return opened.tables()
+
+
+def _fitting(source: Path, found: RawTables, theirs: Schema, ours: Schema) -> RawTables:
+    """Return another database's rows; InputError if its tables are not those that are here."""
+    for table in ours:
+        if table not in theirs or set(theirs[table]) != set(ours[table]):
+            raise InputError(f"{source} has not the table '{table}' as this database has it: add it there first")
+    if more := [table for table in theirs if table not in ours and found[table]]:
+        raise InputError(f"there is no table '{more[0]}' here, and {source} has rows of it: add it first")
+    return found
+
+
+def _run(source: Path, script: str, database: Path) -> RawTables:
+    """Return the tables as SQL leaves them on a copy in memory; RowError says in which line it may not."""
+    with closing(sqlite3.connect(":memory:", factory=Connection, isolation_level=None)) as copy:
+        with sentences(database), closing(connect(database)) as opened:
+            opened.backup(copy)
+        pragma(copy, "foreign_keys = ON")
+        schema = Schema(copy)
+
+        def allow(action: int, first: str | None, _second: str | None, _where: str | None, trigger: str | None) -> int:
+            mine = action in _CHANGING and (trigger is not None or first in schema)
+            switch = action == sqlite3.SQLITE_PRAGMA and first in {"foreign_keys", "busy_timeout", "defer_foreign_keys"}
+            return sqlite3.SQLITE_OK if mine or switch or action in READING else sqlite3.SQLITE_DENY
+
+        until = time.thread_time() + COMPUTED_S
+        copy.set_progress_handler(lambda: time.thread_time() > until, LOOK_EVERY)
+        copy.set_authorizer(allow)
+        for line, statement in constraints.statements(script):
+            try:
+                copy.execute(statement)
+            except sqlite3.Error as err:
+                denied = "not authorized" in str(err) or "prohibited" in str(err)
+                slow = "it takes too long" if "interrupted" in str(err) else constraints.words(str(err), statement)
+                raise RowError((f"{source}, line {line}: {_SCRIPT if denied else slow}",)) from err
+        copy.set_authorizer(None)
+        if copy.in_transaction:
+            raise RowError((f"{source}: its transaction has no end: add COMMIT;, or is it cut off?",))
+        if dangling := copy.execute("PRAGMA foreign_key_check").fetchone():
+            raise RowError(
+                (f"{source}: a row of {dangling[0]} would refer to a row of {dangling[2]} that is not there",)
+            )
+        return read_tables(copy)[0]

@@ -1,0 +1,183 @@
+"""Rows on trial: kept once all that they touch is ready, and else taken back, also at the start after a kill.
+
+lbr db apply --within ──► rows and a row of `trial`, in one transaction ──► adopted here ──► ready in time: kept
+                                                                                        └─► refused, late: taken back
+"""
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from lbr.database import becoming
+from lbr.database.past import Trial
+from lbr.database.store import Database
+from lbr.errors import LbrError
+from lbr.executive.planning.plan import Change
+from lbr.messages.system import CapabilityStatus
+
+STEADY_S = 0.5
+"""For how long all must be ready: what cannot run ends within that, once it has said that it is ready."""
+AGAIN_AFTER_S = 1.0
+TOLD = 4
+
+
+class Happened(Protocol):
+    """Makes an event."""
+
+    def __call__(
+        self, kind: str, subject: str, text: str, level: str = "info", data: dict[str, Any] | None = None
+    ) -> None:
+        """Make it."""
+
+
+def not_ready(before: Mapping[str, str], touched: Iterable[str], now: Iterable[CapabilityStatus]) -> tuple[str, ...]:
+    """Return what keeps rows on trial from being kept, in words: what they touch, and what failed since.
+
+    What was degraded before they came may be so again: a device that is not there is not their fault.
+    """
+    found = {one.name: one for one in now}
+    lacking = []
+    for name in touched:
+        one = found.get(name)
+        if one is None:
+            lacking.append(f"{name} is not there")
+        elif one.phase != "ready" and not (one.phase == before.get(name) == "degraded"):
+            lacking.append(f"{name} is {one.phase}" + (f": {one.reason}" if one.reason else ""))
+    others = (one for name, one in found.items() if name not in touched)
+    lacking += [
+        f"{one.name} is failed: {one.reason}"
+        for one in others
+        if one.phase == "failed" != before.get(one.name, "ready")
+    ]
+    return tuple(lacking)
+
+
+def go_back(database: Database, robot: str) -> str:
+    """Take back what was on trial when a robot's executive ended; return what was done, for people, or nothing."""
+    trial = becoming.trial(database)
+    if trial is None or trial.state != "running" or trial.robot != robot:
+        return ""
+    ended = becoming.judge(database, trial, good=False, text="the executive ended before they were judged")
+    return told(ended)
+
+
+def told(trial: Trial) -> str:
+    """Return what became of a trial, for people."""
+    done = {
+        "kept": f"the rows of revision {trial.revision} are kept",
+        "back": f"the rows are as at revision {trial.back} again, because",
+        "lost": f"the rows of revision {trial.revision} stay, though",
+    }
+    return f"{done.get(trial.state, f'revision {trial.revision} is on trial')} {trial.text}".rstrip()
+
+
+class Trials:
+    """Judges what is on trial for this robot. The main thread calls; another waits for the disk."""
+
+    def __init__(
+        self,
+        database: Database,
+        capabilities: Callable[[], Iterable[CapabilityStatus]],
+        happened: Happened,
+        clock: Callable[[], float] = time.monotonic,
+        write: Callable[[Path, Trial, bool, str], Trial] | None = None,
+    ) -> None:
+        self._database = database
+        self._capabilities = capabilities
+        self._happened = happened
+        self._clock = clock
+        self._write = write or _judge
+        self._before: dict[str, str] = {}
+        self._touched: dict[str, None] = {}
+        self._looked: object = None
+        self._trial: Trial | None = None
+        self._until = self._ready_since = 0.0
+        self._processes: tuple[tuple[str, int | None, int], ...] = ()
+        self._writing: threading.Thread | None = None
+        self._ended: Trial | None = None
+
+    @property
+    def on(self) -> bool:
+        """Say whether rows are on trial: they are no good ones yet."""
+        return self._trial is not None
+
+    def touching(self, change: Change) -> None:
+        """Take note of what adopted rows are about to do to the processes."""
+        phases: dict[str, str] = {one.name: one.phase for one in self._capabilities()} if change != Change() else {}
+        if self._trial is None:
+            self._before, self._touched = phases, {}
+        names = (*change.start, *change.restart, *change.plug, *change.follow)
+        self._touched = {name: None for name in (*self._touched, *names) if name not in change.stop}
+
+    def look(self, robot: str, revision: int, problems: tuple[str, ...]) -> None:
+        """Begin and judge what is due; `revision` is of the rows that run, `problems` of those that do not."""
+        if self._writing is not None:
+            self._end()
+        elif self._trial is not None:
+            self._step(problems)
+        elif self._looked != (revision, problems):
+            try:
+                found = becoming.trial(self._database)
+            except LbrError:
+                return  # asked again at the next look
+            self._looked = (revision, problems)
+            if found is not None and found.state == "running" and found.robot == robot:
+                self._begin(found, problems)
+
+    def _begin(self, trial: Trial, problems: tuple[str, ...]) -> None:
+        self._trial, self._until = trial, self._clock() + trial.within_s
+        self._ready_since = self._clock()
+        text = f"revision {trial.revision} is on trial for {trial.within_s:g} s"
+        self._happened("rows_on_trial", "executive", text, "info", {"revision": trial.revision})
+        self._step(problems)
+
+    def _step(self, problems: tuple[str, ...]) -> None:
+        now, lacking = self._clock(), problems[:TOLD]
+        if lacking:
+            self._judge(good=False, text=f"they are refused: {'; '.join(lacking)}")
+            return
+        capabilities = tuple(self._capabilities())
+        lacking = not_ready(self._before, self._touched, capabilities)
+        if any(one.phase == "failed" and one.name in self._touched for one in capabilities):
+            self._judge(good=False, text="; ".join(lacking[:TOLD]))
+            return
+        processes = tuple((one.name, one.pid, one.restarts) for one in capabilities)
+        if lacking or processes != self._processes:  # what ends and starts again may be ready at each look
+            self._processes, self._ready_since = processes, now
+        if not lacking and now - self._ready_since >= STEADY_S:
+            self._judge(good=True, text=f"because {', '.join(self._touched) or 'all'} got ready")
+        elif now >= self._until and self._trial is not None:
+            why = "; ".join(lacking[:TOLD]) or "they were not ready for long enough"
+            self._judge(good=False, text=f"{why} after {self._trial.within_s:g} s")
+
+    def _judge(self, *, good: bool, text: str) -> None:
+        trial, path = self._trial, self._database.path
+
+        def write() -> None:
+            if trial is not None:
+                try:
+                    self._ended = self._write(path, trial, good, text)
+                except LbrError:
+                    time.sleep(AGAIN_AFTER_S)  # the file is locked, or the disk is full
+
+        self._writing = threading.Thread(target=write, name="trial", daemon=True)
+        self._writing.start()
+
+    def _end(self) -> None:
+        if self._writing is None or self._writing.is_alive():
+            return
+        self._writing = None
+        ended, self._ended = self._ended, None
+        if ended is None:  # it could not be written: judged again
+            return
+        self._trial, self._looked = None, None
+        self._touched = {}
+        kind, level = ("rows_kept", "info") if ended.state == "kept" else ("rows_back", "warning")
+        self._happened(kind, "executive", told(ended), level, {"revision": ended.revision})
+
+
+def _judge(path: Path, trial: Trial, good: bool, text: str) -> Trial:
+    with Database.open(path, program="executive") as database:
+        return becoming.judge(database, trial, good=good, text=text)

@@ -1,0 +1,210 @@
+"""The executive's side of the server that forks its capabilities' processes off.
+
+Without one that answers, a process starts in an interpreter of its own: it takes longer, and nothing else changes.
+"""
+
+import contextlib
+import os
+import select
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from typing import IO, Literal
+
+import msgspec
+
+from lbr import home
+from lbr.bus.session import leaf_environment
+from lbr.capability.fork_server import LARGEST, ROOM, Order, Said
+from lbr.console import token_store
+from lbr.errors import LbrError
+from lbr.executive.processes import scheduling
+from lbr.executive.processes.logs import open_log
+from lbr.executive.processes.reaper import Reaper
+
+BEGINS_WITHIN_S = 3.0
+"""A few times what it takes beside four busy loops."""
+ANSWERS_WITHIN_S = 0.3
+"""A fork takes 2 ms; stops wait for whoever waits for it."""
+RETRY_S = 5.0
+LOST = 255
+"""The code of a process whose end nobody has seen, because the fork server had ended before."""
+
+
+class Forked:
+    """A forked process, as `subprocess.Popen` has it."""
+
+    def __init__(self, server: "ForkServer", generation: int, pid: int, stdin: IO[bytes]) -> None:
+        self._server = server
+        self._generation = generation
+        self.pid = pid
+        self.stdin = stdin
+        self._fd = os.pidfd_open(pid)
+        self._code: int | None = None
+
+    def poll(self) -> int | None:
+        """Return how it ended, or None while it runs."""
+        if self._code is None and _readable(self._fd, 0.0):
+            self._code = self._server.code_of(self.pid, self._generation)
+        return self._code
+
+    def wait(self) -> int:
+        """Return how it ended, once it has."""
+        _readable(self._fd, None)
+        code = self.poll()
+        return LOST if code is None else code
+
+    def close(self) -> None:
+        """Free what is held for it; from then on its number may be another's."""
+        os.close(self._fd)
+        self._server.release(self.pid, self._generation)
+
+
+class ForkServer:
+    """Begins at once, and is replaced some time after it has died or did not answer. What it says is in `NAME-forks.log`."""
+
+    def __init__(self, reaper: Reaper, name: str) -> None:
+        self._reaper = reaper
+        self._log = home.directory("logs") / f"{name}-forks.log"
+        self._state: Literal["begins", "serves", "away"] = "away"
+        self._since = 0.0
+        self._generation = 0
+        self._codes: dict[int, int] = {}
+        self._begin()
+
+    @property
+    def begins(self) -> bool:
+        """Return whether it will serve in a moment."""
+        if self._state == "begins":
+            self._hear(0.0)
+            if self._state == "begins" and time.monotonic() - self._since > BEGINS_WITHIN_S:
+                self._end()
+        elif self._state == "away" and time.monotonic() - self._since > RETRY_S:
+            self._begin()
+        return self._state == "begins"
+
+    @property
+    def serves(self) -> bool:
+        """Return whether it forks what is asked for."""
+        return self._state == "serves"
+
+    @property
+    def pid(self) -> int:
+        """Its number."""
+        return self._popen.pid
+
+    def fork(self, words: Sequence[str], environment: Mapping[str, str], log: int, reports: int) -> Forked | None:
+        """Return a new process that waits for its document, or None if it has to start by itself."""
+        if self.begins or self._state != "serves":
+            return None
+        theirs, ours = os.pipe()
+        stdin = os.fdopen(ours, "wb")
+        try:
+            order = msgspec.json.encode(Order(words=tuple(words), environment=dict(environment)))
+            self._link.settimeout(ANSWERS_WITHIN_S)
+            socket.send_fds(self._link, [order], [theirs, log, reports])
+            said = self._answer()
+            if said is not None and said.pid:
+                return Forked(self, self._generation, said.pid, stdin)
+        except OSError:
+            self._end()
+        finally:
+            os.close(theirs)
+        stdin.close()
+        return None
+
+    def code_of(self, pid: int, generation: int) -> int:
+        """Return how a process ended that has; LOST if the server that forked it cannot tell any more."""
+        until = time.monotonic() + ANSWERS_WITHIN_S
+        while pid not in self._codes and self._tells_of(generation):
+            if time.monotonic() > until:
+                self._end()
+            else:
+                self._hear(until - time.monotonic())
+        return self._codes.pop(pid, LOST)
+
+    def _tells_of(self, generation: int) -> bool:
+        return self._state == "serves" and self._generation == generation
+
+    def release(self, pid: int, generation: int) -> None:
+        """Let the number of a process that has ended go."""
+        if self._tells_of(generation):
+            with contextlib.suppress(OSError):
+                self._link.send(msgspec.json.encode(Order(release=pid)))
+
+    def close(self) -> None:
+        """End it."""
+        self._end()
+
+    def _answer(self) -> Said | None:
+        """Wait for the process that was ordered to say that it is there; one that does not answer in time is ended."""
+        until = time.monotonic() + ANSWERS_WITHIN_S
+        while self._state == "serves" and time.monotonic() < until:
+            said = self._hear(until - time.monotonic())
+            if said is not None and (said.pid or said.trouble):
+                return said
+        self._end()
+        return None
+
+    def _hear(self, patience_s: float) -> Said | None:
+        """Hear one thing, and return what is no end of a process."""
+        if not _readable(self._link.fileno(), max(0.0, patience_s)):
+            return None
+        try:
+            content = self._link.recv(LARGEST)
+            said = msgspec.json.decode(content, type=Said) if content else None
+        except (OSError, msgspec.MsgspecError):
+            said = None
+        if said is None:
+            self._end()
+        elif said.code is not None:
+            self._codes[said.pid] = said.code
+        elif not said.pid and not said.trouble:
+            self._state = "serves"
+        return said if said is not None and said.code is None else None
+
+    def _begin(self) -> None:
+        self._since = time.monotonic()
+        self._generation += 1
+        self._codes.clear()
+        self._mark = self._reaper.mark()
+        self._link, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        environment = leaf_environment() | self._mark.environment | {"LBR_HOME": str(home.home())}
+        environment.pop(token_store.VARIABLE, None)
+        try:
+            with open_log(self._log) as log:
+                self._popen = subprocess.Popen(
+                    [sys.executable, "-P", "-m", "lbr.capability.fork_server", str(theirs.fileno()), " " * ROOM],
+                    stdin=subprocess.DEVNULL,
+                    stdout=log,
+                    stderr=log,
+                    env=environment,
+                    pass_fds=(theirs.fileno(),),
+                    start_new_session=True,
+                )
+        except (OSError, LbrError):
+            self._link.close()
+            return
+        finally:
+            theirs.close()
+        self._state = "begins"
+        self._mark.began(self._popen.pid)
+        scheduling.rank(self._popen.pid, scheduling.MOTION)
+
+    def _end(self) -> None:
+        if self._state == "away":
+            return
+        self._state, self._since = "away", time.monotonic()
+        self._link.close()
+        self._popen.kill()
+        self._popen.wait()
+        self._mark.ended()
+
+
+def _readable(fd: int, patience_s: float | None) -> bool:
+    """Wait until there is something to read; unlike `select`, for any number of open files."""
+    poll = select.poll()
+    poll.register(fd, select.POLLIN)
+    return bool(poll.poll(None if patience_s is None else patience_s * 1000.0))

@@ -1,0 +1,45 @@
+"""One short look at a robot that runs: its rows, its status, the newest of what its parts say, and what happened lately."""
+
+import time
+
+from lbr.bus import keys, latest
+from lbr.bus.session import Session
+from lbr.executive.planning.facts import facts
+from lbr.executive.planning.plan import Plan
+from lbr.executive.service.robot import Robot
+from lbr.messages.system import Role
+from lbr.why import said
+from lbr.why.snapshot import Said, Snapshot
+
+ANSWERS_WITHIN_S = 0.12
+"""What runs answers within some milliseconds; what is frozen is not waited for any longer, and told."""
+
+
+def look(robot: Robot, bus: Session, *, asker: str = "", role: Role = "admin") -> Snapshot:
+    """Return a robot as it is now; from any thread, in a fifth of a second."""
+    plan = robot.plan
+    found = latest.ask(bus, streams(plan), source="executive", timeout_s=ANSWERS_WITHIN_S)
+    status = robot.status()
+    return Snapshot(
+        facts=facts(plan, status.profile),
+        status=status,
+        said={topic: Said(message=one.message, age_s=one.age_s) for topic, one in found.items()},
+        events=tuple(robot.recent_events()),
+        wall_ns=time.time_ns(),
+        asker=asker,
+        role=role,
+    )
+
+
+def streams(plan: Plan) -> list[str]:
+    """Return the keys of the streams that are understood, and of those by which an operation goes."""
+    known = said.understood()
+    wanted = {
+        keys.port(plan.robot, name, port)
+        for name, unit in plan.units.items()
+        for port, message in plan.kinds[name].outputs.items()
+        if message.__name__ in known and port in unit.config.outputs
+    }
+    operations = (unit for unit in plan.units.values() if unit.family == "operation")
+    heard = {wire.key for unit in operations for wires in unit.config.wiring.values() for wire in wires}
+    return sorted(wanted | heard)

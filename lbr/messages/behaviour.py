@@ -1,0 +1,189 @@
+"""Messages and rows of `behaviour/*`: state tables that anyone can write, and how far the robot is in one."""
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct, field
+
+from lbr.messages.codes import ReasonCode
+from lbr.messages.rows import Fault, Others, Row
+from lbr.messages.units import Name, StepNumber
+
+MOST_ROWS = 4000
+"""Of one table; a thousand states of four rows each are more than a spreadsheet is read in."""
+LONGEST_CELL = 300
+LARGEST_FILE = 45_000
+"""Bytes of a file that goes to the robot as a command: with base64 it fits into one. `lbr behaviour import` takes larger ones."""
+StateName = Annotated[str, Meta(max_length=80)]
+Cell = Annotated[str, Meta(max_length=LONGEST_CELL)]
+Heading = Annotated[str, Meta(min_length=1, max_length=80)]
+RowType = Literal["", "start", "end", "fail", "entry", "#"]
+"""What a row of a table is: an alternative of its state, also in the state where the table starts; an end, good or
+bad; what is done on entering the state; a comment."""
+
+
+class BehaviourTable(Row, frozen=True, kw_only=True):
+    """A state table: what it is for, and how long it may run; 0: until it ends or is stopped."""
+
+    TABLE = "behaviour"
+    KEY = ("name",)
+
+    name: Name
+    help: str = ""
+    max_s: Annotated[float, Meta(ge=0.0, le=86400.0)] = 600.0
+
+
+def _of_a_table(row: "BehaviourRow", others: Others) -> Iterator[Fault]:
+    if row.behaviour not in others.names(BehaviourTable.TABLE):
+        yield "behaviour", f"there is no behaviour '{row.behaviour}'"
+
+
+class BehaviourRow(Row, frozen=True, kw_only=True):
+    """A row of a state table: in this state, if all conditions hold, do the outputs and go to the next state.
+
+    `conditions` are cells by the name of their column, `outputs` likewise. What is wrong in cells keeps the table from
+    being run, and nothing else.
+    """
+
+    TABLE = "behaviour_row"
+    KEY = ("behaviour", "step")
+    PART_OF = "behaviour"
+    CHECKS = (_of_a_table,)
+
+    behaviour: Name
+    step: StepNumber
+    type: RowType = ""
+    state: StateName = ""
+    conditions: dict[Heading, Cell] = field(default_factory=dict)
+    outputs: dict[Heading, Cell] = field(default_factory=dict)
+    next_state: StateName = ""
+    deadline_s: Annotated[float, Meta(gt=0.0, le=86400.0)] | None = None
+
+
+class RunBehaviour(Struct, frozen=True, kw_only=True):
+    """Run a table from its start."""
+
+    name: Name
+
+
+class NamedBehaviour(Struct, frozen=True, kw_only=True):
+    """Tell of a table; of the one that runs, or ran last, if it is not named."""
+
+    name: Annotated[str, Meta(max_length=40)] = ""
+
+
+class BehaviourOrder(Struct, frozen=True, kw_only=True):
+    """Pause, go on, or do one step; it has nothing to set."""
+
+
+class Unmet(Struct, frozen=True, kw_only=True):
+    """A condition that does not hold: what was seen (null: nothing that is new enough), and by how much it misses.
+
+    `by` is in the unit of its column, null where there is no distance, as between texts.
+    """
+
+    column: str
+    condition: str
+    seen: float | str | None = None
+    by: float | None = None
+    text: str = ""
+
+
+class RowView(Struct, frozen=True, kw_only=True):
+    """A row of the state that the run is in, and which of its conditions do not hold."""
+
+    step: int
+    next_state: str
+    unmet: tuple[Unmet, ...] = ()
+
+
+class BehaviourState(Struct, frozen=True, kw_only=True):
+    """What runs, where it is, and why it stays there.
+
+    `called` are the tables on the way to the one that `table` names, outermost first. `doing` is the command that is
+    under way. `state_s` and `run_s` are how long it is in this state, and runs. `reason` says how the last run ended.
+    """
+
+    phase: Literal["resting", "running", "paused", "ended"]
+    table: str = ""
+    state: str = ""
+    called: tuple[str, ...] = ()
+    doing: str = ""
+    state_s: float = 0.0
+    run_s: float = 0.0
+    transitions: int = 0
+    result: str = ""
+    variables: dict[str, float | str] = {}
+    rows: tuple[RowView, ...] = ()
+    good: bool | None = None
+    reason: str = ""
+    code: ReasonCode = ""
+
+
+class BehaviourFault(Struct, frozen=True, kw_only=True):
+    """What is wrong in a table: the row by its step, or the line of a file (0: the whole), the column, and what to do.
+
+    With `error` it keeps the table from being run; without, it is only odd.
+    """
+
+    step: int = 0
+    line: int = 0
+    column: str = ""
+    text: str
+    error: bool = True
+
+
+class BehaviourSummary(Struct, frozen=True, kw_only=True):
+    """A table of the robot, and what is wrong with it; without errors it can be run."""
+
+    name: str
+    help: str
+    rows: int
+    faults: tuple[BehaviourFault, ...] = ()
+
+
+class BehaviourTables(Struct, frozen=True, kw_only=True):
+    """The tables that the robot has, by name."""
+
+    tables: tuple[BehaviourSummary, ...]
+
+
+class CheckBehaviour(Struct, frozen=True, kw_only=True):
+    """Say what would be wrong with a table of this name that had these rows; nothing is kept."""
+
+    name: Name
+    rows: tuple[BehaviourRow, ...]
+
+
+class ReadBehaviour(Struct, frozen=True, kw_only=True):
+    """Read a file, CSV or JSON by its name, as a table of this name; nothing is kept."""
+
+    name: Name
+    file: Annotated[str, Meta(max_length=255)]
+    content: Annotated[bytes, Meta(max_length=LARGEST_FILE)]
+
+
+class BehaviourChecked(Struct, frozen=True, kw_only=True):
+    """What is wrong with a table, and its rows as they were read."""
+
+    accepted: bool
+    reason: str = ""
+    code: ReasonCode = ""
+    faults: tuple[BehaviourFault, ...] = ()
+    rows: tuple[BehaviourRow, ...] = ()
+
+
+class WriteBehaviour(Struct, frozen=True, kw_only=True):
+    """Write a table as a file: CSV with commas or semicolons, or JSON."""
+
+    name: Name
+    form: Literal["csv", "semicolons", "json"] = "csv"
+
+
+class BehaviourWritten(Struct, frozen=True, kw_only=True):
+    """The bytes of the file."""
+
+    accepted: bool
+    reason: str = ""
+    code: ReasonCode = ""
+    content: bytes = b""

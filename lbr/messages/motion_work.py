@@ -1,0 +1,151 @@
+"""What a process beside the robot does with motions, and what it answers: checks of balance, files, earlier versions."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.messages.faces import Motor
+from lbr.messages.joints import MAX_FRAMES, Interpolation, Joint, JointRad, KeyFrame, Motion
+from lbr.messages.units import Name
+
+LONGEST_CHECK_S = 600.0
+"""Of a motion: what lasts longer is checked in parts."""
+Frames = Annotated[tuple[KeyFrame, ...], Meta(min_length=1, max_length=MAX_FRAMES)]
+Millimetres = tuple[int, int]
+
+
+class BalanceSample(Struct, frozen=True, kw_only=True):
+    """How the body stood at a time, the world's axes turned to where it looked first; millimetres from where its feet were.
+
+    `tilt_rad` is how far the trunk leans from how it stands, `mass` where the centre of mass is above the floor,
+    `pressure` the middle of what presses on the floor, `support` the corners around all that touches it. `margin_mm` is
+    how far `mass` is within them, negative outside; null where nothing touches the floor. `frame` counts from 1; 0: in
+    what leads in.
+    """
+
+    t_s: float
+    frame: int
+    tilt_rad: float
+    roll_rad: float
+    pitch_rad: float
+    mass: Millimetres
+    pressure: Millimetres | None = None
+    support: tuple[Millimetres, ...] = ()
+    margin_mm: int | None = None
+
+
+class BalanceReport(Struct, frozen=True, kw_only=True):
+    """Whether a motion leaves the simulated body on its feet.
+
+    `falls_s` and `falls_frame` say when it leant too far to come back, null: it did not. `begins` says whether it stood
+    by itself in the pose that the motion begins with. `least_mm` is the least margin of the motion, at `least_s`.
+    """
+
+    stands: bool
+    begins: bool
+    duration_s: float
+    least_mm: int | None = None
+    least_s: float | None = None
+    falls_s: float | None = None
+    falls_frame: int | None = None
+    took_s: float = 0.0
+    body: str = ""
+    trace: tuple[BalanceSample, ...] = ()
+
+
+class CheckJob(Struct, frozen=True, kw_only=True, tag="check"):
+    """Play key frames with the robot's simulated body, standing in `start` first; `lead_in` comes before them.
+
+    Joints that `start` leaves out are at zero, or as near to it as they come.
+    """
+
+    robot: Name
+    home: str
+    database: str = ""
+    joints: tuple[Joint, ...]
+    frames: Frames
+    lead_in: Annotated[tuple[KeyFrame, ...], Meta(max_length=MAX_FRAMES)] = ()
+    start: dict[str, JointRad] = {}
+    interpolation: Interpolation = "smooth"
+
+
+class ReadJob(Struct, frozen=True, kw_only=True, tag="read"):
+    """Read the motions in a file, by the suffix of its name, for the joints of a robot; `clip` cuts to their limits."""
+
+    content: bytes
+    suffix: str
+    joints: tuple[Joint, ...]
+    motors: tuple[Motor, ...] = ()
+    clip: bool = True
+
+
+class WriteJob(Struct, frozen=True, kw_only=True, tag="write"):
+    """Write a motion as the content of a file, by the suffix of its name."""
+
+    robot: Name
+    motion: Motion
+    suffix: str
+    joints: tuple[Joint, ...]
+    motors: tuple[Motor, ...] = ()
+
+
+class VersionsJob(Struct, frozen=True, kw_only=True, tag="versions"):
+    """List what a motion was before, out of the revisions of a database."""
+
+    robot: Name
+    database: str
+    motion: Name
+
+
+Job = CheckJob | ReadJob | WriteJob | VersionsJob
+
+
+class Progress(Struct, frozen=True, kw_only=True, tag="progress"):
+    """How much is done, 0 to 1."""
+
+    part: float
+
+
+class Checked(Struct, frozen=True, kw_only=True, tag="checked"):
+    """What became of a check."""
+
+    report: BalanceReport
+
+
+class ReadMotions(Struct, frozen=True, kw_only=True, tag="read"):
+    """The motions of a file, with what people should know of each; `cut` counts angles that were brought within limits."""
+
+    motions: tuple[Motion, ...]
+    notes: tuple[str, ...] = ()
+    cut: int = 0
+
+
+class Written(Struct, frozen=True, kw_only=True, tag="written"):
+    """The content of a file, and what it could not say."""
+
+    content: bytes
+    notes: tuple[str, ...] = ()
+
+
+class MotionVersion(Struct, frozen=True, kw_only=True):
+    """A motion as it was from `since` on, until the next; `revision` is the last change of rows that made it so."""
+
+    revision: int
+    since: str
+    motion: Motion
+
+
+class Versions(Struct, frozen=True, kw_only=True, tag="versions"):
+    """The earlier versions of a motion, newest first; the one that is there now is the first."""
+
+    versions: tuple[MotionVersion, ...]
+
+
+class NotDone(Struct, frozen=True, kw_only=True, tag="refused"):
+    """Why there is no result, as a sentence."""
+
+    reason: str
+    code: str = "failed"
+
+
+Said = Progress | Checked | ReadMotions | Written | Versions | NotDone

@@ -1,0 +1,49 @@
+"""Whether the robot has fallen, and on which side it lies, by how its trunk leans. Pure."""
+
+from math import acos, cos, radians, sin
+from typing import Literal
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.messages.attitude import AttitudeState
+
+Lies = Literal["", "face", "back", "side"]
+FALLEN_RAD, UPRIGHT_RAD = radians(60.0), radians(35.0)
+"""From 50 degrees on no simulated humanoid came back; motions that end well leant 30 at most."""
+FALLEN_S, UPRIGHT_S = 0.2, 0.5
+"""For so long, at least: a knock is no fall."""
+OLDEST_S = 0.3
+ALONG = sin(radians(45.0))
+ON: dict[Lies, str] = {"face": "on its face", "back": "on its back", "side": "on its side"}
+
+
+class Fall(Struct, frozen=True, kw_only=True):
+    """How it lies, empty: upright or unknown. `since` is when it began to lean otherwise than that says."""
+
+    lies: Lies = ""
+    since: float | None = None
+
+
+def seen(state: Fall, attitude: AttitudeState, now: float) -> Fall:
+    """Return how it lies now; an attitude that is old, not valid or no number changes nothing."""
+    roll, pitch = attitude.roll_rad, attitude.pitch_rad
+    if not attitude.valid or roll is None or pitch is None or not now - attitude.measured_s <= OLDEST_S:
+        return replace(state, since=None)
+    upright = cos(roll) * cos(pitch)
+    if not -1.0 <= upright <= 1.0:
+        return replace(state, since=None)
+    lean = acos(upright)
+    changes = lean < UPRIGHT_RAD if state.lies else lean > FALLEN_RAD
+    if not changes:
+        return Fall(lies=_side(pitch) if state.lies and lean > FALLEN_RAD else state.lies)
+    since = now if state.since is None else state.since
+    if now - since < (UPRIGHT_S if state.lies else FALLEN_S):
+        return replace(state, since=since)
+    return Fall(lies="" if state.lies else _side(pitch))
+
+
+def _side(pitch: float) -> Lies:
+    """Return on which side it lies: pitch is positive with its face down."""
+    along = sin(pitch)
+    return "face" if along > ALONG else "back" if along < -ALONG else "side"

@@ -1,0 +1,169 @@
+"""What is known of a robot at one moment: its rows, its status, the newest of every stream, and what happened lately."""
+
+from collections.abc import Collection, Iterator
+from contextlib import suppress
+from datetime import datetime
+from typing import Any, Literal, TypeVar
+
+import msgspec
+from msgspec import Struct
+
+from lbr.messages.system import CapabilityStatus, Event, Role, Status
+
+T = TypeVar("T", bound=Struct)
+
+
+class Part(Struct, frozen=True, kw_only=True):
+    """A capability as its row and its kind have it; it `runs` if the plan of the robot has it.
+
+    `inputs`, `setpoints` and `outputs` are the names of their messages by port; `optional` inputs may be unfed.
+    """
+
+    name: str
+    kind: str
+    family: str
+    enabled: bool = True
+    runs: bool = True
+    moves: bool = False
+    device: str = ""
+    needs: tuple[str, ...] = ()
+    inputs: dict[str, str] = {}
+    setpoints: dict[str, str] = {}
+    outputs: dict[str, str] = {}
+    optional: tuple[str, ...] = ()
+    settings: dict[str, Any] = {}
+
+
+class Channel(Struct, frozen=True, kw_only=True):
+    """A channel: from `capability.port` to `capability.port`."""
+
+    source: str
+    target: str
+    enabled: bool = True
+
+    @property
+    def source_part(self) -> str:
+        """Return the capability that it comes from."""
+        return self.source.partition(".")[0]
+
+    @property
+    def target_part(self) -> str:
+        """Return the capability that it goes to."""
+        return self.target.partition(".")[0]
+
+
+class JointLimits(Struct, frozen=True, kw_only=True):
+    """A row of `joint`, as far as it says where the joint may go."""
+
+    name: str
+    servo: int
+    lower_rad: float
+    upper_rad: float
+
+
+class Saying(Struct, frozen=True, kw_only=True):
+    """A line that can be said: its pattern, what it asks for, and with which fields."""
+
+    pattern: str
+    target: str
+    payload: dict[str, Any] = {}
+
+
+class Facts(Struct, frozen=True, kw_only=True):
+    """What the rows say. `problems` are what is wrong with them; then `parts` may lack some.
+
+    `last_start` and `last_shutdown` are the robot's, in ISO 8601. `latched`: its emergency stop is, and will be at its
+    next start.
+    """
+
+    robot: str
+    profile: str = ""
+    parts: dict[str, Part] = {}
+    channels: tuple[Channel, ...] = ()
+    devices: dict[str, str] = {}
+    joints: tuple[JointLimits, ...] = ()
+    programs: dict[str, bool] = {}
+    sayings: tuple[Saying, ...] = ()
+    problems: tuple[str, ...] = ()
+    last_start: str = ""
+    last_shutdown: str = ""
+    latched: bool = False
+    latched_reason: str = ""
+
+    def say(self, target: str, otherwise: str, **payload: Any) -> str:
+        """Return the shortest line that asks for this, else another way to do it."""
+        found = (line for one in self.sayings if one.target == target and (line := _filled(one, payload)))
+        return min(found, key=len, default=otherwise)
+
+
+class Said(Struct, frozen=True, kw_only=True):
+    """The newest message of a stream, and how old it is; null: its clock cannot be compared with ours."""
+
+    message: dict[str, Any]
+    age_s: float | None = None
+
+
+class Snapshot(Struct, frozen=True, kw_only=True):
+    """A robot at one moment. `executive`: it answers, it is silent, or it does not run.
+
+    `silent_s` is for how long it was waited for. `asker` is who asks, with which `role`. `said` is by topic, such as
+    `drive/state`. `events` are oldest first.
+    """
+
+    facts: Facts
+    executive: Literal["up", "silent", "down"] = "up"
+    waited_s: float = 0.0
+    status: Status | None = None
+    said: dict[str, Said] = {}
+    events: tuple[Event, ...] = ()
+    wall_ns: int = 0
+    asker: str = ""
+    role: Role = "admin"
+
+    def unit(self, name: str) -> CapabilityStatus | None:
+        """Return how a capability's process is, None if nothing says."""
+        units = self.status.capabilities if self.status is not None else ()
+        return next((one for one in units if one.name == name), None)
+
+    def heard(self, part: Part, message: type[T]) -> tuple[T, str, float | None] | None:
+        """Return what a part's stream of this message said last, on which topic, and how old that is."""
+        for port, name in part.outputs.items():
+            said = self.said.get(f"{part.name}/{port}")
+            if name == message.__name__ and said is not None:
+                fields = {key: value for key, value in said.message.items() if key != "age_s"}
+                try:
+                    return msgspec.convert(fields, message), f"{part.name}/{port}", said.age_s
+                except msgspec.ValidationError:
+                    return None
+        return None
+
+    def since_s(self, subject: str, kinds: Collection[str]) -> float | None:
+        """Return how long ago the newest event of these kinds was about a subject."""
+        return next((self.ago_s(event) for event in self.newest(subject) if event.kind in kinds), None)
+
+    def ago_iso_s(self, text: str) -> float | None:
+        """Return how long ago a time of the rows was; null if it is none."""
+        with suppress(ValueError):
+            return max(0.0, self.wall_ns / 1e9 - datetime.fromisoformat(text).timestamp())
+        return None
+
+    def newest(self, subject: str) -> Iterator[Event]:
+        """Yield what happened to a subject, newest first."""
+        return (event for event in reversed(self.events) if event.subject == subject)
+
+    def ago_s(self, event: Event) -> float | None:
+        """Return how long ago an event was, by the wall clock of the robot."""
+        return max(0.0, (self.wall_ns - event.wall_ns) / 1e9) if event.wall_ns and self.wall_ns else None
+
+
+def _filled(saying: Saying, wanted: dict[str, Any]) -> str:
+    """Return the line that says this, empty if the pattern cannot."""
+    line, left = saying.pattern, dict(wanted)
+    for name, value in saying.payload.items():
+        if name not in left or left.pop(name) != value:
+            return ""
+    for name, value in left.items():
+        if f"{{{name}}}" not in line:
+            return ""
+        line = line.replace(f"{{{name}}}", ",".join(value) if isinstance(value, list | tuple) else str(value))
+    return "" if "{" in line else line

@@ -1,0 +1,376 @@
+"""State tables: read from files and written to them, and all that is wrong with one named with row and column."""
+
+import csv
+import io
+import json
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lbr.apps.behaviours import drawing, files, texts
+from lbr.apps.behaviours.table import Parts, compile_table, linked
+from lbr.messages.behaviour import BehaviourRow, BehaviourState, BehaviourTable
+
+PATROL = """Type,Current State,Forward,Run Time,O:level,O:range,O:turn,O:speech,Next State,Deadline
+start,Deciding,,>= 300,,,,,Home,
+,Deciding,> 90,,0.3,70,,,Deciding,60
+,Deciding,,,,,90,,Deciding,
+# a comment,that says nothing,,,,,,,,
+end,Home,,,0,,,"Good, that was it",,
+fail,Stuck,,,0,,,,,
+"""
+T = BehaviourTable(name="t")
+
+
+def read(text: str | bytes, *, json: bool = False) -> files.Read:
+    return files.read(text.encode() if isinstance(text, str) else text, "t", json=json)
+
+
+def rows(text: str) -> tuple[BehaviourRow, ...]:
+    found = read(text)
+    assert found.faults == ()
+    return found.rows
+
+
+def faults(text: str, robot: Parts | None = None) -> list[str]:
+    compiled = compile_table(T, rows(text), robot or Parts())
+    return [texts.fault(one) for one in compiled.errors]
+
+
+def table(*lines: str) -> str:
+    header = "Type,Current State,Forward,level,heading,Time,$laps,O:level,O:angle,O:range,O:sensor,O:turn,O:heading,O:run,O:set,O:wait,Next State,Deadline"
+    columns = header.split(",")
+    file = io.StringIO()
+    writer = csv.DictWriter(file, columns, restval="")
+    writer.writeheader()
+    for line in lines:
+        writer.writerow(dict(part.split("=", 1) for part in re.split(r"(?<! )\|(?! )", line)))
+    return file.getvalue()
+
+
+GOOD = ("Type=start|Current State=A|Next State=B", "Type=end|Current State=B", "Type=fail|Current State=C")
+
+
+def test_a_table_is_read_with_the_line_of_each_row():
+    found = read(PATROL)
+    assert found.faults == ()
+    assert [row.type for row in found.rows] == ["start", "", "", "#", "end", "fail"]
+    assert found.lines == {1: 2, 2: 3, 3: 4, 4: 5, 5: 6, 6: 7}
+    assert found.rows[1].conditions == {"Forward": "> 90"}
+    assert found.rows[1].outputs == {"level": "0.3", "range": "70"}
+    assert found.rows[1].deadline_s == 60.0
+    assert found.rows[4].outputs["speech"] == "Good, that was it"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        PATROL.encode("utf-8-sig"),
+        PATROL.encode("utf-16"),
+        PATROL.replace("\n", "\r\n").encode(),
+        ("sep=;\r\n" + files.to_csv(read(PATROL).rows, ";")).encode("utf-8-sig"),
+        files.to_csv(read(PATROL).rows, ";").encode(),
+        files.to_csv(read(PATROL).rows, "\t").encode(),
+    ],
+)
+def test_a_table_is_read_as_spreadsheets_write_it(content):
+    found = read(content)
+    assert found.faults == ()
+    assert found.rows == read(PATROL).rows
+
+
+def test_with_semicolons_a_comma_is_a_decimal_one():
+    found = read("Type;Current State;Forward;O:level;O:speech;Next State\nstart;A;0,5:1,5;0,25;Ja, 1,5;B\n")
+    assert found.rows[0].conditions == {"Forward": "0.5:1.5"}
+    assert found.rows[0].outputs == {"level": "0.25", "speech": "Ja, 1,5"}
+
+
+def test_western_letters_without_a_mark_are_read():
+    assert read("Type,Current State,Forward,Next State\nstart,A,40 ± 1,B\n".encode("cp1252")).rows[0].conditions == {
+        "Forward": "40 ± 1"
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "line 0"),
+        ("a,b,c\n1,2,3\n", "line 1, Current State: this column is missing; the first line must name the columns"),
+        ("Current State,Next State,x:y\nA,B,1\n", "line 1, x:y: a column with ':' is an output and begins with O:"),
+        ("Current State,Next State,Next State\nA,B,1\n", "line 1, Next State: this column is there twice"),
+        ("Type,Current State,Next State\nbegin,A,B\n", "line 2, Type: 'begin' is no type"),
+        ("Type,Current State,Next State\n\nstart,A,B,extra\n", "line 3: 'extra' stands beyond the last column"),
+        ('Type,Current State,Next State\nstart,"A,B\n', "line 2: it is no CSV"),
+        ("Type,Current State,Next State,Deadline\nstart,A,B,soon\n", "line 2, Deadline: 'soon' is no time"),
+        ("Type,Current State,Next State\nstart," + "A" * 81 + ",B\n", "line 2, Current State: it has 81 characters"),
+        (b"PK\x03\x04 a spreadsheet", "save it as CSV"),
+        (b"a\0b", "it is no text"),
+    ],
+)
+def test_a_bad_file_is_told_with_line_and_column(text, said):
+    told = [str(fault) for fault in read(text).faults]
+    assert told
+    assert said == "line 0" or any(one.startswith(said) or said in one for one in told), told
+
+
+def test_json_is_written_and_read_again():
+    found = read(PATROL)
+    assert read(files.to_json(found.rows), json=True).rows == found.rows
+
+
+def test_json_as_the_first_lbr_wrote_it_is_read():
+    """Without types: the first state starts, and a state that leads nowhere else is an end."""
+    old = {
+        "Go": [
+            {"Current State": "Go", "Next State": "Docked", "Inputs": {"Forward": "< 40"}, "Outputs": {"level": 0.2}}
+        ],
+        "Docked": [{"Current State": "Docked", "Next State": "Docked", "Inputs": {}, "Outputs": {}}],
+        "Failed": [{"Current State": "Failed", "Next State": "Failed", "Inputs": {"Volts": "<= 12.7"}, "Outputs": {}}],
+    }
+    found = read(json.dumps(old), json=True)
+    assert [row.type for row in found.rows] == ["start", "end", "end"]
+    assert found.rows[0].outputs == {"level": "0.2"}
+    made = compile_table(T, found.rows).table
+    assert made is not None
+    assert made.failure == "Failed"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[", "it is no JSON"),
+        ("[" * 100_000, "it is no JSON"),
+        ("3", "write an object of states"),
+        ('{"A": 3}', "it has no list of rows"),
+        ('{"A": [3]}', "it is no object"),
+        ('{"A": [{"Inputs": 3}]}', "it is no object of columns"),
+        ('{"A": [{"Inputs": {"Forward": [1]}}]}', "neither a text nor a number"),
+        ('{"A": [{"Inputs": {"Forward": 1e300}}]}', "neither a text nor a number"),
+        ('{"A": [{"Input": {}}]}', "there is no such field"),
+    ],
+)
+def test_bad_json_is_told_with_its_place(text, said):
+    assert any(said in str(fault) for fault in read(text, json=True).faults)
+
+
+@given(st.binary(max_size=300) | st.text(max_size=300).map(str.encode), st.booleans())
+def test_no_bytes_are_more_than_a_bad_file(content, as_json):
+    found = files.read(content, "t", json=as_json)
+    assert all(isinstance(str(fault), str) for fault in found.faults)
+
+
+cell = st.sampled_from(
+    ["", "< 40", "85:100", "true", "low", "§$%", "40 ± 1", "0.2", "-5", "|", "$x", "x = 1", "other", "nan"]
+) | st.text(max_size=8)
+names = st.sampled_from(["A", "B", "C", "", "Ende"])
+a_row = st.builds(
+    lambda step, kind, state, conditions, outputs, following: BehaviourRow(
+        behaviour="t", step=step, type=kind, state=state, conditions=conditions, outputs=outputs, next_state=following
+    ),
+    st.integers(1, 50),
+    st.sampled_from(["", "start", "end", "fail", "entry", "#"]),
+    names,
+    st.dictionaries(
+        st.sampled_from(["Forward", "heading", "level", "Time", "$x", "nonsense", "charging", ""]), cell, max_size=4
+    ),
+    st.dictionaries(
+        st.sampled_from(
+            [
+                *"abc",
+                "level",
+                "range",
+                "sensor",
+                "turn",
+                "set",
+                "run",
+                "motion",
+                "wait",
+                "speech",
+                "duration",
+                "retry",
+                "times",
+            ]
+        ),
+        cell,
+        max_size=4,
+    ),
+    names,
+)
+
+
+@given(st.lists(a_row, max_size=12))
+def test_no_table_is_more_than_a_faulty_one(some):
+    compiled = linked({"t": compile_table(T, some, Parts(sensors=frozenset({"forward"})))})["t"]
+    assert all(texts.fault(one) for one in compiled.faults)
+    assert (compiled.table is None) == bool(compiled.errors)
+    assert texts.graph(T, some)
+    assert drawing.svg(T, some).startswith("<svg")
+    texts.listed({"t": T}, {"t": compiled}, BehaviourState(phase="resting"))
+
+
+@given(st.lists(a_row, max_size=8))
+def test_what_is_written_is_read_again_or_refused(some):
+    for content, as_json in ((files.to_csv(some).encode(), False), (files.to_json(some), True)):
+        files.read(content, "t", json=as_json)
+
+
+def test_a_good_table_has_no_faults():
+    assert faults(PATROL) == []
+    assert faults(table(*GOOD)) == []
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (GOOD[1:], "row 1, Type: no row has the type 'start'"),
+        ((*GOOD, "Type=start|Current State=D|Next State=B"), "row 4, Type: the table starts in 'A' already"),
+        (GOOD[:1], "Type: no row has the type 'end'"),
+        ((GOOD[0].replace("B", "b"), *GOOD[1:]), "row 1, Next State: there is no state 'b'; did you mean 'B'?"),
+        ((*GOOD, "Current State=D|Next State=B"), "row 4, Current State: no row leads to the state 'D'"),
+        (("Type=start|Current State=A", *GOOD[1:]), "row 1, Next State: it does not say which state comes next"),
+        ((*GOOD, "Current State=B|Next State=A"), "row 4, Type: 'B' is an end in another row"),
+        (
+            ("Type=start|Current State=A|Forward=low|Next State=B", *GOOD[1:]),
+            "row 1, Forward: 'low' never holds: Forward is a number",
+        ),
+        (
+            ("Type=start|Current State=A|level=lo|Next State=B", *GOOD[1:]),
+            "row 1, level: 'lo' never holds: level is one of unknown, ok",
+        ),
+        (("Type=start|Current State=A|Time=< 0|Next State=B", *GOOD[1:]), "row 1, Time: '< 0' never holds"),
+        (
+            ("Type=start|Current State=A|Forward=> 5 and < 3|Next State=B", *GOOD[1:]),
+            "row 1, Forward: '> 5 and < 3' never holds",
+        ),
+        (("Type=start|Current State=A|Forward=40 -1|Next State=B", *GOOD[1:]), "row 1, Forward: '-1' is too much"),
+        (
+            ("Type=start|Current State=A|$laps=> 1|Next State=B", *GOOD[1:]),
+            "row 1, $laps: no row sets the variable $laps",
+        ),
+        ((GOOD[0] + "|O:level=2", *GOOD[1:]), "row 1, O:level: Expected `float` <= 1.0"),
+        ((GOOD[0] + "|O:level=$fast", *GOOD[1:]), "row 1, O:level: no row sets the variable $fast"),
+        ((GOOD[0] + "|O:level=0.2|O:turn=90", *GOOD[1:]), "row 1, O:turn: a row moves the robot in one way"),
+        ((GOOD[0] + "|O:range=40", *GOOD[1:]), "row 1, O:range: O:range goes with O:level alone"),
+        ((GOOD[0] + "|O:level=0.2|O:sensor=Forward", *GOOD[1:]), "row 1, O:sensor: O:sensor goes with O:range"),
+        (
+            (GOOD[0] + "|O:level=0.2|O:range=40|O:sensor=nose", *GOOD[1:]),
+            "row 1, O:sensor: this robot has no sensor 'nose'",
+        ),
+        ((GOOD[0] + "|O:turn=90 | 400", *GOOD[1:]), "row 1, O:turn: Expected `float` <= 360.0"),
+        ((GOOD[0] + "|O:set=laps", *GOOD[1:]), "row 1, O:set: 'laps' sets nothing"),
+        ((GOOD[0] + "|O:wait=-1", *GOOD[1:]), "row 1, O:wait: -1 is not from 0"),
+        ((GOOD[0] + "|Deadline=60|O:level=x", *GOOD[1:]), "row 1, O:level: 'x' is no number"),
+    ],
+)
+def test_a_fault_is_told_with_row_and_column(lines, said):
+    told = faults(table(*lines), Parts(sensors=frozenset({"forward", "back"})))
+    assert any(one.startswith(said) for one in told), told
+
+
+def test_an_output_that_no_command_takes_is_named():
+    assert any(
+        "did you mean O:level?" in one
+        for one in faults(table(*GOOD).replace("O:level", "O:levl").replace("end,B,,,,,,,", "end,B,,,,,,0.2,"))
+    )
+
+
+@pytest.mark.parametrize(
+    ("earlier", "later", "shadowed"),
+    [
+        ("Forward=< 50", "Forward=< 40", True),
+        ("Forward=< 40", "Forward=< 50", False),
+        ("Forward=< 50", "Forward=< 40|Time=> 2", True),
+        ("Forward=< 50|Time=> 2", "Forward=< 40", False),
+        ("Forward=< 50 for 2 s", "Forward=< 40", False),
+        ("O:turn=90", "Forward=< 40", True),
+        ("Forward=known", "Forward=missing", False),
+        ("heading=330:30", "heading=350:10", True),
+        ("heading=330:30", "heading=20:40", False),
+    ],
+)
+def test_a_row_that_an_earlier_one_always_takes_is_named(earlier, later, shadowed):
+    told = faults(
+        table(f"Type=start|Current State=A|Next State=A|{earlier}", f"Current State=A|Next State=B|{later}", *GOOD[1:])
+    )
+    assert any("row 2, Current State: this row is never taken" in one for one in told) is shadowed, told
+
+
+def test_an_output_that_nothing_carries_out_is_named():
+    told = faults(table(GOOD[0] + "|O:turn=90", *GOOD[1:]), Parts(asks=frozenset({"say"})))
+    assert told == ["row 1, O:turn: this robot has no drive that runs"]
+
+
+def test_tables_that_run_themselves_or_what_is_not_there_are_named():
+    def of(name: str, called: str):
+        some = rows(table(GOOD[0] + f"|O:run={called}", *GOOD[1:]))
+        return compile_table(BehaviourTable(name=name), some)
+
+    found = linked({"a": of("a", "b"), "b": of("b", "a"), "c": of("c", "nowhere"), "d": of("d", "c")})
+    told = {name: texts.faults(name, one.errors) for name, one in found.items()}
+    assert "'b' runs 'a' again" in told["a"]
+    assert "there is no table 'nowhere'" in told["c"]
+    assert "'c' has errors of its own" in told["d"]
+
+
+def test_the_tables_in_the_examples_have_no_faults():
+    folder = Path("docs/examples/behaviours")
+    compiled = {
+        path.stem: compile_table(
+            BehaviourTable(name=path.stem), files.read(path.read_bytes(), path.stem, json=False).rows
+        )
+        for path in sorted(folder.glob("*.csv"))
+    }
+    assert len(compiled) >= 9
+    assert {name: one.errors for name, one in linked(compiled).items() if one.errors} == {}
+
+
+def test_a_graph_says_where_the_robot_is():
+    text = texts.graph(T, rows(PATROL), "Deciding")
+    assert "● Deciding  ◀ the robot is here" in text
+    assert "├─ Forward > 90 [level 0.3, range 70] ─▶ Deciding (within 60 s)" in text
+    assert "◎ Home" in text
+    assert "✗ Stuck" in text
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.text(max_size=3),
+    lambda inner: st.lists(inner, max_size=2) | st.dictionaries(st.text(max_size=3), inner, max_size=2),
+    max_leaves=4,
+)
+FIELDS = st.sampled_from(("Row", "Type", "Current State", "Next State", "Deadline", "Inputs", "Outputs", "Other"))
+JSON_ROWS = st.lists(st.dictionaries(FIELDS, VALUES, max_size=4) | VALUES, max_size=3)
+
+
+@given(JSON_ROWS | st.dictionaries(st.text(max_size=3), JSON_ROWS | VALUES, max_size=3))
+def test_no_json_is_more_than_a_bad_file(found):
+    read(json.dumps(found), json=True)
+
+
+def test_a_value_of_another_kind_is_told_with_its_place():
+    text = json.dumps({"A": [{"Next State": "B"}], "B": [{"Next State": ["A"]}]})
+    assert "state 'B', row 1, Next State" in str(read(text, json=True).faults[0])
+
+
+@pytest.mark.parametrize("wrong", ["x = 1e999", "x = -inf", "x = nan"])
+def test_a_variable_is_no_number_that_cannot_be_reckoned_with(wrong):
+    text = table(f"Type=start|Current State=A|O:set={wrong}|Next State=B", *GOOD[1:])
+    assert any("no number that can be reckoned with" in one for one in faults(text))
+
+
+def test_a_cell_is_one_of_so_many_at_most():
+    text = table(f"Type=start|Current State=A|O:turn={' | '.join('9' * 21)}|Next State=B", *GOOD[1:])
+    assert any("one of 21, and 20 are the most" in one for one in faults(text))
+
+
+def test_of_a_table_with_many_faults_the_first_are_told():
+    many = tuple(
+        BehaviourRow(behaviour="t", step=step, state="A", next_state="A", conditions={f"nothing{step}": "1"})
+        for step in range(1, 200)
+    )
+    compiled = compile_table(T, many)
+    assert compiled.table is None
+    assert len(compiled.faults) == 51
+    assert "mend what was found first" in compiled.faults[-1].text

@@ -1,0 +1,210 @@
+"""A program's way to a robot, on a whole one in simulation: it looks, says lines, borrows motion, and loses it when it stands still."""
+
+import os
+import signal
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from lbr import client
+from tests.support import programs
+from tests.support import robot as robots
+from tests.support.robot import until
+
+ROOT = Path(__file__).resolve().parents[2]
+PATIENT = {"ttl_s": 1.0}
+"""The longest life of a lease: the machine may hold up a test."""
+DRIVING = """
+import sys, time
+sys.modules["lbr"] = None  # nothing of lbr itself is there
+import lbr_client as client
+
+with client.connect() as robot, robot.borrow("drive/command", power=0.15, angle_deg=180, ttl_s=1.0) as motion:
+    print("drives", flush=True)
+    while motion.keep():
+        time.sleep(0.02)
+"""
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    return tmp_path_factory.mktemp("home")
+
+
+@pytest.fixture(scope="module")
+def running(home):
+    with robots.running(robots.prepare(home, "attitude", "imu")) as robot:
+        yield robot
+
+
+@pytest.fixture
+def robot(running, home, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(home))
+    with client.connect(name="a test") as robot:
+        robot.say("reset")
+        robot.stop()
+        yield robot
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """The modules of the distribution, unpacked as pip would."""
+    folder = tmp_path_factory.mktemp("wheel")
+    build = "from hatchling.build import build_wheel; import sys; print(build_wheel(sys.argv[1]))"
+    built = programs.run(
+        [sys.executable, "-c", build, str(folder)], cwd=ROOT / "client", capture_output=True, text=True
+    )
+    assert built.returncode == 0, built.stderr
+    with zipfile.ZipFile(folder / built.stdout.split()[-1]) as packed:
+        packed.extractall(folder / "site")
+    return folder / "site"
+
+
+def wheels(robot):
+    state = robot.ask("motors/state") or {"left": None, "right": None}
+    return state["left"], state["right"]
+
+
+def turning(robot):
+    return wheels(robot) not in {(0.0, 0.0), (None, None)}
+
+
+def borrowed(robot, key="drive/command", **message):
+    """Borrow, once the base is armed again after what was before."""
+
+    def begun():
+        try:
+            return robot.borrow(key, **message, **PATIENT)
+        except client.RefusalError as error:
+            if error.code not in {"not_armed", "held", "stale_sensor"}:
+                raise
+            return None
+
+    return until(begun)
+
+
+def test_it_finds_the_robot_that_runs_here_and_looks_at_it(robot):
+    assert (robot.name, robot.role) == ("lbr", "admin")
+    assert {one["name"] for one in robot.latest("@status")["capabilities"]} >= {"drive", "motors"}
+    found = robot.stream("ranges/readings", within_s=9.0)
+    assert {"forward_m", "back_m"} <= set(next(found))
+    found.close()
+    with pytest.raises(client.BusError, match="nothing answers on 'nothing/here'"):
+        robot.latest("nothing/here")
+
+
+def test_a_line_is_said_and_what_it_moves_is_over_when_it_returns(robot):
+    until(lambda: robot.latest("attitude/state")["valid"])
+
+    def turned():
+        try:
+            return robot.say("/t/20")
+        except client.RefusalError as error:
+            if error.code not in {
+                "lapsed",
+                "dead_lease",
+                "not_armed",
+                "holder_gone",
+            }:  # the machine held up what renews it
+                raise
+            return None
+
+    assert "degrees" in until(turned).ending
+    assert robot.latest("drive/state")["moving"] is False
+    assert "drive" in robot.say("status").text
+
+
+@pytest.mark.parametrize(("line", "code"), [("/r/3/0", "bad_value"), ("/nonsense", "unknown_command")])
+def test_a_line_that_is_refused_says_why_in_words_and_by_code(robot, line, code):
+    with pytest.raises(client.RefusalError) as refused:
+        robot.say(line)
+    assert refused.value.code == code
+    assert str(refused.value)
+
+
+def test_borrowed_motion_goes_on_while_it_is_kept_changes_and_ends_with_its_with(robot, running):
+    with borrowed(robot, power=0.1, angle_deg=180) as motion:
+        until(lambda: motion.keep() and turning(running))
+        first = wheels(running)
+        until(lambda: motion.keep(power=0.2) and abs(wheels(running)[0]) > abs(first[0]) + 0.05)
+    until(lambda: wheels(running) == (0.0, 0.0))
+    with pytest.raises(client.RefusalError) as ended:
+        motion.keep()
+    assert ended.value.code == "cancelled"
+
+
+def test_motion_that_is_not_kept_lapses_and_says_so(robot, running):
+    motion = borrowed(robot, power=0.1, angle_deg=180)
+    until(lambda: motion.keep() and turning(running))
+    until(lambda: wheels(running) == (0.0, 0.0))  # nothing of ours runs meanwhile
+    with pytest.raises(client.RefusalError) as ended:
+        until(lambda: not motion.keep())
+    assert ended.value.code in {"dead_lease", "lapsed"}
+    motion.release()
+
+
+def test_a_move_with_an_end_is_waited_for(robot):
+    with borrowed(robot, "drive/turn", angle_deg=-20.0) as motion:
+        motion.wait()
+        assert motion.done
+
+
+def test_another_ones_stop_and_the_emergency_stop_end_it_with_their_code(robot, running):
+    for line, codes in (("s", {"stopped"}), ("estop", {"estop"})):
+        with borrowed(robot, power=0.1, angle_deg=180) as motion:
+            until(lambda motion=motion: motion.keep() and turning(running))
+            assert running.say(line)["code"] == 0
+            with pytest.raises(client.RefusalError) as ended:
+                until(lambda motion=motion: not motion.keep())
+            assert ended.value.code in codes | {"dead_lease"}
+        until(lambda: wheels(running) == (0.0, 0.0))
+    with pytest.raises(client.RefusalError) as refused:
+        robot.borrow("drive/command", power=0.1)
+    assert refused.value.code == "estop"
+    robot.reset()
+
+
+def test_a_second_program_is_told_who_holds_it(robot):
+    with borrowed(robot, power=0.1, angle_deg=180), client.connect(name="another") as second:
+        with pytest.raises(client.RefusalError, match="held by") as refused:
+            second.borrow("drive/command", power=0.1)
+        assert refused.value.code == "held"
+
+
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP])
+def test_the_distribution_drives_without_lbr_and_the_wheels_stand_when_its_program_is_ended(end, wheel, running, home):
+    running.say("reset")
+    environment = robots.environment(home) | {"PYTHONPATH": str(wheel)}
+    program = programs.start([sys.executable, "-c", DRIVING], env=environment, stdout=-1, stderr=-1, text=True)
+    try:
+        assert program.stdout.readline() == "drives\n", program.communicate()
+        until(lambda: turning(running))
+        os.kill(program.pid, end)
+        until(lambda: wheels(running) == (0.0, 0.0))
+    finally:
+        program.kill()
+        program.communicate()
+
+
+def test_the_distribution_holds_what_lbr_has_and_needs_two_libraries(wheel):
+    collected = wheel / "lbr_client"
+    same = (collected / "bus" / "lease_client.py").read_text()
+    assert same.replace("lbr_client.", "lbr.") == (ROOT / "lbr" / "bus" / "lease_client.py").read_text()
+    assert not [path for path in collected.rglob("*.py") if "import lbr." in path.read_text()]
+    metadata = next(wheel.glob("*.dist-info")) / "METADATA"
+    needs = [line for line in metadata.read_text().splitlines() if line.startswith("Requires-Dist")]
+    assert sorted(line.split()[1].split("<")[0].split(">")[0] for line in needs) == ["eclipse-zenoh", "msgspec"]
+
+
+def test_reading_a_stream_again_later_gives_the_newest_and_not_what_came_meanwhile(robot):
+    found = robot.stream("drive/state", within_s=9.0)
+    next(found)
+    time.sleep(0.5)  # what comes meanwhile is not kept
+    began = time.monotonic()
+    for _ in range(3):
+        next(found)
+    assert time.monotonic() - began > 0.02
+    found.close()

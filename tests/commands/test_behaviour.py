@@ -1,0 +1,114 @@
+"""`lbr behaviour`: tables from files and back, checked; without a robot that runs."""
+
+from pathlib import Path
+
+import pytest
+
+from lbr.apps.behaviours import files
+from lbr.cli import main
+from lbr.database.shipped import shipped
+from tests.docs.pages import ROOT, blocks
+from tests.support import databases
+
+PATROL = (
+    "Type,Current State,Forward,O:level,O:range,Next State\nstart,Go,> 90,0.3,70,Home\nend,Home,,,,\nfail,Stuck,,,,\n"
+)
+EXAMPLES = Path("docs/examples/behaviours")
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """A home with the shipped rows."""
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "h"))
+    (tmp_path / "h").mkdir(mode=0o700)
+    databases.fresh(tmp_path / "h" / "robot.db")
+    return tmp_path
+
+
+def table(folder: Path, text: str = PATROL, name: str = "mine.csv") -> str:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def test_a_file_is_checked_taken_written_and_taken_again(home, capsys):
+    path = table(home)
+    assert main(["behaviour", "check", path]) == 0
+    assert main(["behaviour", "import", path, "--help-text", "mine", "--max", "60"]) == 0
+    assert main(["behaviour", "check", "mine"]) == 0
+    for kind, name in (("--csv", "out.csv"), ("--json", "out.json")):
+        assert main(["behaviour", "export", "mine", kind, "--to", str(home / name)]) == 0
+        assert main(["behaviour", "import", str(home / name), "--name", f"of_{kind[2:]}"]) == 0
+    assert main(["behaviour", "show", "of_json"]) == 0
+    assert "├" in (said := capsys.readouterr().out) or "└─ Forward > 90" in said
+    assert main(["behaviour", "list"]) == 0
+    assert "mine" in capsys.readouterr().out
+
+
+def test_a_table_that_is_there_is_replaced_only_if_that_is_said(home, capsys):
+    path = table(home)
+    assert main(["behaviour", "import", path]) == 0
+    assert main(["behaviour", "import", path]) == 2
+    assert "--replace puts this one in its place" in capsys.readouterr().err
+    assert main(["behaviour", "import", table(home, PATROL.replace("fail,Stuck,,,,\n", "")), "--replace"]) == 0
+    assert main(["behaviour", "export", "mine"]) == 0
+    assert "Stuck" not in capsys.readouterr().out, "rows that are not in the file any more are gone"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            PATROL.replace("Forward", "Forwrd"),
+            "mine.csv, line 2, Forwrd: there is no 'Forwrd' in the telemetry; did you mean 'Forward'?",
+        ),
+        (PATROL.replace("70", "7000"), "mine.csv, line 2, O:range: Expected `float` <= 769.0"),
+        (PATROL.replace(",Home\n", ",Hme\n"), "mine.csv, line 2, Next State: there is no state 'Hme'"),
+        (PATROL.replace("start", "begin"), "mine.csv, line 2, Type: 'begin' is no type"),
+        (PATROL.replace("> 90", "joints.moving"), "Forward: 'joints.moving' never holds"),
+        ("", "Current State: this column is missing"),
+    ],
+)
+def test_a_faulty_file_is_refused_with_line_and_column_and_nothing_is_written(home, capsys, text, said):
+    path = table(home, text)
+    for command in ("check", "import"):
+        assert main(["behaviour", command, path]) == 2
+        assert said in capsys.readouterr().err
+    assert main(["behaviour", "show", "mine"]) == 2
+    assert "has no behaviour 'mine'" in capsys.readouterr().err
+
+
+def test_a_picture_is_drawn(home):
+    assert main(["behaviour", "show", "patrol", "--svg", "--to", str(home / "patrol.svg")]) == 0
+    assert (home / "patrol.svg").read_text().startswith("<svg")
+
+
+def test_the_columns_are_listed(capsys):
+    assert main(["behaviour", "columns"]) == 0
+    assert "ranges.forward_m" in (said := capsys.readouterr().out)
+    assert "O:level" in said
+
+
+def test_the_shipped_behaviours_have_no_faults_and_are_those_in_the_examples(home, capsys):
+    assert main(["behaviour", "list"]) == 0
+    assert "✗" not in capsys.readouterr().out
+    rows, _ = shipped()
+    names = {row["name"] for row in rows["behaviour"]}
+    assert names == {path.stem for path in EXAMPLES.glob("*.csv")}
+    for name in sorted(names):
+        assert main(["behaviour", "export", name, "--json"]) == 0
+        written = files.read(capsys.readouterr().out.encode(), name, json=True)
+        assert written.rows == files.read((EXAMPLES / f"{name}.csv").read_bytes(), name, json=False).rows, name
+
+
+def test_a_file_may_be_checked_where_there_is_no_robot(tmp_path, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "nothing"))
+    assert main(["behaviour", "check", table(tmp_path)]) == 0
+
+
+def test_the_table_of_the_page_is_good(home, capsys):
+    (block,) = [one for one in blocks(ROOT / "docs" / "behaviours.md") if one.language == "csv"]
+    path = table(home, block.text, "round.csv")
+    assert main(["behaviour", "check", path]) == 0
+    assert main(["behaviour", "import", path]) == 0
+    assert "5 rows" in capsys.readouterr().out

@@ -1,0 +1,184 @@
+"""What `lbr db plan`, `apply`, `export` and `import` do with files, folders and copies."""
+
+import json
+import shutil
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from lbr.cli import cli
+from tests.support import databases
+
+POWER = (
+    "UPDATE capability SET settings = json_set(settings, '$.max_power', 0.5) WHERE robot = 'lbr' AND name = 'drive';"
+)
+
+
+@pytest.fixture
+def path(tmp_path, monkeypatch) -> Path:
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    return databases.fresh(tmp_path / "home" / "robot.db") or tmp_path / "home" / "robot.db"
+
+
+@pytest.fixture
+def sql(tmp_path):
+    def written(script: str) -> str:
+        (tmp_path / "edit.sql").write_text(script)
+        return str(tmp_path / "edit.sql")
+
+    return written
+
+
+def asked(path: Path, statement: str) -> list:
+    with closing(sqlite3.connect(path, isolation_level=None)) as client:
+        return client.execute(statement).fetchall()
+
+
+def db(*words: str) -> Result:
+    return CliRunner().invoke(cli, ["db", *words], standalone_mode=False)
+
+
+def refusal(*words: str) -> str:
+    return str(db(*words).exception)
+
+
+def test_plan_tells_rows_and_processes_and_touches_nothing(path, sql):
+    done = db("plan", sql(POWER))
+    assert done.return_value == 0
+    rows, robot, last = done.stdout.splitlines()
+    assert rows.startswith("capability 'lbr/drive' changed: settings: ")
+    assert robot == "lbr, at its next start: restart drive"
+    assert last == "nothing was changed yet; the rows have revision 0"
+    assert asked(path, "SELECT count(*) FROM revision") == [(0,)]
+
+
+def test_plan_tells_problems_and_ends_with_2(path, sql):
+    done = db("plan", sql("UPDATE capability SET kind = 'no_such' WHERE robot = 'lbr' AND name = 'drive'"))
+    assert done.return_value == 2
+    assert "problem: capability 'lbr/drive', kind: " in done.stderr
+
+
+def test_apply_writes_all_in_one_change_that_says_who_and_from_what(path, sql):
+    done = db("apply", sql(POWER + "UPDATE robot SET owner = 'me' WHERE name = 'lbr';"), "--json")
+    said = json.loads(done.stdout)
+    assert (said["written"], said["before"], said["revision"]) == (True, 0, 2)
+    assert said["touched"] == [
+        {"robot": "lbr", "runs": False, "start": [], "stop": [], "restart": ["drive"], "tell": []}
+    ]
+    (change,) = json.loads(db("history", "--json").stdout)
+    assert (change["first"], change["last"], change["program"], change["text"]) == (
+        1,
+        2,
+        "lbr db apply",
+        "applied edit.sql",
+    )
+
+
+@pytest.mark.parametrize(
+    ("script", "said"),
+    [
+        ("DROP TABLE channel", "line 1: it may insert, update and delete rows that make robots, and do nothing else"),
+        ("\nDELETE FROM audit", "line 2: it may insert"),
+        ("UPDATE user_token SET role = 'admin'", "line 1: it may insert"),
+        ("UPDATE revision SET id = 4", "line 1: it may insert"),
+        ("ATTACH '/tmp/x' AS x", "line 1: it may insert"),
+        ("UPDATE channel SET rate_hz = -1", "line 1: table channel, rate_hz: must be above 0"),
+        ("BEGIN; DELETE FROM phrase;", "its transaction has no end"),
+        ("DELETE FROM phr", "line 1: no such table: phr"),
+        ("\udcff", "neither SQL nor a robot's database"),
+        (
+            "PRAGMA foreign_keys = OFF; INSERT INTO channel (robot, source, target) VALUES ('none', 'a.b', 'c.d')",
+            "a row of channel would refer to a row of robot that is not there",
+        ),
+        (
+            "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) DELETE FROM phrase WHERE name IN (SELECT i FROM n)",
+            "line 1: it takes too long",
+        ),
+    ],
+)
+def test_sql_that_does_anything_else_is_refused_with_its_line(path, tmp_path, script, said, monkeypatch):
+    monkeypatch.setattr("lbr.database.sources.COMPUTED_S", 0.1)
+    (tmp_path / "edit.sql").write_text(script, errors="surrogateescape")
+    assert said in refusal("apply", str(tmp_path / "edit.sql"))
+    assert asked(path, "SELECT count(*) FROM revision") == [(0,)]
+
+
+def test_a_plan_is_refused_when_the_rows_were_changed_meanwhile(path, sql):
+    asked(path, "UPDATE robot SET owner = 'other' WHERE name = 'lbr'")
+    assert "have revision 1, not 0" in refusal("apply", sql(POWER), "--revision", "0")
+    assert asked(path, "SELECT count(*) FROM revision") == [(1,)]
+
+
+def test_a_copy_brings_its_rows_and_nothing_else(path, tmp_path):
+    copy = tmp_path / "copy.db"
+    asked(path, f"VACUUM INTO '{copy}'")
+    asked(path, POWER)
+    assert "drive" in db("plan", str(copy)).stdout
+    assert db("apply", str(copy)).return_value == 0
+    assert db("diff", "0").stdout == "nothing differs\n"
+    assert db("apply", str(copy)).stdout == "nothing differs: nothing was changed\n"
+
+
+def test_what_was_exported_is_imported_again(path, tmp_path):
+    folder = tmp_path / "rows"
+    assert "wrote " in db("export", str(folder)).stdout
+    asked(path, POWER)
+    asked(path, "DELETE FROM phrase")
+    done = db("import", str(folder))
+    assert done.return_value == 0
+    assert db("diff", "0").stdout == "nothing differs\n"
+    assert db("import", str(folder)).stdout == "nothing differs: nothing was changed\n"
+
+
+def test_one_robot_alone_is_exported_and_comes_into_another_database(path, tmp_path):
+    folder, other = tmp_path / "rows", tmp_path / "other.db"
+    db("export", str(folder), "--robot", "uxa90")
+    assert [one.name for one in folder.iterdir()] == ["uxa90"]
+    databases.fresh(other)
+    asked(other, "PRAGMA foreign_keys = ON; ")
+    with closing(sqlite3.connect(other, isolation_level=None)) as client:
+        client.execute("PRAGMA foreign_keys = ON")
+        client.execute("DELETE FROM robot WHERE name = 'uxa90'")
+    assert db("import", str(folder), "--db", str(other)).return_value == 0
+    assert db("diff", "--db", str(other)).stdout == "the rows are as shipped\n"
+
+
+def test_a_file_with_a_bad_row_is_refused_with_file_row_and_column(path, tmp_path):
+    folder = tmp_path / "rows"
+    db("export", str(folder))
+    file = folder / "lbr" / "capability.json"
+    rows = json.loads(file.read_text())
+    next(row for row in rows if row["name"] == "drive")["settings"]["max_power"] = 7
+    file.write_text(json.dumps(rows))
+    done = db("import", str(folder))
+    assert done.return_value == 2
+    assert "problem: lbr/capability.json, 'drive', settings: " in done.stderr
+    next(row for row in rows if row["name"] == "drive")["enabled"] = 7
+    file.write_text(json.dumps(rows))
+    assert db("import", str(folder)).return_value == 2
+    shutil.rmtree(folder / "lbr")
+    (folder / "lbr").mkdir()
+    (folder / "lbr" / "channel.json").write_text('[{"source": "a.b"')
+    assert "lbr/channel.json, line 1: is not JSON" in refusal("import", str(folder))
+    assert asked(path, "SELECT count(*) FROM revision") == [(0,)]
+
+
+def test_what_only_sqlite_refuses_is_told_with_its_row_also_in_a_dry_run(path, tmp_path):
+    folder = tmp_path / "rows"
+    db("export", str(folder), "--robot", "lbr")
+    file = folder / "lbr" / "verb.json"
+    rows = json.loads(file.read_text())
+    rows[0]["help"] = 5
+    file.write_text(json.dumps(rows))
+    done = db("plan", str(folder))
+    said = str(done.exception or done.stderr)
+    assert "verb" in said
+    assert "help" in said
+
+
+def test_a_source_that_is_not_there_is_told(path, tmp_path):
+    assert "cannot be read" in refusal("plan", str(tmp_path / "none.sql"))
+    assert "has no rows in it" in refusal("plan", str(tmp_path / "home"))

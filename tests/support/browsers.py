@@ -1,0 +1,31 @@
+"""The browser in which tests look at pages."""
+
+import os
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Playwright
+
+WINDOWED = "chromium"
+WINDOWLESS = "chromium-headless-shell"
+"""Chromium without windows: with them, a page costs three times as much, most of it for the buttons around it."""
+ARGUMENTS = ("--no-sandbox", "--disable-gpu")
+
+
+def start(playwright: "Playwright", *more: str) -> "Browser":
+    """Start the one without windows where it is installed, or else Chromium; with `more` arguments instead of the usual."""
+    program = shutil.which(WINDOWLESS) or shutil.which(WINDOWED)
+    return playwright.chromium.launch(executable_path=program, args=list(more or ARGUMENTS))
+
+
+def start_windowed(playwright: "Playwright", home: Path | None = None) -> "Browser":
+    """Start Chromium as persons have it, for what the one without windows lacks."""
+    return playwright.chromium.launch(**windowed(home))
+
+
+def windowed(home: Path | None, *more: str) -> dict[str, Any]:
+    """Say how Chromium is launched with `more` arguments; what it keeps of certificates is below `home`, if one is given."""
+    env = {**os.environ, **({"XDG_DATA_HOME": str(home)} if home else {})}
+    return {"executable_path": shutil.which(WINDOWED), "args": [*ARGUMENTS, *more], "env": env}

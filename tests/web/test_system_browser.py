@@ -1,0 +1,112 @@
+"""The page's System view on a whole robot, in a browser: rows in forms, tokens, logs."""
+
+import sqlite3
+import tempfile
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from tests.support import browsers, needs
+from tests.support.robot import Robot, lbr, prepare, running, until
+
+needs.modules("playwright")
+
+from playwright.sync_api import Page, expect, sync_playwright  # noqa: E402
+
+pytestmark = [needs.program("chromium", "chromium"), pytest.mark.slow_start, pytest.mark.timeout(60)]
+SLOWLY_MS = 20_000
+"""Bounds waiting on a machine that has much else to do."""
+
+
+@pytest.fixture(scope="module")
+def robot():
+    with tempfile.TemporaryDirectory(prefix="lbr-") as folder, running(prepare(Path(folder) / "h", "web")) as one:
+        until(lambda: one.capability("web")["phase"] == "ready", limit_s=10.0)
+        yield one
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with sync_playwright() as started:
+        found = browsers.start(started)
+        yield found
+        found.close()
+
+
+@pytest.fixture(params=[(390, 844), (1280, 900)], ids=["phone", "desktop"])
+def page(request, browser, robot):
+    width, height = request.param
+    found = browser.new_page(viewport={"width": width, "height": height}, locale="en-GB")
+    found.set_default_timeout(SLOWLY_MS)
+    errors: list[str] = []
+    found.on("pageerror", lambda error: errors.append(str(error)))
+    found.goto(f"{robot.web}/#system")
+    expect(found.get_by_role("heading", name="drive", exact=True)).to_be_visible(timeout=SLOWLY_MS)
+    yield found
+    found.close()
+    assert not errors
+
+
+def row(page: Page, table: str, name: str) -> None:
+    """Open a row's form."""
+    page.get_by_role("radio", name="Rows").click()
+    page.get_by_label("Table").select_option(table)
+    page.locator(".row", has=page.get_by_text(name, exact=True)).first.click()
+
+
+def setting(robot: Robot, column: str) -> str:
+    with closing(sqlite3.connect(robot.home / "robot.db")) as database:
+        query = f"SELECT {column} FROM capability WHERE robot = 'lbr' AND name = 'drive'"
+        return str(database.execute(query).fetchone()[0])
+
+
+def test_a_limit_is_changed_in_a_form_that_says_what_is_wrong_and_what_restarts(page, robot):
+    row(page, "capability", "drive")
+    form = page.get_by_role("dialog")
+    power = form.get_by_label("max power")
+    power.fill("7")
+    expect(form.get_by_text("At most 1")).to_be_visible()
+    expect(form.get_by_role("button", name="Save")).to_be_disabled()
+    wanted = "0.55" if page.viewport_size["width"] < 500 else "0.65"
+    power.fill(wanted)
+    expect(form.get_by_text("Restarts drive.")).to_be_visible(timeout=SLOWLY_MS)
+    form.get_by_role("button", name="Save").click()
+    expect(form).to_have_count(0, timeout=SLOWLY_MS)
+    assert f'"max_power": {wanted}' in setting(robot, "settings")
+    until(lambda: robot.capability("drive")["phase"] == "ready", limit_s=8.0)
+
+
+def test_a_row_that_changed_under_an_open_form_is_told_and_either_is_kept(page, robot):
+    row(page, "capability", "drive")
+    form = page.get_by_role("dialog")
+    width = page.viewport_size["width"]
+    robot.edit("UPDATE capability SET help = ? WHERE robot = 'lbr' AND name = 'drive'", f"by another, {width}")
+    form.get_by_label("help").fill("mine")
+    expect(form.get_by_text("was changed meanwhile")).to_be_visible(timeout=SLOWLY_MS)
+    form.get_by_role("button", name="Show the new row").click()
+    expect(form.get_by_label("help")).to_have_value(f"by another, {width}", timeout=SLOWLY_MS)
+    form.get_by_label("help").fill(f"mine after all, {width}")
+    form.get_by_role("button", name="Save").click()
+    expect(form).to_have_count(0, timeout=SLOWLY_MS)
+    assert setting(robot, "help") == f"mine after all, {width}"
+
+
+def test_a_token_is_locked_out_by_a_tap(page, robot):
+    name = f"visitor{page.viewport_size['width']}"
+    assert lbr(robot.home, "token", "add", name, "--role", "view").returncode == 0
+    page.get_by_role("radio", name="Access").click()
+    page.get_by_role("button", name=f"Lock out: {name}").click(timeout=SLOWLY_MS)
+    page.get_by_role("dialog").get_by_role("button", name="Lock out").click()
+    told = page.get_by_role("listitem").filter(has_text=name)
+    expect(told.get_by_text("locked out")).to_be_visible(timeout=SLOWLY_MS)
+
+
+def test_a_log_is_read_and_stop_stays_within_reach(page, robot):
+    (robot.home / "logs" / "lbr-drive.log").write_text("what it has written\n")
+    page.get_by_role("button", name="Log: drive").click()
+    expect(page.get_by_role("dialog").get_by_text("what it has written")).to_be_visible(timeout=SLOWLY_MS)
+    stop = page.locator("#stop")
+    stop.click()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("dialog")).to_have_count(0)
