@@ -108,11 +108,22 @@ def tell(report: Report, found: Measured, *, smoke: bool) -> int:
 
 
 def smoke_all() -> int:
-    """Show that each still works; of those that do not, tell what they said last."""
-    waiting, failed = names(), []
+    """Show that each still works; of those that do not, tell what they said last. What fails beside others has to work
+    alone."""
+    beside = _smoke(names(), (os.cpu_count() or 1) + SPARE)
+    if beside:
+        print(f"once more, alone: {', '.join(beside)}", flush=True)
+    failed = _smoke(beside, 1)
+    print(f"{len(names()) - len(failed)} of {len(names())} benchmarks work{'; not ' * bool(failed)}{', '.join(failed)}")
+    return int(bool(failed))
+
+
+def _smoke(wanted: list[str], at_once: int) -> list[str]:
+    """Run benchmarks, so many at a time, and return those that failed."""
+    waiting, failed = list(wanted), []
     running: dict[str, tuple[subprocess.Popen[bytes], BufferedRandom, float]] = {}
     while waiting or running:
-        while waiting and len(running) < (os.cpu_count() or 1) + SPARE:
+        while waiting and len(running) < at_once:
             name, said = waiting.pop(0), tempfile.TemporaryFile("w+b")  # noqa: SIM115 - closed when the program has ended
             argv = [sys.executable, "-m", "benchmarks", name, "--smoke"]
             running[name] = (programs.start(argv, stdout=said, stderr=said), said, time.monotonic())
@@ -129,8 +140,7 @@ def smoke_all() -> int:
                 said.seek(0)
                 print("".join(f"    {line}\n" for line in _last(said.read()) if program.returncode), end="", flush=True)
                 said.close()
-    print(f"{len(names()) - len(failed)} of {len(names())} benchmarks work{'; not ' * bool(failed)}{', '.join(failed)}")
-    return int(bool(failed))
+    return failed
 
 
 def _last(said: bytes) -> list[str]:
