@@ -67,7 +67,8 @@ class Publisher:
     """One stream: publishes stamped messages, and answers a `get` with its latest value. One thread publishes.
 
     It carries JSON, or, with `pictures`, the bytes of JPEG files. `renew` makes of the latest value what a `get` is
-    told, on Zenoh's thread, where a part of it may have changed since; it must be quick and thread-safe.
+    told, on Zenoh's thread, where a part of it may have changed since; it must be quick and thread-safe. `watching` is
+    called on Zenoh's thread whenever the first subscriber has come or the last one has gone, see `watched`.
     """
 
     def __init__(
@@ -79,9 +80,12 @@ class Publisher:
         seal: bytes = b"",
         pictures: bool = False,
         renew: Callable[[Any], Any] | None = None,
+        watching: Callable[[], None] | None = None,
     ) -> None:
         self.key = key
         self.count = 0
+        self.watched = True
+        """Whether there is a subscriber; a publisher that was not asked for this takes it that there is."""
         self._encoding = JPEG if pictures else JSON
         self._source = source
         self._seal = seal
@@ -94,6 +98,8 @@ class Publisher:
             priority=zenoh.Priority.DATA_LOW if pictures else zenoh.Priority.DATA,
         )
         self._latest = session.declare_queryable(key, direct(self._answer), complete=True)
+        if watching is not None:
+            self._watch(watching)
 
     def put(self, message: Any, *, taken_s: float | None = None) -> bytes:
         """Publish, and return the stamp; a bus that is away loses it silently, so motion never relies on it alone.
@@ -115,6 +121,14 @@ class Publisher:
         """Stop publishing and answering."""
         self._latest.undeclare()
         self._publisher.undeclare()
+
+    def _watch(self, watching: Callable[[], None]) -> None:
+        def look(_status: object = None) -> None:
+            self.watched = bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
+            watching()
+
+        self._watcher = self._publisher.declare_matching_listener(direct(look))
+        look()
 
     def _answer(self, query: zenoh.Query) -> None:
         with query:

@@ -120,11 +120,21 @@ class Context(Protocol[S_co]):
     def forget(self, output: str) -> None:
         """Answer no `get` any more with what was published there, until there is something new."""
 
+    def watched(self, output: str) -> bool:
+        """Say whether there is a subscriber of an output of pictures; `step` is called when that changes.
+
+        Of other outputs that is not known, and they count as watched.
+        """
+
     def wake(self) -> None:
         """Have `step` called at once; from any thread, such as one that waits for a device."""
 
     def latest(self, port: str) -> Received | None:
-        """Return the newest message of an input or setpoint, or None before the first."""
+        """Return the newest message of an input or setpoint, or None before the first.
+
+        Pictures are received for as long as they are read, by this or by `take`: the first call may wait 0.1 s for one,
+        and two seconds after the last one the camera may rest.
+        """
 
     def take(self, port: str) -> list[Received]:
         """Return what arrived on an input or setpoint since the last call, oldest first, as deep as its channel."""

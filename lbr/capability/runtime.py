@@ -27,11 +27,18 @@ from lbr.messages.rows import Row, RowSet, by_table, changes, with_rows
 from lbr.messages.system import EstopRequest, Event
 
 COMPLAINTS_PER_S = 2
+UNREAD_S = 2.0
+"""Pictures that nobody has read for so long are not received any more."""
+NEWEST_WAIT_S = 0.1
+"""So long the first reader of pictures waits for the newest one there is; a frozen camera costs that once."""
 R = TypeVar("R", bound=Row)
 
 
 class Port:
-    """One input or setpoint: decodes what its streams bring, drops what is not genuine, too fast or malformed."""
+    """One input or setpoint: decodes what its streams bring, drops what is not genuine, too fast or malformed.
+
+    Pictures are received while they are read: a camera that has no subscriber rests.
+    """
 
     def __init__(
         self,
@@ -40,15 +47,22 @@ class Port:
         kind: type[Struct],
         wake: Callable[[], None] | None,
         complain: Callable[[str, str, Code, str], None],
+        name: str,
     ) -> None:
         self.sources = tuple(wire.source for wire in wires)
         self.last: Received | None = None
+        self._bus, self._wires, self._wake = bus, wires, wake
+        self._name = name
+        self._while_read = kind is JpegFrame
+        self._read_at = 0.0
         self._decoder = PictureDecoder() if kind is JpegFrame else Decoder(kind)
         self._complain = complain
         self._fresh: deque[Received] = deque(maxlen=max((wire.history for wire in wires), default=1))
         self._next: dict[str, float] = {}
         self._dates = {wire.key: SendTimes() for wire in wires}
-        self._feeds = [(w, _subscribe(bus, w, wake)) for w in wires]
+        self._feeds: list[tuple[InputWire, wire.Subscription | wire.PolledSubscription]] = []
+        if not self._while_read:
+            self._subscribe()
 
     def take(self) -> list[Received]:
         """Return what is new, oldest first."""
@@ -62,7 +76,30 @@ class Port:
         self._drain()
         return self.last
 
+    def let_go(self, now: float) -> None:
+        """Receive pictures no longer that are not read."""
+        if self._while_read and self._feeds and now - self._read_at > UNREAD_S:
+            for _, subscription in self._feeds:
+                subscription.close()
+            self._feeds.clear()
+
+    def _subscribe(self) -> None:
+        self._feeds = [(feed, _subscription(self._bus, feed, self._wake)) for feed in self._wires]
+
+    def _begin_to_read(self) -> None:
+        """Receive pictures, and have the newest one at once."""
+        self._subscribe()
+        keys_asked = {feed.key: feed for feed in self._wires}
+        for raw in wire.ask_all(self._bus, keys_asked, source=self._name, timeout_s=NEWEST_WAIT_S):
+            if raw.key in keys_asked and (received := self._check(keys_asked[raw.key], raw)) is not None:
+                self.last = received
+                self._fresh.append(received)
+
     def _drain(self) -> None:
+        if self._while_read:
+            self._read_at = time.monotonic()
+            if self._wires and not self._feeds:
+                self._begin_to_read()
         for feed, subscription in self._feeds:
             for raw in subscription.take():
                 received = self._check(feed, raw)
@@ -137,7 +174,8 @@ class ProcessContext:
                     o.key,
                     config.name,
                     seal=bytes.fromhex(o.seal),
-                    pictures=kind.outputs.get(name) is JpegFrame,
+                    pictures=(pictures := kind.outputs.get(name) is JpegFrame),
+                    watching=wake if pictures else None,
                 )
                 for o in wires
             ]
@@ -145,7 +183,7 @@ class ProcessContext:
         }
         ports = {**kind.inputs, **kind.setpoints}
         self._ports = {
-            name: Port(self._bus, config.wiring.get(name, ()), message, wake_for_streams, self._refused)
+            name: Port(self._bus, config.wiring.get(name, ()), message, wake_for_streams, self._refused, config.name)
             for name, message in ports.items()
         }
         self._commands = {
@@ -182,6 +220,10 @@ class ProcessContext:
         """Answer no `get` any more with what was published there."""
         for publisher in self._outputs[output]:
             publisher.forget()
+
+    def watched(self, output: str) -> bool:
+        """Say whether there is a subscriber of an output of pictures."""
+        return any(publisher.watched for publisher in self._outputs[output])
 
     def wake(self) -> None:
         """Have `step` called at once; from any thread."""
@@ -250,6 +292,12 @@ class ProcessContext:
             text = f"{missed} more events '{kind}' within a second"
             event = Event(kind="repeated", subject=self.name, text=text, level="warning", wall_ns=time.time_ns())
             self._events.put(event)
+
+    def let_go(self) -> None:
+        """Receive pictures no longer that are not read; called once a second."""
+        now = time.monotonic()
+        for port in self._ports.values():
+            port.let_go(now)
 
     def engage_estop(self, reason: str) -> None:
         """Latch the emergency stop of everything that moves."""
@@ -339,7 +387,7 @@ def _told(rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
     return by_table(msgspec.convert(msgspec.to_builtins(row), type(row)) for row in rows)
 
 
-def _subscribe(
+def _subscription(
     bus: session.Session, feed: InputWire, wake: Callable[[], None] | None
 ) -> wire.Subscription | wire.PolledSubscription:
     """Receive a stream; one that wakes no loop waits within Zenoh."""

@@ -20,7 +20,7 @@ class CameraState(Struct, frozen=True, kw_only=True):
     """How a camera is. Off means that its device is closed; nothing can see through it then.
 
     Width, height and rate are those of the pictures that come. `frames` were published; `dropped` were broken, too
-    large, or overtaken by a newer one.
+    large, or overtaken by a newer one. A camera without a viewer `rests`: it then publishes two pictures a second.
     """
 
     on: bool
@@ -31,6 +31,7 @@ class CameraState(Struct, frozen=True, kw_only=True):
     fps: float | None = None
     frames: int = 0
     dropped: int = 0
+    rests: bool = False
     reason: str = ""
 
 

@@ -92,7 +92,8 @@ class FakeContext(Generic[S]):
     """A capability's context: `now` is the time, `published` and `events` are kept, `arrive` is what it hears.
 
     A question is answered with what stands in `replies` for its request, at once; without an entry it waits. Who is wired
-    to a port or request stands in `wired`, by default one of that name; who is dead, in `gone`. `given` are its rows, of
+    to a port or request stands in `wired`, by default one of that name; who is dead, in `gone`; which outputs have no
+    subscriber, in `unwatched`. `given` are its rows, of
     whatever tables, and `kept` what it has learnt. Any attribute of `Context` may be given by its name.
     """
 
@@ -127,6 +128,7 @@ class FakeContext(Generic[S]):
         self.gone: set[str] = set()
         self.kept: list[Any] = []
         self.latched: list[str] = []
+        self.unwatched: set[str] = set()
         self.woken = 0
         self._latest: dict[str, Received] = {}
         self._arrived: dict[str, list[Received]] = {}
@@ -175,6 +177,10 @@ class FakeContext(Generic[S]):
     def forget(self, output: str) -> None:
         """Answer no `get` any more."""
         self.answered.pop(output, None)
+
+    def watched(self, output: str) -> bool:
+        """Say what the test has set in `unwatched`."""
+        return output not in self.unwatched
 
     def wake(self) -> None:
         """Count it."""

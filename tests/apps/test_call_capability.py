@@ -2,6 +2,7 @@
 
 import sys
 
+import msgspec
 import pytest
 
 from tests.support import needs
@@ -134,8 +135,18 @@ def test_who_is_refused_is_written_down(bench):
     ]
 
 
-def test_the_picture_is_of_the_camera_that_was_there_first(bench):
+def test_without_a_call_no_pictures_are_read_and_it_is_known_which_camera_a_call_would_show(bench):
     found = bench()
+    found.round(source="camera_front")
+    assert found.round(source="camera_rear").camera == "front"
+    assert len(found.ctx.take("frames")) == 2
+    found.round(msgspec.structs.replace(ON, on=False, phase="off"), source="camera_front")
+    assert found.round(source="camera_rear").camera == "rear"
+
+
+def test_the_picture_of_a_call_is_of_the_camera_that_was_there_first(bench):
+    found = bench()
+    found.ring()
     for _ in range(3):
         found.round(source="camera_front")
         state = found.round(source="camera_rear")

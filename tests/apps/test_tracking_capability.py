@@ -399,13 +399,19 @@ def test_a_look_saves_the_marked_picture_and_says_what_is_in_it(world, monkeypat
     begin(world)
     call = FakeCall("look", LookCommand())
     world.tracking.command(call)
-    assert "no pictures come" in call.answer.reason
-    world.run(0.2)
-    call = FakeCall("look", LookCommand())
-    world.tracking.command(call)
+    assert call.answer is None, "a camera that rested has a picture soon"
     until(lambda: world.run(0.02) or call.answer)
     assert call.answer.reason == f"sees no colour; saved as {call.answer.path}"
     assert Path(call.answer.path).read_bytes() == b"null"
+
+
+def test_a_look_without_a_picture_says_so_soon(world):
+    begin(world)
+    world.camera_old_s = 5.0
+    call = FakeCall("look", LookCommand())
+    world.tracking.command(call)
+    world.run(0.8)
+    assert "no pictures come" in call.answer.reason
 
 
 @pytest.mark.parametrize("later", [False, True])

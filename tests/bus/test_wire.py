@@ -140,6 +140,22 @@ def test_a_publisher_answers_with_its_latest_until_it_forgets_or_closes(client, 
     assert wire.ask(client, stream.key, None, source="test", timeout_s=0.3) == []
 
 
+def test_a_publisher_of_pictures_knows_whether_there_is_a_subscriber(client, endpoint):
+    told = []
+    with session.open_client((endpoint,)) as bus:
+        stream = wire.Publisher(bus, "r/camera_front/frame", "camera", pictures=True, watching=lambda: told.append(1))
+        assert not stream.watched
+        one, all_of_them = wire.PolledSubscription(client, stream.key), wire.Subscription(client, "r/camera_$*/frame")
+        until(lambda: stream.watched)
+        one.close()
+        wire.ask(client, stream.key, None, source="test")
+        assert stream.watched
+        all_of_them.close()
+        until(lambda: not stream.watched)
+        assert len(told) >= 3
+        stream.close()
+
+
 def test_a_subscription_keeps_the_newest_and_wakes_for_each(client, router):
     woken = []
     heard = wire.Subscription(client, "r/ranges/*", depth=2, wake=lambda: woken.append(1))

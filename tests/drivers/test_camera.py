@@ -89,6 +89,23 @@ def test_what_the_row_wants_is_asked_of_the_source(started, source):
     assert controls == {"controls": {"brightness": 17}}
 
 
+def test_a_camera_without_a_viewer_rests_and_is_awake_at_once_when_one_comes(started, source):
+    camera, ctx = started('{"device": "front", "on": true, "fps": 20}')
+    ctx.unwatched.add("frame")
+    streaming(camera, ctx, source, count=2)
+    stepped(camera, lambda: source.connected and source.heard.endswith(b'{"fps":2.0}\n'), within_s=5.0)
+    sent = len(ctx.frames)
+    for mark in range(5):
+        source.send(jpeg(mark))
+        stepped(camera, lambda: not camera._capture._slot)
+    assert len(ctx.frames) <= sent + 1, "only two a second are published"
+    stepped(camera, lambda: ctx.state.rests)
+    ctx.unwatched.clear()
+    stepped(camera, lambda: source.connected and source.heard.endswith(b'{"fps":20}\n'), within_s=0.3)
+    streaming(camera, ctx, source, count=3)
+    stepped(camera, lambda: not ctx.state.rests)
+
+
 def test_the_state_tells_what_the_pictures_are_like(started, source):
     camera, ctx = started()
     assert ctx.state.phase == "opening"

@@ -52,8 +52,11 @@ class Call(Capability[CallSettings]):
         now, media = self.ctx.clock(), self._media
         for received in self.ctx.take("cameras"):
             self._cameras[received.source] = received.message
-        for received in self.ctx.take("frames"):
-            self._look(received, now)
+        if self._desk.any:
+            for received in self.ctx.take("frames"):
+                self._look(received, now)
+        else:
+            self._look_at_states(now)
         while media is not None and media.news:
             self._note(media.news.popleft())
         self._desk.tick(now)
@@ -86,12 +89,19 @@ class Call(Capability[CallSettings]):
             self._media.stop()
             self._media = None
 
+    def _look_at_states(self, now: float) -> None:
+        """Know which camera a call would show, and let it rest until there is one."""
+        streaming = [name for name, state in self._cameras.items() if state.phase == "streaming" and self.ctx.alive(name)]
+        if streaming:
+            self._camera = self._camera if self._camera in streaming else streaming[0]
+            self._seen_s = now
+
     def _look(self, received: Received, now: float) -> None:
         camera = received.source
         if camera != self._camera and now - self._seen_s < CURRENT_S:
             return  # two are on: the one that was there first is shown
         self._camera, self._seen_s = camera, now
-        if self._desk.any and self._media is not None:
+        if self._media is not None:
             self._media.show(received.message.data, received.arrived)
 
     def _note(self, happened: "Happened") -> None:

@@ -27,6 +27,7 @@ NO_PICTURES = "no pictures come from the camera in the head, or only old ones"
 STATE_EVERY_S = 1.0
 JOINTS_CURRENT_S = 0.5
 NO_PICTURE_S = 1.0
+NEW_PICTURE_S = 0.6
 RATE_OVER_S = 2.0
 ANSWER_S = 1.2
 """A sender that wants the head to follow waits 2 s for the answer; on a busy machine the eye may take longer."""
@@ -62,6 +63,7 @@ class Tracking(Capability[TrackingSettings]):
         super().__init__(ctx)
         self._following: _Following | None = None
         self._pool = ThreadPoolExecutor(1)
+        self._to_look: tuple[Call, LookCommand, float] | None = None
         self._looking: tuple[Call, Future[Sketch]] | None = None
         self._last = TrackingState(following=False)
         self._tell_at = -inf
@@ -76,6 +78,8 @@ class Tracking(Capability[TrackingSettings]):
         """Look, and have the head follow."""
         if self._following is not None:
             self._go_on(self._following)
+        if self._to_look is not None:
+            self._look_at_new(*self._to_look)
         if self._looking is not None and self._looking[1].done():
             self._show(*self._looking)
         if self.ctx.clock() >= self._tell_at:
@@ -124,16 +128,23 @@ class Tracking(Capability[TrackingSettings]):
         self._following = _Following(command, mover, eye, gaze, call, aim, began=now, turned_s=now)
 
     def _look(self, call: Call, command: LookCommand) -> None:
-        """Look at the newest picture on a thread, for that may take a while."""
-        newest = self.ctx.latest("frame")
-        if self._looking is not None:
+        """Have the next new picture looked at: a camera that rested has one soon."""
+        if self._looking is not None or self._to_look is not None:
             call.refuse("a picture is being looked at; wait for the answer", "busy")
-        elif newest is None or not newest.age_s(self.ctx.clock()) <= self.ctx.settings.max_age_s:
-            call.refuse(self._blind() or NO_PICTURES, "unreachable")
         else:
+            self._to_look = call, command, self.ctx.clock() + NEW_PICTURE_S
+            self._look_at_new(*self._to_look)
+
+    def _look_at_new(self, call: Call, command: LookCommand, until: float) -> None:
+        """Look at the newest picture on a thread, for that may take a while."""
+        newest, now = self.ctx.latest("frame"), self.ctx.clock()
+        if newest is not None and newest.age_s(now) <= self.ctx.settings.max_age_s:
             looked = self._pool.submit(sketch, self.ctx.settings, command.target, newest.message.data)
             looked.add_done_callback(lambda _: self.ctx.wake())
-            self._looking = call, looked
+            self._looking, self._to_look = (call, looked), None
+        elif (why := self._blind()) or now >= until:
+            self._to_look = None
+            call.refuse(why or NO_PICTURES, "unreachable")
 
     def _show(self, call: Call, looked: "Future[Sketch]") -> None:
         self._looking = None

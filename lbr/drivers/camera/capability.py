@@ -1,4 +1,7 @@
-"""A camera as a capability: every picture goes out at once, and switched off the device is closed."""
+"""A camera as a capability: every picture goes out at once, and switched off the device is closed.
+
+Without a subscriber it rests. What asks for the newest picture now and then gets one of the last half second.
+"""
 
 from dataclasses import dataclass
 
@@ -19,6 +22,7 @@ OFF_S, ON_S = 0.6, 1.1
 """So soon a switch is answered, whatever has come of it; both together before the asker gives up."""
 CLOSE_S = 0.3
 NEWEST_S = 1.0
+REST_AFTER_S = 2.0
 OPENING_S = 1.5
 """How long a device may take to open before that is a trouble."""
 
@@ -46,7 +50,7 @@ class Camera(Capability[CameraSettings]):
         self._newest: Picture | None = None
         self._frames = self._dropped_before = 0
         self._fps: float | None = None
-        self._state_at = self._counted_at = self._opened_at = 0.0
+        self._state_at = self._counted_at = self._opened_at = self._watched_at = 0.0
         self._counted = 0
         self._said = ("", False)
 
@@ -58,6 +62,7 @@ class Camera(Capability[CameraSettings]):
     def step(self) -> None:
         """Publish what there is, and bring the device to where the switch wants it."""
         self._follow_switch()
+        self._follow_viewers()
         self._publish_picture()
         self._answer_switch()
         self._tell()
@@ -102,7 +107,15 @@ class Camera(Capability[CameraSettings]):
             device, settings = self.ctx.device, self.ctx.settings
             assert device is not None
             self._opened_at = self.ctx.clock()
-            self._capture = Capture(lambda: open_source(device, settings), self.ctx.wake, silent_s=2.5 / settings.fps)
+            self._capture = Capture(lambda: open_source(device, settings), self.ctx.wake, fps=settings.fps)
+            self._watched_at = self._opened_at
+
+    def _follow_viewers(self) -> None:
+        now = self.ctx.clock()
+        if self.ctx.watched("frame"):
+            self._watched_at = now
+        if self._capture is not None:
+            self._capture.rest(rests=now - self._watched_at > REST_AFTER_S)
 
     def _forget(self) -> None:
         """Show no old picture of a camera that is off or away."""
@@ -189,5 +202,6 @@ class Camera(Capability[CameraSettings]):
             fps=self._fps if capture is not None and capture.phase == "streaming" else None,
             frames=self._frames,
             dropped=self._dropped_before + (capture.dropped if capture is not None else 0),
+            rests=capture is not None and capture.rests,
             reason=capture.reason if capture is not None else "",
         )

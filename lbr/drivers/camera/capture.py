@@ -18,6 +18,8 @@ OLDEST_S = 1.0
 RETRY_FIRST_S = 0.2
 RETRY_MOST_S = 2.0
 STEADY_S = 5.0
+REST_FPS = 2.0
+"""As often a camera without a viewer gives a picture: a snapshot is never older than half a second."""
 
 Phase = Literal["opening", "streaming", "lost"]
 
@@ -25,17 +27,20 @@ Phase = Literal["opening", "streaming", "lost"]
 class Capture:
     """One camera's thread and its slot. `wake` is called on that thread when there is something new.
 
-    It gives up a camera that is silent for a second (`silent_s`), and tries it again after 0.2 s, growing to 2 s.
+    It gives up a camera that is silent for a second (2.5 pictures), and tries it again after 0.2 s, growing to 2 s.
+    While it `rests`, only `REST_FPS` pictures a second are kept.
     """
 
-    def __init__(self, open_source: Callable[[], Source], wake: Callable[[], None], *, silent_s: float) -> None:
+    def __init__(self, open_source: Callable[[], Source], wake: Callable[[], None], *, fps: float) -> None:
         self.phase: Phase = "opening"
         self.reason = ""
         self.dropped = 0
         self.ended = False  # the camera is closed for good
         self._open_source = open_source
         self._wake = wake
-        self._silent_s = silent_s
+        self._fps = fps
+        self._rests = self._pace_is_rest = False
+        self._kept_at = 0.0
         self._slot: deque[Picture] = deque(maxlen=1)
         self._over = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._stopping = False
@@ -53,6 +58,17 @@ class Capture:
         if not self._stopping:
             self._stopping = True
             os.eventfd_write(self._over, 1)
+
+    def rest(self, *, rests: bool) -> None:
+        """Have few pictures come, or again as many as there were."""
+        if rests != self._rests and not self._stopping:
+            self._rests = rests
+            os.eventfd_write(self._over, 1)
+
+    @property
+    def rests(self) -> bool:
+        """Return whether few pictures are wanted."""
+        return self._rests
 
     @property
     def stopping(self) -> bool:
@@ -76,32 +92,48 @@ class Capture:
                 self._tell("lost", str(err))
             if time.monotonic() - began > STEADY_S:
                 retry_s = RETRY_FIRST_S
-            select.select([self._over], [], [], retry_s)
+            if select.select([self._over], [], [], 0.0 if self._stopping else retry_s)[0]:
+                os.eventfd_read(self._over)
             retry_s = min(retry_s * 2, RETRY_MOST_S)
         self.ended = True
         self._wake()
 
     def _stream(self, source: Source) -> None:
+        self._pace_is_rest = False
         try:
             heard, allowed_s = time.monotonic(), FIRST_S
-            while True:
+            while not self._stopping:
+                self._set_pace(source)
                 left_s = allowed_s - (time.monotonic() - heard)
                 readable, _, _ = select.select([source.fileno(), self._over], [], [], max(0.0, left_s))
                 if self._over in readable:
-                    return
-                if self._keep(source.take() if readable else []):
-                    heard, allowed_s = time.monotonic(), max(SILENT_S, self._silent_s)
+                    os.eventfd_read(self._over)
+                    continue
+                if self._keep(source.take() if source.fileno() in readable else []):
+                    heard, allowed_s = time.monotonic(), max(SILENT_S, 2.5 / self._pace())
                 elif left_s <= 0.0:
                     raise DeviceError(f"no picture has come for {allowed_s:.1f} s; check the camera's cable")
         finally:
             source.close()
 
+    def _pace(self) -> float:
+        return min(self._fps, REST_FPS) if self._rests else self._fps
+
+    def _set_pace(self, source: Source) -> None:
+        if self._pace_is_rest != self._rests:
+            self._pace_is_rest = self._rests
+            source.pace(self._pace())
+
     def _keep(self, taken: list[Picture]) -> bool:
         """Put the newest picture into the slot unless it is old, and say whether there was any."""
         good = [found for picture in taken if (found := usable(picture))]
-        fresh = [picture for picture in good[-1:] if time.monotonic() - picture.taken_s <= OLDEST_S]
+        now = time.monotonic()
+        if good and self._rests and self.phase == "streaming" and now - self._kept_at < 0.9 / REST_FPS:
+            return True
+        fresh = [picture for picture in good[-1:] if now - picture.taken_s <= OLDEST_S]
         self.dropped += len(taken) - len(fresh)
         if fresh and not self._stopping:
+            self._kept_at = now
             self.dropped += len(self._slot)
             self._slot.append(fresh[0])
             self._tell("streaming")

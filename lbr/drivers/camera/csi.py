@@ -60,6 +60,11 @@ class CsiSource:
             found.append(self._pictures.popleft())
         return found
 
+    def pace(self, fps: float) -> None:
+        """Have the sensor take so many."""
+        with suppress(Exception):
+            self._camera.set_controls({"FrameRate": fps})
+
     def close(self) -> None:
         """Stop recording and close the camera."""
         camera, self._camera = self._camera, None

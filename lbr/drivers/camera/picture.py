@@ -25,6 +25,9 @@ class Source(Protocol):
     def take(self) -> list[Picture]:
         """Return the pictures that have come, oldest first, broken ones too; never waits."""
 
+    def pace(self, fps: float) -> None:
+        """Have about so many pictures a second come, if the device can be told while it streams; never fails."""
+
     def close(self) -> None:
         """Close the device; never fails."""
 

@@ -55,6 +55,11 @@ class StreamSource:
             found += self._parsed(data)
         return found
 
+    def pace(self, fps: float) -> None:
+        """Ask for so many pictures a second; a line that cannot be sent now is one of a connection that is about to end."""
+        with suppress(OSError):
+            self._socket.sendall(request(fps=fps))
+
     def close(self) -> None:
         """Hang up."""
         with suppress(OSError):

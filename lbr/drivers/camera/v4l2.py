@@ -59,6 +59,9 @@ class V4l2Source:
                 found.append(_picture(frame))
         return found
 
+    def pace(self, fps: float) -> None:
+        """Change nothing: a device would have to be stopped for that, and its first picture would then come late."""
+
     def close(self) -> None:
         """Stop the stream and close the device."""
         capture, self._capture = self._capture, None
