@@ -142,7 +142,7 @@ class Process:
         if now >= self._tell_at:
             self._tell_at = now + TELL_MISSED_S
             ctx.tell_missed()
-            ctx.let_go()
+            ctx.drop_unread()
         if now >= self._collect_at:
             self._collect_at = now + COLLECT_S
             gc.collect()

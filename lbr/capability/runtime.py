@@ -76,7 +76,7 @@ class Port:
         self._drain()
         return self.last
 
-    def let_go(self, now: float) -> None:
+    def drop_unread(self, now: float) -> None:
         """Receive pictures no longer that are not read."""
         if self._while_read and self._feeds and now - self._read_at > UNREAD_S:
             for _, subscription in self._feeds:
@@ -293,11 +293,11 @@ class ProcessContext:
             event = Event(kind="repeated", subject=self.name, text=text, level="warning", wall_ns=time.time_ns())
             self._events.put(event)
 
-    def let_go(self) -> None:
+    def drop_unread(self) -> None:
         """Receive pictures no longer that are not read; called once a second."""
         now = time.monotonic()
         for port in self._ports.values():
-            port.let_go(now)
+            port.drop_unread(now)
 
     def engage_estop(self, reason: str) -> None:
         """Latch the emergency stop of everything that moves."""

@@ -91,7 +91,9 @@ class Call(Capability[CallSettings]):
 
     def _look_at_states(self, now: float) -> None:
         """Know which camera a call would show, and let it rest until there is one."""
-        streaming = [name for name, state in self._cameras.items() if state.phase == "streaming" and self.ctx.alive(name)]
+        streaming = [
+            name for name, state in self._cameras.items() if state.phase == "streaming" and self.ctx.alive(name)
+        ]
         if streaming:
             self._camera = self._camera if self._camera in streaming else streaming[0]
             self._seen_s = now
