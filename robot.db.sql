@@ -548,6 +548,12 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('lbr', 'call', 'call', 0, '{}',
      'Calls from the page: picture and sound both ways; answered at the robot, or at once as its settings say');
 
+-- Off: it needs `pip install 'lbr[mqtt]'`, a broker (the setting host) and for all but stop a token: docs/outside.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('lbr', 'mqtt', 'mqtt', 0,
+     '{"words": {"stop": {"do": "stop"}, "dock": {"do": "run", "table": "dock"}, "say": {"do": "say"}}}',
+     'The robot at a broker of MQTT: for Home Assistant, for a device shadow of AWS IoT; does what its words allow');
+
 INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
     ('lbr', 'motors.state', 'drive.motors', 1),
@@ -612,7 +618,8 @@ INSERT INTO channel (robot, source, target, rate_hz) VALUES
     ('lbr', 'odometry.state', 'telemetry.odometry', 10),
     ('lbr', 'cameras.state', 'telemetry.cameras', 10),
     ('lbr', 'battery.state', 'telemetry.battery', 10),
-    ('lbr', 'dock.signal', 'telemetry.dock', 10);
+    ('lbr', 'dock.signal', 'telemetry.dock', 10),
+    ('lbr', 'camera_front.frame', 'mqtt.frames', 1);
 
 -- Most of its words come with the kinds of its capabilities; a row of the same pattern takes the place of one.
 INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES

@@ -19,6 +19,16 @@ class LanUser(Row, frozen=True, kw_only=True):
     hash: str
 
 
+class TokenRight(Row, frozen=True, kw_only=True):
+    """What a token lets its holder do, without what proves it: for a kind that acts in its name."""
+
+    TABLE = "user_token"
+    KEY = ("name",)
+
+    name: str
+    role: TokenRole
+
+
 class LanGuest(Struct, frozen=True, kw_only=True):
     """A process of this robot that runs on another machine: who it is at the door, and what its rows wire."""
 

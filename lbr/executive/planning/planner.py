@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 from msgspec.structs import replace
 
-from lbr.bus.door import LanUser
+from lbr.bus.door import LanUser, TokenRight
 from lbr.capability import registry
 from lbr.capability.kind import Kind, KindError
 from lbr.capability.program import ProgramSettings
@@ -152,7 +152,7 @@ def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
 def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Problem]:
     """Yield what is wrong with the rows that kinds read, each once."""
     readers = {read.row: name for name, kind in kinds.items() for read in kind.reads}
-    for row in sorted((registry.tables() | readers.keys()) - {LanUser}, key=lambda row: row.TABLE):
+    for row in sorted((registry.tables() | readers.keys()) - {LanUser, TokenRight}, key=lambda row: row.TABLE):
         if row.TABLE in rows.tables:
             yield from rows.tables.problems(row)
         elif name := readers.get(row, ""):

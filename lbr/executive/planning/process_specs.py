@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from lbr.bus import keys
 from lbr.bus.access import Credentials, Rights
-from lbr.bus.door import LanConfig, LanGuest, LanUser
+from lbr.bus.door import LanConfig, LanGuest, LanUser, TokenRight
 from lbr.capability import registry
 from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
 from lbr.capability.kind import Kind
@@ -184,9 +184,11 @@ def _put(units: Iterable[ProcessSpec]) -> Iterator[tuple[ProcessSpec, str]]:
 
 
 def _read(read: Read, settings: Any, rows: RobotRows, site: RunIdentity) -> RowSet:
-    """Return the rows of a table that a kind reads; users come with the secrets that their tokens must fit."""
+    """Return the rows of a table that a kind reads; users come with the secrets that their tokens must fit, rights without."""
     if read.row is LanUser:
         return row_set(read.row, _users(rows, site, "web"))
+    if read.row is TokenRight:
+        return row_set(read.row, read_by(read, settings, (TokenRight(name=t.name, role=t.role) for t in rows.tokens)))
     return row_set(read.row, read_by(read, settings, rows.of(read.row)))
 
 

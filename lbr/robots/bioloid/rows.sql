@@ -44,6 +44,11 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'speech', 'speech', 0, '{"device": "speaker"}',
      'The voice: says texts and phrases, and plays recordings');
 
+-- Off: it needs `pip install 'lbr[mqtt]'`, a broker (the setting host) and for all but stop a token: docs/outside.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('bioloid', 'mqtt', 'mqtt', 0, '{"words": {"stop": {"do": "stop"}, "wave": {"do": "play", "motion": "wave"}}}',
+     'The robot at a broker of MQTT: for Home Assistant, for a device shadow of AWS IoT; does what its words allow');
+
 INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'joints.setpoint', 'servos.setpoint', 1),
     ('bioloid', 'servos.state', 'joints.servos', 1),

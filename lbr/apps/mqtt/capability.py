@@ -1,0 +1,379 @@
+"""MQTT as a capability: tells the broker how the robot is, has done what is asked there and allowed by the row, and answers.
+
+Motion is borrowed by leases as by anyone, one goal at a time, and ends when this process does. It ends, too, when the broker
+is lost: who asked for it could not stop it any more.
+"""
+
+from importlib.metadata import version
+from math import inf
+from typing import Any, NamedTuple
+
+import msgspec
+
+from lbr.apps.mqtt import MqttSettings, discovery, report, words
+from lbr.apps.mqtt.session import Broker, Incoming, Outgoing, Session, secret, secured
+from lbr.apps.mqtt.shadow import Asked, ShadowState
+from lbr.apps.mqtt.words import Ask, Motion, Order
+from lbr.bus.door import TokenRight
+from lbr.bus.lease_client import LeaseTarget
+from lbr.capability.base import Capability
+from lbr.capability.context import Context, PendingReply
+from lbr.capability.mover import DRIVE, GONE, RESULT_S, Mover
+from lbr.errors import DeviceError, InputError
+from lbr.messages.behaviour import RunBehaviour
+from lbr.messages.codes import Reason, heard
+from lbr.messages.drive import HeadingCommand
+from lbr.messages.joints import PlayCommand
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.mqtt import MqttState
+from lbr.messages.plain import one_line
+from lbr.messages.speech import SayCommand
+from lbr.messages.system import Role
+
+ASK_S = 3.0
+TELL_S = 1.0
+TELL_NEWS_S = 0.25
+SETTLES_S = 1.2
+"""What comes once a second has come by then: the first report is no empty one."""
+LARGEST_ASK = 2048
+LONGEST_REASON = 200
+OLD_PICTURE_S = 2.0
+MOST_ASKED = 4
+"""Of a round, and of what waits for an answer: more at once is nobody who means it."""
+BORROWED = {
+    **DRIVE,
+    HeadingCommand: LeaseTarget("heading", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
+    PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
+}
+PORTS = {StopCommand: "stop_all", RunBehaviour: "run", SayCommand: "say"}
+NO_BROKER = "no broker is named: the setting 'host' of this row says where one is, and docs/outside.md how to have one"
+
+
+class Waiting(NamedTuple):
+    """What was asked of others, and what they have not answered yet."""
+
+    ask: Ask
+    by: str
+    question: PendingReply
+
+
+class Mqtt(Capability[MqttSettings]):
+    """A robot's word to the broker, and the broker's to the robot."""
+
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[MqttSettings]) -> None:
+        super().__init__(ctx)
+        settings = ctx.settings
+        self._topic = settings.topic or f"lbr/{ctx.robot}"
+        self._session: Session | None = None
+        self._shadow: ShadowState | None = None
+        if settings.shadow is not None:
+            mark = f"{ctx.robot}-{ctx.name}-{int(ctx.clock() * 1000)}"
+            self._shadow = ShadowState(settings.shadow.thing, settings.shadow.name, settings.every_s, mark)
+        self._mover = Mover(ctx, settings.ttl_s, BORROWED)
+        self._moving: tuple[Ask, str] | None = None
+        self._waiting: list[Waiting] = []
+        self._answer: dict[str, Any] = {}
+        self._desired: Any = None
+        self._heard = MqttState(connected=False, broker=f"{settings.host}:{settings.port}" if settings.host else "")
+        self._told: MqttState | None = None
+        self._told_at = -inf
+        self._count = self._reported = self._asked = self._refused = 0
+        self._state: report.Report = {}
+        self._state_at = self._picture_at = -inf
+        self._health: str | None = None
+        self._report_from = inf
+
+    @property
+    def _role(self) -> Role | None:
+        """What the token of the row lets be done; one for another machine is for nothing here."""
+        found = next((one for one in self.ctx.rows(TokenRight) if one.name == self.ctx.settings.token), None)
+        return found.role if found is not None and found.role != "host" else None
+
+    def open(self) -> None:
+        """Begin to look for the broker."""
+        self._report_from = self.ctx.clock() + SETTLES_S
+        settings = self.ctx.settings
+        if not settings.host:
+            return
+        try:
+            self._session = Session(self._broker(), self.ctx.wake)
+        except InputError as err:
+            raise DeviceError(str(err)) from err
+        self._session.start()
+
+    def step(self) -> None:
+        """Do one round: what came, what moves, what is to be told."""
+        now = self.ctx.clock()
+        self._look_after_connection()
+        if self._session is not None:
+            for message in self._session.take():
+                self._hear(message, now)
+        self._go_on()
+        self._read_answers()
+        if self._session is not None and self._session.connected and now >= self._report_from:
+            self._report(now)
+        self._tell(now)
+
+    def close(self) -> None:
+        """Stop what is moved in its name, and say goodbye."""
+        self._end_motion(Reason("shutting_down", "the connection to the broker is shut down"))
+        session, self._session = self._session, None
+        if session is not None:
+            session.close([self._available(discovery.OFFLINE)] if self._says_whether_available else [])
+
+    # The connection.
+
+    def _broker(self) -> Broker:
+        settings = self.ctx.settings
+        topics = (*(self._shadow.topics if self._shadow is not None else ()), *self._asked_on())
+        return Broker(
+            host=settings.host,
+            port=settings.port,
+            client_id=settings.client_id or f"lbr-{self.ctx.robot}-{self.ctx.name}",
+            keepalive_s=settings.keepalive_s,
+            tls=secured(settings.ca, settings.certificate, settings.key) if settings.tls else None,
+            user=settings.user,
+            password=secret(settings.password) if settings.password else "",
+            will=self._available(discovery.OFFLINE) if self._says_whether_available else None,
+            topics=topics,
+        )
+
+    @property
+    def _says_whether_available(self) -> bool:
+        """Whether topics of its own are used: a shadow alone is to be had with no rights to any other."""
+        return self.ctx.settings.home_assistant is not None or self._shadow is None
+
+    def _asked_on(self) -> tuple[str, ...]:
+        return (f"{self._topic}/ask", f"{self._topic}/ask/+") if self._says_whether_available else ()
+
+    def _available(self, payload: str) -> Outgoing:
+        return Outgoing(f"{self._topic}/available", payload.encode(), retain=True)
+
+    def _look_after_connection(self) -> None:
+        session = self._session
+        health = NO_BROKER if session is None else session.trouble if not session.connected else ""
+        if session is not None and health:
+            health = f"the broker {self._heard.broker}: {health}"
+        if health != self._health:
+            self._health = health
+            if health:
+                self.ctx.warn(health, "unreachable" if session is not None else "off")
+            else:
+                self.ctx.ready()
+        if session is None:
+            return
+        if not session.connected:
+            self._end_motion(Reason("unreachable", "the broker is gone, and with it who could stop this"))
+        elif session.count != self._count:
+            self._count = session.count
+            self._introduce(session)
+
+    def _introduce(self, session: Session) -> None:
+        """Tell a broker that is there now what it may have forgotten."""
+        self._state, self._state_at = {}, -inf
+        if self._shadow is not None:
+            self._shadow.connected()
+        if self._says_whether_available:
+            session.publish(self._available(discovery.ONLINE))
+        found = self.ctx.settings.home_assistant
+        if found is not None:
+            said = discovery.document(
+                self.ctx.robot,
+                found.name,
+                self._topic,
+                self.ctx.settings.report,
+                self.ctx.settings.words,
+                picture=bool(self.ctx.sources("frames")),
+                version=version("lbr"),
+            )
+            key = f"{found.prefix}/device/lbr_{self.ctx.robot}/config"
+            session.publish(Outgoing(key, msgspec.json.encode(said), retain=True))
+
+    # What is asked.
+
+    def _hear(self, message: Incoming, now: float) -> None:
+        """Do what a message asks for; whatever is wrong with it is said with its topic."""
+        try:
+            if self._shadow is not None and message.topic.startswith(f"{self._shadow.root}/"):
+                if asked := self._shadow.hear(message.topic, message.payload, now):
+                    self._desire(message.topic, asked)
+            else:
+                self._serve(message)
+        except InputError as err:
+            self._complain(message.topic, str(err), err.code)
+
+    def _serve(self, message: Incoming) -> None:
+        """Take a word that came on a topic of our own: named by it, or in the message."""
+        if message.retained:
+            raise InputError("it was kept by the broker, and nobody knows for how long: ask without 'retain'", "late")
+        if len(message.payload) > LARGEST_ASK:
+            raise InputError(f"it has {len(message.payload)} bytes, and {LARGEST_ASK} are the most", "malformed")
+        name = message.topic.removeprefix(f"{self._topic}/ask").lstrip("/")
+        if name:
+            ask = _named(name, message.payload, self.ctx.settings.words.get(name))
+        else:
+            ask = words.read(_json(message.payload))
+        self._do(ask, message.topic)
+
+    def _desire(self, topic: str, asked: Asked) -> None:
+        """Take what a shadow desires; it is answered whatever it is, so that it is not asked again."""
+        assert self._shadow is not None
+        self._desired = self._shadow.done(asked.raw)
+        ask = Ask(word="")
+        try:
+            ask = words.read(asked.raw)
+            _refuse_late(ask, asked.age_s, self.ctx.settings.late_s)
+            self._do(ask, topic)
+        except InputError as err:
+            self._complain(topic, str(err), err.code, ask)
+
+    def _do(self, ask: Ask, topic: str) -> None:
+        self._asked += 1
+        order = words.order(ask, self.ctx.settings.words, self._role)
+        if isinstance(order, StopCommand):
+            self._end_motion(Reason("stopped", f"stopped by '{ask.word}'"))
+        elif len(self._waiting) >= MOST_ASKED:
+            raise InputError("too much was asked at once; ask again", "busy")
+        if isinstance(order, Motion):
+            self._move(ask, order, topic)
+        else:
+            self._pass_on(ask, order, topic)
+        self.ctx.event("mqtt_asked", f"'{ask.word}' was asked for on {topic}", code="done", about=self.ctx.name)
+
+    def _move(self, ask: Ask, order: Motion, topic: str) -> None:
+        if self._moving is not None:
+            raise InputError(f"'{self._moving[0].word}' is under way; a stop ends it", "busy")
+        self._require(ask, BORROWED[type(order)].motion)
+        self._moving = (ask, topic)
+        self._mover.begin(order)
+        self._reply(ask, "running", Reason("done", f"'{ask.word}' has begun"))
+
+    def _pass_on(self, ask: Ask, order: Order, topic: str) -> None:
+        port = PORTS[type(order)]
+        self._require(ask, port)
+        self._waiting.append(Waiting(ask, topic, self.ctx.ask(port, order, ASK_S)))
+
+    def _require(self, ask: Ask, port: str) -> None:
+        if not self.ctx.targets(port):
+            raise InputError(f"'{ask.word}': this robot has nothing that does it", "not_possible")
+
+    def _go_on(self) -> None:
+        """Renew what moves, and tell how it ended."""
+        self._mover.step([one.message for one in self.ctx.take("results")])
+        if self._moving is None or (outcome := self._mover.outcome()) is None:
+            return
+        (ask, _topic), self._moving = self._moving, None
+        self._mover.halt("it is over")
+        self._reply(ask, "done" if outcome.good else "failed", outcome.why)
+
+    def _end_motion(self, why: Reason) -> None:
+        if self._moving is not None:
+            (ask, _topic), self._moving = self._moving, None
+            self._mover.halt(why.text)
+            self._reply(ask, "failed", why)
+
+    def _read_answers(self) -> None:
+        for one in [one for one in self._waiting if one.question.answers() is not None]:
+            self._waiting.remove(one)
+            answers = one.question.answers() or {}
+            replies = [reply for reply in answers.values() if isinstance(reply, CommandReply)]
+            refusals = [reply.why for reply in replies if not reply.accepted]
+            silent = [name for name, reply in answers.items() if reply is None]
+            if refusals or silent or not replies:
+                lost = Reason("unreachable", f"no answer from {', '.join(silent) or 'anything'}")
+                self._complain(one.by, str(refusals[0] if refusals else lost), (refusals or [lost])[0].code, one.ask)
+            else:
+                text = "; ".join(dict.fromkeys(reply.reason for reply in replies if reply.reason))
+                self._reply(one.ask, "done", heard("done", text or "done"))
+
+    def _complain(self, topic: str, text: str, code: str, ask: Ask | None = None) -> None:
+        """Refuse what came on a topic: at the console, and to who listens there."""
+        self._refused += 1
+        why = heard(code, f"{one_line(topic)}: {text}")
+        self.ctx.event("refused", why.text, level="warning", code=why.code, about=self.ctx.name)
+        self._reply(ask or Ask(word=""), "refused", why)
+
+    def _reply(self, ask: Ask, state: str, why: Reason) -> None:
+        """Note the last answer, which a shadow reports, and tell it to who listens."""
+        self._answer = {
+            "word": one_line(ask.word),
+            "id": ask.id,
+            "state": state,
+            "code": why.code,
+            "reason": why.text[:LONGEST_REASON],
+        }
+        if self._session is not None and self._says_whether_available:
+            self._session.publish(Outgoing(f"{self._topic}/answer", msgspec.json.encode(self._answer)))
+
+    # What is told.
+
+    def _report(self, now: float) -> None:
+        assert self._session is not None
+        settings = self.ctx.settings
+        wired = [name for name in report.SOURCES if self.ctx.sources(name)]
+        found = report.report(settings.report, self.ctx.latest, wired, now)
+        if self._says_whether_available and found != self._state and now - self._state_at >= settings.every_s:
+            self._state, self._state_at = found, now
+            self._reported += 1
+            self._session.publish(Outgoing(f"{self._topic}/state", msgspec.json.encode(found), retain=True))
+        if self._shadow is not None:
+            answered = {"ask": self._desired, "answer": self._answer} if self._answer else {}
+            for topic, payload in self._shadow.publish(found | answered, now):
+                self._reported += topic.endswith("/update")
+                self._session.publish(Outgoing(topic, payload))
+        if settings.home_assistant is not None and now - self._picture_at >= settings.home_assistant.picture_s:
+            self._show(now)
+
+    def _show(self, now: float) -> None:
+        """Send a picture, unless it is an old one."""
+        frame = self.ctx.latest("frames")
+        if frame is None or not frame.age_s(now) <= OLD_PICTURE_S or self._session is None:
+            return
+        self._picture_at = now
+        self._session.publish(Outgoing(f"{self._topic}/picture", frame.message.data, sure=False))
+
+    def _tell(self, now: float) -> None:
+        session, moving = self._session, self._moving
+        self._heard = MqttState(
+            connected=session is not None and session.connected,
+            broker=self._heard.broker,
+            reason=self._health or "",
+            connections=self._count,
+            reported=self._reported,
+            asked=self._asked,
+            refused=self._refused,
+            answer=self._answer.get("reason", ""),
+            code=self._answer.get("code", ""),
+            doing=moving[0].word if moving is not None else "",
+            version=self._shadow.version if self._shadow is not None else None,
+        )
+        if now - self._told_at >= (TELL_S if self._heard == self._told else TELL_NEWS_S):
+            self._told, self._told_at = self._heard, now
+            self.ctx.publish("state", self._heard)
+
+
+def _named(name: str, payload: bytes, word: words.Word | None) -> Ask:
+    """Return what a topic's own word asks for, with what comes in the message: a text, a number, or nothing to be read."""
+    wanted = words.bounds(word) if word is not None else None
+    if wanted is None:
+        return Ask(word=name[:40])
+    try:
+        return Ask(word=name, value=payload.decode() if wanted.text else msgspec.json.decode(payload, type=float))
+    except (UnicodeDecodeError, msgspec.DecodeError) as err:
+        raise InputError(f"a {'text' if wanted.text else 'number'} comes with '{name}' ({err})", "malformed") from err
+
+
+def _json(payload: bytes) -> Any:
+    try:
+        return msgspec.json.decode(payload)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as err:
+        raise InputError(f"it is no JSON ({str(err)[:100]})", "malformed") from err
+
+
+def _refuse_late(ask: Ask, age_s: float | None, late_s: float) -> None:
+    """Refuse what has been desired for too long: who desired it may be gone, and who is near expects nothing."""
+    if age_s is None or not age_s <= late_s:
+        age = "an unknown time" if age_s is None else f"{age_s:.0f} s"
+        raise InputError(f"'{ask.word}' has been desired for {age}; it is too late for it", "late")

@@ -1,0 +1,286 @@
+"""The connection to the broker, in a thread of its own: it reconnects for ever, and nothing that it meets ends it.
+
+    loop                                    thread
+      publish ──► outbox ────────────────►  broker
+      take    ◄── inbox  ◄────────────────  messages of the topics that were subscribed to
+
+What the broker is not there for is not kept: state is told anew to each connection, and what was asked in between is old.
+"""
+
+import random
+import ssl
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from msgspec import Struct
+from paho.mqtt import client as mqtt
+from paho.mqtt.packettypes import PacketTypes
+from paho.mqtt.properties import Properties
+from paho.mqtt.subscribeoptions import SubscribeOptions
+
+from lbr import home
+from lbr.apps.mqtt.documents import LARGEST_BYTES
+from lbr.errors import InputError
+
+FIRST_S, MOST_S = 0.5, 60.0
+STEADY_S = 20.0
+"""A connection that lasted so long was a good one: the next try comes soon again."""
+CONNECT_S = 5.0
+LOOK_S = 0.1
+LARGEST_PACKET = LARGEST_BYTES + 1024
+MOST_WAITING = 64
+"""Of messages either way: what comes faster than it is read is dropped, the oldest first, and so is what is sent."""
+MOST_UNACKNOWLEDGED = 100
+NEWEST_PROTOCOL = mqtt.MQTTv5
+LATER = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
+
+
+class Incoming(NamedTuple):
+    """A message; `retained` by the broker: nobody knows for how long."""
+
+    topic: str
+    payload: bytes
+    retained: bool
+
+
+class Outgoing(NamedTuple):
+    """A message; one that is not `sure` is sent once, and may be lost."""
+
+    topic: str
+    payload: bytes
+    retain: bool = False
+    sure: bool = True
+
+
+class Broker(Struct, frozen=True, kw_only=True):
+    """Where the broker is, and by what the robot and it know one another; `will` is said once the robot is gone."""
+
+    host: str
+    port: int
+    client_id: str
+    keepalive_s: int
+    tls: ssl.SSLContext | None = None
+    user: str = ""
+    password: str = ""
+    will: Outgoing | None = None
+    topics: tuple[str, ...] = ()
+
+    @property
+    def told(self) -> str:
+        """Where it is, for people."""
+        return f"{self.host}:{self.port}"
+
+
+def secured(ca: str, certificate: str, key: str) -> ssl.SSLContext:
+    """Return TLS by files in `credentials/`; InputError says which of them is not there, not ours alone, or wrong."""
+    paths = {name: _credential(name) for name in (ca, certificate, key) if name}
+    try:
+        found = ssl.create_default_context(cafile=paths.get(ca))
+        found.minimum_version = ssl.TLSVersion.TLSv1_2
+        if certificate:
+            found.load_cert_chain(paths[certificate], paths[key], password="")  # else it would ask at the terminal
+    except (ssl.SSLError, OSError, ValueError) as err:
+        raise InputError(
+            f"{', '.join(map(str, paths.values()))}: TLS cannot be spoken with these files ({err})"
+        ) from err
+    return found
+
+
+def secret(name: str) -> str:
+    """Return the first line of a file in `credentials/`."""
+    try:
+        lines = _credential(name).read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as err:
+        raise InputError(f"credentials/{name} cannot be read ({err})") from err
+    return lines[0].strip() if lines else ""
+
+
+def _credential(name: str) -> Path:
+    if found := home.given_credentials(name):
+        return found[0]
+    raise InputError(f"{home.directory('credentials') / name} is not there: put the file that the row names there")
+
+
+def wait_s(tries: int, dice: Callable[[], float] = random.random) -> float:
+    """Return how long to wait before the next try: longer each time, and never in step with other robots."""
+    return min(MOST_S, FIRST_S * 2.0 ** min(tries, 30)) * (0.5 + 0.5 * dice())
+
+
+class Session:
+    """A connection and those after it. `start` and `close` it; `connected` and `trouble` are how it stands, and `count` how
+    many connections there were."""
+
+    def __init__(self, broker: Broker, wake: Callable[[], None], clock: Callable[[], float] = time.monotonic) -> None:
+        self.connected = False
+        self.trouble = "it was not reached yet"
+        self.count = 0
+        self._broker = broker
+        self._wake = wake
+        self._clock = clock
+        self._inbox: deque[Incoming] = deque(maxlen=MOST_WAITING)
+        self._outbox: deque[Outgoing] = deque(maxlen=MOST_WAITING)
+        self._last: tuple[Outgoing, ...] = ()
+        self._ends = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="mqtt", daemon=True)
+
+    def start(self) -> None:
+        """Connect, and go on doing so."""
+        self._thread.start()
+
+    def publish(self, message: Outgoing) -> None:
+        """Send a message, if the broker is there."""
+        if self.connected:
+            self._outbox.append(message)
+
+    def take(self) -> list[Incoming]:
+        """Return what came since the last call."""
+        found = []
+        with suppress(IndexError):
+            while True:
+                found.append(self._inbox.popleft())
+        return found
+
+    def close(self, last: Iterable[Outgoing] = (), within_s: float = 0.3) -> None:
+        """Say the last words and leave; a broker that does not listen is left all the same."""
+        self._last = tuple(last)
+        self._ends.set()
+        if self._thread.is_alive():
+            self._thread.join(within_s)
+
+    def _run(self) -> None:
+        tries = 0
+        while not self._ends.is_set():
+            began = self._clock()
+            try:
+                self._connection()
+            except Exception as err:  # noqa: BLE001 - of the network, the broker or its library: it is tried again
+                self.trouble = _told(err)
+            self.connected = False
+            self._wake()
+            tries = 0 if self._clock() - began > STEADY_S else tries + 1
+            self._ends.wait(wait_s(tries))
+
+    def _connection(self) -> None:
+        """Connect and serve until the connection is lost; raise why."""
+        client = self._client()
+        try:
+            client.connect(
+                self._broker.host,
+                self._broker.port,
+                keepalive=self._broker.keepalive_s,
+                clean_start=True,
+                properties=_limits(),
+            )
+            until = self._clock() + CONNECT_S
+            while not self._ends.is_set():
+                self._look(client, client.loop(LOOK_S))
+                if self.connected:
+                    self._send(client)
+                elif self._clock() > until:
+                    raise ConnectionError("it does not answer")
+            self._leave(client)
+        finally:
+            client.on_disconnect = None
+            client.disconnect()  # the client closes what is left when it goes out of use
+
+    def _client(self) -> mqtt.Client:
+        broker = self._broker
+        client = mqtt.Client(
+            mqtt.CallbackAPIVersion.VERSION2,
+            client_id=broker.client_id,
+            protocol=NEWEST_PROTOCOL,
+            reconnect_on_failure=False,
+        )
+        client.connect_timeout = CONNECT_S
+        client.max_queued_messages_set(MOST_UNACKNOWLEDGED)
+        if broker.tls is not None:
+            client.tls_set_context(broker.tls)
+        if broker.user:
+            client.username_pw_set(broker.user, broker.password or None)
+        if broker.will is not None:
+            client.will_set(broker.will.topic, broker.will.payload, qos=1, retain=broker.will.retain)
+        client.on_connect = self._on_connect
+        client.on_subscribe = self._on_subscribe
+        client.on_message = self._on_message
+        client.on_disconnect = self._on_disconnect
+        return client
+
+    def _look(self, client: mqtt.Client, code: int) -> None:
+        """Raise ConnectionError if the connection is no more, or the broker sends what it was told not to."""
+        size = int(getattr(client, "_in_packet", {}).get("remaining_length", 0))  # before all of it was received
+        if size > LARGEST_PACKET:
+            raise ConnectionError(f"it sent {size} bytes at once, and {LARGEST_PACKET} are the most")
+        if code != mqtt.MQTT_ERR_SUCCESS:
+            raise ConnectionError(self.trouble or mqtt.error_string(code).rstrip("."))
+
+    def _send(self, client: mqtt.Client) -> None:
+        with suppress(IndexError):
+            while True:
+                one = self._outbox.popleft()
+                sent = client.publish(one.topic, one.payload, qos=int(one.sure), retain=one.retain)
+                if sent.rc == mqtt.MQTT_ERR_QUEUE_SIZE:
+                    raise ConnectionError("it acknowledges nothing")
+
+    def _leave(self, client: mqtt.Client) -> None:
+        """Say the last words, and wait for a moment until they are heard."""
+        if not self.connected:
+            return
+        self._send(client)
+        sent = [client.publish(one.topic, one.payload, qos=1, retain=one.retain) for one in self._last]
+        until = self._clock() + 0.2
+        while not all(one.is_published() for one in sent) and self._clock() < until:
+            if client.loop(0.02) != mqtt.MQTT_ERR_SUCCESS:
+                return
+
+    def _on_connect(self, client: mqtt.Client, _data: Any, _flags: Any, code: Any, _properties: Any) -> None:
+        if code.is_failure:
+            self.trouble = f"it lets us not in ({code})"
+            return
+        self._inbox.clear()
+        self._outbox.clear()
+        if self._broker.topics:
+            client.subscribe([(topic, LATER) for topic in self._broker.topics])
+        else:
+            self._begin()
+
+    def _on_subscribe(self, _client: mqtt.Client, _data: Any, _mid: int, codes: list[Any], _properties: Any) -> None:
+        refused = [topic for topic, code in zip(self._broker.topics, codes, strict=False) if code.is_failure]
+        if refused:
+            raise PermissionError(f"it lets us not hear {', '.join(refused)}")
+        self._begin()
+
+    def _begin(self) -> None:
+        self.connected, self.trouble = True, ""
+        self.count += 1
+        self._wake()
+
+    def _on_message(self, _client: mqtt.Client, _data: Any, message: mqtt.MQTTMessage) -> None:
+        self._inbox.append(Incoming(message.topic, message.payload, message.retain))
+        self._wake()
+
+    def _on_disconnect(self, _client: mqtt.Client, _data: Any, _flags: Any, code: Any, _properties: Any) -> None:
+        if code.is_failure:
+            self.trouble = self.trouble or f"the connection was lost ({code})"
+
+
+def _limits() -> Properties:
+    """Return what the broker is asked to keep to."""
+    found = Properties(PacketTypes.CONNECT)
+    found.MaximumPacketSize = LARGEST_PACKET
+    found.ReceiveMaximum = MOST_WAITING
+    return found
+
+
+def _told(err: Exception) -> str:
+    """Say what went wrong, for people, in one line."""
+    text = " ".join(str(err).split())[:200] or type(err).__name__
+    if isinstance(err, ssl.SSLCertVerificationError):
+        return f"its certificate is not one that we know ({err.verify_message})"
+    if isinstance(err, TimeoutError):
+        return "it does not answer"
+    return text

@@ -1,0 +1,152 @@
+"""One device shadow: what is reported to it, and what it desires. Decides by what was heard and the time; no I/O.
+
+    connected ──► get ──► get/accepted: version, what is reported, what is desired ──► asked
+    delta ─────► get again: a delta names only what differs, and may be older than what is known
+    report() ──► update of what changed in `reported`, under the version that is known, every 5 s at most
+                 update/rejected 409: somebody else was first ──► get again
+
+`desired` is never written. What is asked is reported back as it was, beside the answer, so that it differs no more.
+"""
+
+from collections.abc import Iterator
+from math import inf
+from typing import Any, NamedTuple
+
+import msgspec
+
+from lbr.apps.mqtt import documents
+from lbr.apps.mqtt.report import Report, difference, merged
+from lbr.errors import InputError
+
+ANSWER_S = 10.0
+"""A service that has not answered for so long does not."""
+AGAIN_S = 1.0
+"""No flood of deltas has the document fetched more often."""
+REJECTED_S = 30.0
+LARGEST_ECHO = 512
+CONFLICT, NOT_THERE = 409, 404
+_HEARD = ("get/accepted", "get/rejected", "update/accepted", "update/rejected", "update/delta")
+
+
+class Asked(NamedTuple):
+    """What a shadow desires the robot to do: any JSON value, and for how long it has (None: not told)."""
+
+    raw: Any
+    age_s: float | None
+
+
+class ShadowState:
+    """What is known of a shadow since the broker was reached last; `version` None: nothing yet."""
+
+    def __init__(self, thing: str, name: str, every_s: float, mark: str) -> None:
+        self.root = f"$aws/things/{thing}/shadow" + (f"/name/{name}" if name else "")
+        self.version: int | None = None
+        self._every_s = every_s
+        self._mark = mark
+        self._count = 0
+        self._known: Report = {}
+        self._handled: bytes | None = None
+        self._wanted = True
+        self._get = ("", -inf)
+        self._update: tuple[str, float, Report] = ("", -inf, {})
+        self._next_get = self._next_update = -inf
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """What is to be heard."""
+        return tuple(f"{self.root}/{one}" for one in _HEARD)
+
+    def connected(self) -> None:
+        """Begin as if nothing were known: a shadow may have been another's meanwhile. What was done stays done."""
+        self.version, self._known, self._wanted = None, {}, True
+        self._get, self._update, self._next_get = ("", -inf), ("", -inf, {}), -inf
+
+    def hear(self, topic: str, payload: bytes, now: float) -> Asked | None:
+        """Take a message of one of the topics; return what is asked by it. InputError says what is wrong with it."""
+        said = documents.read(payload)
+        match topic.removeprefix(f"{self.root}/"):
+            case "update/delta":
+                if self.version is None or documents.version_of(said) > self.version:
+                    self._wanted = True
+            case "get/accepted":
+                return self._fetched(said)
+            case "get/rejected":
+                self._not_fetched(documents.answer(said), now)
+            case "update/accepted":
+                self._updated(documents.answer(said))
+            case "update/rejected":
+                self._not_updated(documents.answer(said), now)
+        return None
+
+    def publish(self, report: Report, now: float) -> Iterator[tuple[str, bytes]]:
+        """Yield the topics and payloads that are to be sent now."""
+        if self._wanted and now >= self._next_get and not now - self._get[1] < ANSWER_S:
+            self._get, self._next_get, self._wanted = (self._token(), now), now + AGAIN_S, False
+            yield f"{self.root}/get", msgspec.json.encode({"clientToken": self._get[0]})
+        elif self._get[0] and not now - self._get[1] < ANSWER_S:
+            self._get, self._wanted = ("", -inf), True
+        waits = bool(self._update[0]) and now - self._update[1] < ANSWER_S
+        if self.version is None or waits or now < self._next_update:
+            return
+        change = difference(self._known, report)
+        if not change:
+            return
+        self._update, self._next_update = (self._token(), now, change), now + self._every_s
+        said = {"state": {"reported": change}, "version": self.version, "clientToken": self._update[0]}
+        if self.version == 0:
+            del said["version"]  # there is none of a shadow that is not there yet
+        yield f"{self.root}/update", msgspec.json.encode(said)
+
+    def done(self, raw: Any) -> Any:
+        """Note that what is asked was answered, and return what is to be reported of it: itself, unless it is too long."""
+        self._handled = _text(raw)
+        return raw if len(self._handled) <= LARGEST_ECHO else "too long to be told"
+
+    def _fetched(self, said: dict[str, Any]) -> Asked | None:
+        if said.get("clientToken") != self._get[0] or not self._get[0]:
+            return None  # somebody else has asked for it
+        self._get = ("", -inf)
+        found = documents.document(said)
+        if self.version is not None and found.version < self.version:
+            raise InputError(f"its version is {found.version}, and {self.version} was there before", "repeated")
+        self.version, self._known = found.version, found.reported
+        if found.ask is None or _text(found.ask) in {self._handled, _text(found.reported.get("ask"))}:
+            return None
+        return Asked(found.ask, found.age_s)
+
+    def _not_fetched(self, answer: documents.Answer, now: float) -> None:
+        if answer.token != self._get[0] or not self._get[0]:
+            return
+        self._get = ("", -inf)
+        if answer.code == NOT_THERE:
+            self.version, self._known = 0, {}
+            return
+        self._wanted, self._next_get = True, now + REJECTED_S
+        raise InputError(f"the shadow cannot be had: {answer.code} {answer.text}".strip(), "refused")
+
+    def _updated(self, answer: documents.Answer) -> None:
+        token, _sent, change = self._update
+        if answer.token != token or not token:
+            return
+        self._update = ("", -inf, {})
+        if answer.version is None or (self.version is not None and answer.version <= self.version):
+            self._wanted = True
+            raise InputError(f"its version is {answer.version}, and {self.version} was there before", "repeated")
+        self.version, self._known = answer.version, merged(self._known, change)
+
+    def _not_updated(self, answer: documents.Answer, now: float) -> None:
+        if answer.token != self._update[0] or not self._update[0]:
+            return
+        self._update, self._wanted = ("", -inf, {}), True
+        if answer.code != CONFLICT:
+            self._next_update = now + REJECTED_S
+            raise InputError(f"the shadow was not updated: {answer.code} {answer.text}".strip(), "refused")
+
+    def _token(self) -> str:
+        self._count += 1
+        return f"{self._mark}-{self._count}"
+
+
+def _text(value: Any) -> bytes:
+    """Return a JSON value as bytes that are the same for the same value."""
+    return msgspec.json.encode(value, order="sorted")

@@ -1,0 +1,271 @@
+"""A whole robot at a real broker, by TLS both ways: what Home Assistant and a device shadow see of it, and have it do."""
+
+import json
+import os
+import signal
+import time
+from itertools import pairwise
+
+import pytest
+
+from lbr.apps.mqtt import KIND
+from lbr.messages.camera import JpegFrame
+from lbr.testing import FakeContext
+from tests.support import mosquitto, needs
+from tests.support.robot import lbr, prepare, running, until
+
+needs.modules("paho")
+from tests.support.shadow_service import ShadowService  # noqa: E402 - it needs paho
+
+pytestmark = [needs.program("mosquitto", "mosquitto"), pytest.mark.timeout(60), pytest.mark.slow_start]
+
+WORDS = {
+    "stop": {"do": "stop"},
+    "follow_wall": {"do": "run", "table": "follow_wall"},
+    "go": {"do": "go", "most_cm": 150},
+    "slowly": {"do": "go", "distance_cm": 140, "power": 0.1},
+    "wave": {"do": "play", "motion": "wave"},
+}
+TOPIC = "lbr/lbr"
+
+
+@pytest.fixture(scope="module")
+def broker(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("broker")
+    mosquitto.certificates(folder, "broker", "robot", "person", "service")
+    broker = mosquitto.Mosquitto(folder)
+    broker.start()
+    yield broker
+    broker.kill()
+
+
+@pytest.fixture(scope="module")
+def person(broker):
+    person = mosquitto.Person(broker, "person", f"{TOPIC}/#", "homeassistant/#")
+    yield person
+    person.close()
+
+
+@pytest.fixture(scope="module")
+def service(broker):
+    service = ShadowService(broker, "service", "rob")
+    yield service
+    service.close()
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory, broker, person, service):
+    settings = {
+        "host": "localhost",
+        "port": broker.port,
+        "ca": "ca.crt",
+        "certificate": "robot.crt",
+        "key": "robot.key",
+        "token": "home",
+        "words": WORDS,
+        "shadow": {"thing": "rob"},
+        "home_assistant": {"name": "Rob"},
+    }
+    home = prepare(
+        tmp_path_factory.mktemp("mqtt"),
+        *("imu", "attitude", "odometry", "battery", "behaviour"),
+        edits=(
+            f"UPDATE capability SET enabled = 1, settings = '{json.dumps(settings)}' WHERE robot = 'lbr' AND name = 'mqtt'",
+        ),
+    )
+    credentials = home / "credentials"
+    credentials.mkdir(mode=0o700)
+    for name in ("ca.crt", "robot.crt", "robot.key"):
+        (credentials / name).write_bytes((broker.folder / name).read_bytes())
+        (credentials / name).chmod(0o600)
+    assert lbr(home, "token", "add", "home", "--role", "operate").returncode == 0
+    with running(home, limit_s=20.0) as robot:
+        until(lambda: asked(robot, "mqtt/state")["connected"], limit_s=15.0, what="the broker")
+        yield robot
+    assert all(set(update["state"]) == {"reported"} for update in service.updates)
+
+
+def asked(robot, key):
+    """Return what is answered there; on a busy machine an answer may come only when it is asked for again."""
+    return until(lambda: robot.ask(key), what=key)
+
+
+def drive(robot):
+    return asked(robot, "drive/state")
+
+
+def answers(person, since=0):
+    return [json.loads(one) for one in person.on(f"{TOPIC}/answer", since)]
+
+
+def rests(robot):
+    until(lambda: not drive(robot)["moving"] and drive(robot)["holder"] is None, what="standing still")
+
+
+def test_home_assistant_finds_the_robot_and_hears_how_it_is(robot, person):
+    config = until(lambda: person.on("homeassistant/device/lbr_lbr/config"), what="the discovery")[-1]
+    found = json.loads(config)
+    assert found["dev"]["name"] == "Rob"
+    assert {f"ask_{word}" for word in WORDS} <= set(found["cmps"])
+    assert person.on(found["availability_topic"])[-1] == b"online"
+    state = until(lambda: person.on(found["cmps"]["battery"]["state_topic"]), what="a state", limit_s=8.0)[-1]
+    assert json.loads(state)["motion"]["moving"] is False
+
+
+def test_the_shadow_is_told_how_it_is(robot, service):
+    until(lambda: service.state["reported"].get("battery", {}).get("voltage_v"), limit_s=12.0, what="a report")
+    assert service.state["desired"] == {}
+
+
+def test_what_a_shadow_desires_is_done_once_and_answered_five_seconds_apart_and_stays_desired(robot, service, person):
+    since, before = len(person.heard), asked(robot, "odometry/state")["distance_m"]
+    desired = {"word": "go", "value": 30, "id": "a1"}
+    service.desire(ask=desired, lamp="on")
+    until(lambda: "done" in [one["state"] for one in answers(person, since)], limit_s=12.0, what="the way gone")
+    assert asked(robot, "odometry/state")["distance_m"] - before == pytest.approx(0.3, abs=0.08)
+    until(lambda: service.state["reported"].get("answer", {}).get("state") == "done", limit_s=14.0, what="the answer")
+    assert service.state["desired"] == {"ask": desired, "lamp": "on"}
+    assert service.state["reported"]["ask"] == desired
+    assert [one["state"] for one in answers(person, since) if one["id"] == "a1"] == ["running", "done"]
+    gaps = [late - early for early, late in pairwise(service.at)]
+    assert min(gaps) > 4.8
+
+
+@pytest.mark.parametrize(
+    ("ask", "age_s", "code"),
+    [
+        ({"word": "estop", "id": "b1"}, 0, "denied"),
+        ({"word": "go", "value": 400, "id": "b2"}, 0, "bad_value"),
+        ({"word": "go", "value": 30, "id": "b3"}, 3600, "late"),
+        (["go", 30], 0, "malformed"),
+    ],
+)
+def test_what_a_shadow_may_not_desire_is_refused_by_its_topic_and_nothing_moves(
+    robot, service, person, ask, age_s, code
+):
+    since = len(person.heard)
+    service.desire(ask=ask, age_s=age_s)
+    told = until(lambda: answers(person, since), limit_s=8.0, what="the refusal")[0]
+    assert (told["state"], told["code"]) == ("refused", code)
+    assert told["reason"].startswith("$aws/things/rob/shadow/get/accepted: ")
+    assert not drive(robot)["moving"]
+
+
+@pytest.mark.parametrize(
+    ("topic", "payload", "code"),
+    [
+        (f"{TOPIC}/ask", b'{"word": "go", ', "malformed"),
+        (f"{TOPIC}/ask", b"[" * 2000, "malformed"),
+        (f"{TOPIC}/ask", b'{"word": "go", "value": 1e999}', "malformed"),
+        (f"{TOPIC}/ask", b"\xff\xfe", "malformed"),
+        (f"{TOPIC}/ask", b'{"word": "dock"}', "denied"),
+        (f"{TOPIC}/ask/go", b"NaN", "malformed"),
+        (f"{TOPIC}/ask/wave", b"PRESS", "not_possible"),
+        (f"{TOPIC}/ask/go", b"x" * 60_000, "malformed"),
+        ("$aws/things/rob/shadow/update/delta", b"{", "malformed"),
+        ("$aws/things/rob/shadow/update/delta", b'{"version": "newest"}', "malformed"),
+    ],
+)
+def test_lies_are_refused_by_their_topic(robot, person, topic, payload, code):
+    since, pid = len(person.heard), robot.capability("mqtt")["pid"]
+    person.say(topic, payload)
+    told = until(lambda: answers(person, since), what="the refusal")[0]
+    assert (told["state"], told["code"]) == ("refused", code)
+    assert told["reason"].startswith(f"{topic}: ")
+    assert robot.capability("mqtt")["pid"] == pid
+
+
+def test_what_the_broker_has_kept_and_what_it_may_not_even_send_does_nothing(robot, person):
+    since = len(person.heard)
+    person.say(f"{TOPIC}/ask/go", "100", retain=True)  # whoever subscribes anew would have it again
+    until(lambda: answers(person, since), what="it being done once, as it is new")
+    person.say(f"{TOPIC}/ask/stop", "")
+    person.say(f"{TOPIC}/ask/go", "", retain=True)
+    rests(robot)
+    state = asked(robot, "mqtt/state")
+    person.say(f"{TOPIC}/ask", b"x" * 500_000)
+    person.say(f"{TOPIC}/ask", b"[]")
+    until(lambda: asked(robot, "mqtt/state")["refused"] > state["refused"], what="the one after")
+    assert asked(robot, "mqtt/state")["connections"] == state["connections"]
+
+
+def test_a_table_runs_when_asked_and_a_stop_from_there_ends_it(robot, person):
+    person.say(f"{TOPIC}/ask/follow_wall", "PRESS")
+    until(lambda: asked(robot, "behaviour/state")["phase"] == "running", what="the table")
+    person.say(f"{TOPIC}/ask/stop", "PRESS")
+    until(lambda: asked(robot, "behaviour/state")["phase"] == "ended", what="its end")
+    rests(robot)
+
+
+def test_when_the_sender_is_killed_the_robot_stops_by_its_lease_and_is_told_to_be_gone(robot, person):
+    since = len(person.heard)
+    person.say(f"{TOPIC}/ask/slowly", "PRESS")
+    until(lambda: drive(robot)["moving"], what="motion")
+    os.kill(robot.capability("mqtt")["pid"], signal.SIGKILL)
+    began = time.monotonic()
+    until(lambda: not drive(robot)["moving"], what="its stop", limit_s=2.0)
+    assert time.monotonic() - began < 2.0
+    assert drive(robot)["holder"] is None
+    until(lambda: b"offline" in person.on(f"{TOPIC}/available", since), what="the will")
+    until(lambda: person.on(f"{TOPIC}/available", since)[-1] == b"online", limit_s=10.0, what="it again")
+    assert not drive(robot)["moving"]
+
+
+def test_a_broker_that_is_killed_stops_what_it_asked_for_and_is_found_again(robot, broker, person):
+    before = until(lambda: (state := asked(robot, "mqtt/state"))["connected"] and state, what="the broker")[
+        "connections"
+    ]
+    person.say(f"{TOPIC}/ask/slowly", "PRESS")
+    until(lambda: drive(robot)["moving"], what="motion")
+    broker.kill()
+    until(lambda: not drive(robot)["moving"], what="its stop", limit_s=3.0)
+    told = until(lambda: (one := robot.capability("mqtt"))["phase"] == "degraded" and one, what="the loss")
+    assert f"the broker localhost:{broker.port}: " in told["reason"]
+    broker.start()
+    until(lambda: asked(robot, "mqtt/state")["connections"] > before, limit_s=20.0, what="the broker again")
+    until(lambda: robot.capability("mqtt")["phase"] == "ready", what="its health")
+
+
+def test_a_picture_is_sent_while_it_is_new_and_as_often_as_the_row_says(broker, person, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(broker.folder / "home"))
+    credentials = broker.folder / "home" / "credentials"
+    for folder in (credentials.parent, credentials):
+        folder.mkdir(mode=0o700)
+    for name in ("ca.crt", "robot.crt", "robot.key"):
+        (credentials / name).write_bytes((broker.folder / name).read_bytes())
+        (credentials / name).chmod(0o600)
+    files = {"ca": "ca.crt", "certificate": "robot.crt", "key": "robot.key"}
+    found = {"host": "localhost", "port": broker.port, "home_assistant": {"picture_s": 2.0}, "topic": f"{TOPIC}/eye"}
+    ctx = FakeContext(KIND.parse(json.dumps(found | files)), robot="eye", name="mqtt")
+    mqtt = KIND.load()(ctx)
+    mqtt.open()
+    try:
+        until(lambda: (mqtt.step(), ctx.health[-1:] == ["ready"])[1], what="the broker")
+        for later_s, picture in ((2.0, b"first"), (1.0, b"too soon"), (1.0, b"second")):
+            ctx.now += later_s
+            ctx.arrive("frames", JpegFrame(picture))
+            mqtt.step()
+        ctx.now += 9.0  # the camera is off
+        mqtt.step()
+        until(lambda: len(person.on(f"{TOPIC}/eye/picture")) >= 2, what="the pictures")
+    finally:
+        mqtt.close()
+    until(lambda: person.on(f"{TOPIC}/eye/available")[-1:] == [b"offline"], what="its goodbye")
+    assert person.on(f"{TOPIC}/eye/picture") == [b"first", b"second"]
+
+
+def test_a_token_that_is_revoked_and_a_row_without_a_broker_ask_for_nothing(robot, person):
+    assert lbr(robot.home, "token", "revoke", "home").returncode == 0
+    since = len(person.heard)
+
+    def refused():
+        person.say(f"{TOPIC}/ask/slowly", "PRESS")
+        return [one for one in answers(person, since) if one["code"] == "token"]
+
+    until(refused, limit_s=10.0, what="the refusal")
+    rests(robot)
+    robot.edit("UPDATE capability SET settings = '{}' WHERE robot = 'lbr' AND name = 'mqtt'")
+    told = until(
+        lambda: "no broker is named" in robot.capability("mqtt")["reason"] and robot.capability("mqtt"), limit_s=8.0
+    )
+    assert (told["phase"], told["code"]) == ("degraded", "off")
