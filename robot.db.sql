@@ -537,6 +537,11 @@ INSERT INTO capability (robot, name, kind, settings, help) VALUES
     ('lbr', 'web_api', 'web', '{"port": 9145, "faces": ["lbr_original"]}',
      'The robot''s HTTP API of old: drive, speak, telemetry, cameras; moved by this machine alone, or as legacy says');
 
+-- Always on: `UPDATE capability SET enabled = 0 WHERE name = 'box'` switches it off.
+INSERT INTO capability (robot, name, kind, settings, help) VALUES
+    ('lbr', 'box', 'box', '{}',
+     'The black box: what was said of late, and for longer what led to an emergency stop, crash, fault, fall or mark');
+
 -- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`
 -- lets in whoever has a token (`lbr token add NAME`).
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES

@@ -25,6 +25,8 @@ COMMANDS = {
     "token": ("token", "Let people on other machines in, and lock them out."),
     "topic": ("topic", "List, describe, print, measure and publish streams."),
     "graph": ("graph", "Show who feeds whom."),
+    "record": ("record", "Record all that is said, on purpose."),
+    "box": ("box", "Look at what the black box holds, take it along, and delete it."),
     "view": ("view", "Watch a simulated robot: its room from above, or its joints."),
     "motion": ("motion", "Take motions from files, and write them to files."),
     "behaviour": ("behaviour", "Write state tables, check and take them, and run them."),

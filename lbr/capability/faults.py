@@ -44,7 +44,7 @@ def _words(kind: Kind) -> Iterator[str]:
     for field in ("summary", "device", "extra", "package"):
         if not isinstance(getattr(kind, field), str):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a text"
-    for field in ("moves", "serves", "serves_people", "pairs", "emulates", "follows"):
+    for field in ("moves", "serves", "serves_people", "records", "pairs", "emulates", "follows"):
         if not isinstance(getattr(kind, field), bool):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be True or False"
     if kind.family not in FAMILIES and not _is_struct(kind.settings, ProgramSettings):

@@ -98,7 +98,8 @@ class Kind:
     what the console of every robot with a capability of this kind understands, besides the robot's rows. `moves` marks
     a path to a motor: it gets the emergency stop on a session of its own and is stopped first. `serves` marks a way by
     which people move and stop the robot: it ranks with what moves. What `serves_people` may hear every stream, ask for
-    every command and say console lines of each role; it answers for who asks it. `pairs` marks one by which their phones get
+    every command and say console lines of each role; it answers for who asks it. What `records` may hear every stream, event and status, look at
+    what the robot is, and runs when all others leave it time. `pairs` marks one by which their phones get
     tokens: by its request `pair` it may show the executive the digits that a person read at the console, and the words
     `open` and `close` change its setting `host`. `lets_in` are its settings, or `enabled`, that decide who comes in: no page
     changes them. `device` is the type of the device row that the setting `device` must name;
@@ -131,6 +132,7 @@ class Kind:
     serves: bool = False
     pairs: bool = False
     serves_people: bool = False
+    records: bool = False
     lets_in: tuple[str, ...] = ()
     device: str = ""
     device_settings: Mapping[str, type[Struct]] = field(default_factory=dict)

@@ -197,6 +197,11 @@ class ProcessContext:
         self._presence = wire.Presence(self._bus, config.robot, lambda _name, _alive: wake())
         self._token = wire.alive(self._bus, config.robot, config.name)
 
+    @property
+    def bus(self) -> session.Session:
+        """This process's session, for kinds that hear what no row wires; one thread takes from it."""
+        return self._bus
+
     def rows(self, row: type[R]) -> tuple[R, ...]:
         """Return the rows of a table that the kind reads."""
         if row not in self._rows:

@@ -82,6 +82,11 @@ class Tables:
 
     __hash__ = None  # type: ignore[assignment]
 
+    @property
+    def own(self) -> Mapping[str, list[RawRow]]:
+        """The rows of each table but `robot` as they stand: the robot's own, and what is every robot's."""
+        return self._own
+
     def __contains__(self, table: str) -> bool:
         return table in self._raw
 

@@ -27,7 +27,7 @@ def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = F
     """Make a home with the shipped rows, whose world traces its motor outputs; the base runs, `also`, and after `edits`.
 
     `whole` leaves robots as they ship. Other robots than lbr run whole, unless an edit says otherwise (`only`); the
-    Bioloid without its server, which most tests need not wait for. What is served has a port of its own.
+    Bioloid without its server, which most tests need not wait for, and none with a black box. What is served has a port of its own.
     """
     home.mkdir(mode=0o700, parents=True, exist_ok=True)
     databases.fresh(home / "robot.db")
@@ -47,6 +47,8 @@ def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = F
             )
         if not whole and "web" not in also:
             database.execute("UPDATE capability SET enabled = 0 WHERE kind = 'web' AND robot = 'bioloid'")
+        if not whole and "box" not in also:
+            database.execute("UPDATE capability SET enabled = 0 WHERE kind = 'box'")
         for edit in edits:
             database.execute(edit)
     database.close()

@@ -36,6 +36,7 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
     moves: bool
     serves: bool = False
     serves_people: bool = False
+    records: bool = False
     restart: str
     needs: tuple[str, ...]
     config: ProcessConfig
@@ -99,6 +100,7 @@ def unit(
         moves=kind.moves,
         serves=kind.serves,
         serves_people=kind.serves_people and not host,
+        records=kind.records and not host,
         restart=row.restart,
         needs=tuple(need for need in row.needs if need in running),
         config=config,

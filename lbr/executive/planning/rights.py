@@ -66,7 +66,7 @@ def _of_process(plan: Plan, unit: ProcessSpec) -> Rights:
     requests = tuple(key for asked in config.requests.values() for key in asked.values())
     relayed = _relayed(unit.lan.commands, robot) if unit.lan is not None else ()
     watched = (keys.status(robot),) if unit.lan is not None else ()
-    people = _for_people(robot) if unit.serves_people else Rights()
+    people = _for_people(robot) if unit.serves_people else _to_record(robot) if unit.records else Rights()
     acknowledgement = (keys.estop_acknowledgement(robot, name),) if unit.moves else ()
     release = (keys.estop_release(robot, name),) if unit.moves else ()
     return Rights(
@@ -87,6 +87,14 @@ def _for_people(robot: str) -> Rights:
     consoles = tuple(keys.console_of_pages(robot, role) for role in get_args(Role))
     return Rights(
         ask=(f"{robot}/**", *consoles, keys.status(robot), keys.manage(robot)),
+        hear=(f"{robot}/**", keys.status(robot), keys.event(robot)),
+    )
+
+
+def _to_record(robot: str) -> Rights:
+    """Return what a recorder may do: hear all streams, ask what the robot is, and cameras for their newest picture."""
+    return Rights(
+        ask=(f"{robot}/*/frame", keys.console(robot, "view")),
         hear=(f"{robot}/**", keys.status(robot), keys.event(robot)),
     )
 

@@ -15,6 +15,7 @@ from lbr.executive.planning.process_specs import ProcessSpec
 MOTION = -10
 USUAL = 0
 BACKGROUND = 10
+LAST = 19
 
 
 def niceness(unit: ProcessSpec) -> int:
@@ -24,6 +25,8 @@ def niceness(unit: ProcessSpec) -> int:
     """
     if unit.moves or unit.serves or unit.family in {"driver", "simulation"}:
         return MOTION
+    if unit.records:
+        return LAST
     return BACKGROUND if unit.family in {"app", "program"} else USUAL
 
 

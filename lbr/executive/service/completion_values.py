@@ -11,7 +11,7 @@ from lbr.messages.system import Role
 from lbr.why import chain as why
 
 R = TypeVar("R", bound=Row)
-REPORTS = ("telemetry", "settings", "statistics", "health", "events", "wiring", "robot")
+REPORTS = ("telemetry", "settings", "statistics", "health", "events", "wiring", "robot", "streams", "rows")
 
 
 class _Known:

@@ -12,6 +12,7 @@ from lbr.bus import latest
 from lbr.bus.session import Session
 from lbr.console import wiring
 from lbr.errors import InputError
+from lbr.executive.service import recorded
 from lbr.executive.service.completion_values import REPORTS, choices
 from lbr.executive.service.description import describe
 from lbr.executive.service.robot import Robot
@@ -42,6 +43,8 @@ class Reports:
             "events": lambda: [msgspec.to_builtins(event) for event in self._robot.recent_events()],
             "wiring": self._wiring,
             "robot": self._description,
+            "streams": lambda: recorded.streams(self._robot.plan),
+            "rows": lambda: recorded.rows(self._robot.plan, self._robot.status().profile),
         }
         if name not in makers:
             raise InputError(f"there is no report '{name}': {', '.join(REPORTS)}", "unknown_name")
@@ -51,6 +54,8 @@ class Reports:
             "events": lambda: _events_text(data),
             "telemetry": lambda: self._telemetry_text(data),
             "wiring": lambda: "\n".join(wiring.tree(wiring.from_plain(data))),
+            "streams": lambda: "\n".join(f"{one['key']}: {one['message'] or 'unknown'}" for one in data["streams"]),
+            "rows": lambda: "\n".join(f"{name}: {len(rows)} rows" for name, rows in data["tables"].items()),
             "robot": lambda: "\n".join(
                 f"{one['name']} ({one['kind']}): {one['summary']}" for one in data["capabilities"]
             ),

@@ -34,6 +34,11 @@ INSERT INTO capability (robot, name, kind, settings, help) VALUES
     ('bioloid', 'web', 'web', '{"port": 50002, "faces": ["page", "model", "cameras"]}',
      'The robot over HTTP: its page and API, stop and emergency stop, cameras if it is given some; on this machine only, unless the settings say otherwise');
 
+-- Always on, as for lbr.
+INSERT INTO capability (robot, name, kind, settings, help) VALUES
+    ('bioloid', 'box', 'box', '{}',
+     'The black box: what was said of late, and for longer what led to an emergency stop, crash, fault, fall or mark');
+
 -- Off: nothing on the robot can be reached from other machines, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',

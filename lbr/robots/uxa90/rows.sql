@@ -38,6 +38,11 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
        "balls": {"ball": {"x_m": 1.5, "z_m": 0.65, "radius_m": 0.07, "path": "to_and_fro", "period_s": 10.0}}}', '[]',
      'The simulated body and floor; runs only under a simulating launch profile');
 
+-- Always on, as for lbr.
+INSERT INTO capability (robot, name, kind, settings, help) VALUES
+    ('uxa90', 'box', 'box', '{}',
+     'The black box: what was said of late, and for longer what led to an emergency stop, crash, fault, fall or mark');
+
 -- Off: nothing on the robot can be reached from other machines, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',

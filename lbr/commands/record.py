@@ -1,0 +1,107 @@
+"""`lbr record`."""
+
+import time
+from typing import TYPE_CHECKING
+
+import click
+
+from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
+from lbr.errors import BusError, InputError
+
+if TYPE_CHECKING:
+    from msgspec import Struct
+
+    from lbr.bus.session import Session
+    from lbr.console.target import Target
+    from lbr.messages.box import BoxReply
+
+ASK_S = 5.0
+LOOK_S = 0.5
+
+
+@click.command("record")
+@robot_options
+@click.option("--seconds", type=Number(0.1, 86400.0), help="For how long; until Ctrl-C if left out.")
+@click.option("--with", "also", multiple=True, type=click.Choice(["cameras"]), help="Every picture, too.")
+@click.option("--name", default="", metavar="NAME", help="The file's; made of the time if left out.")
+@json_option
+def command(whom: Whom, seconds: float | None, also: tuple[str, ...], name: str, as_json: bool) -> int:
+    """Record on purpose, into a file of its own below the robot's home: all streams, events and lines of logs.
+
+    Its black box writes it, so it goes on when this command is killed; then `/record/end` ends it.
+    """
+    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.messages.box import EndRecording, RecordCommand  # noqa: PLC0415
+
+    found = target.find(*whom)
+    target.need(found, "operate")
+    with target.connected(found) as bus:
+        box = _box_of(bus, found)
+        try:
+            import msgspec  # noqa: PLC0415
+
+            asked = msgspec.convert(
+                {"seconds": seconds or 0.0, "cameras": "cameras" in also, "name": name}, RecordCommand
+            )
+        except msgspec.ValidationError as err:
+            raise InputError(f"--name: {err}") from None
+        begun = _ask(bus, found, f"{box}/record", asked)
+        if not as_json:
+            click.echo(begun.reason, err=True)
+        if not begun.accepted:
+            return 1
+        try:
+            _wait(bus, found, box, seconds)
+        except KeyboardInterrupt:
+            click.echo(err=True)
+        ended = _ask(bus, found, f"{box}/end", EndRecording())
+    if as_json:
+        print_json({"path": begun.path, "text": ended.reason if ended.accepted else begun.reason})
+    else:
+        click.echo(ended.reason if ended.accepted else begun.path)
+    return 0
+
+
+def _wait(bus: "Session", found: "Target", box: str, seconds: float | None) -> None:
+    """Wait until it is over; a box that is gone ends it as well."""
+    from lbr.bus import keys, latest  # noqa: PLC0415
+
+    end = time.monotonic() + seconds + 2.0 if seconds else float("inf")
+    while time.monotonic() < end:
+        time.sleep(LOOK_S)
+        said = latest.ask(bus, [keys.port(found.robot, box, "state")], source="lbr record", timeout_s=ASK_S)
+        state = said.get(f"{box}/state")
+        if state is None:
+            raise BusError("the black box does not answer any more")
+        if not state.message.get("recording"):
+            return
+
+
+def _box_of(bus: "Session", found: "Target") -> str:
+    import msgspec  # noqa: PLC0415
+
+    from lbr.bus import keys, wire  # noqa: PLC0415
+    from lbr.messages.system import Status  # noqa: PLC0415
+
+    answers = wire.ask(bus, keys.status(found.robot), None, source="lbr record", timeout_s=ASK_S)
+    if not answers:
+        raise BusError(f"'{found.robot}' does not answer")
+    status = msgspec.json.decode(answers[0].payload, type=Status)
+    name = next((one.name for one in status.capabilities if one.kind == "box"), "")
+    if not name:
+        raise BusError(f"'{found.robot}' has no black box that runs: switch on the row 'box'")
+    return name
+
+
+def _ask(bus: "Session", found: "Target", command: str, message: "Struct") -> "BoxReply":
+    import msgspec  # noqa: PLC0415
+
+    from lbr.bus import wire  # noqa: PLC0415
+    from lbr.console import target  # noqa: PLC0415
+    from lbr.messages.box import BoxReply  # noqa: PLC0415
+
+    key = f"{found.robot}/{command}"
+    answers = wire.ask(bus, key, message, source=target.source("lbr record"), timeout_s=ASK_S)
+    if not answers:
+        raise BusError(f"{key} does not answer")
+    return msgspec.json.decode(answers[0].payload, type=BoxReply)

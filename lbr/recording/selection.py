@@ -1,0 +1,101 @@
+"""What of a robot's recordings is meant, and its messages in order."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from msgspec import Struct
+
+from lbr.errors import InputError
+from lbr.recording import reader
+from lbr.recording.chunks import Message
+from lbr.recording.shelf import SUFFIX, Incident, Shelf
+
+BOX = "box"
+LAST_NS = 1 << 63
+
+
+class Chosen(Struct, frozen=True, kw_only=True):
+    """Files that belong together, oldest first: the box, what it kept, a recording, or a file of another."""
+
+    name: str
+    files: tuple[Path, ...]
+    why: Incident | None = None
+
+
+class Damage(Struct):
+    """What could not be read: files at all, places in others, and how many bytes these had."""
+
+    files: list[str] = []
+    places: int = 0
+    bytes: int = 0
+
+
+def choose(shelf: Shelf, what: str) -> Chosen:
+    """Return what is meant by a name: `box` or nothing for the box itself; InputError says what there is."""
+    if what in {"", BOX}:
+        return Chosen(name=BOX, files=tuple(shelf.files()))
+    for one in shelf.kept():
+        if what == one.path.name:
+            return Chosen(name=what, files=one.files, why=one.why)
+    for path in shelf.recordings():
+        if what in {path.name, path.stem}:
+            return Chosen(name=path.name, files=(path,))
+    path = Path(what)
+    if path.is_file():
+        return Chosen(name=path.name, files=(path,))
+    if path.is_dir() and (files := sorted(path.glob(f"*{SUFFIX}"))):
+        return Chosen(name=path.name, files=tuple(files))
+    there = [BOX, *(one.path.name for one in shelf.kept()), *(one.stem for one in shelf.recordings())]
+    raise InputError(
+        f"there is no recording '{what[:80]}'; there is {', '.join(there)}, or name a file", "unknown_name"
+    )
+
+
+def messages(
+    files: Iterable[Path], start_ns: int = 0, end_ns: int = LAST_NS, *, damage: Damage | None = None
+) -> Iterator[Message]:
+    """Yield the messages of files from one time to another, of each file by their time, and each message once.
+
+    A file begins with what was said last before it; what is damaged is passed over, and counted in `damage`.
+    """
+    seen: dict[str, tuple[int, int]] = {}
+    for path in files:
+        try:
+            with reader.opened(path) as found:
+                if found.spans and (found.end_ns < start_ns or _begins_ns(found) > end_ns):
+                    continue
+                there = sorted(found.messages(start_ns, end_ns), key=lambda one: one.log_ns)
+                if damage is not None and found.damage.places:
+                    damage.places += found.damage.places
+                    damage.bytes += found.damage.bytes
+        except InputError as err:
+            if damage is not None:
+                damage.files.append(str(err))
+            continue
+        for one in there:
+            mark = one.sequence, one.publish_ns
+            if one.sequence and seen.get(one.topic) == mark:
+                continue
+            seen[one.topic] = mark
+            yield one
+
+
+def span_ns(files: Iterable[Path]) -> tuple[int, int]:
+    """Return when the first message of files was, and the last; zeros without any."""
+    first, last = 0, 0
+    ordered = list(files)
+    for path in ordered:
+        try:
+            with reader.opened(path) as found:
+                if found.spans:
+                    begins = _begins_ns(found)
+                    first = min(first or begins, begins)
+                    last = max(last, found.end_ns)
+        except InputError:
+            continue
+    return first, last
+
+
+def _begins_ns(found: reader.Recording) -> int:
+    """Return when a file begins: its first chunk also has what was said last before."""
+    return found.spans[1].start_ns if len(found.spans) > 1 else found.spans[0].end_ns
