@@ -258,6 +258,24 @@ def test_a_refusal_is_told_by_its_code_and_sentence_and_who_holds_it_can_be_foll
     page.mouse.up()
 
 
+@pytest.mark.parametrize("size", ["desk", "phone"])
+def test_the_stick_stays_under_the_thumb_whatever_is_said_about_it(opened, robot, size):
+    page = opened.page(size)
+    stick = page.locator(".drive-stick")
+    expect(stick).to_be_visible()
+    before = stick.bounding_box()
+    robot.refusal = {"code": "held", "reason": "console at the other end of the house holds it", "holder": "console"}
+    grip(page)
+    expect(page.get_by_role("button", name="Take over")).to_be_visible()
+    assert stick.bounding_box() == before
+    page.mouse.up()
+    robot.refusal = {"code": "obstacle", "reason": "forward reads 18 cm, and that is less than it may be. " * 6}
+    grip(page)
+    expect(page.locator(".drive-why")).to_contain_text("forward reads 18 cm")
+    assert stick.bounding_box() == before
+    page.mouse.up()
+
+
 def test_what_holds_the_base_still_is_the_robots_own_answer(opened, robot):
     page = opened.page("phone")
     page.get_by_role("button", name="Why?").click()
