@@ -182,3 +182,23 @@ def test_a_disk_that_is_too_slow_costs_messages_and_no_time(tmp_path, monkeypatc
     let_go.set()
     until(lambda: disk.messages == taken.count(True), what="what waited is written")
     disk.close(5.0)
+
+
+LACKING = """
+import sys
+sys.modules["zstandard"] = None
+from lbr.apps.box import BoxSettings
+from lbr.apps.box.start import Box
+from lbr.errors import DeviceError
+from lbr.testing.context import FakeContext
+
+try:
+    Box(FakeContext(BoxSettings())).open()
+except DeviceError as err:
+    print(err)
+"""
+
+
+def test_where_its_packages_are_missing_it_is_degraded_and_says_what_to_install():
+    done = programs.run([sys.executable, "-c", LACKING], stdout=subprocess.PIPE, text=True, check=True, timeout=30)
+    assert "'zstandard' is not installed, so nothing is recorded" in done.stdout
