@@ -559,6 +559,11 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
      '{"words": {"stop": {"do": "stop"}, "dock": {"do": "run", "table": "dock"}, "say": {"do": "say"}}}',
      'The robot at a broker of MQTT: for Home Assistant, for a device shadow of AWS IoT; does what its words allow');
 
+-- Off: it needs a registry (the setting url) and a token of it in credentials/registry.token: docs/registry.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('lbr', 'registrar', 'registrar', 0, '{}',
+     'Tells a registry that the robot is up, and how to reach it');
+
 INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'drive.setpoint', 'motors.setpoint', 1),
     ('lbr', 'motors.state', 'drive.motors', 1),

@@ -23,6 +23,7 @@ COMMANDS = {
     "doctor": ("doctor", "Look for what is wrong with this machine, and say what to type."),
     "service": ("service", "Run a robot as a service, from the start of the machine on."),
     "token": ("token", "Let people on other machines in, and lock them out."),
+    "registry": ("registry", "List which robots are up and how to reach them, or run the service that does."),
     "topic": ("topic", "List, describe, print, measure and publish streams."),
     "graph": ("graph", "Show who feeds whom."),
     "record": ("record", "Record all that is said, on purpose."),

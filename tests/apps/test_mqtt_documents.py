@@ -13,8 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.apps.mqtt import KIND, discovery, documents, report, words
-from lbr.apps.mqtt.session import Broker, Session, secured, wait_s
+from lbr.apps.mqtt.session import Broker, Session, secured
 from lbr.apps.mqtt.shadow import ShadowState
+from lbr.apps.retry import wait_s
 from lbr.capability.context import Received
 from lbr.errors import InputError
 from lbr.messages.battery import BatteryState

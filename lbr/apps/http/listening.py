@@ -51,8 +51,9 @@ def is_here(address: str) -> bool:
 def _listen(host: str, port: int) -> socket.socket:
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-    except OSError as err:
-        raise InputError(f"'{host}' is not an address of this machine: {err.strerror or err}") from err
+    except (OSError, UnicodeError) as err:  # the latter for what no name of a machine may have in it
+        why = getattr(err, "strerror", "") or "no machine is called so"
+        raise InputError(f"'{host[:80]}' is not an address of this machine: {why}") from err
     listening = socket.socket(family, kind, protocol)  # asyncio sends at once only what it knows to be TCP
     try:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

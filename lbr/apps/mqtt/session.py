@@ -7,7 +7,6 @@
 What the broker is not there for is not kept: state is told anew to each connection, and what was asked in between is old.
 """
 
-import random
 import ssl
 import threading
 import time
@@ -25,9 +24,9 @@ from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from lbr import home
 from lbr.apps.mqtt.documents import LARGEST_BYTES
+from lbr.apps.retry import wait_s
 from lbr.errors import InputError
 
-FIRST_S, MOST_S = 0.5, 60.0
 STEADY_S = 20.0
 """A connection that lasted so long was a good one: the next try comes soon again."""
 CONNECT_S = 5.0
@@ -104,11 +103,6 @@ def _credential(name: str) -> Path:
     if found := home.given_credentials(name):
         return found[0]
     raise InputError(f"{home.directory('credentials') / name} is not there: put the file that the row names there")
-
-
-def wait_s(tries: int, dice: Callable[[], float] = random.random) -> float:
-    """Return how long to wait before the next try: longer each time, and never in step with other robots."""
-    return min(MOST_S, FIRST_S * 2.0 ** min(tries, 30)) * (0.5 + 0.5 * dice())
 
 
 class Session:

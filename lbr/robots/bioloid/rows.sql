@@ -54,6 +54,11 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'mqtt', 'mqtt', 0, '{"words": {"stop": {"do": "stop"}, "wave": {"do": "play", "motion": "wave"}}}',
      'The robot at a broker of MQTT: for Home Assistant, for a device shadow of AWS IoT; does what its words allow');
 
+-- Off: it needs a registry (the setting url) and a token of it in credentials/registry.token: docs/registry.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('bioloid', 'registrar', 'registrar', 0, '{}',
+     'Tells a registry that the robot is up, and how to reach it');
+
 INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'joints.setpoint', 'servos.setpoint', 1),
     ('bioloid', 'servos.state', 'joints.servos', 1),

@@ -58,6 +58,11 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'mqtt', 'mqtt', 0, '{"words": {"stop": {"do": "stop"}, "stand": {"do": "play", "motion": "reset"}}}',
      'The robot at a broker of MQTT: for Home Assistant, for a device shadow of AWS IoT; does what its words allow');
 
+-- Off: it needs a registry (the setting url) and a token of it in credentials/registry.token: docs/registry.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('uxa90', 'registrar', 'registrar', 0, '{}',
+     'Tells a registry that the robot is up, and how to reach it');
+
 INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'joints.setpoint', 'servos.setpoint', 1),
     ('uxa90', 'servos.state', 'joints.servos', 1),

@@ -1,0 +1,71 @@
+"""Asking the service: by TLS, and only if it shows the certificate that the token knows it by. Nothing is sent before."""
+
+import http.client
+import ssl
+from hmac import compare_digest
+from typing import Literal
+from urllib.parse import urlsplit
+
+import msgspec
+
+from lbr.bus import tokens
+from lbr.bus.tokens import Token
+from lbr.errors import BusError, InputError, LbrError
+
+ANSWER_S = 5.0
+LARGEST_BYTES = 1024 * 1024
+PATH = "/api/robots"
+
+
+class NotTakenError(LbrError):
+    """The service said no, and why."""
+
+
+def ask(
+    url: str, token: Token, method: Literal["GET", "POST", "DELETE"], body: bytes = b"", *, within_s: float = ANSWER_S
+) -> bytes:
+    """Return what the service answers; NotTakenError if it says no, BusError if it is not there or is another."""
+    where = urlsplit(url)
+    if where.scheme != "https" or not where.hostname:
+        raise InputError(f"'{url[:80]}' is no address of a registry; addresses look like https://HOST:9147")
+    connection = http.client.HTTPSConnection(where.hostname, where.port or 443, timeout=within_s, context=_whichever())
+    try:
+        connection.connect()
+        _check(connection, url, token)
+        headers = {"Authorization": f"Bearer {token}", "Content-Type": "application/json"}
+        connection.request(method, PATH, body=body or None, headers=headers)
+        answer = connection.getresponse()
+        said = answer.read(LARGEST_BYTES)
+    except (OSError, http.client.HTTPException) as err:
+        raise BusError(f"the registry at {url} cannot be reached ({err or type(err).__name__})") from err
+    finally:
+        connection.close()
+    if answer.status != http.client.OK:
+        raise NotTakenError(f"the registry at {url} says no ({answer.status}): {_reason(said)}")
+    return said
+
+
+def _whichever() -> ssl.SSLContext:
+    """Return TLS with whatever certificate: which one it is, the token's fingerprint says."""
+    found = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    found.minimum_version = ssl.TLSVersion.TLSv1_2
+    found.check_hostname = False
+    found.verify_mode = ssl.CERT_NONE
+    return found
+
+
+def _check(connection: http.client.HTTPSConnection, url: str, token: Token) -> None:
+    shown = connection.sock.getpeercert(binary_form=True) or b""
+    if not compare_digest(tokens.fingerprint(shown), token.fingerprint):
+        raise BusError(
+            f"{url} shows another certificate than the one of this token: it is another registry, or a forgery"
+        )
+
+
+def _reason(said: bytes) -> str:
+    """Return the sentence of an answer, as one printable line."""
+    try:
+        text = str(msgspec.json.decode(said, type=dict[str, object]).get("reason", ""))
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+        text = ""
+    return "".join(one if one.isprintable() else " " for one in text)[:200] or "without a reason"

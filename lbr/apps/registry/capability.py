@@ -1,0 +1,184 @@
+"""Registering as a capability: tells the service every few seconds that the robot is up, and how to reach it."""
+
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from importlib.metadata import version
+from urllib.parse import urlsplit
+
+import msgspec
+from msgspec.structs import replace
+
+from lbr import home
+from lbr.apps.http import names
+from lbr.apps.registry import RegistrarSettings, asking
+from lbr.apps.registry.book import Entry
+from lbr.apps.retry import wait_s
+from lbr.bus import tokens
+from lbr.bus.tokens import Token
+from lbr.capability.base import Capability
+from lbr.capability.context import Context
+from lbr.errors import DeviceError, InputError, LbrError
+from lbr.messages.registry import RegistrarState
+from lbr.messages.web import WebState
+
+TELL_S = 1.0
+GOODBYE_S = 0.3
+MOST_URLS = 8
+NO_SERVICE = (
+    "no registry is named: the setting 'url' of this row says where one is, and `lbr registry serve` starts one"
+)
+
+
+class Herald:
+    """Says again and again, in a thread of its own, what `entry` is; `trouble` is why it was not heard, `times` how often it
+    was."""
+
+    def __init__(self, url: str, token: Token, entry: Entry, changed: Callable[[], None]) -> None:
+        self.entry = entry
+        self.trouble = "it was not reached yet"
+        self.times = 0
+        self._url = url
+        self._token = token
+        self._changed = changed
+        self._began = time.monotonic()
+        self._now = threading.Event()
+        self._ends = False
+        self._thread = threading.Thread(target=self._run, name="registrar", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def tell(self, entry: Entry) -> None:
+        """Say something else from now on, at once."""
+        if entry != self.entry:
+            self.entry = entry
+            self._now.set()
+
+    def close(self) -> None:
+        """Say goodbye, if that is heard soon."""
+        self._ends = True
+        self._now.set()
+        self._thread.join(GOODBYE_S)
+
+    def _run(self) -> None:
+        tries = 0
+        while not self._ends:
+            self._now.clear()
+            up_s = time.monotonic() - self._began
+            try:
+                asking.ask(self._url, self._token, "POST", msgspec.json.encode(replace(self.entry, up_s=up_s)))
+            except LbrError as err:
+                self.trouble, tries = str(err), tries + 1
+            except Exception as err:  # noqa: BLE001 - whatever the network or its library may raise: it is tried again
+                self.trouble, tries = f"{type(err).__name__}: {err}", tries + 1
+            else:
+                self.trouble, tries = "", 0
+                self.times += 1
+            self._changed()
+            self._now.wait(wait_s(tries) if tries else self.entry.every_s)
+        if not self.trouble:
+            with suppress(LbrError, OSError, ValueError):  # its silence will tell as much
+                asking.ask(self._url, self._token, "DELETE", within_s=GOODBYE_S)
+
+
+class Registrar(Capability[RegistrarSettings]):
+    """A robot that wants to be found."""
+
+    rate_hz = 2.0
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[RegistrarSettings]) -> None:
+        super().__init__(ctx)
+        self._herald: Herald | None = None
+        self._name = ""
+        self._web: dict[str, WebState] = {}
+        self._health: str | None = None
+        self._told: RegistrarState | None = None
+        self._told_at = 0.0
+
+    def open(self) -> None:
+        """Begin to register."""
+        settings = self.ctx.settings
+        if not settings.url:
+            return
+        try:
+            token = _token(settings.credential)
+        except InputError as err:
+            raise DeviceError(str(err), "token") from err
+        self._name = token.name
+        self._herald = Herald(settings.url, token, self._entry(), self.ctx.wake)
+        self._herald.start()
+
+    def step(self) -> None:
+        """Follow where the robot is served, and tell how it stands."""
+        for received in self.ctx.take("web"):
+            self._web[received.source] = received.message
+        herald = self._herald
+        if herald is not None:
+            herald.tell(self._entry())
+        health = NO_SERVICE if herald is None else herald.trouble
+        if health != self._health:
+            self._health = health
+            if health:
+                self.ctx.warn(health, "off" if herald is None else "unreachable")
+            else:
+                self.ctx.ready()
+        self._tell(herald)
+
+    def close(self) -> None:
+        """Say goodbye."""
+        herald, self._herald = self._herald, None
+        if herald is not None:
+            herald.close()
+
+    def _entry(self) -> Entry:
+        settings = self.ctx.settings
+        urls = [
+            url for _, state in sorted(self._web.items()) if state.listening for url in state.urls if _is_reached(url)
+        ]
+        return Entry(
+            robot=self.ctx.robot,
+            version=version("lbr"),
+            urls=tuple(urls[:MOST_URLS]),
+            endpoints=settings.endpoints,
+            every_s=settings.every_s,
+        )
+
+    def _tell(self, herald: Herald | None) -> None:
+        now, entry = self.ctx.clock(), self._entry()
+        state = RegistrarState(
+            registered=herald is not None and not herald.trouble,
+            url=self.ctx.settings.url,
+            name=self._name,
+            urls=entry.urls,
+            endpoints=entry.endpoints,
+            reason=self._health or "",
+            code="" if not self._health else "off" if herald is None else "unreachable",
+            times=herald.times if herald is not None else 0,
+        )
+        if state != self._told or now - self._told_at >= TELL_S:
+            self._told, self._told_at = state, now
+            self.ctx.publish("state", state)
+
+
+def _is_reached(url: str) -> bool:
+    """Say whether other machines may reach an address."""
+    host = urlsplit(url).hostname or ""
+    return bool(host) and host != "localhost" and not names.is_loopback(host)
+
+
+def _token(name: str) -> Token:
+    """Return the token in a file of `credentials/`; InputError says what is wrong with it."""
+    found = home.given_credentials(name)
+    if not found:
+        where = home.directory("credentials") / name
+        raise InputError(f"{where} is not there: put what `lbr registry add NAME` printed into it")
+    try:
+        return tokens.parse(found[0].read_text(encoding="ascii", errors="replace"))
+    except InputError as err:
+        raise InputError(f"{found[0]}: {err}") from err
+    except OSError as err:
+        raise InputError(f"{found[0]} cannot be read ({err.strerror})") from err

@@ -1,0 +1,100 @@
+"""The tokens that the service has given: a name each, and a digest of what proves it, in a file for its owner's eyes."""
+
+import fcntl
+import hashlib
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from hmac import compare_digest
+from pathlib import Path
+
+import msgspec
+from msgspec import Struct
+
+from lbr import home, ownership
+from lbr.apps.http import listening
+from lbr.bus import certificates, tokens
+from lbr.bus.tokens import Token
+from lbr.errors import InputError
+
+FOLDER, FILE = "registry", "tokens.json"
+
+
+class Guest(Struct, frozen=True, kw_only=True):
+    """A token without what proves it: that has 256 bits, so that a plain digest gives nothing away."""
+
+    digest: str
+    since: str
+
+
+class Guests:
+    """The file of this home; what another process changes there counts at the next look."""
+
+    def __init__(self) -> None:
+        self.path = home.directory(FOLDER) / FILE
+        self._read: tuple[int, int] = (-1, -1)
+        self._known: dict[str, Guest] = {}
+
+    def names(self) -> dict[str, str]:
+        """Return the names that there are, and since when."""
+        return {name: guest.since for name, guest in sorted(self._now().items())}
+
+    def add(self, name: str) -> Token:
+        """Make a token; InputError if the name is none, or has one."""
+        tokens.check_name(name)
+        secret = tokens.text(secrets.token_bytes(32))
+        with self._changing() as known:
+            if name in known:
+                raise InputError(f"'{name}' has a token already: revoke it first, or take another name", "exists")
+            known[name] = Guest(digest=_digest(secret), since=datetime.now(UTC).isoformat(timespec="seconds"))
+        shown = certificates.first_der(Path(listening.certificate()[1]))
+        return Token(name=name, secret=secret, fingerprint=tokens.fingerprint(shown))
+
+    def revoke(self, name: str) -> None:
+        """Have a token count for nothing."""
+        with self._changing() as known:
+            if known.pop(name, None) is None:
+                raise InputError(f"nobody has a token called '{name}'", "unknown_name")
+
+    def proven(self, shown: str) -> str:
+        """Return whose token it is; empty if it is nobody's."""
+        try:
+            token = tokens.parse(shown)
+        except InputError:
+            return ""
+        guest = self._now().get(token.name)
+        right = guest.digest if guest is not None else _digest("")
+        return token.name if compare_digest(_digest(token.secret), right) and guest is not None else ""
+
+    def _now(self) -> dict[str, Guest]:
+        try:
+            found = self.path.stat()
+        except FileNotFoundError:
+            self._known = {}
+            return self._known
+        if (found.st_mtime_ns, found.st_ino) != self._read:
+            ownership.refuse(ownership.faults(self.path, secret=True))
+            try:
+                self._known = msgspec.json.decode(self.path.read_bytes(), type=dict[str, Guest])
+            except (OSError, msgspec.DecodeError) as err:
+                raise InputError(f"{self.path} cannot be read ({err}): remove it, and give new tokens") from err
+            self._read = (found.st_mtime_ns, found.st_ino)
+        return self._known
+
+    @contextmanager
+    def _changing(self) -> Iterator[dict[str, Guest]]:
+        """Change the file, one process at a time, as a whole or not at all."""
+        folder = os.open(self.path.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        try:
+            fcntl.flock(folder, fcntl.LOCK_EX)
+            known = dict(self._now())
+            yield known
+            home.write_private(self.path, msgspec.json.format(msgspec.json.encode(known)))
+        finally:
+            os.close(folder)
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode()).hexdigest()

@@ -1,0 +1,127 @@
+"""`lbr registry`: a service that lists which robots are up, and how to reach them."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from lbr.commands.options import FileName, json_option, print_json
+from lbr.errors import InputError
+
+if TYPE_CHECKING:
+    from lbr.bus.tokens import Token
+
+PORT = 9147
+VARIABLE = "LBR_REGISTRY_TOKEN"
+
+
+@click.group("registry")
+def command() -> None:
+    """Run a service that lists which robots are up, or ask one.
+
+    The service runs anywhere, without a robot. Each robot gets a token from it, puts that into credentials/registry.token, and
+    switches on its row `registrar`. Whoever has a token may read the list.
+    """
+
+
+@command.command("serve")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Where to listen; 0.0.0.0 for every network.")
+@click.option("--port", type=click.IntRange(0, 65535), default=PORT, show_default=True, help="0: any free one.")
+def serve(host: str, port: int) -> int:
+    """Run the service until Ctrl-C, by TLS alone, with the certificate of this home."""
+    try:
+        from lbr.apps.registry import server  # noqa: PLC0415 - it needs an extra
+    except ImportError as err:
+        raise InputError(f"the registry needs the extra 'web' ({err.name} is missing): pip install 'lbr[web]'") from err
+    server.serve(host, port, click.echo)
+    return 0
+
+
+@command.command("add")
+@click.argument("name")
+def add(name: str) -> int:
+    """Make a token of this name and print it, once: for a robot that is to be listed, or for who is to read the list."""
+    from lbr.apps.registry.guests import Guests  # noqa: PLC0415 - kept out of `lbr --help`
+
+    click.echo(str(Guests().add(name)))
+    click.echo(
+        "note: on the robot put it into credentials/registry.token of its home, for its eyes alone (chmod 600)",
+        err=True,
+    )
+    return 0
+
+
+@command.command("revoke")
+@click.argument("name")
+def revoke(name: str) -> int:
+    """Have a token count for nothing from now on; its robot is not listed any more."""
+    from lbr.apps.registry.guests import Guests  # noqa: PLC0415
+
+    Guests().revoke(name)
+    click.echo(f"the token '{name}' counts for nothing now")
+    return 0
+
+
+@command.command("tokens")
+@json_option
+def list_tokens(as_json: bool) -> int:
+    """List whose tokens there are; the tokens themselves are nowhere."""
+    from lbr.apps.registry.guests import Guests  # noqa: PLC0415
+
+    found = Guests().names()
+    if as_json:
+        print_json([{"name": name, "since": since} for name, since in found.items()])
+        return 0
+    for name, since in found.items():
+        click.echo(f"{name}  since {since}")
+    return 0
+
+
+@command.command("list")
+@click.argument("url")
+@click.option(
+    "--token-file", type=FileName(), metavar="FILE", help=f"Holds the token; else it is {VARIABLE}, or this home's own."
+)
+@json_option
+def list_robots(url: str, token_file: Path | None, as_json: bool) -> int:
+    """List the robots that the service at URL knows, such as https://HOST:9147, those that are up first."""
+    import msgspec  # noqa: PLC0415 - kept out of `lbr --help`
+
+    from lbr.apps.registry import asking  # noqa: PLC0415
+    from lbr.apps.registry.book import Listed  # noqa: PLC0415
+
+    said = asking.ask(url, _token(token_file), "GET")
+    try:
+        found = msgspec.json.decode(said, type=tuple[Listed, ...])
+    except msgspec.DecodeError as err:
+        raise InputError(f"{url} does not answer as a registry does ({err})", "malformed") from err
+    if as_json:
+        print_json(found)
+        return 0
+    if not found:
+        click.echo("no robot has registered there")
+    for one in found:
+        ways = ", ".join((*one.urls, *one.endpoints)) or "no way in from other machines"
+        state = "up" if one.up else f"gone for {one.seen_s:.0f} s"
+        click.echo(_printable(f"{one.name}  {one.robot}  {state}  {ways}  (from {one.address})"))
+    return 0
+
+
+def _token(path: Path | None) -> "Token":
+    from lbr import home  # noqa: PLC0415
+    from lbr.bus import tokens  # noqa: PLC0415
+
+    if path is None and (text := os.environ.get(VARIABLE)):
+        return tokens.parse(text)
+    own = home.directory("credentials") / "registry.token"
+    try:
+        return tokens.parse((path or own).read_text(encoding="ascii", errors="replace"))
+    except OSError as err:
+        raise InputError(
+            f"{path or own} cannot be read ({err.strerror}): name a file by --token-file, or set {VARIABLE}"
+        ) from err
+
+
+def _printable(text: str) -> str:
+    return "".join(one if one.isprintable() else "?" for one in text)

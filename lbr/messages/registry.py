@@ -1,0 +1,18 @@
+"""Messages on `registrar/*`: whether a robot is listed among those that are up."""
+
+from msgspec import Struct
+
+from lbr.messages.codes import ReasonCode
+
+
+class RegistrarState(Struct, frozen=True, kw_only=True):
+    """Whether the service has the robot in its list, under which name, by what others reach it, and if not listed, why."""
+
+    registered: bool
+    url: str
+    name: str = ""
+    urls: tuple[str, ...] = ()
+    endpoints: tuple[str, ...] = ()
+    reason: str = ""
+    code: ReasonCode = ""
+    times: int = 0
