@@ -88,11 +88,12 @@ def _kills(results: Results, n: int) -> list[str]:
     dice, older, gone, younger_s = random.Random(1), 0, 0, []
     with bench(Results(SAFETY), edits=(SWITCH.format(1),)) as under_test:
         place, witness = Shelf(under_test.robot.home, "lbr"), Witness(under_test)
-        mover = under_test.drive()
+        mover, last = under_test.drive(), None
         for turn in range(n):
             if turn and turn % EVERY == 0:
                 under_test.forget_deaths("box")
-            file = _new_file(under_test, place)
+                last = place.files()[-2] if len(place.files()) > 1 else None
+            file = _new_file(under_test, place, last)
             begun_ns = time.monotonic_ns()
             under_test.pass_time(dice.uniform(2.0, 4.0))
             pid = under_test.pid("box")
@@ -106,6 +107,7 @@ def _kills(results: Results, n: int) -> list[str]:
             offset = time.time_ns() - time.monotonic_ns()
             newest = max((one.publish_ns for one in written), default=0)
             younger_s.append((at_ns + offset - newest) / 1e9)
+            last = place.files()[-1]
             with suppress(AssertionError):
                 under_test.ready_again("box", pid, at_ns)
         mover.cease()
@@ -118,12 +120,11 @@ def _kills(results: Results, n: int) -> list[str]:
     ]
 
 
-def _new_file(under_test: Bench, place: Shelf) -> Path:
-    """Wait until the box writes a file with streams in it, and return it."""
-    before = set(place.files()[:-1])
+def _new_file(under_test: Bench, place: Shelf, last: Path | None) -> Path:
+    """Wait until the box writes another file with streams in it, and return it."""
 
     def heard() -> bool:
-        files = [path for path in place.files()[-1:] if path not in before]
+        files = [path for path in place.files()[-1:] if path != last]
         return any(one.topic == "motors/setpoint" for one in selection.messages(files))
 
     under_test.until(heard, 15.0, "a file with streams in it", every_s=0.05)

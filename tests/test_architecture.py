@@ -92,6 +92,7 @@ OWNERS = {
     "serial": {"drivers", *TOP},
     "prompt_toolkit": {"console", *TOP},
     "rich": TOP,
+    "plotille": TOP,
     "click": TOP,
     "psutil": {"executive", *TOP},
 }

@@ -83,7 +83,7 @@ def show(what: str, robot: str | None, begin: str | None, end: str | None, aroun
     """Show what is in WHAT: topics with how many messages, and what happened. Without WHAT it is the box."""
     from lbr.recording import times  # noqa: PLC0415
 
-    chosen, start_ns, end_ns = _chosen(what, robot, begin, end, around)
+    chosen, start_ns, end_ns = selected(what, robot, begin, end, around)
     found = _counted(chosen, start_ns, end_ns)
     if as_json:
         print_json({"name": chosen.name, "why": chosen.why, **found})
@@ -142,7 +142,7 @@ def export(
     assert target is not None
     if target.exists() and not force and (mcap is not None or any(target.iterdir())):
         raise InputError(f"{target} is there already; --force takes its place")
-    chosen, start_ns, end_ns = _chosen(what, robot, begin, end, around)
+    chosen, start_ns, end_ns = selected(what, robot, begin, end, around)
     damage = selection.Damage()
 
     def wanted(*, count: bool = False) -> "Any":
@@ -206,9 +206,10 @@ def of_robot(robot: str | None) -> "tuple[str, Shelf]":
     return robot, shelf.Shelf(place, robot)
 
 
-def _chosen(
+def selected(
     what: str, robot: str | None, begin: str | None, end: str | None, around: str | None
 ) -> "tuple[Chosen, int, int]":
+    """Return what is meant, and from when to when; InputError says what there is."""
     from lbr import home  # noqa: PLC0415
     from lbr.recording import selection, shelf  # noqa: PLC0415
 

@@ -1,6 +1,8 @@
 """What of a robot's recordings is meant, and its messages in order."""
 
+from collections import deque
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from msgspec import Struct
@@ -12,6 +14,11 @@ from lbr.recording.shelf import SUFFIX, Incident, Shelf
 
 BOX = "box"
 LAST_NS = 1 << 63
+EVENT = "@event"
+BEGINS_NS = 1_000_000_000
+"""A round of the box."""
+MOST_REPEATED = 50
+"""So many events are said again where a file begins, and one message of any stream."""
 
 
 class Chosen(Struct, frozen=True, kw_only=True):
@@ -58,7 +65,7 @@ def messages(
 
     A file begins with what was said last before it; what is damaged is passed over, and counted in `damage`.
     """
-    seen: dict[str, tuple[int, int]] = {}
+    seen: dict[str, deque[tuple[int, int]]] = {}
     for path in files:
         try:
             with reader.opened(path) as found:
@@ -74,10 +81,20 @@ def messages(
             continue
         for one in there:
             mark = one.sequence, one.publish_ns
-            if one.sequence and seen.get(one.topic) == mark:
+            known = seen.setdefault(one.topic, deque(maxlen=MOST_REPEATED if one.topic == EVENT else 1))
+            if one.sequence and mark in known:
                 continue
-            seen[one.topic] = mark
+            known.append(mark)
             yield one
+
+
+def file_at(files: Iterable[Path], at_ns: int) -> Path | None:
+    """Return the file in which a moment is: the newest that began until then; None if all began later."""
+    for path in reversed(list(files)):
+        with suppress(InputError), reader.opened(path) as found:
+            if found.spans and _begins_ns(found) - BEGINS_NS <= at_ns:
+                return path
+    return None
 
 
 def span_ns(files: Iterable[Path]) -> tuple[int, int]:

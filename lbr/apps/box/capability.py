@@ -2,6 +2,7 @@
 
 import fnmatch
 import time
+from collections import deque
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,8 @@ ASK_S = 2.0
 AGAIN_S = 1.0
 TELL_S = 5.0
 FORMAT = "1"
+EVENTS = 50
+"""As many as the executive has when it is asked why something stands still."""
 MB = 1_000_000
 
 
@@ -103,6 +106,7 @@ class Box(Capability[BoxSettings]):
         self._shelf = Shelf(Path(ctx.home), ctx.robot)
         self._library = f"lbr {version('lbr')}"
         self._latest: dict[str, Heard] = {}
+        self._events: deque[Heard] = deque(maxlen=EVENTS)
         self._streams: RecordedStreams | None = None
         self._rows = b""
         self._rows_revision = self._revision = -1
@@ -210,7 +214,9 @@ class Box(Capability[BoxSettings]):
             self._happened(heard.data)
         elif heard.topic == STATUS:
             self._revise(heard.data)
-        if not heard.picture:
+        if heard.topic == EVENT:
+            self._events.append(heard)
+        elif not heard.picture:
             self._latest[heard.topic] = heard
         for tape in tapes:
             self._add(tape, heard)
@@ -224,7 +230,7 @@ class Box(Capability[BoxSettings]):
         if self._rows:
             at_ns = self._clock.dated(self._clock.now_ns)
             tape.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
-        for heard in self._latest.values():
+        for heard in (*self._latest.values(), *self._events):
             self._add(tape, heard)
 
     def _about(self) -> dict[str, str]:

@@ -1,0 +1,168 @@
+"""`lbr at`: the answers of then."""
+
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lbr.commands.options import FileName, json_option, print_json
+from lbr.errors import InputError
+
+if TYPE_CHECKING:
+    from lbr.recording.moment import Moment
+    from lbr.why.snapshot import Snapshot
+
+SILENT_S = 3.0
+"""A robot that runs says something each second."""
+
+
+@click.command("at")
+@click.argument("when", metavar="TIME")
+@click.argument("what", type=click.Choice(["why", "status", "rows"]))
+@click.argument("part", required=False, default="")
+@click.option("--robot", metavar="NAME", help="Whose; the only one with recordings if left out.")
+@click.option("--in", "place", default="", metavar="WHAT", help="Out of this recording or file: see lbr box list.")
+@click.option("--db", "database", type=FileName(), metavar="FILE", help="The rows whose past is looked at, for rows.")
+@json_option
+def command(
+    when: str, what: str, part: str, robot: str | None, place: str, database: Path | None, as_json: bool
+) -> int:
+    """Answer as then: why something stood still, how each process was, or what the rows were.
+
+    TIME is 10m (ago), 14:02, 'yesterday 9:30'. PART is what `why` is asked about, or a table of the rows. The answers are out of
+    the black box; rows that it does not have any more are out of the past that the rows have themselves.
+    """
+    from lbr.recording import times  # noqa: PLC0415 - kept out of `lbr --help`
+
+    now = time.time_ns()
+    at_ns = times.moment_ns(when, now)
+    if at_ns > now:
+        raise InputError(f"{times.shown(at_ns, now)} is still to come")
+    if what == "rows":
+        return _rows(at_ns, part, robot, place, database, as_json=as_json)
+    found = _moment(at_ns, robot, place)
+    if found.late_s > SILENT_S:
+        said = f"nothing was recorded for {times.length(found.late_s)} until then; this is how it was before"
+        click.echo(f"lbr: {said}", err=True)
+    return _why(found, part, as_json=as_json) if what == "why" else _status(found, as_json=as_json)
+
+
+def snapshot(found: "Moment") -> "Snapshot":
+    """Return a moment as `why` explains one; InputError if its rows were not recorded."""
+    import msgspec  # noqa: PLC0415
+
+    from lbr.why.snapshot import Facts, Said, Snapshot  # noqa: PLC0415
+
+    if found.rows is None:
+        raise InputError("the rows of then are not in the recording, and without them nothing can be explained")
+    try:
+        facts = msgspec.json.decode(found.rows.facts, type=Facts)
+    except msgspec.DecodeError as err:
+        raise InputError(f"the rows of then are of another version: {err}") from None
+    return Snapshot(
+        facts=facts,
+        executive="up" if found.late_s <= SILENT_S else "down",
+        status=found.status,
+        said={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in found.said.items()},
+        events=found.events,
+        wall_ns=found.at_ns,
+    )
+
+
+def _moment(at_ns: int, robot: str | None, place: str) -> "Moment":
+    from lbr.commands import box  # noqa: PLC0415
+    from lbr.recording.moment import moment  # noqa: PLC0415
+
+    chosen, _start, _end = box.selected(place, robot, None, None, None)
+    return moment(chosen.files, at_ns)
+
+
+def _why(found: "Moment", part: str, *, as_json: bool) -> int:
+    from lbr.messages.plain import one_line  # noqa: PLC0415
+    from lbr.why import telling  # noqa: PLC0415
+    from lbr.why.chain import explain  # noqa: PLC0415
+
+    answer = explain(snapshot(found), part)
+    if as_json:
+        print_json(answer)
+        return 0
+    for line in telling.lines(answer):
+        click.echo(one_line(line))
+    return 0
+
+
+def _status(found: "Moment", *, as_json: bool) -> int:
+    from lbr.commands.status import show  # noqa: PLC0415
+
+    if found.status is None:
+        raise InputError("the status of then is not in the recording")
+    if as_json:
+        print_json(found.status)
+    else:
+        show(found.status)
+    return 0
+
+
+def _rows(at_ns: int, table: str, robot: str | None, place: str, database: Path | None, *, as_json: bool) -> int:
+    revision, tables, source = _tables(at_ns, robot, place, database)
+    if table and table not in tables:
+        raise InputError(f"there was no table '{table}'; there was {', '.join(tables)}", "unknown_name")
+    wanted = {name: rows for name, rows in tables.items() if not table or name == table}
+    if as_json:
+        print_json({"revision": revision, "source": source, "tables": wanted})
+        return 0
+    import msgspec  # noqa: PLC0415
+
+    from lbr.messages.plain import one_line  # noqa: PLC0415
+
+    click.echo(f"revision {revision}, by {source}")
+    for name, rows in wanted.items():
+        click.echo(f"{name}: {len(rows)} rows")
+        for row in rows:
+            click.echo(one_line(f"  {msgspec.json.encode(row).decode()}"))
+    return 0
+
+
+def _tables(
+    at_ns: int, robot: str | None, place: str, database: Path | None
+) -> tuple[int, dict[str, list[dict[str, Any]]], str]:
+    """Return the revision of then, the rows, and where they are from: the box, or the past of the rows themselves."""
+    if database is None:
+        try:
+            found = _moment(at_ns, robot, place)
+        except InputError:
+            if place:
+                raise
+        else:
+            if found.rows is not None and found.late_s <= SILENT_S:
+                return found.rows.revision, found.rows.tables, "the black box"
+    return _past(at_ns, robot, database)
+
+
+def _past(at_ns: int, robot: str | None, database: Path | None) -> tuple[int, dict[str, list[dict[str, Any]]], str]:
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    path = database or home.default_database()
+    if not path.exists():
+        raise InputError(f"neither the black box nor {path} has the rows of then")
+    with opened(path) as rows:
+        until = [one.id for one in rows.revisions() if _ns(one.changed_at) <= at_ns]
+        revision = until[-1] if until else 0
+        tables = rows.tables_at(revision)
+    own = {
+        name: [dict(row) for row in found if robot is None or row.get("robot", row.get("name", robot)) == robot]
+        for name, found in tables.items()
+        if name != "user_token"
+    }
+    return revision, own, f"the past of {path}"
+
+
+def _ns(text: str) -> int:
+    try:
+        at = datetime.fromisoformat(text)
+    except ValueError:
+        return 0
+    return int((at if at.tzinfo else at.replace(tzinfo=UTC)).timestamp() * 1e9)

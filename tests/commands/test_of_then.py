@@ -1,0 +1,109 @@
+"""`lbr at`, `lbr plot` and `lbr logs`: what was, what is over time, and what was written."""
+
+import subprocess
+import time
+from datetime import datetime
+
+import pytest
+
+from lbr.commands.plot import value_of
+from lbr.recording import selection
+from lbr.recording.shelf import Shelf
+from tests.support import programs
+from tests.support.robot import LBR, environment, lbr, prepare, running, until
+
+pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory):
+    home = prepare(tmp_path_factory.mktemp("then") / "h", "box")
+    with running(home) as found:
+        place = Shelf(home, "lbr")
+        until(lambda: "drive/state" in {one.topic for one in selection.messages(place.files())}, what="streams")
+        yield found
+
+
+def asked(robot, *words, code=0):
+    done = lbr(robot.home, *words, limit_s=15)
+    assert done.returncode == code, done.stderr
+    return done.stdout if code == 0 else done.stderr
+
+
+def said(seconds):
+    return datetime.fromtimestamp(seconds).astimezone().isoformat()
+
+
+def test_why_of_then_is_what_was_answered_then(robot):
+    def first(text):
+        return text.splitlines()[0]
+
+    before, calm_s = first(asked(robot, "why", "motors")), time.time()
+    robot.line("/estop/the dog")
+    live = first(until(lambda: text if "the dog" in (text := asked(robot, "why", "drive")) else "", what="why"))
+    time_s = time.time()
+    until(lambda: time.time() > time_s + 1.5, what="what is in the box")
+    assert first(asked(robot, "at", said(time_s), "why", "drive")) == live
+    assert first(asked(robot, "at", said(calm_s), "why", "motors")) == before
+    robot.line("reset")
+
+
+def test_rows_of_then_are_those_before_an_edit(robot):
+    before_s = time.time()
+    robot.edit("UPDATE capability SET help = 'changed now' WHERE robot = 'lbr' AND name = 'drive'")
+    until(lambda: "changed now" in asked(robot, "at", "now", "rows", "capability"), limit_s=12, what="the edit")
+    text = asked(robot, "at", said(before_s), "rows", "capability")
+    assert "changed now" not in text
+    assert "by the black box" in text
+    assert "by the past of" in asked(robot, "at", "1h", "rows", "device")
+    assert "there is no table" not in asked(robot, "at", "now", "rows", "nothing", code=2)
+    assert "nothing was recorded until then" in asked(robot, "at", "3d", "why", code=2)
+    assert "lbr-sim" in asked(robot, "at", "now", "status")
+
+
+def test_numbers_are_plotted_live_and_out_of_the_box(robot):
+    text = asked(robot, "plot", "drive/state.power", "drive/state.loop.rate_hz", "--seconds", "1")
+    assert "drive/state.loop.rate_hz  " in text
+    assert "⠤⠤ drive/state.power" in asked(robot, "plot", "drive/state.power", "--from", "1m")
+    assert "'reason' is text" in asked(robot, "plot", "drive/state.reason", "--seconds", "1", code=2)
+    assert "no field of a stream" in asked(robot, "plot", "drive", code=2)
+
+
+def test_a_log_is_followed_also_after_it_was_cut(robot):
+    log = robot.home / "logs" / "lbr-drive.log"
+    log.write_text("one\ntwo\nthree\n")
+    assert asked(robot, "logs", "drive", "-n", "2").splitlines() == ["two", "three"]
+    assert "lbr/drive" in asked(robot, "logs")
+    assert "there is no log 'nix'" in asked(robot, "logs", "nix", code=2)
+    popen = programs.start(
+        [*LBR, "logs", "drive", "-f", "-n", "1"], env=environment(robot.home), stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert popen.stdout.readline() == "three\n"
+        with log.open("a") as file:
+            file.write("four \x1b[2J\n")
+        assert popen.stdout.readline() == "four ?[2J\n"
+        log.write_text("new\n")
+        assert popen.stdout.readline() == "new\n"
+    finally:
+        popen.kill()
+        popen.communicate()
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("a", 1.0),
+        ("b.c", 0.5),
+        ("d.1", 3.0),
+        ("e", 1.0),
+        ("f", None),
+        ("g", None),
+        ("b", None),
+        ("d.9", None),
+        ("a.b", None),
+    ],
+)
+def test_a_field_is_found_by_its_path(path, value):
+    message = {"a": 1, "b": {"c": 0.5}, "d": [2, 3], "e": True, "f": "text", "g": None}
+    assert value_of(message, path.split(".")) == value
