@@ -25,6 +25,8 @@ WORDS = {
     "go": {"do": "go", "most_cm": 150},
     "slowly": {"do": "go", "distance_cm": 140, "power": 0.1},
     "wave": {"do": "play", "motion": "wave"},
+    "say": {"do": "say"},
+    "round": {"do": "turn", "most_deg": 90},
 }
 TOPIC = "lbr/lbr"
 
@@ -68,7 +70,7 @@ def robot(tmp_path_factory, broker, person, service):
     }
     home = prepare(
         tmp_path_factory.mktemp("mqtt"),
-        *("imu", "attitude", "odometry", "battery", "behaviour"),
+        *("imu", "attitude", "odometry", "battery", "behaviour", "speech"),
         edits=(
             f"UPDATE capability SET enabled = 1, settings = '{json.dumps(settings)}' WHERE robot = 'lbr' AND name = 'mqtt'",
         ),
@@ -189,6 +191,16 @@ def test_what_the_broker_has_kept_and_what_it_may_not_even_send_does_nothing(rob
     assert asked(robot, "mqtt/state")["connections"] == state["connections"]
 
 
+def test_what_comes_with_a_word_is_said_and_turned_by(robot, person):
+    since, before = len(person.heard), asked(robot, "attitude/state")["turned_deg"]
+    person.say(f"{TOPIC}/ask/say", "Dinner is ready")
+    person.say(f"{TOPIC}/ask", json.dumps({"word": "round", "value": 40, "id": 7}))
+    until(lambda: "done" in [one["state"] for one in answers(person, since) if one["id"] == 7], limit_s=12.0)
+    assert asked(robot, "attitude/state")["turned_deg"] - before == pytest.approx(40.0, abs=6.0)
+    assert "done" in [one["state"] for one in answers(person, since) if one["word"] == "say"]
+    until(lambda: asked(robot, "speech/state")["spoken"] >= 1, what="the sentence")
+
+
 def test_a_table_runs_when_asked_and_a_stop_from_there_ends_it(robot, person):
     person.say(f"{TOPIC}/ask/follow_wall", "PRESS")
     until(lambda: asked(robot, "behaviour/state")["phase"] == "running", what="the table")
@@ -264,6 +276,7 @@ def test_a_token_that_is_revoked_and_a_row_without_a_broker_ask_for_nothing(robo
 
     until(refused, limit_s=10.0, what="the refusal")
     rests(robot)
+    assert f"'go' was asked for on {TOPIC}/ask/go" in lbr(robot.home, "db", "audit", "-n", "500", "--json").stdout
     robot.edit("UPDATE capability SET settings = '{}' WHERE robot = 'lbr' AND name = 'mqtt'")
     told = until(
         lambda: "no broker is named" in robot.capability("mqtt")["reason"] and robot.capability("mqtt"), limit_s=8.0

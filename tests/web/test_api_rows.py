@@ -109,7 +109,11 @@ def test_a_page_decides_of_no_setting_who_comes_in(owner, robot, name):
 
 @pytest.mark.parametrize(
     "new",
-    [{"kind": "web", "settings": {"port": 0} | OPEN}, {"kind": "lan", "settings": {"listen": ["tcp/127.0.0.1:7449"]}}],
+    [
+        {"kind": "web", "settings": {"port": 0} | OPEN},
+        {"kind": "lan", "settings": {"listen": ["tcp/127.0.0.1:7449"]}},
+        {"kind": "mqtt", "settings": {"host": "broker.example", "token": "phone", "words": {"go": {"do": "go"}}}},
+    ],
 )
 def test_a_page_makes_no_other_door(owner, new):
     answer = change(owner, "capability", None, {"name": "door"} | new)

@@ -140,6 +140,10 @@ KIND = Kind(
     name="mqtt",
     summary="tells a broker of MQTT how the robot is, and does what its row lets be asked there",
     family="app",
+    lets_in=(
+        *("enabled", "host", "port", "tls", "clear_text", "ca", "user", "topic"),
+        *("token", "words", "shadow", "home_assistant"),
+    ),
     entry="lbr.apps.mqtt.capability:Mqtt",
     settings=MqttSettings,
     inputs={**_STREAMS, "results": GoalResult, "frames": JpegFrame},

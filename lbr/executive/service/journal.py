@@ -35,6 +35,7 @@ AUDITED = frozenset(
         "fault",
         "trip",
         "holder",
+        "mqtt_asked",
         "reached",
         "interval",
         "lapsed",
