@@ -29,6 +29,7 @@ COMMANDS = {
     "logs": ("logs", "Print what a part has written to its log, and go on with it."),
     "plot": ("plot", "Plot numbers of streams in the terminal, live or out of the black box."),
     "record": ("record", "Record all that is said, on purpose."),
+    "replay": ("replay", "Publish what was recorded under another robot's name, to look at."),
     "box": ("box", "Look at what the black box holds, take it along, and delete it."),
     "at": ("at", "Answer as then: why, status and rows of a moment that is past."),
     "view": ("view", "Watch a simulated robot: its room from above, or its joints."),

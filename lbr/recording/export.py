@@ -138,11 +138,18 @@ def _cell(value: Any) -> Any:
     return value
 
 
-def _picture(one: Message, folder: Path, at: datetime) -> str:
+def picture_in(one: Message) -> bytes | None:
+    """Return the bytes of the picture that a message is, None if it is none."""
     said = decoded(one)
     try:
-        data = base64.b64decode(said["data"], validate=True)
+        return base64.b64decode(said["data"], validate=True)
     except (KeyError, TypeError, ValueError):
+        return None
+
+
+def _picture(one: Message, folder: Path, at: datetime) -> str:
+    data = picture_in(one)
+    if data is None:
         return ""
     name = f"{file_name(one.topic)}-{at:%Y%m%dT%H%M%S.%f}.jpg"
     (folder / name).write_bytes(data)
