@@ -9,6 +9,8 @@ from msgspec.structs import replace
 
 from lbr.bus import stamp, wire
 from lbr.bus.codec import Decoder
+from lbr.capability.kind import STOP
+from lbr.capability.overtaken import Overtaken
 from lbr.errors import MalformedError
 from lbr.messages.codes import Code, Reason
 from lbr.messages.leases import CommandReply, refused
@@ -20,6 +22,7 @@ class BusCall:
     """A command from the bus, query or `put`; refusals are told to `refused(source, reply)` as well.
 
     `away` says that the robot runs on another machine than this process: what it sends comes from there too.
+    `overtaken` knows the stops that came before.
     """
 
     def __init__(
@@ -31,12 +34,17 @@ class BusCall:
         refused: Callable[[str, CommandReply], None],
         *,
         away: bool = False,
+        overtaken: Overtaken | None = None,
     ) -> None:
         found = stamp.read(request.attachment)
         self.name = name
         self.message = message
         self.source = found.source[:80] if found is not None and found.source else UNSTAMPED
         self.arrived = stamp.sent_s(found, request.arrived)
+        if overtaken is not None and name == STOP:
+            overtaken.stopped(found, self.arrived)
+        elif overtaken is not None:
+            self.arrived = overtaken.dated(found, self.arrived)
         boot = found.boot if found is not None else ""
         self.remote = (found is not None and bool(found.via)) or (away and boot != stamp.boot_id())
         self.sender_s = found.mono_ns / 1e9 if found is not None and found.boot else nan

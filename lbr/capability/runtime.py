@@ -17,6 +17,7 @@ from lbr.capability.context import Call, Device, EmergencyStop, Received
 from lbr.capability.estop import EstopLatch, NothingToStop
 from lbr.capability.events import Throttle
 from lbr.capability.kind import STOP, Kind
+from lbr.capability.overtaken import Overtaken
 from lbr.capability.reporter import Reporter
 from lbr.capability.send_times import SendTimes
 from lbr.errors import MalformedError
@@ -157,6 +158,7 @@ class ProcessContext:
         self.devices = tuple(Device(d.name, d.type, d.address, d.settings) for d in config.devices)
         self.device = next((d for d in self.devices if d.name == config.device), None)
         self.on_tick = False
+        self._overtaken = Overtaken()
         self.estop: EmergencyStop = EstopLatch(config, wake) if kind.moves else NothingToStop()
         self.config = config
         self._kind = kind
@@ -361,6 +363,7 @@ class ProcessContext:
             self.name,
             lambda who, reply: self._refused(who, f"{who}: {reply.reason}", reply.code, about=who),
             away=bool(self.config.host),
+            overtaken=self._overtaken,
         )
         try:
             call.message = _read(name, request.payload, self._commands[name][1])

@@ -13,6 +13,7 @@ from typing import Any
 
 from msgspec import Struct
 
+from lbr.database import given_files
 from lbr.database.columns import json_strictly
 from lbr.database.difference import same
 from lbr.database.reading import ROBOT, Problem, RawRow, RawTables
@@ -117,10 +118,7 @@ def read(folder: Path, robot: str | None = None) -> tuple[File, ...]:
 
 
 def _read(place: Path, path: Path) -> File:
-    content = path.read_bytes() if path.stat().st_size <= MOST_BYTES else None
-    if content is None:
-        raise InputError(f"{path} is too large: more than {MOST_BYTES} bytes are no rows")
-    text = content.decode("utf-8", errors="surrogateescape")
+    text = given_files.read(path, MOST_BYTES).decode("utf-8", errors="surrogateescape")
     return File(robot=place.name, table=path.stem, text=text)
 
 

@@ -4,6 +4,7 @@ SQL runs on a copy in memory, and may change rows that make robots, and nothing 
 """
 
 import sqlite3
+import stat
 import tempfile
 import time
 from contextlib import closing
@@ -35,7 +36,10 @@ def wanted(source: Path, database: Path, robot: str | None = None) -> past.Wante
         files = row_files.read(source, robot)
         return lambda tables, schema, _at: past.steps(tables, row_files.taken(files, tables, schema), schema, robot)
     try:
-        size = source.stat().st_size
+        found = source.stat()
+        if not stat.S_ISREG(found.st_mode):  # a pipe without a writer would be waited for
+            raise InputError(f"{source} is no file that could be read to its end: name a regular file")
+        size = found.st_size
         with source.open("rb") as opened:
             content = opened.read(MOST_BYTES + 1) if not (begin := opened.read(len(MAGIC))).startswith(MAGIC) else b""
     except OSError as err:

@@ -5,10 +5,13 @@ from math import isnan
 
 import msgspec
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from lbr.bus import stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.capability.calls import UNSTAMPED, Answers, BusCall
+from lbr.capability.overtaken import REMEMBERED_S, Overtaken
 from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import Stamp
@@ -141,3 +144,45 @@ def test_answers_are_there_when_all_are_and_one_that_cannot_be_read_is_none():
         "slow": None,
     }
     assert Answers({}, decoder).answers() == {}
+
+
+def test_what_another_machine_said_before_its_stop_counts_as_said_before_it_however_late_it_comes():
+    known = Overtaken()
+
+    def came(name: str, sent_s: float, **fields: object) -> float:
+        attachment = foreign(mono_ns=int(sent_s * 1e9), via="lan", **fields)
+        request = wire.Request("r/drive/x", b"{}", attachment, None)
+        return BusCall(name, None, request, "drive", lambda *_: None, overtaken=known).arrived
+
+    stopped = came("stop", 7.0)
+    assert came("command", 6.9) == stopped, "overtaken by the stop"
+    assert came("command", 7.0) == stopped
+    assert came("command", 7.1) > stopped
+    assert came("command", 6.9, boot="elsewhere") > stopped, "another machine's clock says nothing of this one's"
+    assert came("stop", 6.5) >= stopped
+    assert came("command", 6.9) < came("command", 7.1), "an older stop that comes later takes nothing back"
+
+
+@given(st.lists(st.tuples(st.booleans(), st.floats(0, 60), st.floats(0, 5)), max_size=30))
+def test_nothing_that_was_sent_before_a_stop_of_late_is_dated_after_it(said):
+    known, now, stops = Overtaken(), 1000.0, []
+    for stops_now, sent_s, later_s in said:
+        now += later_s
+        found = Stamp(source="phone", seq=1, mono_ns=int(sent_s * 1e9), wall_ns=0, boot="afar")
+        if stops_now:
+            known.stopped(found, now)
+            stops.append((sent_s, now))
+        else:
+            date = known.dated(found, now)
+            assert date <= now
+            if any(now - at <= REMEMBERED_S and sent_s < sent - 1e-6 for sent, at in stops):
+                assert date <= max(at for _, at in stops)
+            if not any(sent_s <= sent + 1e-6 for sent, _ in stops):
+                assert date == now, "what was said after every stop is as new as it is"
+
+
+def test_a_flood_of_machines_is_not_remembered_for_ever():
+    known = Overtaken()
+    for number in range(1000):
+        known.stopped(Stamp(source="x", seq=1, mono_ns=1, wall_ns=0, boot=f"b{number}"), 1.0)
+    assert len(known._stops) <= 64

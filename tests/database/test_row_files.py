@@ -1,13 +1,14 @@
 """Rows as files: what is written is what is taken, and what cannot be taken is told with file, row and column."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lbr.database import past, row_files
+from lbr.database import past, row_files, sources
 from lbr.database.reading import Problem
 from lbr.database.row_files import File
 from lbr.database.shipped import shipped
@@ -172,3 +173,20 @@ def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path):
     (tmp_path / "lbr").write_text("a file")
     with pytest.raises(InputError, match="cannot be written"):
         row_files.write(tmp_path, changed("device", []))
+
+
+def test_a_pipe_among_the_files_is_refused_and_not_waited_for(tmp_path: Path):
+    row_files.write(tmp_path, row_files.written(TABLES, SCHEMA, "lbr"))
+    pipe = tmp_path / "lbr" / "device.json"
+    pipe.unlink()
+    os.mkfifo(pipe)
+    with pytest.raises(InputError, match=r"device\.json is no file"):
+        row_files.read(tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device"])
+def test_a_source_of_rows_without_an_end_is_refused(tmp_path: Path, kind):
+    source = tmp_path / "rows.sql"
+    os.mkfifo(source) if kind == "pipe" else source.symlink_to("/dev/zero")
+    with pytest.raises(InputError, match="no file"):
+        sources.wanted(source, tmp_path / "robot.db")

@@ -16,6 +16,7 @@ from lbr import home
 from lbr.bus import codec, keys, stamp, wire
 from lbr.bus.session import Session
 from lbr.capability.halts import Halts
+from lbr.capability.overtaken import Overtaken
 from lbr.capability.kind import STOP
 from lbr.console.printable import clean
 from lbr.console.stops import stop_in
@@ -86,7 +87,7 @@ class Dispatcher:
         self._bus = bus
         self._reports = Reports(robot, bus)
         self._namespace = dict(namespace)
-        self._halts = Halts()
+        self._halts, self._overtaken = Halts(), Overtaken()
         self._halting = threading.Lock()
         self._leases: dict[tuple[str, str, bool], str] = {}
         self._letting_in = LettingIn(robot, self._address)
@@ -128,6 +129,9 @@ class Dispatcher:
             if parsed is None:
                 return ConsoleResult(code=DONE, text="")
             said_s = time.monotonic() if sent_s is None else sent_s
+            if remote_stamp:
+                with self._halting:
+                    said_s = self._overtaken.dated(stamp.read(remote_stamp), said_s)
             return self._run(parsed, _Speaker(source, role, local, said_s, remote_stamp, waited_s, page), clean(line))
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err), reason_code=err.code)
@@ -156,14 +160,18 @@ class Dispatcher:
         return self._ask(parsed, by)
 
     def _too_late(self, parsed: Parsed, needed: Role, by: _Speaker) -> Reason | None:
-        """Return why a line that waited does nothing any more: another stopped the robot in the meantime.
+        """Return why a line does nothing any more: a stop has overtaken it, or another stopped the robot while it waited.
 
         Each mover knows this of motion; here it holds for programs and whatever else may come to move something. What
         stopped the robot past the executive, a page or a program, the movers are asked for. A reset moves nothing, and
         releases what its sender has pressed; it is too late where another has pressed since.
         """
         ends = isinstance(parsed, ExternalStop) or (isinstance(parsed, VerbCall) and parsed.command in {STOP, "estop"})
-        if ends or by.waited_s == 0.0 or RANKS[needed] <= RANKS["view"]:
+        if ends or RANKS[needed] <= RANKS["view"]:
+            return None
+        if not by.sent_s > self._halts.at:  # lines are answered by many threads, and stops by their own
+            return Reason("stopped", "a stop came after this line")
+        if by.waited_s == 0.0:
             return None
         movers = self._robot.plan.stoppable()
         own = isinstance(parsed, VerbCall) and parsed.capability in movers
@@ -190,6 +198,8 @@ class Dispatcher:
     def _halt(self, by: _Speaker) -> None:
         with self._halting:
             self._halts = self._halts.heard(by.sent_s, by.source)
+            if by.remote_stamp:
+                self._overtaken.stopped(stamp.read(by.remote_stamp), by.sent_s)
 
     def _estop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
         self._halt(by)

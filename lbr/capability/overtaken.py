@@ -1,0 +1,43 @@
+"""Dates what comes from another machine by that machine's own stops: what it said before one came before it. Pure.
+
+Clocks of two machines are never compared, so a message from another machine counts from when it arrives. A stop is
+quicker than what waits at the door, and would be older than a command that it has overtaken.
+"""
+
+from math import isfinite
+
+from lbr.bus import stamp
+from lbr.messages.system import Stamp
+
+REMEMBERED_S = 30.0
+"""What the door holds up comes sooner. A stop with a false date keeps its machine from beginning anything for as long."""
+MOST_MACHINES = 64
+
+
+class Overtaken:
+    """The last stop of each other machine, by that machine's clock and by ours."""
+
+    def __init__(self) -> None:
+        self._stops: dict[str, tuple[float, float]] = {}
+
+    def stopped(self, found: Stamp | None, arrived: float) -> None:
+        """Take in a stop; `arrived` is when it came, by our monotonic clock."""
+        if found is None or not _elsewhere(found) or not isfinite(arrived):
+            return
+        sent_s, before = found.mono_ns / 1e9, self._stops.pop(found.boot, None)
+        if before is not None and arrived - before[1] <= REMEMBERED_S:
+            sent_s = max(sent_s, before[0])
+        self._stops[found.boot] = sent_s, arrived
+        while len(self._stops) > MOST_MACHINES:
+            self._stops.pop(next(iter(self._stops)))
+
+    def dated(self, found: Stamp | None, arrived: float) -> float:
+        """Return when a command was sent at the latest, by our clock: no later than a stop that it was sent before."""
+        stop = self._stops.get(found.boot) if found is not None and _elsewhere(found) else None
+        if found is None or stop is None or arrived - stop[1] > REMEMBERED_S or found.mono_ns / 1e9 > stop[0]:
+            return arrived
+        return min(arrived, stop[1])
+
+
+def _elsewhere(found: Stamp) -> bool:
+    return bool(found.boot) and found.boot != stamp.boot_id()
