@@ -299,6 +299,7 @@ class PendingQuery:
         attachment: bytes = b"",
         proof: Credentials | None = None,
         waited_s: float = 0.0,
+        sent_s: float | None = None,
         wake: Callable[[], None] = lambda: None,
     ) -> None:
         user, secret = (proof.user, proof.password.encode()) if proof is not None else ("", b"")
@@ -312,7 +313,8 @@ class PendingQuery:
                 zenoh.handlers.Callback(self._reply, self._finished, indirect=False),
                 payload=payload,
                 encoding=JSON,
-                attachment=attachment or stamps.make(source, 0, payload, secret, token=user, waited_s=waited_s),
+                attachment=attachment
+                or stamps.make(source, 0, payload, secret, token=user, sent_s=sent_s, waited_s=waited_s),
                 timeout=timeout_s,
                 congestion_control=zenoh.CongestionControl.BLOCK,
                 priority=zenoh.Priority.REAL_TIME,

@@ -36,10 +36,10 @@ def wanted(source: Path, database: Path, robot: str | None = None) -> past.Wante
         files = row_files.read(source, robot)
         return lambda tables, schema, _at: past.steps(tables, row_files.taken(files, tables, schema), schema, robot)
     try:
-        found = source.stat()
-        if not stat.S_ISREG(found.st_mode):  # a pipe without a writer would be waited for
+        about = source.stat()
+        if not stat.S_ISREG(about.st_mode):  # a pipe without a writer would be waited for
             raise InputError(f"{source} is no file that could be read to its end: name a regular file")
-        size = found.st_size
+        size = about.st_size
         with source.open("rb") as opened:
             content = opened.read(MOST_BYTES + 1) if not (begin := opened.read(len(MAGIC))).startswith(MAGIC) else b""
     except OSError as err:

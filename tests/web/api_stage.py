@@ -113,6 +113,7 @@ class StageBus:
         self.answers: dict[str, Callable[[Any], Any]] = {}
         self.lent = Lender()
         self.waited_s: dict[str, float] = {}
+        self.sent_s: dict[str, float | None] = {}
         self.closed = False
 
     def hear(self, key: str, *, depth: int = 1) -> Feed:
@@ -129,10 +130,11 @@ class StageBus:
         source: str,
         timeout_s: float,
         waited_s: float = 0.0,
+        sent_s: float | None = None,
         wake: Callable[[], None] = lambda: None,
     ) -> Question:
         del timeout_s
-        self.waited_s[key] = waited_s
+        self.waited_s[key], self.sent_s[key] = waited_s, sent_s
         if payload == b"/report/robot":
             return Question(key, {"code": 0, "text": "", "data": self.robot})
         said: Any = payload.decode() if "@console" in key else json.loads(payload or b"null")

@@ -215,6 +215,16 @@ def test_what_waited_while_another_stopped_the_robot_begins_nothing_by_a_program
 
 def said_slowly(served, path, body):
     """Ask with a body that comes later than its head; return the answer."""
+
+    def waits() -> None:
+        read_s = time.monotonic()
+        until(lambda: time.monotonic() > read_s + 0.05, what="a client that takes its time")
+
+    return held_back(served, path, body, meanwhile=waits)
+
+
+def held_back(served, path, body, *, meanwhile):
+    """Ask with a body that comes only once something else has been done; return the answer."""
     content = json.dumps(body).encode()
     head = (
         f"POST {path} HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nContent-Type: application/json\r\n"
@@ -223,10 +233,36 @@ def said_slowly(served, path, body):
     with socket.create_connection(("127.0.0.1", served.port), timeout=8) as client:
         client.sendall(head.encode())
         assert b"100 Continue" in client.recv(4096)
-        read_s = time.monotonic()
-        until(lambda: time.monotonic() > read_s + 0.05, what="a client that takes its time")
+        meanwhile()
         client.sendall(content)
-        return client.recv(4096)
+        return b"".join(iter(lambda: client.recv(4096), b""))
+
+
+STOPS = [("/stop", None), ("/estop", None), ("/api/drive/stop", {}), ("/api/console", {"line": "S"})]
+
+
+@pytest.mark.parametrize(("stop", "said"), STOPS, ids=[one for one, _ in STOPS])
+def test_what_came_before_its_own_clients_stop_and_is_whole_only_after_it_bears_its_own_date(served, stop, said):
+    """Its sender's stop has been read by then, and is not one of another: its date alone has it begin nothing."""
+    served.bus.answers[DRIVE] = lambda _said: CommandReply(accepted=True)
+    served.bus.answers[f"{CONSOLE}/admin"] = lambda _said: ConsoleResult(code=0, text="done")
+    served.bus.answers[f"{ROBOT}/drive/stop"] = lambda _said: CommandReply(accepted=True)
+    dated: dict[str, float | None] = {}
+
+    def stops() -> None:
+        dated["stop"] = time.monotonic()
+        assert served.ask("POST", stop, body=said).status in {200, 503}, "whatever the rest of the robot answers"
+
+    held_back(served, "/api/drive/command", {"power": 0.3}, meanwhile=stops)
+    assert served.bus.sent_s[DRIVE] is not None
+    assert served.bus.sent_s[DRIVE] < dated["stop"]
+    held_back(served, "/api/console", {"line": "/r/0.3/0"}, meanwhile=stops)
+    assert served.bus.sent_s[f"{CONSOLE}/admin"] < dated["stop"]
+    answer = held_back(served, "/api/light/switch", {"on": True}, meanwhile=stops)
+    assert b"a stop came after this command" in answer
+    assert not any(key == LIGHT for key, _, _ in served.bus.asked)
+    served.ask("POST", "/api/drive/command", body={"power": 0.3})
+    assert served.bus.sent_s[DRIVE] is None, "what comes after the stop is dated as it is sent"
 
 
 @pytest.mark.parametrize(("path", "line"), [("/api/why", "why"), ("/api/why/drive", "/why/drive")])

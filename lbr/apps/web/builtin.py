@@ -141,6 +141,7 @@ class BuiltinRoutes:
         so that what stops is never asked more often than it hears.
         """
         why = f"stopped by {request.client}"
+        self._api.stopped(request.came_s)
         self._faces.stopped(why)
         wanted = self._begun + 1
         await until(lambda: self._ended >= wanted or self._ended == self._begun)
@@ -191,6 +192,7 @@ class BuiltinRoutes:
     async def _estop(self, request: Request) -> Response:
         given = request.data.reason if request.data is not None else ""
         why = f"{given} ({request.client})" if given else f"by {request.client}"
+        self._api.stopped(request.came_s)
         self._robot.ctx.engage_estop(why)
         self._faces.stopped(f"emergency stop: {why}")
         end = self._robot.now() + NOTICED_S

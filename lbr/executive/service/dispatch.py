@@ -16,8 +16,8 @@ from lbr import home
 from lbr.bus import codec, keys, stamp, wire
 from lbr.bus.session import Session
 from lbr.capability.halts import Halts
-from lbr.capability.overtaken import Overtaken
 from lbr.capability.kind import STOP
+from lbr.capability.overtaken import Overtaken
 from lbr.console.printable import clean
 from lbr.console.stops import stop_in
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall

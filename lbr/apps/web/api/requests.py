@@ -8,10 +8,12 @@ from starlette.responses import Response
 from lbr.apps.web.api.catalog import WATCHED, Catalog
 from lbr.apps.web.api.feeds import sample_of
 from lbr.apps.web.api.robot_bus import Question
+from lbr.apps.web.api.stops import AT_ONCE, Said, is_stop
 from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Client, Refused, Request, Route, encoded, json
 from lbr.bus import codec
 from lbr.bus.wire import RawMessage, encode
+from lbr.capability.kind import STOP
 from lbr.errors import MalformedError
 from lbr.messages.codes import MEANINGS
 from lbr.messages.leases import STOPPED_SINCE, CommandReply
@@ -25,6 +27,7 @@ WHY_S = 2.0
 LONGEST_PART = 64
 LONGEST_LINE = 4096
 HALTED_S = 0.3
+OVERTAKEN = "a stop came after this command"
 AT_ONCE_S = 0.05
 """A request that is whole when its head is read has waited for less, unless this process was held up."""
 TOLD = 400
@@ -94,11 +97,17 @@ class Asks(Protocol):
     def document(self, role: Role | None) -> dict[str, Any]:
         """Return what `GET /api` answers to one who has a role."""
 
-    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
-        """Ask on a key below the robot's name what has waited here for so long; Refused (503) without a bus."""
+    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
+        """Ask on a key below the robot's name; Refused (503) without a bus."""
 
-    def line(self, line: str, *, role: Role, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
-        """Say a console line, which has waited here for so long, with the rights of a role."""
+    def line(self, line: str, *, role: Role, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
+        """Say a console line with the rights of a role."""
+
+    def stopped(self, came_s: float, capability: str = "") -> None:
+        """Take note of a stop of a capability, or of all, that came here at `came_s`."""
+
+    def said(self, came_s: float, capability: str = "") -> Said:
+        """Return how long what came here then has waited, and its date if a stop came after it."""
 
     def now(self) -> float:
         """Monotonic seconds."""
@@ -171,12 +180,16 @@ class Requests:
             raise Refused(404, f"there is no command '{name[:81]}' on this robot; GET /api names them")
         request.require(command.role)
         source, payload = source_of(request.client), _payload(asked)
+        capability, _, asks = name.partition("/")
+        if asks == STOP:
+            self._robot.stopped(request.came_s, capability)
         if RANKS[command.role] > RANKS["view"] and not command.leased:
             await self._refuse_too_late(request, source)
             self._robot.tell("command", f"{source} asks {name}: {payload[:TOLD].decode(errors='replace')}")
-        question = self._robot.query(
-            name, payload, source=source, timeout_s=COMMAND_S, waited_s=self._waited_s(request)
-        )
+        said = self._robot.said(request.came_s, capability if command.leased or asks == STOP else "")
+        if said.sent_s is not None and RANKS[command.role] > RANKS["view"] and not command.leased:
+            raise Refused(409, OVERTAKEN, code="stopped")
+        question = self._robot.query(name, payload, source=source, timeout_s=COMMAND_S, said=said)
         await until(lambda: question.done or bool(question.replies))
         if not question.replies:
             raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
@@ -206,13 +219,11 @@ class Requests:
 
     async def _console(self, request: Request) -> Response:
         role: Role = request.client.role or "view"
-        question = self._robot.line(
-            request.data.line,
-            role=role,
-            source=source_of(request.client),
-            timeout_s=LINE_S,
-            waited_s=self._waited_s(request),
-        )
+        line = request.data.line
+        if stops := is_stop(line):
+            self._robot.stopped(request.came_s)
+        said = AT_ONCE if stops else self._robot.said(request.came_s)
+        question = self._robot.line(line, role=role, source=source_of(request.client), timeout_s=LINE_S, said=said)
         await until(lambda: question.done or bool(question.replies))
         if not question.replies:
             raise Refused(503, f"the robot did not answer within {LINE_S:g} s", {"Retry-After": "1"}, "timeout")

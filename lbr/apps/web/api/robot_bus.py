@@ -41,9 +41,10 @@ class Bus(Protocol):
         source: str,
         timeout_s: float,
         waited_s: float = 0.0,
+        sent_s: float | None = None,
         wake: Callable[[], None] = lambda: None,
     ) -> Question:
-        """Ask by a query what has waited here for so long; BusError if that cannot even be sent."""
+        """Ask by a query what has waited here for so long, and was said at `sent_s`; BusError if that cannot be sent."""
 
     def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> Transport:
         """Return by what motion is borrowed: `keys` by request."""
@@ -70,11 +71,19 @@ class RobotBus:
         source: str,
         timeout_s: float,
         waited_s: float = 0.0,
+        sent_s: float | None = None,
         wake: Callable[[], None] = lambda: None,
     ) -> Question:
         """Ask by a query what has waited here for so long."""
         return wire.PendingQuery(
-            self._session, key, payload, timeout_s=timeout_s, source=source, waited_s=waited_s, wake=wake
+            self._session,
+            key,
+            payload,
+            timeout_s=timeout_s,
+            source=source,
+            waited_s=waited_s,
+            sent_s=sent_s,
+            wake=wake,
         )
 
     def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> Transport:

@@ -15,6 +15,7 @@ from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.patience import silent_s
 from lbr.apps.web.api.requests import Requests
 from lbr.apps.web.api.robot_bus import Bus, Feed, Question
+from lbr.apps.web.api.stops import AT_ONCE, Said, Stops
 from lbr.apps.web.face import Client, Refused, Route
 from lbr.apps.web.robot import Robot
 from lbr.bus import keys
@@ -55,6 +56,7 @@ class Api:
         self._asked: Question | None = None
         self._ask_at = 0.0
         self._statuses: Feed | None = bus.hear(keys.status(robot.name)) if bus is not None else None
+        self._stops = Stops()
         self.known: Catalog | None = None
         self.feeds = Feeds(bus, self._key, robot.ctx.name, robot.now) if bus is not None else None
         self.holds = Holds(self._transport, self._keys_of, robot.now, self._silent_s)
@@ -103,15 +105,23 @@ class Api:
             buttons=robot.buttons,
         )
 
-    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
-        """Ask on a key below the robot's name what has waited here for so long."""
-        return self._ask(self._key(name), payload, source=source, timeout_s=timeout_s, waited_s=waited_s)
+    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
+        """Ask on a key below the robot's name."""
+        return self._ask(self._key(name), payload, source=source, timeout_s=timeout_s, said=said)
 
-    def line(self, line: str, *, role: Role, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
-        """Say a console line, which has waited here for so long, with the rights of a role."""
+    def line(self, line: str, *, role: Role, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
+        """Say a console line with the rights of a role."""
         key = keys.console_of_pages(self._robot.name, role)
-        said = line.encode(errors="replace")
-        return self._ask(key, said, source=source, timeout_s=timeout_s, waited_s=waited_s)
+        return self._ask(key, line.encode(errors="replace"), source=source, timeout_s=timeout_s, said=said)
+
+    def stopped(self, came_s: float, capability: str = "") -> None:
+        """Take note of a stop of a capability, or of all, that came here at `came_s`."""
+        self._stops.heard(min(came_s, self.now()), capability)
+
+    def said(self, came_s: float, capability: str = "") -> Said:
+        """Return how long what came here then has waited, and its date if a stop came after it."""
+        overtaken = self._stops.overtook(came_s, capability)
+        return Said(waited_s=max(0.0, self.now() - came_s), sent_s=came_s if overtaken else None)
 
     def manage(self, payload: bytes, *, source: str, timeout_s: float) -> Question:
         """Ask the executive for what it knows of rows, tokens and logs."""
@@ -166,12 +176,18 @@ class Api:
         system = {STATUS: keys.status, EVENT: keys.event}
         return system[name](self._robot.name) if name in system else f"{self._robot.name}/{name}"
 
-    def _ask(self, key: str, payload: bytes, *, source: str, timeout_s: float, waited_s: float = 0.0) -> Question:
+    def _ask(self, key: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
         if self._bus is None:
             raise Refused(503, NO_BUS, code="not_possible")
         try:
             return self._bus.ask(
-                key, payload, source=source, timeout_s=timeout_s, waited_s=waited_s, wake=self._robot.ctx.wake
+                key,
+                payload,
+                source=source,
+                timeout_s=timeout_s,
+                waited_s=said.waited_s,
+                sent_s=said.sent_s,
+                wake=self._robot.ctx.wake,
             )
         except BusError as err:
             raise Refused(503, str(err), {"Retry-After": "1"}) from None
