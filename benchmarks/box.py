@@ -88,15 +88,16 @@ def _kills(results: Results, n: int) -> list[str]:
     dice, older, gone, younger_s = random.Random(1), 0, 0, []
     with bench(Results(SAFETY), edits=(SWITCH.format(1),)) as under_test:
         place, witness = Shelf(under_test.robot.home, "lbr"), Witness(under_test)
-        mover, last = under_test.drive(), None
+        mover, known = under_test.drive(), set[Path]()
         for turn in range(n):
             if turn and turn % EVERY == 0:
+                known = set(place.files())
                 under_test.forget_deaths("box")
-                last = place.files()[-2] if len(place.files()) > 1 else None
-            file = _new_file(under_test, place, last)
+            file = _new_file(under_test, place, known)
             begun_ns = time.monotonic_ns()
             under_test.pass_time(dice.uniform(2.0, 4.0))
             pid = under_test.pid("box")
+            known = set(place.files())
             at_ns = under_test.kill(pid)
             under_test.pass_time(0.05)
             wanted = witness.between(begun_ns, at_ns - int(OLD_S * 1e9))
@@ -107,7 +108,6 @@ def _kills(results: Results, n: int) -> list[str]:
             offset = time.time_ns() - time.monotonic_ns()
             newest = max((one.publish_ns for one in written), default=0)
             younger_s.append((at_ns + offset - newest) / 1e9)
-            last = place.files()[-1]
             with suppress(AssertionError):
                 under_test.ready_again("box", pid, at_ns)
         mover.cease()
@@ -120,11 +120,11 @@ def _kills(results: Results, n: int) -> list[str]:
     ]
 
 
-def _new_file(under_test: Bench, place: Shelf, last: Path | None) -> Path:
+def _new_file(under_test: Bench, place: Shelf, known: set[Path]) -> Path:
     """Wait until the box writes another file with streams in it, and return it."""
 
     def heard() -> bool:
-        files = [path for path in place.files()[-1:] if path != last]
+        files = [path for path in place.files()[-1:] if path not in known]
         return any(one.topic == "motors/setpoint" for one in selection.messages(files))
 
     under_test.until(heard, 15.0, "a file with streams in it", every_s=0.05)

@@ -21,7 +21,10 @@ SLOWLY_MS = 20_000
 
 @pytest.fixture(scope="module")
 def robot():
-    with tempfile.TemporaryDirectory(prefix="lbr-") as folder, running(prepare(Path(folder) / "h", "web")) as one:
+    with (
+        tempfile.TemporaryDirectory(prefix="lbr-") as folder,
+        running(prepare(Path(folder) / "h", "web", "box")) as one,
+    ):
         until(lambda: one.capability("web")["phase"] == "ready", limit_s=10.0)
         yield one
 
@@ -110,3 +113,18 @@ def test_a_log_is_read_and_stop_stays_within_reach(page, robot):
     stop.click()
     page.keyboard.press("Escape")
     expect(page.get_by_role("dialog")).to_have_count(0)
+
+
+def test_a_moment_is_marked_and_a_recording_made_and_ended(page, robot):
+    until(lambda: robot.capability("box")["phase"] == "ready", limit_s=10.0)
+    until(lambda: robot.line("/mark/before")["code"] == 0, limit_s=10.0)  # it runs when all others leave it time
+    box = page.get_by_role("group", name="Black box")
+    box.get_by_role("button", name="Mark this moment").click()
+    expect(page.get_by_text("are kept").first).to_be_visible(timeout=SLOWLY_MS)
+    before = len(list((robot.home / "recordings" / "lbr").glob("*.mcap")))
+    box.get_by_role("button", name="Record", exact=True).click()
+    end = box.get_by_role("button", name="End recording")
+    expect(end).to_be_visible(timeout=SLOWLY_MS)
+    end.click()
+    expect(box.get_by_role("button", name="Record", exact=True)).to_be_visible(timeout=SLOWLY_MS)
+    until(lambda: len(list((robot.home / "recordings" / "lbr").glob("*.mcap"))) == before + 1, what="the recording")

@@ -4,6 +4,7 @@ import { remember, remembered } from "../../kept";
 import { Segments, type IconName } from "../../parts";
 import { capabilities, may } from "../../robot";
 import { t } from "../../words";
+import { Box } from "./Box";
 import { Cameras } from "./Cameras";
 import { Chart } from "./Chart";
 import { Events } from "./Events";
@@ -36,6 +37,7 @@ export default function System() {
           label={t("view.system")} value={now} onChange={(value) => { page.value = value; remember("system", value); }}
           options={there.map((one) => ({ value: one.value, text: t(`system.${one.value}`), icon: one.icon }))}
         />
+        <Box />
       </div>
       <Shown />
     </div>
