@@ -21,6 +21,7 @@ COMMANDS = {
     "why": ("why", "Say what holds a part still, and what to type."),
     "stop": ("stop", "Shut a robot down and wait until it is gone."),
     "doctor": ("doctor", "Look for what is wrong with this machine, and say what to type."),
+    "devices": ("devices", "See what is plugged in, and have the rows say so."),
     "service": ("service", "Run a robot as a service, from the start of the machine on."),
     "token": ("token", "Let people on other machines in, and lock them out."),
     "registry": ("registry", "List which robots are up and how to reach them, or run the service that does."),

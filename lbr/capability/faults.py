@@ -41,7 +41,7 @@ def _found(kind: Kind) -> Iterator[str]:
 
 
 def _words(kind: Kind) -> Iterator[str]:
-    for field in ("summary", "device", "extra", "package"):
+    for field in ("summary", "device", "extra", "package", "recognised"):
         if not isinstance(getattr(kind, field), str):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a text"
     for field in ("moves", "serves", "serves_people", "records", "pairs", "emulates", "follows"):

@@ -107,7 +107,8 @@ class Kind:
     it; a world that `emulates` every device that has a twin (see `lbr.capability.twins`) gets theirs. `line` says that
     its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked many times
     a second, so that what an adapter holds back matters. `emulated` is what stands in for its device in a simulation: a
-    tty, a socket (`unix:PATH`) or a folder. `rows` are the tables whose rows it gets, and `learns` those of them that
+    tty, a socket (`unix:PATH`) or a folder. `recognised` names how its device is recognised, `module:HANDSHAKES` (see
+    `lbr.capability.recognition`), for `lbr devices`. `rows` are the tables whose rows it gets, and `learns` those of them that
     it may write back; `edits` are those that it may have written by `executive.edit`, where it is wired to that.
     `wires` are the inputs and requests that need no channel row. One that `follows` goes on when rows that it reads are
     edited: it gets them by its command `rows`, a `RowsChanged`, and begins again only if it refuses.
@@ -139,6 +140,7 @@ class Kind:
     emulates: bool = False
     emulated: Emulation = "tty"
     line: Line = ""
+    recognised: str = ""
     rows: tuple[type[Row] | Rows, ...] = ()
     learns: tuple[type[Row], ...] = ()
     edits: tuple[type[Row], ...] = ()

@@ -152,7 +152,7 @@ def _at(path: Path, look: str) -> Judgement:
     if not os.access(path, os.R_OK | os.W_OK):
         if access.is_settling(str(path)):
             return "bad", f"{path} may not be opened yet: udev may still be setting its group", "lbr doctor"
-        return "bad", f"{path} may not be opened", _join_group(path)
+        return "bad", f"{path} may not be opened", join_group(path)
     return "good", str(path), ""
 
 
@@ -172,7 +172,8 @@ def _pi_camera(_row: DeviceRow, _rest: str) -> Judgement:
     return "hint", "picamera2 is not in this Python: it comes with Raspberry Pi OS", do
 
 
-def _join_group(path: Path) -> str:
+def join_group(path: Path) -> str:
+    """Return what to type so that this user may open a file: the group that it is of."""
     with contextlib.suppress(KeyError, OSError):
         return f"sudo usermod -aG {grp.getgrgid(path.stat().st_gid).gr_name} $USER, then log in again"
     return f"ls -l {path}"

@@ -57,6 +57,15 @@ class SerialLine:
             except BlockingIOError:
                 return 0
 
+    def set_baud(self, baud: int) -> None:
+        """Go on at another speed; the line stays open, so that a board that begins again at each opening does not."""
+        try:
+            self._port.baudrate = baud
+        except ValueError as err:
+            raise DeviceError(f"device '{self.device}' at {self.path} cannot be read at {baud} baud: {err}") from err
+        except (OSError, termios.error) as err:
+            raise self._gone(f"cannot be set to {baud} baud: {_cause(err)}") from err
+
     def low_latency(self) -> None:
         """Have the kernel hand over what comes in at once, where the line can: some adapters wait for 16 ms."""
         with suppress(OSError, ValueError, termios.error):
@@ -147,13 +156,13 @@ def _why_not(device: str, path: str, err: Exception) -> str:
         case 13:
             return f"{said} {access.refused(path, 'dialout')}"
         case 11 | 16:
-            return f"{said} is busy{_by_whom(path)}; stop the other program"
+            return f"{said} is busy{holder(path)}; stop the other program"
         case _:
             return f"{said} cannot be opened: {_cause(err)}"
 
 
-def _by_whom(path: str) -> str:
-    """Name the process that holds the lock on a tty, as far as the kernel tells."""
+def holder(path: str) -> str:
+    """Return `: held by PROGRAM (pid N)`, the process that holds the lock on a tty, as far as the kernel tells; it is not opened."""
     try:
         stat = Path(path).stat()
         node = f"{os.major(stat.st_dev):02x}:{os.minor(stat.st_dev):02x}:{stat.st_ino}"

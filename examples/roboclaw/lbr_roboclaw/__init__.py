@@ -37,7 +37,11 @@ class RoboclawSettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown
 
 
 KIND = wheels_kind(
-    "roboclaw", "a RoboClaw motor controller driving two wheels", "lbr_roboclaw.driver:Roboclaw", RoboclawSettings
+    "roboclaw",
+    "a RoboClaw motor controller driving two wheels",
+    "lbr_roboclaw.driver:Roboclaw",
+    RoboclawSettings,
+    recognised="lbr_roboclaw.recognition:HANDSHAKE",
 )
 HERE = Path(__file__).parent
 ROBOT = Robot(

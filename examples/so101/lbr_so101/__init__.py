@@ -34,5 +34,9 @@ class FeetechSettings(RegisterServosSettings, frozen=True, kw_only=True, forbid_
 
 
 KIND = servos_kind(
-    "feetech", "a bus of Feetech STS3215 servos, as of an SO-101 arm", "lbr_so101.driver:Feetech", FeetechSettings
+    "feetech",
+    "a bus of Feetech STS3215 servos, as of an SO-101 arm",
+    "lbr_so101.driver:Feetech",
+    FeetechSettings,
+    recognised="lbr_so101.recognition:HANDSHAKE",
 )

@@ -40,4 +40,5 @@ KIND = Kind(
     replies={"switch": CommandReply, "snapshot": SnapshotReply},
     device="camera",
     emulated="socket",
+    recognised="lbr.drivers.camera.recognition:HANDSHAKE",
 )

@@ -58,4 +58,5 @@ KIND = servos_kind(
     "a bus of Dynamixel AX-12A servos, protocol 1.0, plain or by a USB2AX",
     "lbr.drivers.dynamixel.capability:Dynamixel",
     DynamixelSettings,
+    recognised="lbr.drivers.dynamixel.recognition:HANDSHAKE",
 )

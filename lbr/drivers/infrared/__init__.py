@@ -86,4 +86,5 @@ KIND = Kind(
     commands={"heard": DockHeard},
     replies={"heard": CommandReply},
     device="infrared",
+    recognised="lbr.drivers.infrared.recognition:HANDSHAKE",
 )

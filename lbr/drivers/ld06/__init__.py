@@ -31,4 +31,5 @@ KIND = Kind(
     rows=(Rows(RangeSensor, where={"name": "sensor"}),),
     device="ld06",
     line="serial",
+    recognised="lbr.drivers.ld06.recognition:HANDSHAKE",
 )

@@ -44,4 +44,5 @@ KIND = Kind(
     outputs={"sample": ImuSample},
     device="mpu9150",
     emulated="socket",
+    recognised="lbr.drivers.mpu9150.recognition:HANDSHAKE",
 )

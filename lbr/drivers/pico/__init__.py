@@ -52,6 +52,7 @@ KIND = Kind(
     replies={"relay": CommandReply},
     device="pico",
     emulated="socket",
+    recognised="lbr.drivers.pico.recognition:HANDSHAKE",
     words=(
         Word("/relay/on", "relay", "Switch the power of the motors on", {"on": True}, role="admin"),
         Word(

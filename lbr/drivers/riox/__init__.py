@@ -46,4 +46,5 @@ KIND = Kind(
     outputs={"sample": ImuSample},
     device="riox",
     line="serial",
+    recognised="lbr.drivers.riox.recognition:HANDSHAKE",
 )

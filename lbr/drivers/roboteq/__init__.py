@@ -71,4 +71,5 @@ KIND = wheels_kind(
     "Roboteq SDC21xx motor controller driving two wheels",
     "lbr.drivers.roboteq.capability:Roboteq",
     RoboteqSettings,
+    recognised="lbr.drivers.roboteq.recognition:HANDSHAKE",
 )

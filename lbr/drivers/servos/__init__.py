@@ -72,6 +72,7 @@ def servos_kind(
     settings: type[ServosSettings],
     *,
     device: str = "",
+    recognised: str = "",
     outputs: Mapping[str, type[Struct]] = NO_PORTS,
     commands: Mapping[str, type[Struct]] = NO_PORTS,
     replies: Mapping[str, type[Struct]] = NO_PORTS,
@@ -94,5 +95,6 @@ def servos_kind(
         moves=True,
         device=device or name,
         line="polled",
+        recognised=recognised,
         rows=(Rows(Joint, where={"bus": "device"}),),
     )

@@ -40,4 +40,5 @@ KIND = Kind(
     outputs={"readings": Ranges},
     device="ultrasonic_ring",
     line="serial",
+    recognised="lbr.drivers.ultrasonic.recognition:HANDSHAKES",
 )

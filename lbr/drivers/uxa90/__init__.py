@@ -52,6 +52,7 @@ KIND = servos_kind(
     "the serial line of a UXA-90: its main board and the SAM servos behind it",
     "lbr.drivers.uxa90.capability:Uxa90",
     Uxa90Settings,
+    recognised="lbr.drivers.uxa90.recognition:HANDSHAKE",
     outputs={"controller": ControllerState},
     commands={"take_control": TakeControlCommand, "inquire": InquireCommand, "configure": ConfigureCommand},
     replies={"take_control": CommandReply, "inquire": InquireReply, "configure": InquireReply},

@@ -50,7 +50,15 @@ class WheelsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     ] = 120
 
 
-def wheels_kind(name: str, summary: str, entry: str | type, settings: type[WheelsSettings], device: str = "") -> Kind:
+def wheels_kind(
+    name: str,
+    summary: str,
+    entry: str | type,
+    settings: type[WheelsSettings],
+    device: str = "",
+    *,
+    recognised: str = "",
+) -> Kind:
     """Return the kind of a driver of wheels; its device rows are of type `device`, which is its name unless said."""
     return Kind(
         name=name,
@@ -66,6 +74,7 @@ def wheels_kind(name: str, summary: str, entry: str | type, settings: type[Wheel
         moves=True,
         device=device or name,
         line="serial",
+        recognised=recognised,
         words=(
             Word("enable", "enable", "Let the motors run again after disable", {"enabled": True}),
             Word(

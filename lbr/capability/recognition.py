@@ -1,0 +1,84 @@
+"""How a driver recognises its device on a line, a bus or by the kernel's name: questions that change and move nothing.
+
+A kind names what says so: `recognised="my_lamp.recognition:HANDSHAKES"`, one handshake or a tuple of them, imported only
+when devices are looked for. `python -m lbr devices` asks them; see docs/devices.md.
+"""
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from lbr.capability.kind import Kind, KindError
+
+Read = Callable[[int, int], bytes]
+"""Reads so many bytes from a register on: `read(register, count)`; OSError if nothing answers."""
+MOST_QUESTIONS = 64
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Seen:
+    """What answered: in words, its own serial number if it tells one, and what its capability row would set.
+
+    `needs` are the rows, by table, that its driver reads besides, to be there if they are not; each has a `name`.
+    """
+
+    what: str
+    serial: str = ""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    needs: tuple[tuple[str, Mapping[str, Any]], ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SerialHandshake:
+    """A device on a serial line. `questions` must be harmless, also for devices of other makes; none: it talks by itself.
+
+    `seen` gets all that was heard since the first question, and returns what it is; None while that is not known. After
+    each question `gap_s` pass, after the last one `listen_s`. `whole`: all questions are asked, whatever was heard.
+    `leave` is written once it was recognised, to have it as it was before.
+    """
+
+    baud: int
+    seen: Callable[[bytes], Seen | None]
+    questions: tuple[bytes, ...] = ()
+    gap_s: float = 0.0
+    listen_s: float = 0.1
+    whole: bool = False
+    leave: bytes = b""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class I2cHandshake:
+    """A device on an i2c bus, at one of some addresses; `seen` gets what reads its registers, and nothing that writes."""
+
+    addresses: tuple[int, ...]
+    seen: Callable[[Read], Seen | None]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NameHandshake:
+    """A device that the kernel has a name for: a camera (`video`) or a receiver (`lirc`). `seen` gets that name."""
+
+    place: Literal["video", "lirc"]
+    seen: Callable[[str], Seen | None]
+
+
+Handshake = SerialHandshake | I2cHandshake | NameHandshake
+
+
+def handshakes(kind: Kind) -> tuple[Handshake, ...]:
+    """Return how a kind recognises its device, none if it does not say; KindError if what it says cannot be used."""
+    if not kind.recognised or not kind.device:
+        return ()
+    module, _, name = kind.recognised.partition(":")
+    try:
+        found = getattr(importlib.import_module(module), name)
+    except Exception as err:  # a package of others may do anything
+        raise KindError(f"kind '{kind.name}': {kind.recognised} does not load: {type(err).__name__}: {err}") from err
+    told = found if isinstance(found, tuple) else (found,)
+    for one in told:
+        if not isinstance(one, Handshake):
+            raise KindError(f"kind '{kind.name}': {kind.recognised} is no handshake, but a {type(one).__name__}")
+        if isinstance(one, SerialHandshake) and len(one.questions) > MOST_QUESTIONS:
+            raise KindError(f"kind '{kind.name}': {kind.recognised} asks more than {MOST_QUESTIONS} questions")
+    return told

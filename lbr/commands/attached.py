@@ -1,0 +1,129 @@
+"""What is attached to this machine: serial adapters, i2c buses, cameras, infrared receivers, input devices. Opens nothing."""
+
+import os
+import re
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+from msgspec import Struct
+from serial.tools import list_ports
+
+from lbr.errors import InputError
+from lbr.messages.rows import shown
+
+Place = Literal["serial", "i2c", "video", "lirc", "input"]
+DEV, SYS = Path("/dev"), Path("/sys")
+
+
+class End(Struct, frozen=True, kw_only=True):
+    """One end to which something may be attached: `address` as a device row says it, `path` the kernel's node of now.
+
+    `name` and `serial` are what its adapter or the kernel says, empty if it says none.
+    """
+
+    place: Place
+    address: str
+    path: str
+    name: str = ""
+    serial: str = ""
+
+
+def ends(dev: Path = DEV, sys: Path = SYS) -> list[End]:
+    """Return all ends that there are now, each once, by names that stay where they have such."""
+    return [*_serial(dev), *_buses(dev), *_named("video", dev, sys), *_named("lirc", dev, sys), *_inputs(dev)]
+
+
+def named(text: str) -> End:
+    """Return the end that a person names: a tty's path, `i2c:BUS`, or `unix:PATH` of an i2c bus; InputError if it is none."""
+    if not text.startswith(("/", "i2c:", "unix:/")):
+        raise InputError(f"--port '{shown(text)}' is not one of a path (/dev/...), i2c:BUS, unix:/PATH")
+    if text.startswith(("i2c:", "unix:")):
+        return End(place="i2c", address=text, path=text)
+    return End(place="serial", address=text, path=os.path.realpath(text), name=Path(text).name)
+
+
+def stable(names: list[Path], count: Counter[str], vendor: str, places: list[Path], path: str) -> str:
+    """Return the name of a tty that stays: by what it is if no other is the same, else by where it is plugged in."""
+    if names and count[vendor] < 2:
+        return str(names[0])
+    return str(places[0]) if places else str(names[0]) if names else path
+
+
+def _serial(dev: Path) -> Iterator[End]:
+    """Yield USB adapters; a machine's own lines may be its console, and are looked at only if a person names them."""
+    links, places = _links(dev / "serial/by-id"), _links(dev / "serial/by-path")
+    usb = (
+        {os.path.realpath(one.device): one for one in list_ports.comports() if one.vid is not None}
+        if dev == DEV
+        else {}
+    )
+    nodes = {node for node in (*links, *places, *usb) if node}
+    alike = Counter(f"{one.vid}:{one.pid}:{one.serial_number}:{one.interface}" for one in usb.values())
+    for node in sorted(nodes):
+        one = usb.get(node)
+        key = f"{one.vid}:{one.pid}:{one.serial_number}:{one.interface}" if one is not None else ""
+        name = " ".join(filter(None, (one.manufacturer, one.product))) if one is not None else ""
+        address = stable(links.get(node, []), alike, key, places.get(node, []), node)
+        serial = (one.serial_number or "") if one is not None else ""
+        yield End(place="serial", address=address, path=node, name=name or Path(address).name, serial=serial)
+
+
+def _buses(dev: Path) -> Iterator[End]:
+    for node in sorted(dev.glob("i2c-*")):
+        number = node.name.removeprefix("i2c-")
+        if number.isdigit():
+            adapter = _read(SYS / "class/i2c-dev" / node.name / "name")
+            yield End(place="i2c", address=f"i2c:{int(number)}", path=str(node), name=adapter)
+
+
+def _named(place: Literal["video", "lirc"], dev: Path, sys: Path) -> Iterator[End]:
+    """Yield the nodes of cameras and receivers; of the nodes of one camera only the first has its pictures."""
+    folder = sys / ("class/video4linux" if place == "video" else "class/lirc")
+    links = _links(dev / "v4l/by-id") if place == "video" else {}
+    paths = _links(dev / "v4l/by-path") if place == "video" else {}
+    for entry in sorted(folder.glob("video*" if place == "video" else "lirc*"), key=lambda one: _number(one.name)):
+        node = dev / entry.name
+        if place == "video" and _read(entry / "index") not in {"", "0"}:
+            continue
+        name = _read(entry / "name") if place == "video" else _receiver(entry)
+        same = links.get(os.path.realpath(node), []) or paths.get(os.path.realpath(node), [])
+        yield End(place=place, address=str(same[0] if same else node), path=str(node), name=name)
+
+
+def _receiver(entry: Path) -> str:
+    """Return the name of a receiver, which stands with its input device."""
+    found = [_read(one / "name") for one in sorted((entry / "device").glob("input*"))]
+    return next(filter(None, found), entry.name)
+
+
+def _inputs(dev: Path) -> Iterator[End]:
+    for node, names in sorted(_links(dev / "input/by-id").items()):
+        if "event" in Path(node).name:
+            yield End(place="input", address=str(names[0]), path=node, name=names[0].name)
+
+
+def _links(folder: Path) -> dict[str, list[Path]]:
+    """Return the links of a folder by the nodes that they mean."""
+    found: dict[str, list[Path]] = {}
+    try:
+        entries = sorted(folder.iterdir())
+    except OSError:
+        return found
+    for one in entries:
+        if one.exists():
+            found.setdefault(os.path.realpath(one), []).append(one)
+    return found
+
+
+def _number(name: str) -> int:
+    digits = re.sub(r"\D", "", name)
+    return int(digits) if digits else 0
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(errors="replace").strip()
+    except OSError:
+        return ""

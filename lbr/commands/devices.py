@@ -1,0 +1,296 @@
+"""`lbr devices`: what is plugged in, what it is, and the rows that would have a robot use it."""
+
+import sys
+import time
+from collections.abc import Collection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from msgspec import Struct
+from msgspec.structs import asdict
+
+from lbr.commands.options import Number, complete_robot, database_option, json_option, print_json
+from lbr.errors import InputError
+from lbr.messages.plain import one_line
+
+if TYPE_CHECKING:
+    from lbr.commands.attached import End
+    from lbr.commands.proposing import Proposal
+    from lbr.commands.recognised import Attached
+    from lbr.database.past import At, Became, Step
+    from lbr.database.reading import RawTables
+    from lbr.database.store import Database
+    from lbr.database.tables import Schema
+    from lbr.messages.manage import RowChange
+
+WAIT_S, LONGEST_WAIT_S = 2.0, 30.0
+LOOK_S = 0.5
+"""From one look at what is plugged in to the next, with --watch."""
+SETTLE_S = 0.5
+"""udev sets rights and names just after a plug-in."""
+
+
+class Offer(Struct, frozen=True, kw_only=True):
+    """A proposal with its preview: what would differ in the rows, and what would be wrong with that."""
+
+    address: str
+    text: str
+    changes: "list[RowChange]" = []
+    differences: tuple[str, ...] = ()
+    problems: tuple[str, ...] = ()
+
+
+class Looked(Struct, frozen=True, kw_only=True):
+    """All that is told of one look; `robot` is empty without a database."""
+
+    robot: str
+    devices: "list[Attached]"
+    proposals: list[Offer]
+    hints: list[str] = []
+
+
+@click.command("devices")
+@click.option(
+    "--robot", metavar="NAME", shell_complete=complete_robot, help="Whose rows; the one that runs, if one does."
+)
+@click.option(
+    "--port",
+    "ports",
+    metavar="PATH",
+    multiple=True,
+    help="Look here alone: a tty, i2c:BUS, or unix:PATH of a bus. May be repeated.",
+)
+@click.option("--as", "called", metavar="DEVICE", help="The device row to make or to change; with one --port.")
+@click.option("--listen", is_flag=True, help="Ask nothing: no byte is written, and only what talks by itself is known.")
+@click.option(
+    "--wait",
+    "wait_s",
+    type=Number(0.1, LONGEST_WAIT_S),
+    default=WAIT_S,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long one line is asked, at most.",
+)
+@click.option("--write", is_flag=True, help="Write the rows that are proposed; 'lbr db undo' takes them back.")
+@click.option("--watch", is_flag=True, help="Go on, and tell what is plugged in and pulled out.")
+@database_option
+@json_option
+def command(
+    robot: str | None, called: str | None, *, listen: bool, wait_s: float, database: Path | None, **how: Any
+) -> int:
+    """See what is plugged in, ask each what it is, and propose the rows that would have a robot use it.
+
+    Each is asked by its driver's own question, which moves and changes nothing; what a robot that runs or another program
+    holds is not opened. Nothing is written without --write, or a yes at a terminal. Exit code 2 if a proposal is bad.
+    """
+    from lbr.commands import attached  # noqa: PLC0415 - kept out of `lbr --help`
+
+    ports: tuple[str, ...] = how["ports"]
+    if called is not None and (not called or len(ports) != 1):
+        raise InputError("--as names the row of one device: say which with one --port")
+    if how["watch"] and how["write"]:
+        raise InputError("--watch writes nothing: leave --write out")
+    looking = Looking(robot, database, called or "", wait_s=wait_s, ask=not listen)
+    looked = looking.look([attached.named(port) for port in ports] if ports else attached.ends())
+    if how["watch"]:
+        return _watch(looking, looked, ports, as_json=how["as_json"])
+    good = [one for one in looked.proposals if one.changes and not one.problems]
+    became = _agreed(looking, looked, good, write=how["write"], as_json=how["as_json"])
+    bad = any(one.problems for one in looked.proposals) or (became is not None and bool(became.problems))
+    return 2 if bad else 0
+
+
+def _agreed(looking: "Looking", looked: Looked, good: list[Offer], *, write: bool, as_json: bool) -> "Became | None":
+    """Tell what was found, and write what a person agrees to."""
+    if as_json:
+        became = looking.write(looked.robot, good) if write and good else None
+        written = became is not None and not became.problems
+        problems = became.problems if became is not None else ()
+        print_json({**asdict(looked), "written": written, "problems": [str(one) for one in problems]})
+        return became
+    _tell(looked)
+    if not good:
+        return None
+    if not write and sys.stdin.isatty() and sys.stdout.isatty():
+        write = click.confirm(f"write these rows of '{looked.robot}'?", default=False)
+    if not write:
+        click.echo("nothing is written yet: 'lbr devices --write' does it")
+        return None
+    became = looking.write(looked.robot, good)
+    for problem in became.problems:
+        click.echo(f"problem: {one_line(str(problem))}", err=True)
+    if became.problems:
+        click.echo("nothing was written", err=True)
+    else:
+        click.echo(f"the rows are written: revision {became.revision}; 'lbr db undo' takes them back")
+    return became
+
+
+class Looking:
+    """Looks at ends for one robot's rows, or for none where there is no database."""
+
+    def __init__(self, robot: str | None, database: Path | None, called: str, *, wait_s: float, ask: bool) -> None:
+        from lbr import home  # noqa: PLC0415
+        from lbr.commands import recognised  # noqa: PLC0415
+
+        self._robot = robot
+        self._given = database is not None
+        self._database = database or home.default_database()
+        self._called = called
+        self._wait_s = wait_s
+        self._ask = ask
+        self.kinds, self._known, self._hints = recognised.known_kinds(home.home())
+
+    def look(self, ends: "Collection[End]") -> Looked:
+        """Return what is at these ends, and what is proposed."""
+        from lbr.commands import attached, recognised  # noqa: PLC0415
+        from lbr.commands.proposing import propose  # noqa: PLC0415
+        from lbr.commands.rows import opened  # noqa: PLC0415
+
+        found = recognised.ask_all(ends, self._known, _held(), wait_s=self._wait_s, ask=self._ask)
+        if not self._database.exists():
+            if self._robot is not None or self._given:
+                raise InputError(f"there is no database {self._database}; 'lbr db init' makes one", "unknown_name")
+            hint = f"there is no database {self._database}, so no rows are proposed: 'lbr db init' makes one"
+            return Looked(robot="", devices=found, proposals=[], hints=[*self._hints, hint])
+        with opened(self._database) as rows:
+            robot = self._whose(rows)
+            there = {one.path for one in (*attached.ends(), *ends)} | {one.address for one in found}
+            known, proposals = propose(rows.load(robot), self.kinds, found, there, self._called)
+            offers = [self._offer(rows, robot, one) for one in proposals]
+        return Looked(robot=robot, devices=known, proposals=offers, hints=self._hints)
+
+    def write(self, robot: str, offers: Collection[Offer]) -> "Became":
+        """Write the rows of some proposals, all or none."""
+        from lbr.commands.row_past import end_left_trial  # noqa: PLC0415
+        from lbr.commands.rows import opened  # noqa: PLC0415
+
+        with opened(self._database) as rows:
+            end_left_trial(rows)
+            return self._become(rows, robot, [each for one in offers for each in one.changes], dry_run=False)
+
+    def _whose(self, rows: "Database") -> str:
+        from lbr.commands.row_past import running_here  # noqa: PLC0415
+        from lbr.commands.rows import robot_in  # noqa: PLC0415
+
+        names, running = rows.robots(), [*running_here(rows.path)]
+        if self._robot is not None:
+            if self._robot not in names:
+                raise InputError(
+                    f"there is no robot '{self._robot}' in {rows.path}: {', '.join(names)}", "unknown_name"
+                )
+            return self._robot
+        return running[0] if len(running) == 1 else robot_in(rows)
+
+    def _offer(self, rows: "Database", robot: str, proposal: "Proposal") -> Offer:
+        from lbr.database import past  # noqa: PLC0415
+
+        if not proposal.changes:
+            return Offer(address=proposal.address, text=proposal.text)
+        try:
+            became = self._become(rows, robot, proposal.changes, dry_run=True)
+        except InputError as err:
+            return Offer(address=proposal.address, text=proposal.text, problems=(str(err),))
+        return Offer(
+            address=proposal.address,
+            text=proposal.text,
+            changes=proposal.changes,
+            differences=tuple(map(str, past.told(became.steps))),
+            problems=tuple(map(str, became.problems)),
+        )
+
+    def _become(self, rows: "Database", robot: str, changes: "list[RowChange]", *, dry_run: bool) -> "Became":
+        from lbr.commands.row_past import running_here  # noqa: PLC0415
+        from lbr.commands.row_touched import Touching  # noqa: PLC0415
+        from lbr.database import becoming, past, row_changes  # noqa: PLC0415
+        from lbr.database.rows import CORE  # noqa: PLC0415
+
+        read = (each.row for kind in self.kinds.values() for each in kind.reads)
+        classes = {row.TABLE: row for row in (*CORE, *read)}
+
+        def wanted(tables: "RawTables", schema: "Schema", _at: "At") -> "tuple[Step, ...]":
+            after = row_changes.changed(tables, schema, robot, changes, classes)
+            return past.steps(tables, after, schema, robot)
+
+        wrong: Any = Touching(rows, running_here(rows.path))
+        return becoming.become(rows, wanted, wrong, text="took what is plugged in", dry_run=dry_run)
+
+
+def _held() -> dict[str, str]:
+    """Return what robots that run hold by their rows: of simulated ones nothing, for their devices are emulated."""
+    from lbr import home  # noqa: PLC0415
+    from lbr.commands import recognised  # noqa: PLC0415
+    from lbr.commands.rows import opened  # noqa: PLC0415
+    from lbr.errors import LbrError  # noqa: PLC0415
+    from lbr.executive.planning import profile  # noqa: PLC0415
+
+    held: dict[str, str] = {}
+    for running in home.running():
+        try:
+            if profile.load(running.profile).simulate:
+                continue
+            with opened(Path(running.database)) as rows:
+                held |= recognised.held_by(running.robot, rows.load(running.robot).devices)
+        except (LbrError, OSError):
+            continue  # what it holds is locked, too: see `serial_line.holder`
+    return held
+
+
+def _watch(looking: Looking, first: Looked, ports: tuple[str, ...], *, as_json: bool) -> int:
+    from lbr.commands import attached  # noqa: PLC0415
+
+    def now() -> "dict[str, End]":
+        ends = [attached.named(port) for port in ports] if ports else attached.ends()
+        return {
+            f"{one.address} {one.path}": one
+            for one in ends
+            if one.path.startswith(("i2c:", "unix:")) or Path(one.path).exists()
+        }
+
+    if as_json:
+        print_json(first)
+    else:
+        _tell(first)
+        click.echo("watching; Ctrl-C ends it")
+    known = now()
+    while True:
+        time.sleep(LOOK_S)
+        there = now()
+        for key in known.keys() - there.keys():
+            _say(known[key], "gone", as_json=as_json)
+        if new := [there[key] for key in there.keys() - known.keys()]:
+            time.sleep(SETTLE_S)
+            looked = looking.look(new)
+            if as_json:
+                print_json({"came": looked})
+            else:
+                _tell(looked)
+        known = there
+
+
+def _say(end: "End", what: str, *, as_json: bool) -> None:
+    if as_json:
+        print_json({what: end})
+    else:
+        click.echo(one_line(f"{end.address}: {what}"))
+
+
+def _tell(looked: Looked) -> None:
+    for hint in looked.hints:
+        click.echo(f"note: {one_line(hint)}", err=True)
+    offers = {one.address: one for one in looked.proposals}
+    for one in looked.devices:
+        known = f"{one.what} ({one.type})" if one.type else one.name or one.place
+        row = f", device '{one.row}' of '{looked.robot}'" if one.row else ""
+        serial = f", serial number {one.serial}" if one.serial else ""
+        said = f"; {one.text}" if one.text else ""
+        click.echo(one_line(f"{one.address}: {known}{serial}{row}{said}"))
+        if (offer := offers.get(one.address)) is not None:
+            click.echo(one_line(f"    proposed: {offer.text}"))
+            for line in offer.differences:
+                click.echo(one_line(f"      {line}"))
+            for line in offer.problems:
+                click.echo(one_line(f"      problem: {line}"), err=True)
+    if not looked.devices:
+        click.echo("nothing is plugged in that could be a device: no USB line, i2c bus, camera or receiver")

@@ -1,0 +1,140 @@
+"""Which rows would have a robot use what is attached: a device, its capability, its channels. Pure; nothing is written."""
+
+from collections.abc import Collection, Iterator, Mapping
+
+import msgspec
+from msgspec import Struct
+
+from lbr.capability.kind import Kind
+from lbr.commands.recognised import Attached, node_of
+from lbr.database.rows import DeviceRow, RobotRows
+from lbr.messages.manage import RowChange
+
+MOST_ALIKE = 100
+
+
+class Proposal(Struct, frozen=True, kw_only=True):
+    """What to do with one attached device: `text` in words, `changes` of rows; none if there is nothing to do."""
+
+    address: str
+    text: str
+    changes: list[RowChange] = []
+
+
+def propose(
+    rows: RobotRows,
+    kinds: Mapping[str, Kind],
+    found: Collection[Attached],
+    there: Collection[str],
+    called: str = "",
+) -> tuple[list[Attached], list[Proposal]]:
+    """Return what was found with the rows that are it already, and a proposal for each that no row is.
+
+    `there` are the nodes that exist now: a device row elsewhere waits for its device. `called` is the device row to make
+    or to move, where one is asked for.
+    """
+    nodes = {node_of(row): row for row in rows.devices}
+    known = [msgspec.structs.replace(one, row=_row_at(one, nodes)) for one in found]
+    waiting = [
+        row
+        for row in rows.devices
+        if node_of(row) not in there and row.address.partition(":")[0] not in {"sim", "alsa"}
+    ]
+    names = {row.name for row in rows.devices}, {row.name for row in rows.capabilities}
+    proposals = []
+    for one in known:
+        if not one.type or one.row or one.held:
+            continue
+        alike = [other for other in known if other.type == one.type and not other.row]
+        mine = [row for row in waiting if row.type == one.type]
+        if called:
+            mine = [row for row in rows.devices if row.name == called]
+        if len(mine) == 1 and (len(alike) == 1 or called):
+            proposals.append(_moved(one, mine[0]))
+        elif mine and not called:
+            rows_of = " and ".join(f"'{row.name}'" for row in mine)
+            text = (
+                f"{len(alike)} of type {one.type} are here, and {rows_of} waits for one: say which, by --port and --as"
+            )
+            proposals.append(Proposal(address=one.address, text=text))
+        else:
+            proposals.append(_new(one, rows, kinds, names, called))
+    return known, proposals
+
+
+def _row_at(one: Attached, nodes: Mapping[str, DeviceRow]) -> str:
+    place = one.address if one.place == "i2c" else one.path
+    row = nodes.get(place) or nodes.get(one.address)
+    return row.name if row is not None else ""
+
+
+def _moved(one: Attached, row: DeviceRow) -> Proposal:
+    before = {"name": row.name, "address": row.address}
+    after = {"name": row.name, "address": one.address}
+    if row.type != one.type:
+        return Proposal(
+            address=one.address,
+            text=f"device '{row.name}' is of type {row.type}, and this is a {one.type}: say another name",
+        )
+    text = f"device '{row.name}' waits for one at {row.address}: have it here"
+    return Proposal(address=one.address, text=text, changes=[RowChange(table="device", before=before, after=after)])
+
+
+def _new(
+    one: Attached, rows: RobotRows, kinds: Mapping[str, Kind], names: tuple[set[str], set[str]], called: str
+) -> Proposal:
+    name = called or _free(one.type, names[0])
+    names[0].add(name)
+    device = RowChange(table="device", after={"name": name, "type": one.type, "address": one.address})
+    kind = next((kind for kind in kinds.values() if kind.device == one.type), None)
+    if kind is None:
+        return Proposal(address=one.address, text=f"add it as device '{name}'", changes=[device])
+    capability = _free(called or kind.name, names[1])
+    names[1].add(capability)
+    settings = {"device": name, **one.settings}
+    row = RowChange(table="capability", after={"name": capability, "kind": kind.name, "settings": settings})
+    channels = list(_channels(capability, kind, rows, kinds))
+    wired = f", wired by {len(channels)} channels" if channels else ""
+    return Proposal(
+        address=one.address,
+        text=f"add it as device '{name}', with the capability '{capability}' of kind '{kind.name}'{wired}",
+        changes=[*_needed(one, rows, kinds), device, row, *channels],
+    )
+
+
+def _needed(one: Attached, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[RowChange]:
+    """Yield the rows that its driver reads and the robot has not."""
+    classes = {read.row.TABLE: read.row for kind in kinds.values() for read in kind.reads}
+    for table, values in one.needs:
+        row = classes.get(table)
+        there = {getattr(found, "name", None) for found in rows.of(row)} if row is not None else set()
+        if values["name"] not in there:
+            yield RowChange(table=table, after=dict(values))
+
+
+def _channels(name: str, kind: Kind, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[RowChange]:
+    """Yield the channels to what the robot has and nothing feeds yet; what kinds wire by themselves needs no row."""
+    targets, sources = {row.target for row in rows.channels}, {row.source for row in rows.channels}
+    for other in rows.capabilities:
+        theirs = kinds.get(other.kind)
+        if theirs is None:
+            continue
+        for output, message in kind.outputs.items():
+            for port, taken in theirs.inputs.items():
+                if taken is message and port not in theirs.wires and f"{other.name}.{port}" not in targets:
+                    yield _channel(f"{name}.{output}", f"{other.name}.{port}")
+        for port, message in kind.setpoints.items():
+            for output, sent in theirs.outputs.items():
+                if sent is message and f"{other.name}.{output}" not in sources:
+                    yield _channel(f"{other.name}.{output}", f"{name}.{port}")
+
+
+def _channel(source: str, target: str) -> RowChange:
+    return RowChange(table="channel", after={"source": source, "target": target})
+
+
+def _free(wanted: str, taken: Collection[str]) -> str:
+    """Return a name that no row has yet."""
+    return next(
+        name for name in (wanted, *(f"{wanted}_{number}" for number in range(2, MOST_ALIKE))) if name not in taken
+    )

@@ -1,0 +1,32 @@
+"""How a bus of AX-12A is recognised: ids 1 to 20 are asked for their model number, which is read and never written."""
+
+from lbr.capability.recognition import Seen, SerialHandshake
+from lbr.drivers.servos.protocol1 import packet
+
+IDS = range(1, 21)
+MODEL_ADDRESS = 0
+MODELS = {12: "AX-12", 18: "AX-18", 300: "AX-12W"}
+
+
+def seen(heard: bytes) -> Seen | None:
+    """Return the servos that told a model number of this family."""
+    told = {
+        one.id: int.from_bytes(one.params, "little")
+        for one in packet.StatusParser().feed(heard)
+        if len(one.params) == 2
+    }
+    found = {servo: MODELS[model] for servo, model in told.items() if model in MODELS}
+    if not found:
+        return None
+    names = " and ".join(sorted(set(found.values())))
+    return Seen(what=f"bus of {len(found)} Dynamixel {names}: ids {', '.join(map(str, sorted(found)))}")
+
+
+HANDSHAKE = SerialHandshake(
+    baud=1_000_000,
+    questions=tuple(packet.read(servo, MODEL_ADDRESS, 2) for servo in IDS),
+    gap_s=0.008,
+    listen_s=0.06,
+    whole=True,
+    seen=seen,
+)

@@ -1,0 +1,151 @@
+"""Asks what is at the end of a line, on a bus or behind a kernel's name, by the handshakes that drivers declare.
+
+Nothing is written but their questions. Every end is asked within a time, whatever is there: one that floods, is silent,
+speaks rubbish or goes away ends in words.
+"""
+
+import time
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+
+from lbr.capability.context import Device
+from lbr.capability.recognition import Handshake, I2cHandshake, NameHandshake, Read, Seen, SerialHandshake
+from lbr.drivers import i2c
+from lbr.drivers.serial_line import SerialLine, open_line
+from lbr.errors import DeviceError
+
+Known = Mapping[str, tuple[Handshake, ...]]
+"""Handshakes by the type of device that they are of."""
+Found = tuple[str, Seen]
+"""A type of device, and what was seen of it."""
+NAME = "what is there"
+MOST_HEARD = 16_384
+"""Of a device that floods, no more is looked at in one handshake."""
+SHOWN_BYTES = 24
+FIRST_BAUD = 115_200
+LEAVE_S = 0.005
+"""Until the last bytes have left: what has not when a line is closed is thrown away."""
+
+
+def serial(path: str, known: Known, *, wait_s: float, ask: bool = True) -> tuple[Found | None, str]:
+    """Return what is on a serial line, or None and what can be said instead. DeviceError says why it cannot be opened.
+
+    `ask` false: only what talks by itself is recognised, and no byte is written.
+    """
+    wanted = _in_order(
+        (type_, one)
+        for type_, ones in known.items()
+        for one in ones
+        if isinstance(one, SerialHandshake) and (ask or not one.questions)
+    )
+    if not wanted:
+        return None, "no driver here knows a device that talks by itself"
+    line = open_line(Device(NAME, "", path, {}), wanted[0][1].baud)
+    try:
+        line.low_latency()
+        return _go_through(line, wanted, time.monotonic() + wait_s, ask=ask)
+    except DeviceError as err:
+        return None, str(err).replace(f"device '{NAME}' at ", "")
+    finally:
+        with suppress(DeviceError):
+            line.drop_output()
+        line.close()
+
+
+def _go_through(
+    line: SerialLine, wanted: list[tuple[str, SerialHandshake]], until: float, *, ask: bool
+) -> tuple[Found | None, str]:
+    count, begin = 0, b""
+    for type_, handshake in wanted:
+        if time.monotonic() >= until:
+            break
+        line.set_baud(handshake.baud)
+        line.drop_input()
+        seen, heard = _ask(line, handshake, until)
+        count += len(heard)
+        begin = begin or heard[:SHOWN_BYTES]
+        if seen is not None:
+            if handshake.leave:
+                line.write(handshake.leave)
+                time.sleep(LEAVE_S)
+            return (type_, seen), ""
+    if not count:
+        return None, "it says nothing to what the drivers here ask" if ask else "it says nothing by itself"
+    return None, f"it says {count} bytes that no driver here knows, which begin with {begin.hex(' ')}"
+
+
+def at_i2c(bus_address: str, known: Known, skip: Iterable[int] = ()) -> list[tuple[int, Found]]:
+    """Return what answers on a bus, `i2c:N` or `unix:PATH`, at the addresses that drivers know; `skip` are left alone.
+
+    DeviceError says why the bus cannot be opened.
+    """
+    wanted = [(type_, one) for type_, ones in known.items() for one in ones if isinstance(one, I2cHandshake)]
+    places = sorted({address for _, one in wanted for address in one.addresses} - set(skip))
+    if not places:
+        return []
+    bus, _ = i2c.open_bus(Device(NAME, "", f"{bus_address}:{places[0]:#04x}", {}), places[0])
+    found = []
+    try:
+        for address in places:
+            for type_, one in wanted:
+                if address in one.addresses and (seen := _read(bus, address, one)) is not None:
+                    found.append((address, (type_, seen)))
+                    break
+    finally:
+        bus.close()
+    return found
+
+
+def by_name(place: str, name: str, known: Known) -> Found | None:
+    """Return what the kernel's name of a node says it is."""
+    for type_, ones in known.items():
+        for one in ones:
+            if isinstance(one, NameHandshake) and one.place == place and (seen := _judged(one.seen, name)) is not None:
+                return type_, seen
+    return None
+
+
+def _in_order(wanted: Iterable[tuple[str, SerialHandshake]]) -> list[tuple[str, SerialHandshake]]:
+    """Listen first; then ask at the speed that most have, which changes seldom."""
+    return sorted(wanted, key=lambda one: (bool(one[1].questions), one[1].baud != FIRST_BAUD, one[1].baud, one[0]))
+
+
+def _ask(line: SerialLine, handshake: SerialHandshake, until: float) -> tuple[Seen | None, bytes]:
+    heard = bytearray()
+    for number, question in enumerate(handshake.questions):
+        line.write(question)
+        last = number == len(handshake.questions) - 1
+        _hear(line, heard, 0.0 if last else handshake.gap_s, until, lambda: False)
+        if not (handshake.whole or last) and (seen := _judged(handshake.seen, bytes(heard))) is not None:
+            return seen, bytes(heard)
+
+    def known() -> bool:
+        return not handshake.whole and _judged(handshake.seen, bytes(heard)) is not None
+
+    _hear(line, heard, handshake.listen_s, until, known)
+    return _judged(handshake.seen, bytes(heard)), bytes(heard)
+
+
+def _hear(line: SerialLine, heard: bytearray, wait_s: float, until: float, enough: Callable[[], bool]) -> None:
+    end = min(time.monotonic() + wait_s, until)
+    while (left := end - time.monotonic()) > 0.0 and len(heard) < MOST_HEARD:
+        data = line.read(left)
+        if data:
+            heard += data
+            if enough():
+                return
+
+
+def _read(bus: i2c.Bus, address: int, one: I2cHandshake) -> Seen | None:
+    def read(register: int, count: int) -> bytes:
+        return bytes(bus.read_i2c_block_data(address, register, count))
+
+    return _judged(one.seen, read)
+
+
+def _judged(judge: Callable[..., Seen | None], told: bytes | str | Read) -> Seen | None:
+    """Return what a driver makes of an answer; a judge that breaks at what a strange device says has not recognised it."""
+    try:
+        return judge(told)
+    except Exception:  # noqa: BLE001 - it may be a package's, and what it is given may be anything
+        return None

@@ -1,0 +1,16 @@
+"""How a Roboteq is recognised: by the answer to `?FID`, its firmware; `~` and `!` are never sent."""
+
+from lbr.capability.recognition import Seen, SerialHandshake
+from lbr.drivers.roboteq import protocol as wire
+from lbr.drivers.roboteq.protocol import ReplyParser, Value
+
+
+def seen(heard: bytes) -> Seen | None:
+    """Return the motor controller whose firmware answers; an inertial unit of the same maker is another kind's."""
+    for reply in ReplyParser().feed(heard):
+        if isinstance(reply, Value) and reply.name == "FID" and "roboteq" in reply.text.lower():
+            return None if "riox" in reply.text.lower() else Seen(what=f"Roboteq motor controller, {reply.text}")
+    return None
+
+
+HANDSHAKE = SerialHandshake(baud=115_200, questions=(b"\r", wire.query("FID")), gap_s=0.01, seen=seen)

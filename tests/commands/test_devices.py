@@ -1,0 +1,279 @@
+"""`lbr devices`: ten kinds of device on ports, recognised by harmless questions alone; and what is no device at all."""
+
+import fcntl
+import json
+import os
+import pty
+import select
+import sys
+import threading
+import time
+import tty
+from collections import Counter
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+import pytest
+
+from lbr.commands import attached, recognised
+from lbr.drivers.servos.protocol1 import packet
+from lbr.drivers.uxa90 import frames
+from lbr.testing.device import plugged
+from tests.support import packages, programs
+
+ROOT = Path(__file__).resolve().parents[2]
+OUTSIDE = ("roboclaw", "so101")
+SERIAL = {
+    "roboteq": {},
+    "riox": {},
+    "ultrasonic_ring": {"board": "arduino"},
+    "ld06": {},
+    "dynamixel": {},
+    "uxa90": {},
+    "feetech": {},
+    "roboclaw": {},
+}
+ON_I2C = ("mpu9150", "pico")
+WITHIN_S = 2.0
+"""In which a kind is to be recognised, however many others are asked at the same time."""
+
+
+@pytest.fixture(scope="module")
+def outside(tmp_path_factory):
+    """The packages of two drivers outside lbr, for this process and for the command."""
+    path = [os.environ.get("PYTHONPATH", "")]
+    with ExitStack() as stack:
+        for name in OUTSIDE:
+            site = tmp_path_factory.mktemp(name)
+            path.insert(0, packages.of_project(ROOT / "examples" / name, site))
+            stack.enter_context(packages.imported_from(ROOT / "examples" / name))
+            stack.enter_context(packages.imported_from(site))
+        yield os.pathsep.join(filter(None, path))
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory, outside):
+    found = tmp_path_factory.mktemp("home")
+    assert said(["db", "init"], found, outside).returncode == 0
+    return found
+
+
+def said(words, home, path="", **options):
+    env = {**os.environ, "LBR_HOME": str(home), "PYTHONPATH": path}
+    return programs.run(
+        [sys.executable, "-m", "lbr.cli", *words], env=env, capture_output=True, text=True, timeout=60, **options
+    )
+
+
+def looked(words, home, path=""):
+    done = said(["devices", "--json", *words], home, path)
+    assert done.stdout, done.stderr
+    return json.loads(done.stdout)
+
+
+@contextmanager
+def tapped(type_, folder, **options):
+    """Plug in a twin, and keep all that comes to it: bytes of a line, or transactions of a bus."""
+    heard = []
+    with plugged(type_, folder, name=type_, **options) as found:
+        port = found.twin.port
+        if type_ in ON_I2C:
+            receive = port.receive
+
+            def taken():
+                for client, data in receive():
+                    heard.append(data)
+                    yield client, data
+
+            port.receive = taken
+        else:
+            read = port.read
+
+            def taken():
+                data = read()
+                heard.append(data)
+                return data
+
+            port.read = taken
+        while not found.twin.port.plugged:
+            time.sleep(0.01)
+        yield found, heard
+
+
+def instructions(heard):
+    """Return the instructions of protocol 1.0 that are somewhere in what came."""
+    found = []
+    for at in range(len(heard) - 5):
+        if heard[at : at + 2] == b"\xff\xff" and 2 <= heard[at + 3] <= 8:
+            whole = heard[at + 2 : at + 4 + heard[at + 3]]
+            if len(whole) == heard[at + 3] + 2 and sum(whole) & 0xFF == 0xFF:
+                found.append(whole[2])
+    return found
+
+
+@pytest.mark.timeout(40)
+def test_ten_kinds_are_recognised_in_two_seconds_and_hear_nothing_but_harmless_questions(tmp_path, home, outside):
+    before = (home / "robot.db").read_bytes()
+    with ExitStack() as stack:
+        devices, heard = {}, {}
+        for type_, settings in SERIAL.items():
+            devices[type_], heard[type_] = stack.enter_context(tapped(type_, tmp_path, settings=settings))
+        for type_ in ON_I2C:
+            devices[type_], heard[type_] = stack.enter_context(tapped(type_, tmp_path, scheme="unix:"))
+        ports = [one.device.address for one in devices.values()]
+        found = looked([word for port in ports for word in ("--port", port)], home, outside)
+    known = {one["address"].partition(":0x")[0]: one for one in found["devices"]}
+    told = {type_: known[one.device.address]["type"] for type_, one in devices.items()}
+    took = {type_: known[one.device.address]["took_s"] for type_, one in devices.items()}
+    print(f"{sum(map(str.__eq__, told, told.values()))} of {len(told)} kinds; seconds: {took}")
+    assert told == {type_: type_ for type_ in devices}
+    assert max(took.values()) < WITHIN_S * (1.0 + os.getloadavg()[0])
+    for type_, pieces in heard.items():
+        if type_ in ON_I2C:
+            continue
+        came = b"".join(pieces)
+        assert set(instructions(came)) <= {packet.READ, packet.PING}, type_
+        assert Counter(came)[ord("!")] == Counter(came)[ord("^")] == 0, f"{type_} was told something, not asked"
+        assert frames.TAKE_CONTROL[:9] not in came, f"{type_}: control of a UXA-90 was taken"
+    assert b"".join(heard["ld06"]) == b""
+    for type_ in ON_I2C:
+        for request in filter(None, heard[type_]):
+            assert request[0] == 2, "a register is read by its number and an answer, and never written"
+            assert request[3:5] == b"\x01\x00"
+    assert not any(servo.torque for servo in devices["feetech"].twin.servos.values())
+    assert devices["roboteq"].twin.wheels(time.monotonic()) == (0.0, 0.0)
+    assert (home / "robot.db").read_bytes() == before
+
+
+@contextmanager
+def other_end(folder, name, says=b"", *, every_s=0.0, hang_up=False):
+    """A tty whose other end says something again and again, or nothing, or goes away once it is asked."""
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    path = folder / name
+    path.symlink_to(os.ttyname(slave))
+    over = threading.Event()
+    os.set_blocking(master, False)
+    ends = [master, slave]
+
+    def serve():
+        while not over.is_set():
+            ready, _, _ = select.select([master], [], [], every_s or 0.02)
+            if ready and os.read(master, 4096) and hang_up:
+                path.unlink()
+                while ends:
+                    os.close(ends.pop())
+                return
+            if says:
+                with suppress(BlockingIOError):
+                    os.write(master, says)
+
+    thread = threading.Thread(target=serve, daemon=True)
+    thread.start()
+    try:
+        yield str(path)
+    finally:
+        over.set()
+        thread.join(5)
+        for one in ends:
+            os.close(one)
+
+
+@pytest.mark.timeout(40)
+def test_what_floods_babbles_is_silent_goes_away_or_is_held_is_told_in_words_and_in_time(tmp_path, home):
+    with ExitStack() as stack:
+
+        def end(*words, **options):
+            return stack.enter_context(other_end(tmp_path, *words, **options))
+
+        says = {
+            end("flood", b"\xff\xff\x01\xa5" * 4000, every_s=0.0005): "bytes that no driver here knows",
+            end("babble", b"Boot v1.2\r\nready>\r\n", every_s=0.02): "bytes that no driver here knows",
+            end("silent"): "says nothing",
+            end("leaves", hang_up=True): "went away",
+            str(tmp_path / "absent"): "is missing",
+        }
+        busy = end("busy")
+        taken = stack.enter_context(Path(busy).open("rb", buffering=0))
+        fcntl.flock(taken, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        says[busy] = f"in use: held by {Path('/proc/self/comm').read_text().strip()} (pid {os.getpid()}): not opened"
+        found = looked([word for port in says for word in ("--port", port)], home)
+    told = {one["address"]: one for one in found["devices"]}
+    for port, text in says.items():
+        assert text in told[port]["text"], told[port]
+        assert told[port]["took_s"] < 2 * WITHIN_S * (1.0 + os.getloadavg()[0])
+        assert not told[port]["type"]
+    assert told[busy]["held"]
+    assert found["proposals"] == []
+
+
+@pytest.mark.timeout(40)
+def test_a_proposal_is_written_only_when_asked_and_can_be_taken_back(tmp_path, home, outside):
+    def devices():
+        return json.loads(said(["db", "export", str(tmp_path / "rows"), "--json"], home, outside).stdout)["revision"]
+
+    with plugged("roboteq", tmp_path, name="wheels") as one, plugged("ld06", tmp_path, name="lidar") as other:
+        ports = ["--port", one.device.address, "--port", other.device.address]
+        before = devices()
+        shown = said(["devices", *ports, "--robot", "lbr"], home, outside)
+        assert "device 'motor_controller' waits for one at" in shown.stdout
+        assert "usb-Roboteq_Motor_Controller-if00 -> /" in shown.stdout
+        assert "capability 'lbr/ld06' added" in shown.stdout
+        assert "channel 'lbr/ld06.scan/drive.scans' added" in shown.stdout
+        assert "nothing is written yet" in shown.stdout
+        assert devices() == before
+        written = looked([*ports, "--robot", "lbr", "--write"], home, outside)
+        assert written["written"], written
+        assert devices() > before
+        again = looked([*ports, "--robot", "lbr"], home, outside)
+        assert {one["row"] for one in again["devices"]} == {"motor_controller", "ld06"}
+        assert again["proposals"] == []
+    assert said(["db", "check", "--robot", "lbr"], home, outside).returncode == 0
+    assert "took what is plugged in" in said(["db", "history", "-n", "1"], home, outside).stdout
+    assert said(["db", "undo"], home, outside).returncode == 0
+    assert said(["db", "diff"], home, outside).stdout.strip() == "the rows are as shipped"
+
+
+@pytest.mark.timeout(40)
+def test_listening_writes_no_byte_and_knows_what_talks_by_itself(tmp_path, home):
+    with tapped("ld06", tmp_path) as (lidar, _), tapped("roboteq", tmp_path) as (wheels, heard):
+        ports = ["--port", lidar.device.address, "--port", wheels.device.address]
+        found = looked(["--listen", *ports], home)
+    assert [one["type"] for one in found["devices"]] == ["ld06", ""]
+    assert b"".join(heard) == b""
+
+
+def test_two_alike_are_told_apart_by_serial_number_and_those_without_by_their_place(tmp_path):
+    by_id, by_path = tmp_path / "serial/by-id", tmp_path / "serial/by-path"
+    for folder in (by_id, by_path):
+        folder.mkdir(parents=True)
+    for number in (0, 1):
+        node = tmp_path / f"ttyUSB{number}"
+        node.touch()
+        (by_path / f"usb-0:{number}").symlink_to(node)
+    (by_id / "usb-FTDI_A1").symlink_to(tmp_path / "ttyUSB0")
+    (by_id / "usb-CH340").symlink_to(tmp_path / "ttyUSB1")
+    names = [Path(one.address).name for one in attached.ends(tmp_path, tmp_path)]
+    assert names == ["usb-FTDI_A1", "usb-CH340"]
+    twice = Counter({"1a86:7523": 2, "0403:6001": 1})
+    at = [by_path / "usb-0:1"]
+    assert attached.stable([by_id / "usb-CH340"], twice, "1a86:7523", at, "") == str(at[0])
+    assert attached.stable([by_id / "usb-FTDI_A1"], twice, "0403:6001", at, "") == str(by_id / "usb-FTDI_A1")
+
+
+def test_cameras_and_receivers_are_known_by_the_kernels_names_and_not_opened(tmp_path):
+    camera, spare, receiver = (
+        tmp_path / "class" / one for one in ("video4linux/video0", "video4linux/video1", "lirc/lirc0")
+    )
+    for folder, index in ((camera, "0"), (spare, "1")):
+        folder.mkdir(parents=True)
+        (folder / "name").write_text("HD Webcam\n")
+        (folder / "index").write_text(index)
+    (receiver / "device/input7").mkdir(parents=True)
+    (receiver / "device/input7/name").write_text("gpio_ir_recv")
+    _, known, _ = recognised.known_kinds(tmp_path)
+    found = recognised.ask_all(attached.ends(tmp_path / "dev", tmp_path), known, {}, wait_s=1.0)
+    assert [(one.type, one.what) for one in found] == [
+        ("camera", "camera, HD Webcam"),
+        ("infrared", "infrared receiver, gpio_ir_recv"),
+    ]
