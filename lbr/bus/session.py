@@ -4,6 +4,7 @@ import base64
 import json
 import os
 import re
+import resource
 from collections.abc import Sequence
 from typing import Any
 
@@ -35,6 +36,10 @@ DEAF_MS = 200
 ACCEPT_MS, MOST_PENDING = 3000, 500
 """Connections that have greeted by TLS and say no more keep others out no longer than this, and only when there are
 many. What fails before that, the library answers with a pause of 0.1 s, which nothing can set."""
+MOST_SESSIONS = 1000
+FILES_A_SESSION, FILES_A_PENDING = 4, 16
+"""A router takes no more than its share of the files that its process may hold open: connections by the hundred, of two
+routers as the executive has, leave it enough to hear, start and write."""
 
 
 class Tls(Struct, frozen=True, kw_only=True):
@@ -81,7 +86,13 @@ def open_router(router: Router) -> Session:
             settings["connect"] = _connect(router.connect, 2.0)
         if router.rights or router.links:
             settings["access_control"] = access.control(router.robot, router.rights, router.links)
-        settings["transport"]["unicast"] = {"accept_timeout": ACCEPT_MS, "accept_pending": MOST_PENDING}
+        files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+        share = files if files != resource.RLIM_INFINITY else MOST_SESSIONS * FILES_A_SESSION
+        settings["transport"]["unicast"] = {
+            "accept_timeout": ACCEPT_MS,
+            "accept_pending": min(MOST_PENDING, share // FILES_A_PENDING),
+            "max_sessions": min(MOST_SESSIONS, share // FILES_A_SESSION),
+        }
         if router.never_waiting:
             settings |= access.never_waiting(router.never_waiting, urgent_waits=router.urgent_waits)
         if router.limits is not None:

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
@@ -15,6 +15,7 @@ import zenoh
 
 from lbr.bus import session, wire
 from lbr.bus.access import Limits
+from lbr.errors import BusError
 from tests.support import programs
 from tests.support.robot import until
 
@@ -140,3 +141,42 @@ def test_who_asks_from_another_machine_and_does_not_listen_holds_up_nobody(endpo
         worst_s = max(json.loads(raw.payload)["worst_s"] for raw in until(heard.take, what="what the leaf says"))
     deaf.close()
     assert worst_s < 2.0
+
+
+DOORS = """
+import os, resource, sys
+resource.setrlimit(resource.RLIMIT_NOFILE, (512, 512))
+from lbr.bus import session
+opened = [session.open_router(session.Router(listen=(one,))) for one in sys.argv[1:]]
+print("ready", flush=True)
+for line in sys.stdin:
+    print(len(os.listdir("/proc/self/fd")), flush=True)
+"""
+
+
+def test_connections_that_say_nothing_leave_a_process_with_two_doors_files_to_open(tmp_path: Path) -> None:
+    paths = [tmp_path / "a.sock", tmp_path / "b.sock"]
+    with program(DOORS, *(f"unixsock-stream/{path}" for path in paths)) as doors, ExitStack() as stack:
+        for path in paths:
+            for _ in range(300):
+                idle = stack.enter_context(socket.socket(socket.AF_UNIX))
+                idle.setblocking(False)
+                idle.connect(str(path))
+        assert doors.stdin is not None
+        assert doors.stdout is not None
+        counts = []
+        for _ in range(20):
+            doors.stdin.write(b"\n")
+            doors.stdin.flush()
+            counts.append(int(doors.stdout.readline()))
+        assert max(counts) < 400, "those that are being turned away are held for a moment, too"
+        stack.close()
+        until(lambda: _let_in(paths[0]), limit_s=8.0, what="a client is let in afterwards")
+
+
+def _let_in(path: Path) -> bool:
+    try:
+        session.open_client([f"unixsock-stream/{path}"]).close()
+    except BusError:
+        return False
+    return True
