@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from lbr.console.target import Target
     from lbr.messages.box import BoxReply
 
-ASK_S = 5.0
+ASK_S = 10.0
+GONE_S = 20.0
+"""It runs when all others leave it time."""
 LOOK_S = 0.5
 
 
@@ -67,12 +69,16 @@ def _wait(bus: "Session", found: "Target", box: str, seconds: float | None) -> N
     from lbr.bus import keys, latest  # noqa: PLC0415
 
     end = time.monotonic() + seconds + 2.0 if seconds else float("inf")
+    heard = time.monotonic()
     while time.monotonic() < end:
         time.sleep(LOOK_S)
-        said = latest.ask(bus, [keys.port(found.robot, box, "state")], source="lbr record", timeout_s=ASK_S)
+        said = latest.ask(bus, [keys.port(found.robot, box, "state")], source="lbr record", timeout_s=2.0)
         state = said.get(f"{box}/state")
-        if state is None:
+        if state is None and time.monotonic() - heard > GONE_S:
             raise BusError("the black box does not answer any more")
+        if state is None:
+            continue
+        heard = time.monotonic()
         if not state.message.get("recording"):
             return
 

@@ -202,3 +202,24 @@ except DeviceError as err:
 def test_where_its_packages_are_missing_it_is_degraded_and_says_what_to_install():
     done = programs.run([sys.executable, "-c", LACKING], stdout=subprocess.PIPE, text=True, check=True, timeout=30)
     assert "'zstandard' is not installed, so nothing is recorded" in done.stdout
+
+
+def test_a_box_that_leaves_no_room_to_others_gives_up_its_oldest_files_and_then_says_so(tmp_path, monkeypatch):
+    import os
+    from types import SimpleNamespace
+
+    from lbr.apps.box.disk import Bounds
+
+    place = Shelf(tmp_path, "lbr")
+    place.make()
+    for _ in range(3):
+        place.next_file().write_bytes(b"x")
+    monkeypatch.setattr(os, "statvfs", lambda _path: SimpleNamespace(f_bavail=10, f_frsize=1_000_000, f_blocks=100_000))
+    bounds = Bounds(bytes=10**9, seconds=1e9, kept_bytes=0, kept_seconds=1e9, free_bytes=200_000_000)
+    disk = Disk(place.next_file, "a test", shelf=place, bounds=bounds)
+    number = Channels().number(Channel("drive/state"))
+    disk.put(Chunk([chunks.message(number, 1, 1, 1, b"{}")], 1, 2, 1, 1, {"robot": "lbr"}))
+    until(lambda: disk.lost == 1, what="the message is given up")
+    assert "10 MB are free, and 200 are left to others" in disk.trouble
+    assert len(place.files()) == 1
+    disk.close(5.0)

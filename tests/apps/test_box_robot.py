@@ -42,7 +42,7 @@ def test_streams_setpoints_events_status_rows_and_lines_are_in_it(robot):
     with (robot.home / "logs" / "lbr-drive.log").open("a") as log:
         log.write("something was printed\n")
     wanted = {"drive/state", "motors/setpoint", "motors/state", "ranges/readings", "@event", "@status", "@rows", "@log"}
-    until(lambda: wanted <= topics(robot), what="all of it")
+    until(lambda: wanted <= topics(robot), limit_s=10, what="all of it")
     found = list(selection.messages(shelf(robot).files()))
     (rows,) = {one.data for one in found if one.topic == "@rows"}
     said = msgspec.json.decode(rows)
@@ -55,12 +55,11 @@ def test_streams_setpoints_events_status_rows_and_lines_are_in_it(robot):
 
 
 def test_a_mark_and_an_emergency_stop_are_kept_with_why(robot):
-    said = robot.line("/mark/it limps")
-    assert said["code"] == 0, said
+    until(lambda: robot.line("/mark/it limps")["code"] == 0, limit_s=10, what="a mark")
     robot.line("estop")
-    until(lambda: kept(robot, "mark") and kept(robot, "estop"), what="both kept")
+    until(lambda: kept(robot, "mark") and kept(robot, "estop"), limit_s=10, what="both kept")
     robot.line("reset")
-    (mark,) = kept(robot, "mark")
+    mark = kept(robot, "mark")[0]
     assert mark.why.text == "it limps"
     assert mark.files
     done = lbr(robot.home, "box", "show", mark.path.name)
@@ -122,13 +121,13 @@ def test_a_frozen_box_holds_up_no_motion(robot):
 
 
 def test_a_recording_on_purpose_is_a_file_of_its_own(robot):
-    until(lambda: robot.line("/mark/again")["code"] == 0, what="the box")
-    done = lbr(robot.home, "record", "--seconds", "1.5", "--name", "walk", limit_s=20)
+    until(lambda: robot.line("/mark/again")["code"] == 0, limit_s=10, what="the box")
+    done = lbr(robot.home, "record", "--seconds", "1.5", "--name", "walk", limit_s=40)
     assert done.returncode == 0, done.stderr
     path = Path(robot.home) / "recordings" / "lbr" / "walk.mcap"
     found = {one.topic for one in selection.messages([path])}
     assert {"drive/state", "@rows", "@status"} <= found
-    again = lbr(robot.home, "record", "--seconds", "1", "--name", "walk")
+    again = lbr(robot.home, "record", "--seconds", "1", "--name", "walk", limit_s=20)
     assert again.returncode == 1
     assert "is there already" in again.stderr
     assert "walk.mcap" in lbr(robot.home, "box", "list").stdout

@@ -9,7 +9,7 @@ from lbr.console.verbs import Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS, ExternalCommandRow
 from lbr.errors import InputError
 from lbr.executive.planning.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
-from lbr.executive.service.dispatch import Dispatcher
+from lbr.executive.service.dispatch import Dispatcher, _Speaker
 from lbr.messages.system import ConsoleResult, Role, Stamp
 
 
@@ -88,3 +88,13 @@ def test_a_line_that_a_stop_has_overtaken_starts_nothing(afar):
     assert say("look", 2.0, 104.0).code == 0, "what anyone may do moves nothing, and may be late"
     assert say("dim", 3.5, 105.0).code == 0, "what was said after the stop begins"
     assert started == ["dim", "look", "dim"]
+
+
+@pytest.mark.parametrize(
+    ("role", "page", "code"), [("view", True, "role"), ("operate", True, "done"), ("view", False, "done")]
+)
+def test_rows_are_reported_on_pages_only_to_those_who_may_look_at_rows_there(monkeypatch, role, page, code):
+    monkeypatch.setattr("lbr.executive.service.reports.Reports.make", lambda _self, _name: ({}, "rows"))
+    report = Dispatcher(None, None, {})._built_in["report"]
+    result = report(SimpleNamespace(payload={"name": "rows"}), _Speaker("phone", role, False, 0.0, page=page))
+    assert (result.reason_code or "done") == code

@@ -112,7 +112,7 @@ class Box(Capability[BoxSettings]):
         self._rows_revision = self._revision = -1
         self._schemas = b""
         self._questions: dict[str, wire.PendingQuery] = {}
-        self._ask_at = self._picture_at = self._tell_at = 0.0
+        self._ask_at = self._picture_at = self._tell_at = self._room_at = 0.0
         self._told: BoxState | None = None
         self._warned = ""
         self._ear: Ear | None = None
@@ -130,14 +130,14 @@ class Box(Capability[BoxSettings]):
         self._ear = Ear(bus, self.ctx.robot, self.ctx.name, self._channels, self._clock)
         self._logs = Logs(Path(self.ctx.home) / "logs", self.ctx.robot)
         settings = self.ctx.settings
-        bounds = Bounds(
+        self._bounds = Bounds(
             bytes=settings.mb * MB,
             seconds=settings.hours * 3600,
             kept_bytes=settings.kept_mb * MB,
             kept_seconds=settings.kept_days * 86400,
             free_bytes=settings.free_mb * MB,
         )
-        self._tape = Tape(Disk(self._shelf.next_file, self._library, shelf=self._shelf, bounds=bounds), SEGMENT_S)
+        self._tape = Tape(Disk(self._shelf.next_file, self._library, shelf=self._shelf, bounds=self._bounds), SEGMENT_S)
 
     def step(self) -> None:
         """Take what came, and hand it over; once a round, and not at every beat of the process."""
@@ -153,6 +153,10 @@ class Box(Capability[BoxSettings]):
         self._round(now)
         if self._made is not None and now >= self._made_until:
             self._end("its time is over")
+        elif self._made is not None and now >= self._room_at:
+            self._room_at = now + TELL_S
+            if lacks := self._bounds.lacks_room(self._shelf.recordings_folder):
+                self._end(lacks)
         self._tell(now)
 
     def command(self, call: Call) -> None:

@@ -1,6 +1,7 @@
 """Writes chunks in a thread of its own, so that a slow disk holds up nothing; what it cannot take in time is dropped, and counted."""
 
 import calendar
+import errno
 import os
 import queue
 import threading
@@ -22,6 +23,8 @@ PRUNE_S = 10.0
 MOST_LINKED = 40
 SLOW_S = 2.0
 CLOSE_S = 0.4
+FULL = frozenset([errno.ENOSPC, errno.EDQUOT])
+"""What there would be room for if an old file went; whatever else fails, they stay."""
 
 
 class Chunk(Struct):
@@ -43,6 +46,15 @@ class Bounds(Struct, frozen=True, kw_only=True):
     kept_bytes: int
     kept_seconds: float
     free_bytes: int
+
+    def lacks_room(self, folder: Path) -> str:
+        """Return why others have too little room on a folder's disk; empty while they have enough."""
+        found = os.statvfs(folder)
+        free = found.f_bavail * found.f_frsize
+        wanted = min(self.free_bytes, found.f_blocks * found.f_frsize // 20)
+        return (
+            "" if free >= wanted else f"{free // 1_000_000} MB are free, and {wanted // 1_000_000} are left to others"
+        )
 
 
 class Disk:
@@ -101,7 +113,9 @@ class Disk:
             try:
                 self._write(job)
             except OSError as err:
-                self._fail(job, f"the disk takes nothing ({err.strerror}): nothing is recorded until it does")
+                self._fail(
+                    job, f"the disk takes nothing ({err.strerror}): nothing is recorded until it does", err.errno
+                )
         if self._segment is not None:
             self._segment.finish()
             self._segment = None
@@ -144,17 +158,9 @@ class Disk:
         """Delete old files while others have too little room on the disk; OSError if that does not help."""
         assert self._shelf is not None
         assert self._bounds is not None
-        while True:
-            found = os.statvfs(self._shelf.box)
-            free = found.f_bavail * found.f_frsize
-            wanted = min(self._bounds.free_bytes, found.f_blocks * found.f_frsize // 20)
-            if free >= wanted:
-                return
-            files = self._shelf.files()
-            if len(files) < 2 or not self._shelf.drop_oldest():
-                raise OSError(
-                    28, f"{free // 1_000_000} MB are free, and the box leaves {wanted // 1_000_000} to others"
-                )
+        while lacks := self._bounds.lacks_room(self._shelf.box):
+            if len(self._shelf.files()) < 2 or not self._shelf.drop_oldest():
+                raise OSError(errno.EIO, lacks)
 
     def _prune(self) -> None:
         assert self._shelf is not None
@@ -197,14 +203,14 @@ class Disk:
         except OSError as err:
             self.trouble = f"what led to '{one.why.kind}' cannot be kept: {err.strerror}"
 
-    def _fail(self, job: Chunk, why: str) -> None:
+    def _fail(self, job: Chunk, why: str, code: int | None) -> None:
         self.lost += job.messages
         self.trouble = why
         self.broken = True
         if self._segment is not None:
             self._segment.close()
             self._segment = None
-        if self._shelf is not None and len(self._shelf.files()) > 1:
+        if code in FULL and self._shelf is not None and len(self._shelf.files()) > 1:
             self._shelf.drop_oldest()
 
 

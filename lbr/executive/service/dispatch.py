@@ -43,6 +43,8 @@ HALTED_S = 0.5
 """How long movers are asked for a stop; their bus library answers, so that only one that is frozen does not."""
 MOST_LEASES = 256
 MOST_RECORDED = 200
+ROWS = "rows"
+"""A report that on other machines and pages only those may look at who may look at rows there."""
 
 
 class _Speaker(NamedTuple):
@@ -310,8 +312,11 @@ class Dispatcher:
     def _has_process(self, name: str) -> bool:
         return (found := self._found(name)) is not None and found.pid is not None
 
-    def _report(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
-        data, text = self._reports.make(str(call.payload.get("name", "telemetry")))
+    def _report(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+        name = str(call.payload.get("name", "telemetry"))
+        if name == ROWS and by.is_recorded and (why := _not_allowed("operate", by)):
+            return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
+        data, text = self._reports.make(name)
         return ConsoleResult(code=DONE, text=text, data=data)
 
     def _why(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
