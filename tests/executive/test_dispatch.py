@@ -11,6 +11,7 @@ from lbr.errors import InputError
 from lbr.executive.planning.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
 from lbr.executive.service.dispatch import Dispatcher, _Speaker
 from lbr.messages.system import ConsoleResult, Role, Stamp
+from tests.support.words import as_shipped
 
 
 def test_every_word_that_a_row_may_name_exists():
@@ -98,3 +99,40 @@ def test_rows_are_reported_on_pages_only_to_those_who_may_look_at_rows_there(mon
     report = Dispatcher(None, None, {})._built_in["report"]
     result = report(SimpleNamespace(payload={"name": "rows"}), _Speaker("phone", role, False, 0.0, page=page))
     assert (result.reason_code or "done") == code
+
+
+def spoken(row, required: int) -> str:
+    """A line of a verb's pattern whose fields are all `1`."""
+    parts = [part if not part.startswith("{") else "1" for part in row.pattern.strip("/").split("/")]
+    return "/".join(("", *parts)) if row.pattern.startswith("/") else " ".join(parts[:required])
+
+
+@pytest.mark.parametrize("name", ["lbr", "bioloid", "uxa90"])
+def test_every_word_of_every_robot_is_refused_to_who_has_a_lower_role_than_it_needs(name):
+    rows = as_shipped(name)
+    asked: list[str] = []
+    robot = SimpleNamespace(
+        plan=SimpleNamespace(robot=name, stoppable=tuple, units={}),
+        vocabulary=Vocabulary(rows.verbs, rows.external_commands),
+        record=lambda *_: None,
+        run_external=lambda call, *_: asked.append(call.command.name) or ConsoleResult(code=0, text="begun"),
+    )
+    dispatcher = Dispatcher(robot, None, {})
+    lower: dict[str, tuple[Role, ...]] = {"operate": ("view",), "admin": ("view", "operate")}
+    refused = 0
+    for row in (*rows.verbs, *BUILT_IN_VERBS):
+        line = spoken(row, 9)
+        for role in lower.get(row.role, ()):
+            result = dispatcher.execute(line, source="ann", role=role)
+            if result.code == 2:
+                break  # a field that is no number, say: such a line does nothing for anybody
+            assert result.reason_code == "role", (line, role, result.text)
+            refused += 1
+    for program in rows.external_commands:
+        for role in lower.get(program.role, ()):
+            assert dispatcher.execute(program.name, source="ann", role=role).reason_code == "role", program.name
+            refused += 1
+    assert refused > 10, "most words are for those who may do more than look"
+    assert asked == []
+    for line in ("!print(1)", "!", "restart/drive", "Shutdown"):
+        assert dispatcher.execute(line, source="ann", role="operate").code != 0, line
