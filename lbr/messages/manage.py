@@ -63,7 +63,11 @@ class LookAtEvents(Struct, frozen=True, kw_only=True, tag_field="ask", tag="even
     limit: Annotated[int, Meta(ge=1, le=MOST_EVENTS)] = MOST_EVENTS
 
 
-ManageCommand = LookAtRows | ChangeRows | LookAtTokens | RevokeToken | LookAtLog | LookAtEvents
+class LookAtDevices(Struct, frozen=True, kw_only=True, tag_field="ask", tag="devices"):
+    """Look at what is plugged in, ask each what it is, and tell the changes of rows that would have the robot use it."""
+
+
+ManageCommand = LookAtDevices | LookAtRows | ChangeRows | LookAtTokens | RevokeToken | LookAtLog | LookAtEvents
 
 
 class RowProblem(Struct, frozen=True, kw_only=True):

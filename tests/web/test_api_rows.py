@@ -1,5 +1,6 @@
 """Rows, tokens and logs over HTTP, on a whole robot: looked at, tried, changed, and refused beside the field that is wrong."""
 
+import json
 import sqlite3
 import tempfile
 from contextlib import closing, suppress
@@ -8,6 +9,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+from lbr.testing.device import plugged
 from tests.support.robot import Robot, lbr, prepare, running, until
 
 pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
@@ -223,6 +225,7 @@ def test_a_token_is_listed_without_what_proves_it_and_locked_out_at_once(owner, 
     assert "hash" not in listed
     for path in ("/api/tokens", "/api/rows", "/api/logs/drive"):
         assert owner.get(path, headers=viewer).status_code == 403
+    assert owner.post("/api/devices", headers=viewer).status_code == 403
     assert (
         owner.post("/api/rows", json={"changes": [{"table": "phrase", "after": {}}]}, headers=viewer).status_code == 403
     )
@@ -230,6 +233,22 @@ def test_a_token_is_listed_without_what_proves_it_and_locked_out_at_once(owner, 
     until(lambda: role(owner, viewer) is None and role(owner, {}) == "admin", limit_s=8.0)
     assert role(owner, viewer) is None
     assert owner.post("/api/tokens/revoke", json={"name": "visitor"}).status_code == 404
+
+
+def test_what_is_plugged_in_is_told_and_its_rows_are_previewed_as_any_change(owner, robot, tmp_path):
+    before = rows(owner, "device")
+    answer = owner.post("/api/devices", timeout=12.0)
+    assert answer.status_code == 200, answer.text
+    assert {"robot", "devices", "proposals", "hints"} <= answer.json()["data"].keys()
+    assert answer.json()["data"]["robot"] == "lbr"
+    with plugged("ld06", tmp_path, name="lidar") as found:
+        said = lbr(robot.home, "devices", "--json", "--robot", "lbr", "--port", found.device.address)
+        (offer,) = json.loads(said.stdout)["proposals"]
+    assert offer["problems"] == []
+    tried = owner.post("/api/rows", json={"changes": offer["changes"], "write": False})
+    assert tried.status_code == 200, tried.text
+    assert "ld06" in tried.json()["touched"]["start"]
+    assert rows(owner, "device") == before
 
 
 def test_the_end_of_a_log_is_told_and_no_other_file(owner, robot):

@@ -1,5 +1,6 @@
 """The page's System view on a whole robot, in a browser: rows in forms, tokens, logs."""
 
+import json
 import sqlite3
 import tempfile
 from contextlib import closing
@@ -7,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from lbr.testing.device import plugged
 from tests.support import browsers, needs
 from tests.support.robot import Robot, lbr, prepare, running, until
 
@@ -128,3 +130,28 @@ def test_a_moment_is_marked_and_a_recording_made_and_ended(page, robot):
     end.click()
     expect(box.get_by_role("button", name="Record", exact=True)).to_be_visible(timeout=SLOWLY_MS)
     until(lambda: len(list((robot.home / "recordings" / "lbr").glob("*.mcap"))) == before + 1, what="the recording")
+
+
+def test_what_is_plugged_in_is_shown_with_a_preview_and_written_on_a_yes(page, robot, tmp_path):
+    with plugged("riox", tmp_path, name="unit") as found:
+        at = found.device.address
+        said = json.loads(lbr(robot.home, "devices", "--json", "--robot", "lbr", "--port", at).stdout)
+    told = {"accepted": True, "reason": "", "code": "", "problems": [], "touched": None, "data": said}
+    page.route("**/api/devices", lambda route: route.fulfill(json=told))  # the one door to ports of this machine's own
+    page.get_by_role("radio", name="Devices").click()
+    page.get_by_role("button", name="Look what is plugged in").click()
+    device = page.get_by_role("listitem").filter(has_text="RIOX inertial unit")
+    expect(device.get_by_text(at)).to_be_visible()
+    device.get_by_role("button", name="Preview").click()
+    preview = page.get_by_role("dialog")
+    expect(preview.get_by_text("added").or_(preview.get_by_text("changed")).first).to_be_visible()
+    assert at not in addresses(robot)
+    preview.get_by_role("button", name="Yes, write").click()
+    until(lambda: at in addresses(robot), limit_s=8.0)
+    assert lbr(robot.home, "db", "undo").returncode == 0
+    assert at not in addresses(robot)
+
+
+def addresses(robot: Robot) -> list[str]:
+    with closing(sqlite3.connect(robot.home / "robot.db")) as database:
+        return [one for (one,) in database.execute("SELECT address FROM device WHERE robot = 'lbr'")]

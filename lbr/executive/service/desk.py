@@ -29,9 +29,11 @@ from lbr.executive.planning import plan as plans
 from lbr.executive.planning.live_rows import Happened
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.wiring import EXECUTIVE
+from lbr.executive.service import attached
 from lbr.messages.manage import (
     LOG_BYTES,
     ChangeRows,
+    LookAtDevices,
     LookAtEvents,
     LookAtLog,
     LookAtRows,
@@ -77,8 +79,8 @@ class Clerk:
                 return self._rows(command.table), ()
             case ChangeRows():
                 return self._change(command)
-            case LookAtTokens():
-                return self._tokens(), ()
+            case LookAtTokens() | LookAtDevices():
+                return self._tokens() if isinstance(command, LookAtTokens) else self._devices(), ()
             case RevokeToken():
                 return self._revoke(command)
             case LookAtLog():
@@ -199,6 +201,9 @@ class Clerk:
             found = database.tokens()
         data = [{name: value for name, value in asdict(one).items() if name != "hash"} for one in found]
         return ManageReply(accepted=True, data={"tokens": data})
+
+    def _devices(self) -> ManageReply:
+        return ManageReply(accepted=True, data=attached.look(self._plan().robot, self._path))
 
     def _revoke(self, command: RevokeToken) -> tuple[ManageReply, tuple[Note, ...]]:
         with Database.open(self._path) as database:

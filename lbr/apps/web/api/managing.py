@@ -16,6 +16,7 @@ from lbr.messages.manage import (
     MOST_CHANGES,
     MOST_EVENTS,
     ChangeRows,
+    LookAtDevices,
     LookAtEvents,
     LookAtLog,
     LookAtRows,
@@ -88,6 +89,11 @@ class Managing:
                 replies=answered, body=ChangesBody, role="admin", within_s=ANSWER_S + 1.0,
             ),
             Route(
+                method="POST", path="/api/devices", handle=self._devices, summary="What is plugged in, and the changes of rows it is worth",
+                description="Each is asked by a question that moves and changes nothing; `POST /api/rows` writes the `changes` of a proposal.",
+                replies=answered, role="admin", within_s=ANSWER_S + 1.0,
+            ),
+            Route(
                 method="GET", path="/api/tokens", handle=self._tokens, summary="Who may come in by a token",
                 replies=answered, role="admin", within_s=ANSWER_S + 1.0,
             ),
@@ -115,6 +121,9 @@ class Managing:
         body: ChangesBody = request.data
         command = ChangeRows(changes=body.changes, write=body.write, by=source_of(request.client))
         return await self._ask(request, command)
+
+    async def _devices(self, request: Request) -> Response:
+        return await self._ask(request, LookAtDevices())
 
     async def _tokens(self, request: Request) -> Response:
         return await self._ask(request, LookAtTokens())

@@ -7,15 +7,16 @@ import { t } from "../../words";
 import { Box } from "./Box";
 import { Cameras } from "./Cameras";
 import { Chart } from "./Chart";
+import { Devices } from "./Devices";
 import { Events } from "./Events";
 import { Parts } from "./Parts";
 import { Rows } from "./Rows";
 import { Tokens } from "./Tokens";
 import "./System.css";
 
-type Page = "parts" | "events" | "chart" | "cameras" | "rows" | "tokens";
+type Page = "parts" | "events" | "chart" | "cameras" | "rows" | "devices" | "tokens";
 const page = signal<Page>(remembered<Page>("system", "parts"));
-const VIEWS: Record<Page, () => preact.JSX.Element> = { parts: Parts, events: Events, chart: Chart, cameras: Cameras, rows: Rows, tokens: Tokens };
+const VIEWS: Record<Page, () => preact.JSX.Element> = { parts: Parts, events: Events, chart: Chart, cameras: Cameras, rows: Rows, devices: Devices, tokens: Tokens };
 
 export default function System() {
   const pages: { value: Page; icon: IconName; there: boolean }[] = [
@@ -24,6 +25,7 @@ export default function System() {
     { value: "chart", icon: "chart", there: true },
     { value: "cameras", icon: "camera", there: capabilities("camera").length > 0 },
     { value: "rows", icon: "rows", there: may("operate") },
+    { value: "devices", icon: "plus", there: may("admin") },
     { value: "tokens", icon: "lock", there: may("admin") },
   ];
   const there = pages.filter((one) => one.there);

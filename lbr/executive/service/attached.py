@@ -1,0 +1,29 @@
+"""What is plugged in, for pages: asked by `lbr devices` in a process of its own, so that no device holds the executive up."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from lbr.errors import InputError
+
+WITHIN_S = 9.0
+LONGEST_TEXT = 300
+
+
+def look(robot: str, database: Path) -> Any:
+    """Return what `lbr devices --json` says, which writes nothing; InputError says why it says nothing."""
+    words = [sys.executable, "-m", "lbr.cli", "devices", "--json", "--robot", robot, "--db", str(database)]
+    try:
+        done = subprocess.run(words, capture_output=True, timeout=WITHIN_S, stdin=subprocess.DEVNULL, check=False)
+    except subprocess.TimeoutExpired:
+        raise InputError(f"'lbr devices' did not end within {WITHIN_S:g} s; say it at the robot", "timeout") from None
+    except OSError as err:
+        raise InputError(f"'lbr devices' cannot be started: {err.strerror}", "failed") from err
+    try:
+        return msgspec.json.decode(done.stdout)
+    except msgspec.DecodeError:
+        why = " ".join(done.stderr.decode(errors="replace").split())[-LONGEST_TEXT:]
+        raise InputError(f"'lbr devices' failed: {why or f'exit code {done.returncode}'}", "failed") from None
