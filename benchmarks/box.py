@@ -85,7 +85,7 @@ class Witness:
 
 
 def _kills(results: Results, n: int) -> list[str]:
-    dice, older, gone, younger_s = random.Random(1), 0, 0, []
+    dice, older, gone, holes, younger_s = random.Random(1), 0, 0, 0, []
     with bench(Results(SAFETY), edits=(SWITCH.format(1),)) as under_test:
         place, witness = Shelf(under_test.robot.home, "lbr"), Witness(under_test)
         mover, known = under_test.drive(), set[Path]()
@@ -105,6 +105,8 @@ def _kills(results: Results, n: int) -> list[str]:
             there = {(one.topic, one.sequence) for one in written}
             lost = wanted - there
             older, gone = older + len(wanted), gone + len(lost)
+            newest_of = {topic: max(number for name, number in there if name == topic) for topic, _ in there}
+            holes += sum(number < newest_of.get(topic, 0) for topic, number in lost)
             offset = time.time_ns() - time.monotonic_ns()
             newest = max((one.publish_ns for one in written), default=0)
             younger_s.append((at_ns + offset - newest) / 1e9)
@@ -116,6 +118,7 @@ def _kills(results: Results, n: int) -> list[str]:
     return [
         "",
         f"{n} kills: {older} messages were older than {OLD_S:g} s, {gone} of them are gone ({100 * gone / max(1, older):.3f} %)",
+        f"{holes} of these had not come to the box at all: newer ones of their stream are there",
         f"the newest message that is there was {percentile(younger_s, 'p50'):.2f} s old at the kill (p50), {max(younger_s):.2f} s at most",
     ]
 
