@@ -1,10 +1,13 @@
 """`lbr devices`: ten kinds of device on ports, recognised by harmless questions alone; and what is no device at all."""
 
+import errno
 import fcntl
+import grp
 import json
 import os
 import pty
 import select
+import subprocess
 import sys
 import threading
 import time
@@ -15,7 +18,8 @@ from pathlib import Path
 
 import pytest
 
-from lbr.commands import attached, recognised
+from lbr.commands import attached, proposing, recognised
+from lbr.database.rows import DeviceRow, RobotRow, RobotRows
 from lbr.drivers.servos.protocol1 import packet
 from lbr.drivers.uxa90 import frames
 from lbr.testing.device import plugged
@@ -277,3 +281,68 @@ def test_cameras_and_receivers_are_known_by_the_kernels_names_and_not_opened(tmp
         ("camera", "camera, HD Webcam"),
         ("infrared", "infrared receiver, gpio_ir_recv"),
     ]
+
+
+@pytest.mark.timeout(40)
+def test_watching_tells_what_comes_and_what_goes(tmp_path, home):
+    port = tmp_path / "riox"
+    env = {**os.environ, "LBR_HOME": str(home), "PYTHONUNBUFFERED": "1"}
+    words = [sys.executable, "-m", "lbr.cli", "devices", "--watch", "--json", "--port", str(port)]
+    with programs.start(words, env=env, stdout=subprocess.PIPE, text=True) as watching:
+        try:
+            first = json.loads(watching.stdout.readline())
+            assert "is missing" in first["devices"][0]["text"]
+            with plugged("riox", tmp_path, name="riox"):
+                came = json.loads(watching.stdout.readline())["came"]
+                assert [one["type"] for one in came["devices"]] == ["riox"]
+            assert json.loads(watching.stdout.readline())["gone"]["address"] == str(port)
+        finally:
+            watching.kill()
+
+
+@pytest.mark.timeout(40)
+def test_what_a_running_robot_holds_is_not_opened_and_hears_nothing(tmp_path):
+    kinds, known, _ = recognised.known_kinds(tmp_path)
+    assert "roboteq" in kinds
+    with tapped("roboteq", tmp_path) as (wheels, heard), tapped("mpu9150", tmp_path, scheme="unix:") as (unit, asked):
+        rows = [
+            DeviceRow(name="motors", type="roboteq", address=wheels.device.address),
+            DeviceRow(name="imu", type="mpu9150", address=f"{unit.device.address}:0x68"),
+        ]
+        ends = [attached.named(one.device.address) for one in (wheels, unit)]
+        found = recognised.ask_all(ends, known, recognised.held_by("lbr", rows), wait_s=1.0)
+    assert all(one.held for one in found[:2])
+    assert found[0].text == "robot 'lbr' runs with it as its device 'motors': not opened"
+    assert found[1].text == "robot 'lbr' runs with it as its device 'imu': not asked"
+    assert b"".join(heard) == b""
+    assert not any(request[3:4] == b"\x68" or request[1:2] == b"\x68" for request in asked)
+
+
+def test_two_of_a_type_for_one_row_are_not_guessed_and_one_may_be_named(tmp_path):
+    kinds, _, _ = recognised.known_kinds(tmp_path)
+    waiting = DeviceRow(name="motors", type="roboteq", address="/dev/serial/by-id/absent")
+    rows = RobotRows(robot=RobotRow(name="two"), devices=(waiting,))
+    pair = [
+        recognised.Attached(place="serial", address=at, path=at, type="roboteq", what="a controller")
+        for at in ("/dev/ttyA", "/dev/ttyB")
+    ]
+    _, proposals = proposing.propose(rows, kinds, pair, {one.path for one in pair})
+    assert [one.changes for one in proposals] == [[], []]
+    assert "'motors' waits for one: say which" in proposals[0].text
+    _, (chosen,) = proposing.propose(rows, kinds, pair[1:], {one.path for one in pair}, "motors")
+    assert [one.after for one in chosen.changes] == [{"name": "motors", "address": "/dev/ttyB"}]
+
+
+def test_without_the_rights_the_group_to_join_is_said(tmp_path, monkeypatch):
+    _, known, _ = recognised.known_kinds(tmp_path)
+    node = tmp_path / "ttyUSB0"
+    node.touch()
+
+    def refused(*_, **__):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr("lbr.drivers.serial_line.serial.Serial", refused)
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    (found,) = recognised.ask_all([attached.named(str(node))], known, {}, wait_s=1.0)
+    assert "may not be opened by this user" in found.text
+    assert f"sudo usermod -aG {grp.getgrgid(node.stat().st_gid).gr_name} $USER" in found.text
