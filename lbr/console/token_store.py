@@ -62,6 +62,8 @@ def save(endpoint: str, token: Token) -> None:
 def _saved() -> dict[str, str]:
     path = _path()
     ownership.refuse(ownership.faults(path))
+    if not path.is_file():  # a pipe would be waited for
+        return {}
     try:
         return msgspec.json.decode(path.read_bytes(), type=dict[str, str])
     except (OSError, msgspec.DecodeError):

@@ -1,5 +1,6 @@
 """Rows to a plan: what is wrong is said at once, and an edit touches only what it touches."""
 
+import os
 import sqlite3
 
 import pytest
@@ -8,10 +9,11 @@ from msgspec.structs import replace
 from lbr.capability import twins
 from lbr.database import store
 from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
+from lbr.errors import InputError
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning import planner
 from lbr.executive.planning.plan import Change
-from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.profile import Profile, load
 from lbr.executive.planning.run_identity import RunIdentity
 from tests.support import databases
 from tests.support.packages import imported_from, package
@@ -287,3 +289,10 @@ def test_rows_that_a_kind_follows_reach_it_without_a_restart(rows, tmp_path):
     assert set(told.rows) == {"behaviour"}
     assert told.rows["behaviour"].count('"another"') == 1
     assert told.gone == {"behaviour": "[]"}
+
+
+def test_a_pipe_in_place_of_a_launch_profile_is_refused_and_not_waited_for(tmp_path):
+    pipe = tmp_path / "robot.toml"
+    os.mkfifo(pipe)
+    with pytest.raises(InputError, match=r"launch profile .*robot\.toml is no file"):
+        load(str(pipe))

@@ -6,9 +6,12 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
+from lbr.database import given_files
 from lbr.errors import InputError
 from lbr.robots import registry
 from lbr.robots.registry import Found
+
+LARGEST_BYTES = 1_000_000
 
 
 class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -74,8 +77,8 @@ def _own(found: Found, path: Path) -> Profile:
 
 def _read(path: Path) -> Profile:
     try:
-        return msgspec.toml.decode(path.read_bytes(), type=Profile)
-    except OSError as err:
-        raise InputError(f"launch profile {path}: {err.strerror}") from err
+        return msgspec.toml.decode(given_files.read(path, LARGEST_BYTES), type=Profile)
+    except InputError as err:
+        raise InputError(f"launch profile {err}") from err
     except (msgspec.DecodeError, UnicodeDecodeError) as err:
         raise InputError(f"launch profile {path}: {err}") from err
