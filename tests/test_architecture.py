@@ -51,6 +51,7 @@ FLOORS = {
     "apps": CAPABILITY | {"apps", "bodies", "home", "qr", "recording"},
     "testing": CAPABILITY | {"database", "simulation", "testing"},
     "simulation": CAPABILITY | ROBOTS | {"simulation"},
+    "lockstep": CAPABILITY | {"lockstep", "simulation"},
     "database": GROUND | ROBOTS | {"database", "ownership"},
     "client": BUS | {"client", "console"},
     "console": BUS | {"console", "database", "home", "ownership"},

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lbr.commands import behaviour_trials
 from lbr.commands.options import FileName, json_option, print_json, robot_options
 from lbr.errors import InputError, RowError
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
@@ -195,6 +196,9 @@ def columns() -> int:
     return 0
 
 
+command.add_command(behaviour_trials.command)
+
+
 def _word(name: str, text: str) -> None:
     """Add a subcommand that says one of the console's words to a running robot."""
 
@@ -240,6 +244,26 @@ def _said(context: click.Context, line: str, whom: "Whom", *, as_json: bool) -> 
         hold_s=5.0,
         as_json=as_json,
     )
+
+
+def chosen(
+    what: str, robot: str | None, database: Path | None
+) -> "tuple[RobotRows, BehaviourTable, tuple[BehaviourRow, ...]]":
+    """Return a robot's rows, and a table that can be run: of a FILE, or the robot's own by its name."""
+    from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of `lbr --help`
+
+    with _opened(database) as opened:
+        rows = opened.load(_robot(opened, robot))
+    if _is_a_file(what):
+        path = Path(what)
+        table = BehaviourTable(name=_name_of(path))
+        found = _read(path, table.name)
+        _complain(what, _fits(path, table, found, rows).faults, found.lines)
+        return rows, table, found.rows
+    table = _table(rows, what)
+    if errors := _compiled(rows)[what].errors:
+        raise RowError(tuple(f"behaviour '{what}', {told(one)}" for one in errors))
+    return rows, table, tuple(row for row in rows.of(BehaviourRow) if row.behaviour == what)
 
 
 def _is_a_file(what: str) -> bool:

@@ -101,7 +101,7 @@ class BehaviourState(Struct, frozen=True, kw_only=True):
     """What runs, where it is, and why it stays there.
 
     `called` are the tables on the way to the one that `table` names, outermost first. `doing` is the command that is
-    under way. `state_s` and `run_s` are how long it is in this state, and runs. `reason` says how the last run ended.
+    under way. `row` is the step of the row that was taken last, in whichever table. `state_s` and `run_s` are how long it is in this state, and runs. `reason` says how the last run ended.
     """
 
     phase: Literal["resting", "running", "paused", "ended"]
@@ -112,6 +112,7 @@ class BehaviourState(Struct, frozen=True, kw_only=True):
     state_s: float = 0.0
     run_s: float = 0.0
     transitions: int = 0
+    row: int = 0
     result: str = ""
     variables: dict[str, float | str] = {}
     rows: tuple[RowView, ...] = ()

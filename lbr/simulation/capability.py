@@ -9,11 +9,10 @@ import msgspec
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
-from lbr.messages.kinematics import HOLONOMIC, Kinematics, Wheel
-from lbr.messages.sensing import Ranges, RangeSensor, RangeStatus, ranges, ring
+from lbr.messages.sensing import Ranges, RangeStatus, ranges
 from lbr.messages.simulation import WorldBox, WorldScene
 from lbr.simulation.cameras.host import CameraHost
-from lbr.simulation.engine import Engine
+from lbr.simulation.engine import Engine, body_of
 from lbr.simulation.loop import SWITCH_S, WorldLoop
 from lbr.simulation.painter import Painter, picture_path
 from lbr.simulation.plugged import Plugged, tell_of_drawing
@@ -57,10 +56,7 @@ class World(Capability[WorldSettings]):
         sys.setswitchinterval(SWITCH_S)
         now = self.ctx.clock()
         self._painter = Painter()
-        size = self.ctx.settings.body
-        sensors = self.ctx.rows(RangeSensor) or ring(size.length_m, size.width_m)
-        base = next(iter(self.ctx.rows(Kinematics)), None)
-        wheels, rollers = (self.ctx.rows(Wheel), base.kind in HOLONOMIC) if base else ((), False)
+        sensors, wheels, rollers = body_of(self.ctx.settings, self.ctx.rows)
         engine = self._engine = Engine(self.ctx.settings, sensors, wheels, rollers=rollers)
         self._trace = OutputTrace(self.ctx.settings.trace)
         cameras = self._cameras = CameraHost(engine.packed(), len(engine.view()))

@@ -1,12 +1,13 @@
 """The physics of the simulated world: a robot on wheels among furniture, and what its devices measure there."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import atan2, cos, hypot, isfinite, pi, sin
+from typing import Any
 
 import msgspec
 from msgspec.structs import replace
 
-from lbr.messages.kinematics import TWO, Wheel
+from lbr.messages.kinematics import HOLONOMIC, TWO, Kinematics, Wheel
 from lbr.messages.sensing import RangeSensor, ring
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene, WorldSensor
 from lbr.simulation.battery import BatteryState
@@ -246,6 +247,16 @@ class Engine:
         if self._dock is not None:
             self._charging = self._dock.charging(place)
             self._beams = self._dock.beams(self._data, place)
+
+
+def body_of(
+    settings: WorldSettings, rows: Callable[[type[Any]], tuple[Any, ...]]
+) -> tuple[tuple[RangeSensor, ...], tuple[Wheel, ...], bool]:
+    """Return a robot's sensors of distance, its wheels, and whether these have rollers, as its rows say."""
+    sensors = rows(RangeSensor) or ring(settings.body.length_m, settings.body.width_m)
+    base = next(iter(rows(Kinematics)), None)
+    wheels, rollers = (rows(Wheel), base.kind in HOLONOMIC) if base else ((), False)
+    return tuple(sensors), wheels, rollers
 
 
 def _seen_from_above(sensor: RangeSensor) -> WorldSensor:

@@ -69,7 +69,10 @@ WATCHED = frozenset({"drive", "joints"})
 
 
 class Behaviours(Capability[BehaviourSettings]):
-    """Runs one table at a time. Whatever ends its motion against its will ends the run, and so does every stop."""
+    """Runs one table at a time. Whatever ends its motion against its will ends the run, and so does every stop.
+
+    `dice` are what a table's random choices are drawn from; who wants the same run again seeds them.
+    """
 
     rate_hz = 20.0
     woken_by_streams = False
@@ -89,7 +92,7 @@ class Behaviours(Capability[BehaviourSettings]):
         self._said: list[PendingReply] = []
         self._last = self._told = RESTING
         self._tell_at = 0.0
-        self._dice = random.Random()
+        self.dice = random.Random()
         self._stopped_s = -inf
         self._halts = Halts(at=ctx.clock())
         self._files: deque[Call] = deque()
@@ -222,7 +225,7 @@ class Behaviours(Capability[BehaviourSettings]):
         self._streams = frozenset(key.stream for one in reachable for key in one.keys) & self._senses.there
         self._senses.listen(self._senses.there)
         now = self._began = self.ctx.clock()
-        self._run = Run(table, self._good(), now, self._dice.randrange)
+        self._run = Run(table, self._good(), now, self.dice.randrange)
         self._ticket = -1
         text = f"runs {name} from '{self._run.state}'"
         self.ctx.event("behaviour_began", text, code="done", about=self.ctx.name if call is None else call.source)
@@ -468,6 +471,7 @@ class Behaviours(Capability[BehaviourSettings]):
             state_s=round(state_s, 2),
             run_s=round(run_s, 2),
             transitions=run.transitions,
+            row=run.row,
             result=run.result,
             variables=dict(run.variables),
             rows=rows,

@@ -13,7 +13,7 @@ from lbr.apps.behaviours import outputs
 from lbr.apps.behaviours.cells import Value
 from lbr.apps.behaviours.keys import RUN, VARIABLE, Key, Look
 from lbr.apps.behaviours.outputs import Assign, CallTable, Order, OutputError, Wait, told
-from lbr.apps.behaviours.table import Condition, State, Table
+from lbr.apps.behaviours.table import Condition, Line, State, Table
 from lbr.capability.mover import FINAL, Outcome, bounded
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import RowView, Unmet
@@ -71,7 +71,7 @@ class Run:
     """A run of a table, begun at `now`; `draw` returns one of so many, from 0.
 
     `order` is what is to be done now, None: nothing; `ticket` tells one order from the next. `keeps` is a motion without
-    an end that goes on meanwhile. `tables` are those it goes by from the next state on. `over` says how the run ended, `good` whether well.
+    an end that goes on meanwhile. `row` is the step of the row that was taken last, 0: none. `tables` are those it goes by from the next state on. `over` says how the run ended, `good` whether well.
     """
 
     def __init__(self, table: Table, tables: Mapping[str, Table], now: float, draw: Callable[[int], int]) -> None:
@@ -81,6 +81,7 @@ class Run:
         self.over: Reason | None = None
         self.good = False
         self.transitions = 0
+        self.row = 0
         self.variables: dict[str, Value] = {}
         self.result = ""
         self.tables = dict(tables) | {table.name: table}
@@ -265,13 +266,13 @@ class Run:
             # every condition is looked at, also after one that does not hold: `for` and `becomes` remember
             holds = [self._holds(frame, (number, place), one, at, look) for place, one in enumerate(line.conditions)]
             if all(holds):
-                self._take(line.outputs, line.next_state, now)
+                self._take(line, now)
                 return
 
-    def _take(self, cells: Mapping[str, str], next_state: str, now: float) -> None:
-        frame = self._frames[-1]
-        frame.next_state = next_state
-        self._orders(cells)
+    def _take(self, line: Line, now: float) -> None:
+        self.row = line.step
+        self._frames[-1].next_state = line.next_state
+        self._orders(line.outputs)
         self._go_on(now)
 
     def _orders(self, cells: Mapping[str, str]) -> None:

@@ -1,0 +1,150 @@
+"""Tables tried in lockstep: the robot's own capabilities in its world, by a clock of its own."""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import msgspec
+import pytest
+from msgspec.structs import replace
+
+from lbr.commands.behaviour_trials import setup_of
+from lbr.commands.rows import opened
+from lbr.lockstep.faults import EVERY
+from lbr.lockstep.trial import Setup, Trial
+from lbr.lockstep.trying import made
+from lbr.messages.behaviour import BehaviourRow, BehaviourTable
+from lbr.simulation.settings import StartPose
+from tests.support.robot import lbr, prepare
+
+pytestmark = pytest.mark.timeout(30)
+
+
+@pytest.fixture(scope="module")
+def home():
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
+        yield prepare(Path(place) / "h", whole=True)
+
+
+@pytest.fixture(scope="module")
+def rows(home):
+    with opened(home / "robot.db") as database:
+        return database.load("lbr")
+
+
+def setup(rows, home, name, lines=(), max_s=60.0):
+    table = BehaviourTable(name=name)
+    own = tuple(row for row in rows.of(BehaviourRow) if row.behaviour == name)
+    given = tuple(BehaviourRow(behaviour=name, step=at, **line) for at, line in enumerate(lines, start=1))
+    return setup_of(rows, table, given or own, max_s, str(home))
+
+
+AHEAD = (
+    {
+        "type": "start",
+        "state": "Going",
+        "outputs": {"level": "0.4", "angle": "0", "distance": "100"},
+        "next_state": "There",
+    },
+    {"type": "end", "state": "There"},
+)
+
+
+def test_a_table_moves_the_robot_of_its_world_and_ends(rows, home):
+    trial = Trial(setup(rows, home, "ahead", AHEAD), 0, StartPose())
+    outcome = trial.run()
+    assert (outcome.good, outcome.state, outcome.unsafe) == (True, "There", ())
+    assert trial.instruments.pose.x_m == pytest.approx(1.0, abs=0.05)
+    assert 2.0 < outcome.took_s < 10.0
+
+
+def test_the_same_seed_gives_the_same_trial_and_another_place_another(rows, home):
+    of = setup(rows, home, "pace", max_s=15.0)
+    first, again, other = (made(of, number, "", 7).run() for number in (3, 3, 4))
+    assert first == again
+    assert first.start != other.start
+
+
+def test_the_robot_docks_with_the_drive_and_the_beacon_that_it_has(rows, home):
+    outcome = made(setup(rows, home, "dock", max_s=300.0), 0, "", 1).run()
+    assert outcome.good, outcome
+    assert outcome.charging
+    assert outcome.contact_mps < 0.4
+
+
+def test_ranges_that_end_on_the_way_end_the_motion_and_the_table_says_where(rows, home):
+    at_once = replace(EVERY["ranges dead on the way"], blind_s=3.0)
+    outcome = Trial(setup(rows, home, "ahead", AHEAD), 0, StartPose(), faults=at_once).run()
+    assert not outcome.good
+    assert (outcome.code, outcome.row, outcome.unsafe) == ("stale_sensor", 1, ())
+    assert outcome.moved_m < 0.9
+
+
+def test_what_drives_against_a_wall_is_stopped_by_the_rules_and_told(rows, home):
+    far = (AHEAD[0] | {"outputs": {"level": "0.5", "angle": "0", "distance": "600"}}, AHEAD[1])
+    outcome = Trial(setup(rows, home, "far", far), 0, StartPose()).run()
+    assert (outcome.good, outcome.code) == (False, "obstacle")
+    assert outcome.contact_mps == 0.0
+
+
+def test_what_goes_on_at_the_end_of_its_time_is_stopped_and_counts_as_good(rows, home):
+    turning = (
+        {"type": "start", "state": "Turning", "conditions": {"Run Time": "> 1000"}, "next_state": "Never"},
+        {"state": "Turning", "outputs": {"turn": "90"}, "next_state": "Turning"},
+        {"type": "end", "state": "Never"},
+    )
+    of = setup(rows, home, "turns", turning, 6.0)
+    outcome = Trial(of, 0, StartPose()).run()
+    assert (outcome.good, outcome.code, outcome.unsafe) == (True, "time_over", ())
+
+
+def test_the_setup_survives_its_way_to_another_process(rows, home):
+    of = setup(rows, home, "ahead", AHEAD)
+    assert msgspec.json.encode(msgspec.json.decode(msgspec.json.encode(of), type=Setup)) == msgspec.json.encode(of)
+
+
+def test_the_command_tries_a_file_and_says_what_became_of_it(home, tmp_path):
+    table = tmp_path / "ahead.csv"
+    table.write_text(
+        "Type,Current State,O:level,O:angle,O:distance,Next State\n"
+        "start,Going,0.4,0,100,There\nend,There,,,,\nfail,Stuck,,,,\n"
+    )
+    before = (home / "robot.db").read_bytes()
+    said = lbr(
+        home, "behaviour", "try", str(table), "--runs", "2", "--jobs", "1", "--json", "--for", "20", limit_s=25.0
+    )
+    told = json.loads(said.stdout)
+    assert [one["number"] for one in told["trials"]] == [0, 1]
+    assert told["trials"][0]["good"]
+    story = lbr(home, "behaviour", "try", str(table), "--only", "0", limit_s=25.0)
+    assert "good after" in story.stdout
+    assert "drive: behaviour took the base" in story.stdout
+    assert (home / "robot.db").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("nothing_of_the_kind",), "has no behaviour 'nothing_of_the_kind'"),
+        (("pace", "--only", "0", "--fault", "bad weather"), "there is no fault 'bad weather'"),
+        (("pace", "--fault", "wheels slip"), "--fault goes with --only"),
+        (("greet", "--robot", "bioloid"), "bioloid"),
+    ],
+)
+def test_what_cannot_be_tried_says_why(home, words, says):
+    said = lbr(home, "behaviour", "try", *words)
+    assert said.returncode != 0
+    assert says in said.stderr
+
+
+def test_nothing_of_the_bus_is_opened(rows, home):
+    script = (
+        "import sys, zenoh\nzenoh.open = None\nimport msgspec\nfrom lbr.lockstep.trial import Setup, Trial\n"
+        "from lbr.simulation.settings import StartPose\n"
+        "print(Trial(msgspec.json.decode(sys.stdin.buffer.read(), type=Setup), 0, StartPose()).run().good)"
+    )
+    of = msgspec.json.encode(setup(rows, home, "ahead", AHEAD))
+    done = subprocess.run([sys.executable, "-c", script], input=of, capture_output=True, check=True)
+    assert done.stdout.decode().strip() == "True"
