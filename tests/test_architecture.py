@@ -58,7 +58,7 @@ FLOORS = {
     "why": GROUND | {"why"},
     "executive": CAPABILITY | ROBOTS | {"executive", "console", "database", "home", "qr", "why"},
 }
-TOP = {"cli", "commands"}
+TOP = {"cli", "commands", "gym"}
 """What people start: may import everything below."""
 
 OWNERS = {
@@ -72,7 +72,8 @@ OWNERS = {
     "lz4": {"recording"},
     "sqlite3": {"database", "testing"},
     "mujoco": {"simulation"},
-    "numpy": {"apps", "operations", "simulation"},
+    "gymnasium": {"gym"},
+    "numpy": {"apps", "gym", "operations", "simulation"},
     "cv2": {"apps"},
     "imufusion": {"operations"},
     "dbus_fast": {"operations"},
@@ -101,6 +102,7 @@ OWNERS = {
 
 HEAVY = (
     "Phidget22",
+    "gymnasium",
     "numpy",
     "cv2",
     "imufusion",

@@ -1,0 +1,250 @@
+"""The simulated room as an environment of Gymnasium, `lbr/Room-v0`: what learns drives by twists, through the drive as it is.
+
+    import gymnasium
+    import lbr.gym
+
+    room = gymnasium.make("lbr/Room-v0")
+
+The drive's rules, limits and ramps count as on the robot: what would run into something is slowed and refused. Nothing outside moves.
+"""
+
+from math import cos, inf, radians, sin
+from pathlib import Path
+from random import Random
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from lbr import home
+from lbr.bus import keys
+from lbr.capability import registry
+from lbr.commands.rows import planned
+from lbr.database import store
+from lbr.database.rows import RobotRows
+from lbr.errors import InputError
+from lbr.lockstep.board import ROUND_S, Board, BoardContext, Question
+from lbr.lockstep.faults import NONE
+from lbr.lockstep.instruments import Instruments
+from lbr.lockstep.places import free, starts
+from lbr.lockstep.trial import COMPASS_DEG, NOISY
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.battery import BatteryState
+from lbr.messages.dock import DockSignal
+from lbr.messages.drive import TwistCommand
+from lbr.messages.sensing import Ranges
+from lbr.simulation.engine import Engine, body_of
+from lbr.simulation.settings import StartPose, Ultrasonic, WorldSettings
+
+ID = "lbr/Room-v0"
+USUAL = "lbr"
+BY = "gym"
+WITHIN = ("drive", "battery", "odometry")
+"""Kinds that run here as they are."""
+HEARD: dict[type[Any], str] = {Ranges: "ranges", AttitudeState: "attitude", DockSignal: "dock", BatteryState: "battery"}
+SENSORS = ("forward", "back", "left", "right")
+BEAMS = ("left", "right", "power")
+REACH_M = 6.0
+"""What is not measured reads as this: nothing is within reach."""
+MOST_MPS, MOST_RPS = 0.5, 1.5
+STEP_S, WARM_S, LONGEST_S = 0.1, 1.0, 120.0
+DOCKED, CONTACT, TIME = 100.0, -1.0, -0.01
+"""What a step is worth: the dock's current, each new contact with anything else, and the time that went by."""
+
+Seen = dict[str, NDArray[np.float32]]
+
+
+class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
+    """A robot on wheels somewhere in its room, which is to come to its dock.
+
+    An action is a twist, two shares from -1 to 1: of MOST_MPS ahead, and of MOST_RPS anticlockwise; it holds for STEP_S.
+    An episode ends when the dock charges the robot, and is cut off after `max_s` seconds of the robot's time. `database` and
+    `robot` say whose rows; the shipped rows of `lbr` if left out. InputError: these make no robot on wheels, or there is no such file.
+    """
+
+    metadata = {"render_modes": []}  # noqa: RUF012 - as Gymnasium declares it
+
+    def __init__(
+        self,
+        *,
+        database: str | Path | None = None,
+        robot: str = USUAL,
+        max_s: float = LONGEST_S,
+        render_mode: str | None = None,
+    ) -> None:
+        if render_mode is not None:
+            raise InputError(f"'{ID}' draws nothing: leave render_mode out", "bad_value")
+        self.render_mode = None
+        self._max_s = max_s
+        self._robot = robot
+        self._units, self._kinds = _processes(_rows(database, robot))
+        self._world: WorldSettings = self._kinds["world"].parse(self._units["world"].settings)
+        if self._world.ultrasonic == Ultrasonic():
+            self._world = replace(self._world, ultrasonic=NOISY)
+        self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        self.observation_space: Any = spaces.Dict(
+            {
+                "ranges_m": spaces.Box(0.0, REACH_M, (len(SENSORS),), np.float32),
+                "heading": spaces.Box(-1.0, 1.0, (2,), np.float32),
+                "beacon": spaces.Box(0.0, 1.0, (len(BEAMS),), np.float32),
+                "battery": spaces.Box(0.0, 1.0, (2,), np.float32),
+            }
+        )
+        self._board: Board | None = None
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Seen, dict[str, Any]]:
+        """Put the robot anywhere where it can turn, or where `options["start"]` says: x and y in metres, yaw in radians.
+
+        Return what it senses, and the truth about it. InputError: there is no room for it there.
+        """
+        super().reset(seed=seed)
+        random = Random(int(self.np_random.integers(1 << 62)))
+        world = replace(self._world, start=self._start(options or {}, random), seed=random.randrange(1 << 30))
+        board = self._board = Board(self._robot)
+        rows = BoardContext(board, self._units["world"], self._kinds["world"]).rows
+        sensors, wheels, rollers = body_of(world, rows)
+        self._seen: dict[str, Any] = {}
+        for name, unit in self._units.items():
+            if self._kinds[name].name in WITHIN:
+                board.add(unit, self._kinds[name], random.uniform(0.0, 0.02))
+            for output, message in self._kinds[name].outputs.items():
+                if message in HEARD:
+                    board.listen(keys.port(self._robot, name, output), self._hears(HEARD[message]))
+        others = {name: (unit, self._kinds[name]) for name, unit in self._units.items() if name not in board.members}
+        compass_deg = random.uniform(-COMPASS_DEG, COMPASS_DEG)
+        engine = Engine(world, sensors, wheels, rollers=rollers)
+        self._instruments = Instruments(board, others, engine, random, NONE, compass_deg)
+        self._asked: Question | None = None
+        self._lease = self._refusal = ""
+        self._against = False
+        board.open()
+        self._rounds(WARM_S)
+        self._began_s = board.now
+        return self._observed(), self._told()
+
+    def step(self, action: NDArray[np.float32]) -> tuple[Seen, float, bool, bool, dict[str, Any]]:
+        """Drive by a twist for STEP_S. What is no number is a stop."""
+        board = self._board
+        if board is None:
+            raise InputError("reset comes before the first step", "rest_first")
+        ahead, turn = (float(share) for share in np.clip(np.nan_to_num(action, nan=0.0), -1.0, 1.0))
+        if not np.isfinite(action).all():
+            ahead = turn = 0.0
+        twist = TwistCommand(vx_mps=ahead * MOST_MPS, wz_rps=turn * MOST_RPS, lease=self._lease)
+        self._asked = board.command(self._drive, "twist", twist, BY)
+        contacts = self._rounds(STEP_S)
+        docked = self._instruments.pose.charging
+        reward = TIME + CONTACT * contacts + (DOCKED if docked else 0.0)
+        return self._observed(), reward, docked, board.now - self._began_s >= self._max_s, self._told()
+
+    def close(self) -> None:
+        """Let go of the world."""
+        self._board = None
+
+    @property
+    def _drive(self) -> str:
+        return next(name for name, kind in self._kinds.items() if kind.name == "drive")
+
+    def _start(self, options: dict[str, Any], random: Random) -> StartPose:
+        if "start" not in options:
+            return starts(self._world, 2, random.randrange(1 << 30))[1]
+        try:
+            x_m, y_m, yaw_rad = (float(one) for one in options["start"])
+        except (TypeError, ValueError) as err:
+            raise InputError("options['start'] is x and y in metres and yaw in radians", "bad_value") from err
+        start = StartPose(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
+        if not all(abs(one) < inf for one in (x_m, y_m, yaw_rad)) or not free(self._world, start):
+            raise InputError(f"there is no room for the robot to turn at {x_m:g}, {y_m:g}", "bad_value")
+        return start
+
+    def _hears(self, what: str) -> Any:
+        def hear(message: Any) -> None:
+            self._seen[what] = message
+
+        return hear
+
+    def _rounds(self, seconds: float) -> int:
+        """Let time go by; return how often the robot came against something that is not its dock."""
+        assert self._board is not None
+        contacts = 0
+        for _ in range(round(seconds / ROUND_S)):
+            self._board.round()
+            self._instruments.round()
+            self._answered()
+            touching = self._instruments.pose.touching
+            contacts += touching and not self._against
+            self._against = touching
+        return contacts
+
+    def _answered(self) -> None:
+        """Go on with the lease that the drive gave, or ask for one again after it was refused."""
+        if self._asked is None or (answers := self._asked.answers()) is None:
+            return
+        self._asked, reply = None, answers[self._drive]
+        self._lease = reply.lease if reply is not None and reply.accepted else ""
+        self._refusal = "" if reply is None or reply.accepted else reply.why.code
+
+    def _observed(self) -> Seen:
+        """Return what the sensors told last; before they tell, nothing is near and nothing is known."""
+        ranges, attitude = self._seen.get("ranges"), self._seen.get("attitude")
+        dock, battery = self._seen.get("dock"), self._seen.get("battery")
+        metres = [ranges.metres(name) if ranges is not None else None for name in SENSORS]
+        heading = radians(attitude.heading_deg) if attitude is not None and attitude.heading_deg is not None else 0.0
+        charge = battery.charge if battery is not None and battery.charge is not None else 1.0
+        return {
+            "ranges_m": np.array([REACH_M if one is None else min(one, REACH_M) for one in metres], np.float32),
+            "heading": np.array([cos(heading), sin(heading)], np.float32),
+            "beacon": np.array([float(dock is not None and getattr(dock, beam)) for beam in BEAMS], np.float32),
+            "battery": np.array([charge, float(battery is not None and battery.charging is True)], np.float32),
+        }
+
+    def _told(self) -> dict[str, Any]:
+        """Return the truth, for judging: no robot knows it."""
+        pose = self._instruments.pose
+        return {
+            "pose": (pose.x_m, pose.y_m, pose.yaw_rad),
+            "speed_mps": pose.speed_mps,
+            "touching": pose.touching,
+            "charging": pose.charging,
+            "refused": self._refusal,
+        }
+
+
+def _rows(database: str | Path | None, robot: str) -> RobotRows:
+    """Return a robot's rows, of a database or as they are shipped."""
+    if database is not None:
+        if not Path(database).exists():
+            raise InputError(f"there is no database {database}; 'lbr db init' makes one", "unknown_name")
+        return _loaded(Path(database), robot)
+    with TemporaryDirectory(prefix="lbr-gym-") as place:
+        shipped = Path(place) / "rows" / "robot.db"
+        store.create(shipped)
+        return _loaded(shipped, robot)
+
+
+def _loaded(path: Path, robot: str) -> RobotRows:
+    with store.Database.open(path, program="gym") as opened:
+        if robot not in opened.robots():
+            raise InputError(f"there is no robot '{robot}' in {path}: {', '.join(opened.robots())}", "unknown_name")
+        return opened.load(robot)
+
+
+def _processes(rows: RobotRows) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return a robot's processes as its rows plan them in a simulation, and their kinds; the world's is called `world`."""
+    plan, problems = planned(rows)
+    if plan is None:
+        raise InputError(f"the rows of {rows.robot.name} make no robot: {problems[0]}", "bad_value")
+    units = {name: one.config for name, one in plan.units.items() if one.program is None}
+    kinds = {name: registry.find(one.kind, home.home()) for name, one in units.items()}
+    worlds = [name for name, kind in kinds.items() if kind.name == "world"]
+    if not worlds or all(kind.name != "drive" for kind in kinds.values()):
+        raise InputError(f"{rows.robot.name} has no wheels in a room: rows of kind 'world' and 'drive'", "not_possible")
+    units["world"], kinds["world"] = units.pop(worlds[0]), kinds.pop(worlds[0])
+    return units, kinds
+
+
+gymnasium.register(id=ID, entry_point="lbr.gym:Room")

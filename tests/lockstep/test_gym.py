@@ -1,0 +1,87 @@
+"""The room as an environment of Gymnasium: by its own checker, by seeds, through the drive's rules."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from lbr import gym
+from lbr.errors import InputError
+
+AHEAD = np.array([1.0, 0.0], np.float32)
+BEFORE_A_WALL = (3.0, 0.0, 0.0)
+DOCKS = (-0.4, 1.2, 0.0)
+
+
+@pytest.fixture(scope="module")
+def room():
+    with gymnasium.make(gym.ID) as made:
+        yield made.unwrapped
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.filterwarnings("error")
+def test_it_passes_gymnasiums_own_checker(room):
+    check_env(room)
+
+
+def test_a_seed_gives_the_same_episode_and_another_seed_another(room):
+    def episode(seed):
+        seen = [room.reset(seed=seed)[1]["pose"]]
+        for number in range(5):
+            _, _, _, _, told = room.step(np.array([0.4, 0.2 * number], np.float32))
+            seen.append(told["pose"])
+        return seen
+
+    first = episode(5)
+    assert episode(5) == first
+    assert episode(6) != first
+
+
+def test_full_speed_at_a_wall_is_stopped_by_the_drives_rules_before_it_touches(room):
+    room.reset(seed=1, options={"start": BEFORE_A_WALL})
+    refused, total = set(), 0.0
+    for _ in range(60):
+        seen, reward, *_, told = room.step(AHEAD)
+        refused.add(told["refused"])
+        total += reward
+        assert not told["touching"]
+    assert "obstacle" in refused
+    assert abs(told["speed_mps"]) < 0.02
+    assert seen["ranges_m"][0] < 0.4
+    assert total == pytest.approx(60 * gym.TIME)
+
+
+def test_what_is_no_number_stops_it(room):
+    room.reset(seed=1, options={"start": (1.0, 0.0, 0.0)})
+    for _ in range(5):
+        *_, told = room.step(AHEAD)
+    assert told["speed_mps"] > 0.1
+    for _ in range(15):
+        *_, told = room.step(np.array([np.nan, 1.0], np.float32))
+    assert abs(told["speed_mps"]) < 0.02
+
+
+def test_it_ends_when_the_dock_charges_the_robot(room):
+    room.reset(seed=2, options={"start": DOCKS})
+    for _ in range(200):
+        seen, reward, ended, _, told = room.step(np.array([-0.3, 0.0], np.float32))
+        if ended:
+            break
+    assert ended
+    assert told["charging"]
+    assert reward > gym.DOCKED / 2
+    assert seen["beacon"].any()
+
+
+@pytest.mark.parametrize("start", [(2.0, 0.9, 1.57), (float("nan"), 0.0, 0.0), (1.0,), "there"])
+def test_a_start_without_room_is_refused(room, start):
+    with pytest.raises(InputError, match=r"room|yaw"):
+        room.reset(options={"start": start})
+
+
+def test_a_robot_without_wheels_and_one_that_is_not_there_are_refused():
+    with pytest.raises(InputError, match="no wheels in a room"):
+        gym.Room(robot="bioloid")
+    with pytest.raises(InputError, match="no robot 'nothing'"):
+        gym.Room(robot="nothing")
