@@ -196,7 +196,15 @@ def columns() -> int:
     return 0
 
 
-command.add_command(behaviour_trials.command)
+@command.command("try")
+@behaviour_trials.options
+def try_(what: str, robot: str | None, database: Path | None, *, as_json: bool, **given: Any) -> int:
+    """Try a table in FILE, or one of the robot's, in its simulated world: from anywhere, with noise, and nothing moves.
+
+    The robot's own drive, beacon, battery and odometry do as they do when it runs; what drivers measure is simulated. A table
+    that is still under way after its time counts as good. Exit code 1 if a trial failed or was not safe.
+    """
+    return behaviour_trials.tries(what, *chosen(what, robot, database), as_json=as_json, **given)
 
 
 def _word(name: str, text: str) -> None:

@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from pathlib import Path
+from importlib.util import find_spec
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
@@ -22,31 +22,47 @@ WITHOUT_END_S = 180.0
 MOST_TOLD = 8
 
 
-@click.command("try")
-@click.argument("what", metavar="FILE|TABLE")
-@click.option("--runs", type=click.IntRange(1, 100_000), default=20, show_default=True, help="How many trials.")
-@click.option(
-    "--faults", type=click.IntRange(0, 1000), default=0, help="So many more with each thing that may go wrong."
+OPTIONS = (
+    click.argument("what", metavar="FILE|TABLE"),
+    click.option("--runs", type=click.IntRange(1, 100_000), default=20, show_default=True, help="How many trials."),
+    click.option(
+        "--faults", type=click.IntRange(0, 1000), default=0, help="So many more with each thing that may go wrong."
+    ),
+    click.option(
+        "--seed", type=click.IntRange(0), default=1, show_default=True, help="The same trials for the same number."
+    ),
+    click.option("--for", "max_s", type=Number(1.0, 86400.0), metavar="SECONDS", help="The longest a trial may last."),
+    click.option(
+        "--jobs", type=click.IntRange(1, 256), metavar="N", help="Trials at a time; one for each core if left out."
+    ),
+    click.option(
+        "--only", type=click.IntRange(0), metavar="NUMBER", help="One trial alone, with all that was told in it."
+    ),
+    click.option("--fault", metavar="NAME", help="What is wrong in the trial of --only."),
+    click.option("--robot", metavar="NAME", help="Whose behaviours; the usual robot's if left out."),
+    database_option,
+    json_option,
 )
-@click.option(
-    "--seed", type=click.IntRange(0), default=1, show_default=True, help="The same trials for the same number."
-)
-@click.option("--for", "max_s", type=Number(1.0, 86400.0), metavar="SECONDS", help="The longest a trial may last.")
-@click.option(
-    "--jobs", type=click.IntRange(1, 256), metavar="N", help="Trials at a time; one for each core if left out."
-)
-@click.option("--only", type=click.IntRange(0), metavar="NUMBER", help="One trial alone, with all that was told in it.")
-@click.option("--fault", metavar="NAME", help="What is wrong in the trial of --only.")
-@click.option("--robot", metavar="NAME", help="Whose behaviours; the usual robot's if left out.")
-@database_option
-@json_option
-def command(what: str, robot: str | None, database: Path | None, *, as_json: bool, **given: Any) -> int:
-    """Try a table in FILE, or one of the robot's, in its simulated world: from anywhere, with noise, and nothing moves.
 
-    The robot's own drive, beacon, battery and odometry do as they do when it runs; what drivers measure is simulated. A table
-    that is still under way after its time counts as good. Exit code 1 if a trial failed or was not safe.
-    """
-    setup, seed = _setup(what, robot, database, given["max_s"]), given["seed"]
+
+def options(command: Any) -> Any:
+    """Give a command all that can be said of trials."""
+    for option in reversed(OPTIONS):
+        command = option(command)
+    return command
+
+
+def tries(
+    what: str,
+    rows: "RobotRows",
+    table: "BehaviourTable",
+    of_table: "tuple[BehaviourRow, ...]",
+    *,
+    as_json: bool,
+    **given: Any,
+) -> int:
+    """Try a table, and say what became of it; return the exit code."""
+    setup, seed = _setup(rows, table, of_table, given["max_s"]), given["seed"]
     if given["only"] is not None:
         return _one(setup, given["only"], given["fault"] or "", seed, as_json=as_json)
     if given["fault"]:
@@ -161,16 +177,14 @@ def _docks(setup: "Setup") -> bool:
                for table, rows in unit.rows.items() if table == "behaviour_row")  # fmt: skip
 
 
-def _setup(what: str, robot: str | None, database: Path | None, max_s: float | None) -> "Setup":
+def _setup(
+    rows: "RobotRows", table: "BehaviourTable", of_table: "tuple[BehaviourRow, ...]", max_s: float | None
+) -> "Setup":
     """Return what the trials need: the robot's processes as its rows plan them, with the table."""
     from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
-    from lbr.commands.behaviour import chosen  # noqa: PLC0415
 
-    rows, table, of_table = chosen(what, robot, database)
-    try:
-        import mujoco  # noqa: F401, PLC0415 - the extra `sim`
-    except ImportError as err:
-        raise InputError("trials need the extra 'sim': pip install 'lbr[sim]'", "not_possible") from err
+    if find_spec("mujoco") is None:
+        raise InputError("trials need the extra 'sim': pip install 'lbr[sim]'", "not_possible")
     longest_s = max_s or (table.max_s if 0.0 < table.max_s <= LONGEST_S else WITHOUT_END_S)
     return setup_of(rows, table, of_table, longest_s, str(home.home()))
 
