@@ -1,7 +1,6 @@
 """Tables tried in lockstep: the robot's own capabilities in its world, by a clock of its own."""
 
 import json
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -17,6 +16,7 @@ from lbr.lockstep.trial import Setup, Trial
 from lbr.lockstep.trying import made
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.simulation.settings import StartPose
+from tests.support import programs
 from tests.support.robot import lbr, prepare
 
 pytestmark = pytest.mark.timeout(30)
@@ -146,5 +146,5 @@ def test_nothing_of_the_bus_is_opened(rows, home):
         "print(Trial(msgspec.json.decode(sys.stdin.buffer.read(), type=Setup), 0, StartPose()).run().good)"
     )
     of = msgspec.json.encode(setup(rows, home, "ahead", AHEAD))
-    done = subprocess.run([sys.executable, "-c", script], input=of, capture_output=True, check=True)
+    done = programs.run([sys.executable, "-c", script], input=of, capture_output=True, check=True)
     assert done.stdout.decode().strip() == "True"
