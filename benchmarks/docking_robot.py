@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import Measured, listed
-from tests.models.docking import starts
+from lbr.lockstep.places import starts
+from lbr.simulation.settings import WorldSettings
 from tests.support.figures import Promise, Results
 from tests.support.robot import Robot, prepare, running, until
 
@@ -54,7 +55,7 @@ def measure(given: argparse.Namespace) -> Measured:
     edits = (begun_at(*given.start),) if given.start else ()
     places = [
         (begun_at(one.x_m, one.y_m, math.degrees(one.yaw_rad)),)
-        for one in (starts(given.anywhere + 2, given.seed)[2:] if given.anywhere else ())
+        for one in starts(WorldSettings(), given.anywhere + 1, given.seed)[1:]
     ]
     trials: list[tuple[str, tuple[str, ...], Callable[[Path], tuple[bool, str]]]] = [
         *[("docks", edits, partial(docks, within_s=ANYWHERE_S if given.start else WITHIN_S))] * given.trials,

@@ -3,6 +3,7 @@
 import json
 import sys
 import tempfile
+from math import radians
 from pathlib import Path
 
 import msgspec
@@ -72,6 +73,13 @@ def test_the_robot_docks_with_the_drive_and_the_beacon_that_it_has(rows, home):
     assert outcome.good, outcome
     assert outcome.charging
     assert outcome.contact_mps < 0.4
+
+
+def test_it_finds_the_dock_past_a_crate_that_hides_the_wall(rows, home):
+    hard = StartPose(x_m=2.0, y_m=-1.5, yaw_rad=radians(160.0))
+    outcome = Trial(setup(rows, home, "dock", max_s=600.0), 1, hard).run()
+    assert outcome.good, outcome
+    assert outcome.charging
 
 
 def test_ranges_that_end_on_the_way_end_the_motion_and_the_table_says_where(rows, home):

@@ -8,8 +8,6 @@ import pytest
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.engine import Engine
 from lbr.simulation.settings import Battery, BoxSettings, Dock, StartPose, WorldSettings
-from tests.models.docking import HARD, Trial
-from tests.models.table_run import dock_table
 
 DOCK = Dock(x_m=-1.0, y_m=0.0)
 BACK_M = 0.215
@@ -131,10 +129,3 @@ def test_what_leaves_the_battery_is_counted():
         battery.draw(1.0, 1.0)
     assert battery.charge == 0.0
     assert battery.voltage_v == pytest.approx(10.45)
-
-
-def test_it_finds_the_dock_past_a_crate_that_hides_the_wall():
-    trial = Trial(HARD, seed=1)
-    ending = trial.run(dock_table())
-    assert ending.good, ending.text
-    assert trial.engine.pose().charging

@@ -14,7 +14,7 @@ def test_it_gets_up_from_where_it_has_fallen(robot, side):
     assert get_up.gets_up(robot, side, 7)
 
 
-def test_stopped_in_the_middle_it_holds_and_gets_up_from_there():
+def test_stopped_in_the_middle_it_holds():
     one = get_up.fallen("bioloid", "face", 7)
     way = get_up.frames(one, "get_up_face")
     one.play(way, 4.0)

@@ -82,7 +82,7 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'web.estop_reset', 'executive.estop_reset', 1);
 
 -- Ids as on the robot's drawing. Signs and zeros follow published descriptions of the Type A; limits are what the
--- motions below use and 15 steps more. Confirm all of them on your robot, by hand and without torque.
+-- motions below use and some steps more. Confirm all of them on your robot, by hand and without torque.
 -- Mirrored joints count alike: the same angles left and right are a symmetrical pose. At zero it stands upright,
 -- arms down.
 INSERT INTO joint (robot, name, device_id, side, sign, zero_rad, lower_rad, upper_rad, speed_rps) VALUES
@@ -124,7 +124,8 @@ INSERT INTO motion (robot, name, help, lead_in, lead_out) VALUES
     ('bioloid', 'turn_left', 'Turn left on the spot: a step with each foot, 17 degrees; mirrored, to the right',
      'walk_ready', 'walk_ready');
 
--- In each of these the simulated body stays on its feet when it is stopped there (`lbr motion stable`).
+-- In each of these the simulated body stays where it is when it is stopped there: on its feet (`lbr motion stable`), or, while it
+-- gets up, on the ground or on hands and feet.
 INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions) VALUES
     ('bioloid', 'initial', 1, 1.500, 1,
      '{"right_shoulder_pitch": 0.025, "left_shoulder_pitch": 0.025, "right_shoulder_roll": 0.445,
