@@ -96,7 +96,7 @@ def test_a_chatterbox_floods_neither_the_events_nor_the_disk(running: Bench):
     path = robot.home / "capabilities" / "chatterbox.py"
     path.write_text(textwrap.dedent(CHATTERBOX))
     path.chmod(0o600)
-    robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'box', 'chatterbox', '{}')")
+    robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'chatterbox', 'chatterbox', '{}')")
     said = until(lambda: [event for event in robot.events() if event["kind"] == "repeated"], limit_s=9.0)
     assert "more events 'chatter' within a second" in said[0]["text"]
     assert sum(event["kind"] == "chatter" for event in robot.events()) <= 30
