@@ -26,7 +26,9 @@ SMOKE = "--trials 1 --faults 0"
 PROMISED_S, LONGEST_S = 120.0, 900.0
 PROMISES = {
     "docked": Promise(what="docks and charges, from wherever it is put in the room"),
-    "docked in": Promise(what="from there until it charges", unit="s", target=PROMISED_S, statistic="p95", hard=LONGEST_S),
+    "docked in": Promise(
+        what="from there until it charges", unit="s", target=PROMISED_S, statistic="p95", hard=LONGEST_S
+    ),
     "contact": Promise(what="how fast it comes against anything", unit="m/s", hard=WALKING_MPS),
     "fault": Promise(what="a fault ends safely: it stands, and says that it docked only where it charges"),
 }
@@ -48,7 +50,9 @@ def measure(given: argparse.Namespace) -> Measured:
     trials += [(number, name) for name in DOCKING for number in range(given.faults)]
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
-        found = sorted(tried(_setup(Path(place) / "h"), trials, seed=given.seed), key=lambda one: (one.fault, one.number))
+        found = sorted(
+            tried(_setup(Path(place) / "h"), trials, seed=given.seed), key=lambda one: (one.fault, one.number)
+        )
     took_s = time.monotonic() - began
     for one in found:
         results.sample("contact", one.contact_mps)

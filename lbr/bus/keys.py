@@ -89,6 +89,11 @@ def schema(robot: str, capability: str, name: str) -> str:
     return f"{robot}/@schema/{capability}/{name}"
 
 
+def router(robot: str, session_id: str) -> str:
+    """Return the key on which one of the executive's routers answers for itself, so that its links can be tried."""
+    return f"{robot}/@router/{session_id}"
+
+
 def looked_at(robot: str) -> tuple[str, ...]:
     """Return the keys on which the robot tells of itself."""
     return status(robot), ANY_STATUS, event(robot), schema(robot, "*", "*")

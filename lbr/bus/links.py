@@ -29,7 +29,9 @@ class Links:
         self._prefixes = tuple(f"{protocol}/" for protocol in protocols)
         self._slots: deque[Coming] = deque()
         self._wake = wake
-        self._listener = session.info.declare_link_events_listener(wire.direct(self._note), history=True)
+        self._listener: zenoh.LinkEventsListener[None] | None = session.info.declare_link_events_listener(
+            wire.direct(self._note), history=True
+        )
 
     def take(self) -> list[Coming]:
         """Return what happened since the last call, oldest first."""
@@ -37,6 +39,12 @@ class Links:
         while self._slots:
             taken.append(self._slots.popleft())
         return taken
+
+    def close(self) -> None:
+        """Note nothing any more."""
+        if self._listener is not None:
+            self._listener.undeclare()
+            self._listener = None
 
     def _note(self, event: zenoh.LinkEvent) -> None:
         link = event.link

@@ -387,7 +387,8 @@ class Executive:
         while not self._stopping:
             now = time.monotonic()
             due = self._supervisor.step()
-            self._doors.tidy(child.endpoint for child in self._children())
+            for text in self._doors.tidy(child.endpoint for child in self._children()):
+                self._happened("link_mended", "executive", text, "warning")
             again = min(self._emergency.step(now), self._hosts.step(now), self._pairings.step(now))
             self._journal.step(now)
             self._keeper.step(now, self.plan.rows.digest)

@@ -1,10 +1,9 @@
 """Where processes come in: at the core, or at an annex that knows rights which the core does not."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Self
 
 import pytest
 from msgspec.structs import replace
@@ -17,7 +16,7 @@ from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.processes import doors as module
-from lbr.executive.processes.doors import Doors, core_endpoint
+from lbr.executive.processes.doors import Doors, core_endpoint, local_endpoint
 from tests.support.robot import until
 
 
@@ -26,34 +25,53 @@ class Routers:
 
     def __init__(self) -> None:
         self.open: list[str] = []
+        self.links: dict[str, Link] = {}
         self.opened = 0
         self.refuses = False
         self.goes_on = threading.Event()
         self.goes_on.set()
 
-    def __call__(self, router: session.Router) -> "Opened":
+    def __call__(self, router: session.Router, _robot: str) -> "Opened":
         if self.opened >= 2:  # core and local door are there: it is an annex
             self.goes_on.wait()
         if self.refuses:
             raise BusError("no")
         self.opened += 1
-        return Opened(self, router.listen[0])
+        return Opened(self, router)
 
 
 class Opened:
-    def __init__(self, routers: Routers, endpoint: str) -> None:
-        self.routers, self.endpoint = routers, endpoint
-        routers.open.append(endpoint)
+    def __init__(self, routers: Routers, router: session.Router) -> None:
+        self.routers, self.router, self.endpoint = routers, router, router.listen[0]
+        routers.open.append(self.endpoint)
+
+    def crossing(self, far: str, _robot: str, wake: Callable[[], None]) -> "Link":
+        return self.routers.links.setdefault(far, Link(wake))
 
     def close(self) -> None:
         if self.endpoint in self.routers.open:
             self.routers.open.remove(self.endpoint)
 
-    def __enter__(self) -> Self:
-        return self
 
-    def __exit__(self, *_about: object) -> None:
-        self.close()
+class Link:
+    """Stands in for what tries a link: it is in order until a test says otherwise."""
+
+    def __init__(self, wake: Callable[[], None]) -> None:
+        self.wake, self.deaf = wake, False
+
+    def due(self) -> float | None:
+        return 0.0 if self.deaf else None
+
+    def broken(self) -> bool:
+        deaf, self.deaf = self.deaf, False
+        return deaf
+
+    def break_down(self) -> None:
+        self.deaf = True
+        self.wake()
+
+    def close(self) -> None:
+        pass
 
 
 @pytest.fixture
@@ -150,6 +168,22 @@ def test_a_router_that_is_refused_is_said_and_tried_again(
         assert until(lambda: refused(doors, other)) == "the router for its rights did not open: no"
         routers.refuses = False
         until(lambda: not refused(doors, other) and doors.place(other.units["drive"]))
+
+
+@pytest.mark.parametrize("which", ["local door", "annex"])
+def test_a_router_that_nothing_passes_is_opened_again_in_its_place_and_told(
+    which: str, site: RunIdentity, found: tuple[Plan, Plan], routers: Routers
+) -> None:
+    usual, other = found
+    with closing(doors_of(usual, site, routers)) as doors:
+        doors.adopt(other)
+        annex = place(doors, other)
+        routers.links[site.router_id("core" if which == "local door" else "annex 1")].break_down()
+        told = until(lambda: doors.tidy([annex]))
+        assert "opened again" in told[0]
+        until(lambda: routers.opened == 4)
+        assert sorted(routers.open) == sorted({local_endpoint("lbr"), core_endpoint("lbr"), annex})
+        assert doors.tidy([annex]) == []
 
 
 def refused(doors: Doors, plan: Plan) -> str:

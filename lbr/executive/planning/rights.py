@@ -38,6 +38,7 @@ def of_local(plan: Plan) -> Rights:
             keys.console(robot),
             keys.estop(robot),
             keys.estop_reset(robot),
+            keys.router(robot, "*"),
             *keys.looked_at(robot),
         ),
         hear=(f"{robot}/**", keys.estop(robot), keys.estop_acknowledgement(robot, "*"), *keys.looked_at(robot)),

@@ -8,14 +8,15 @@ processes that an edit has given other rights get an annex: a router that knows 
 them runs any more. `lbr/executive/planning/rights.py` says who may do what.
 
 A thread of its own opens and closes annexes, because the bus library may take its time: nothing waits for it but the
-processes that are to come in there.
+processes that are to come in there. When a link between two routers has broken, it tries whether they still know each
+other, and opens the outer one again if not.
 """
 
 import contextlib
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping
-from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -28,6 +29,8 @@ from lbr.executive.planning import rights
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.planning.run_identity import RunIdentity
+from lbr.executive.processes import crossing
+from lbr.executive.processes.crossing import Crossing
 
 EXECUTIVE, ANNEX = "@executive", "@annex"
 CORE = "core"
@@ -63,19 +66,58 @@ class RouterAddress(NamedTuple):
     router_id: str
 
 
-class Annex:
+class OpenRouter:
+    """A router that is open and answers for itself. Raises BusError if its socket is taken."""
+
+    def __init__(self, router: session.Router, robot: str) -> None:
+        self.router = router
+        self._session = session.open_router(router)
+        self._answer = crossing.answer(self._session, robot)
+
+    def crossing(self, far: str, robot: str, wake: Callable[[], None]) -> Crossing:
+        """Return what tries the link by which the router with the id `far` has called this one."""
+        return Crossing(self._session, far, robot, wake)
+
+    def close(self) -> None:
+        """Close it, and remove its socket."""
+        self._session.close()
+        with contextlib.suppress(OSError):
+            Path(self.router.listen[0].removeprefix("unixsock-stream/")).unlink()
+
+
+class Hung:
+    """A router that the core can do without for a moment, and the link between the two."""
+
+    def __init__(self, opened: OpenRouter, tried: Callable[[OpenRouter], Crossing]) -> None:
+        self._tried = tried
+        self._opened = opened
+        self.crossing = tried(opened)
+
+    def close(self) -> None:
+        """Close the router."""
+        self.crossing.close()
+        self._opened.close()
+
+    def reopen(self, open_router: Callable[[session.Router], OpenRouter]) -> None:
+        """Close the router and open it again in its place."""
+        self.close()
+        self._opened = open_router(self._opened.router)
+        self.crossing = self._tried(self._opened)
+
+
+class Annex(NamedTuple):
     """A router for the processes of one change; `known` is what each of them may do there."""
 
-    def __init__(self, place: RouterAddress, known: dict[str, Users], opened: session.Session) -> None:
-        self.place = place
-        self.known = known
-        self.session = opened
+    place: RouterAddress
+    known: dict[str, Users]
+    hung: Hung
 
 
 class Doors:
     """Opens core and local door, and annexes as plans need them. Raises BusError if a socket is taken.
 
-    `wake` is called when a place has become free to come in at. `open_router` is there for tests.
+    `wake` is called when a place has become free to come in at, or there is something to tell. `open_router` is there
+    for tests.
     """
 
     def __init__(
@@ -83,13 +125,13 @@ class Doors:
         plan: Plan,
         site: RunIdentity,
         wake: Callable[[], None] = lambda: None,
-        open_router: Callable[[session.Router], session.Session] = session.open_router,
+        open_router: Callable[[session.Router, str], OpenRouter] = OpenRouter,
     ) -> None:
         self._robot = plan.robot
         self._site = site
         self._wake = wake
         self._open_router = open_router
-        self._stack = ExitStack()
+        self._said: deque[str] = deque()
         self._plan = plan
         self._wanted = _wanted(plan)
         self._in_use: frozenset[str] = frozenset()
@@ -101,25 +143,31 @@ class Doors:
         self._over = False
         self._changed = threading.Condition()
         self._known = dict(self._wanted)
-        local = site.router_id("local")
         self._core = RouterAddress(core_endpoint(self._robot), site.router_id(CORE))
-        self._open(
+        local_id = site.router_id("local")
+        local = self._open(
             session.Router(
                 listen=(local_endpoint(self._robot),),
-                id=local,
+                id=local_id,
                 never_waiting=everything(self._robot),
                 urgent_waits=True,
                 lease_ms=session.HELD_MS,
             )
         )
-        self._open(
-            self._router(
-                self._core,
-                {EXECUTIVE: TRUSTED, TOOLS: TRUSTED, ANNEX: TRUSTED} | _merged(self._known.values()),
-                links={local: rights.of_local(plan)},
-                connect=(local_endpoint(self._robot),),
+        try:
+            core = self._open(
+                self._router(
+                    self._core,
+                    {EXECUTIVE: TRUSTED, TOOLS: TRUSTED, ANNEX: TRUSTED} | _merged(self._known.values()),
+                    links={local_id: rights.of_local(plan)},
+                    connect=(local_endpoint(self._robot),),
+                )
             )
-        )
+        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+            local.close()
+            raise
+        self._core_router = core
+        self._local = Hung(local, lambda opened: opened.crossing(self._core.router_id, self._robot, self._notify))
         self._worker = threading.Thread(target=self._work, name="doors", daemon=True)
         self._worker.start()
 
@@ -147,13 +195,17 @@ class Doors:
                 raise BusError(f"{text}; the robot runs on without it until it is restarted")
             return None
 
-    def tidy(self, in_use: Iterable[str]) -> None:
-        """Have the annexes closed that no process of the plan needs and none runs at, by their endpoints."""
+    def tidy(self, in_use: Iterable[str]) -> list[str]:
+        """Have the annexes closed that no process of the plan needs and none runs at, by their endpoints.
+
+        Return what is to be told of the routers, each text once.
+        """
         found = frozenset(in_use)
         with self._changed:
             if found != self._in_use:
                 self._in_use = found
                 self._changed.notify_all()
+        return [self._said.popleft() for _ in range(len(self._said))]
 
     def annexes(self) -> int:
         """Return how many annexes are open."""
@@ -172,8 +224,9 @@ class Doors:
     def _close_all(self) -> None:
         self._worker.join(CLOSES_WITHIN_S)
         for annex in reversed(self._annexes):
-            _close(annex)
-        self._stack.close()
+            annex.hung.close()
+        self._core_router.close()
+        self._local.close()
 
     # -- the thread that opens and closes annexes ---------------------------------------------------------------------
 
@@ -191,9 +244,39 @@ class Doors:
                 if unused is not None and now >= self._settled_at:
                     self._annexes.remove(unused)  # so that no process is sent there
                     return partial(self._close_annex, unused)
-                dues = [*([self._retry_at] if missing else ()), *([self._settled_at] if unused is not None else ())]
+                doubts = {
+                    due: hung
+                    for hung in (self._local, *(annex.hung for annex in self._annexes))
+                    if (due := hung.crossing.due()) is not None
+                }
+                if doubts and now >= min(doubts):
+                    return partial(self._look_across, doubts[min(doubts)])
+                dues = [*doubts, *([self._retry_at] if missing else ()), *([self._settled_at] if unused else ())]
                 self._changed.wait(min(dues) - now if dues else None)
         return None
+
+    def _look_across(self, hung: Hung) -> None:
+        if not hung.crossing.broken():
+            return
+        self._said.append(
+            "a link of the bus had broken and nothing passed over it any more; its router was opened again"
+        )
+        self._wake()
+        with contextlib.suppress(BusError):  # all is over before its socket is free
+            hung.reopen(self._open_at_last)
+
+    def _open_at_last(self, router: session.Router) -> OpenRouter:
+        while True:
+            try:
+                return self._open(router)
+            except BusError:
+                if self._over:
+                    raise
+                time.sleep(RETRY_S)
+
+    def _notify(self) -> None:
+        with self._changed:
+            self._changed.notify_all()
 
     def _missing(self) -> dict[str, Users]:
         return {name: users for name, users in self._wanted.items() if self._find(name) is None}
@@ -203,7 +286,7 @@ class Doors:
         return next((annex for annex in self._annexes if annex.place.endpoint not in needed), None)
 
     def _close_annex(self, annex: Annex) -> None:
-        _close(annex)
+        annex.hung.close()
         with self._changed:
             self._settled_at = time.monotonic() + SETTLED_S
 
@@ -229,15 +312,15 @@ class Doors:
             plan=plan,
         )
         try:
-            opened, trouble = self._open_router(router), ""
+            hung, trouble = Hung(self._open(router), lambda _opened: self._cross_to(place)), ""
         except BusError as err:
-            opened, trouble = None, str(err)
+            hung, trouble = None, str(err)
         with self._changed:
             now = time.monotonic()
             self._since, self._trouble = None, trouble
             self._settled_at, self._retry_at = now + SETTLED_S, now + RETRY_S if trouble else 0.0
-            if opened is not None:
-                self._annexes.append(Annex(place, known, opened))
+            if hung is not None:
+                self._annexes.append(Annex(place, known, hung))
         self._wake()
 
     # -- routers --------------------------------------------------------------------------------------------------------
@@ -265,12 +348,11 @@ class Doors:
             lease_ms=session.HELD_MS,
         )
 
-    def _open(self, router: session.Router) -> None:
-        try:
-            self._stack.enter_context(self._open_router(router))
-        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-            self._stack.close()
-            raise
+    def _cross_to(self, place: RouterAddress) -> Crossing:
+        return self._core_router.crossing(place.router_id, self._robot, self._notify)
+
+    def _open(self, router: session.Router) -> OpenRouter:
+        return self._open_router(router, self._robot)
 
 
 def _wanted(plan: Plan) -> dict[str, Users]:
@@ -279,9 +361,3 @@ def _wanted(plan: Plan) -> dict[str, Users]:
 
 def _merged(all_users: Collection[Users] | Iterable[Users]) -> Users:
     return {user: found for users in all_users for user, found in users.items()}
-
-
-def _close(annex: Annex) -> None:
-    annex.session.close()
-    with contextlib.suppress(OSError):
-        Path(annex.place.endpoint.removeprefix("unixsock-stream/")).unlink()

@@ -94,6 +94,7 @@ CODES: dict[str, Code | Literal[""]] = {
     "trouble": "failed",
     "too_busy": "busy",
     "host_lost": "unreachable",
+    "link_mended": "unreachable",
 }
 """Why what the executive itself tells of is so, unless it is told closer; empty: its kind tells no why."""
 WRITTEN_FIRST = frozenset(["rows_changed"])
