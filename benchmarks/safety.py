@@ -136,7 +136,10 @@ def run_alone(run: Run) -> bytes:
 
 
 def _beside_others(results: Results, runs: list[Run], jobs: int) -> None:
-    """Run several at a time; what may be the machine's fault is tried again by itself, that counts, and it is told."""
+    """Run several at a time; what may be the machine's fault is tried again by itself, and it is told.
+
+    By itself it counts; where that too may be the machine's fault, which nobody keeps free for us, the next one does.
+    """
     if not runs:
         return
     again: list[Run] = []
@@ -150,7 +153,12 @@ def _beside_others(results: Results, runs: list[Run], jobs: int) -> None:
             else:
                 _take(results, encoded)
     for run in again:
-        _take(results, run_alone(run))
+        encoded = run_alone(run)
+        outcome = msgspec.json.decode(encoded, type=Outcome)
+        if outcome.may_be_the_machine:
+            results.repeated.append(f"{run.name}, once more by itself: {outcome.why}")
+            encoded = run_alone(run)
+        _take(results, encoded)
 
 
 def _take(results: Results, encoded: bytes) -> None:
