@@ -12,7 +12,7 @@ export const drive = {
   "drive.heading": ["Heading", "Richtung"],
   "drive.battery": ["Battery", "Akku"],
   "drive.charging": ["charging", "lädt"],
-  "drive.nearest": ["Nearest", "Nächstes"],
+  "drive.nearest": ["Nearest", "Nähe"],
   "drive.free": ["Free", "Frei"],
   "drive.blind": ["Not known: {names}", "Unbekannt: {names}"],
   "drive.distances": ["Distances", "Abstände"],
@@ -93,5 +93,6 @@ export const drive = {
   "range.over_range": ["nothing near", "nichts nahe"],
   "range.invalid": ["no valid reading", "kein gültiger Wert"],
   "range.missing": ["does not answer", "antwortet nicht"],
+  "range.absent": ["none there", "keiner da"],
   "drive.reached": ["Done: {reason}", "Fertig: {reason}"],
 } as const;

@@ -5,7 +5,7 @@ import type { DriveState, Ranges, Scan } from "../../messages";
 import { Badge, Card, Icon } from "../../parts";
 import { robot, streamOfType, streamsOfType } from "../../robot";
 import { maybe, named, t } from "../../words";
-import { nearestOf, read, type Reading } from "./geometry";
+import { missed, nearestOf, read, type Reading } from "./geometry";
 
 const OLD_MS = 1500;
 const NEAR_M = 0.5;
@@ -45,11 +45,13 @@ function OfScan({ from }: { from: string }) {
 
 function Line({ one, sample }: { one: Reading; sample: Sample<unknown> }) {
   const old = sample.stale(OLD_MS);
-  const told = one.status === "ok" ? "" : maybe(`range.${one.status}`) || one.status;
+  const absent = one.status === "missing" && !missed(robot.value?.ranges ?? [], one.name);
+  const calm = one.status === "over_range" || absent;
+  const told = one.status === "ok" ? "" : absent ? t("range.absent") : maybe(`range.${one.status}`) || one.status;
   return (
     <li data-sensor={one.name} data-status={old ? "stale" : one.status}>
       <span class="cut">{named(one.name)}</span>
-      {old ? <Badge tone="warn" icon="warn">{t("age.stale", { age: age(sample.ageMs()) })}</Badge> : told && <Badge tone={one.status === "over_range" ? "calm" : "warn"} icon={one.status === "over_range" ? undefined : "warn"}>{told}</Badge>}
+      {old ? <Badge tone="warn" icon="warn">{t("age.stale", { age: age(sample.ageMs()) })}</Badge> : told && <Badge tone={calm ? "calm" : "warn"} icon={calm ? undefined : "warn"}>{told}</Badge>}
       {one.distance !== null && <span class="num">{metres(one.distance)}</span>}
     </li>
   );

@@ -6,7 +6,7 @@ import type { BatteryState, OdometryState, Ranges, Scan } from "../../messages";
 import { Icon, type IconName } from "../../parts";
 import { robot, streamOfType } from "../../robot";
 import { named, t } from "../../words";
-import { nearestOf, read } from "./geometry";
+import { level, nearestOf, read } from "./geometry";
 
 interface GaugeProps { icon: IconName; label: string; value: string; unit?: string; tone?: "good" | "warn" | "bad"; sample: Sample<unknown> | null; note?: string; children?: ComponentChildren }
 
@@ -43,8 +43,7 @@ function Speed({ from }: { from: string }) {
 function Nearest({ from }: { from: string }) {
   const sample = useStream<Ranges>(from);
   const rows = robot.value?.ranges ?? [];
-  const level = new Set(rows.filter((row) => Math.abs(row.pitch_rad ?? 0) > 0.5).map((row) => row.name).concat("bottom"));
-  const all = sample ? read(rows, sample.message).filter((one) => !level.has(one.name)) : [];
+  const all = sample ? read(rows, sample.message).filter((one) => level(rows, one.name)) : [];
   const seen = all.flatMap((one) => (one.distance === null ? [] : [one.distance]));
   const blind = all.filter((one) => one.status === "invalid" || one.status === "missing");
   const nearest = seen.length > 0 ? Math.min(...seen) : null;

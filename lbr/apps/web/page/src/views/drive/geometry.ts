@@ -41,6 +41,17 @@ export function read(rows: RangeSensor[], readings: Ranges): Reading[] {
     .filter((one) => one.status !== "" && (one.status !== "missing" || rows.some((row) => row.name === one.name)));
 }
 
+/** Whether it looks along the floor; a sensor without a row does, unless it is the one below. */
+export function level(rows: RangeSensor[], sensor: string): boolean {
+  const row = rows.find((one) => one.name === sensor);
+  return row ? Math.abs(row.pitch_rad ?? 0) <= LEVEL_RAD : sensor !== "bottom";
+}
+
+/** Whether its silence is worth a warning: it looks where the base goes, or its row has it stop the base. */
+export function missed(rows: RangeSensor[], sensor: string): boolean {
+  return level(rows, sensor) || typeof rows.find((one) => one.name === sensor)?.stop_m === "number";
+}
+
 /** The nearest that a scan saw; null if nothing. */
 export function nearestOf(scan: Scan): number | null {
   const seen = scan.ranges_m.filter((one): one is number => typeof one === "number" && one >= scan.range_min_m && one <= scan.range_max_m);

@@ -22,8 +22,8 @@ function Tools({ of }: { of: Capability }) {
   };
   return (
     <div class="system-box" role="group" aria-label={t("box.title")}>
-      <Button kind="quiet" icon="check" onClick={() => void ask("mark", {})}>{t("box.mark")}</Button>
-      <Button kind={recording ? "danger" : "quiet"} icon={recording ? "pause" : "save"} onClick={() => void (recording ? ask("end", {}) : ask("record", { cameras: true }))}>
+      <Button kind="quiet" icon="mark" onClick={() => void ask("mark", {})}>{t("box.mark")}</Button>
+      <Button kind={recording ? "danger" : "quiet"} icon={recording ? "pause" : "record"} onClick={() => void (recording ? ask("end", {}) : ask("record", { cameras: true }))}>
         {recording ? t("box.end") : t("box.record")}
       </Button>
       {recording && <span class="muted num">{t("box.size", { size: number(state?.recording_mb ?? 0, 1) })}</span>}
