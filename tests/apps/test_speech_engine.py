@@ -4,9 +4,11 @@ import signal
 import time
 
 import pytest
+import pyttsx3
 
 from lbr.apps.sound import wav
 from lbr.apps.speech import worker
+from lbr.apps.speech.engine import Engine
 from lbr.apps.speech.request import Request
 from lbr.apps.speech.worker import Worker
 from tests.apps.speech_bench import engine, until
@@ -68,6 +70,17 @@ def test_the_engine_says_what_it_has_no_voice_for(real, tmp_path):
 
 def test_silence_is_a_failure(real, tmp_path):
     assert "no sound for this text" in outcome(real, request(tmp_path / "a.wav", "..."))
+
+
+def test_a_text_that_came_out_silent_once_is_written_again(monkeypatch, tmp_path, real):
+    assert real.idle
+    made = pyttsx3.init()
+    texts = ["..."]
+    monkeypatch.setattr(pyttsx3, "init", lambda: made)
+    write = made.save_to_file
+    monkeypatch.setattr(made, "save_to_file", lambda text, path: write(texts.pop() if texts else text, path))
+    Engine().write(request(tmp_path / "a.wav"))
+    assert wav.peak(tmp_path / "a.wav") > wav.SILENT_PEAK
 
 
 def test_a_file_that_cannot_be_written_ends_in_time_and_the_next_text_is_written(started, tmp_path, real):

@@ -37,6 +37,14 @@ class Engine:
 
     def write(self, request: Request) -> None:
         """Write the sound; raise LbrError if there is none."""
+        if not self._sounds(request) and not self._sounds(request):
+            raise LbrError("the speech engine has no sound for this text")
+
+    def _sounds(self, request: Request) -> bool:
+        """Write what is to be heard, and say whether there is any sound in it.
+
+        Rarely, after a voice that it does not have, the library writes silence in place of a text.
+        """
         path = Path(request.path)
         named = (request.name,) if request.engine == ESPEAK else ()
         for voice in dict.fromkeys((*named, request.language, request.language.partition("-")[0])):
@@ -54,9 +62,8 @@ class Engine:
             raise LbrError(f"the speech engine has no voice for '{request.language}'")
         if self._errors:
             raise LbrError(f"the speech engine failed: {self._errors[0][:200]}")
-        if request.volume > 0.0 and wav.peak(path) < wav.SILENT_PEAK:
-            raise LbrError("the speech engine has no sound for this text")
         wav.read(path)
+        return request.volume == 0.0 or wav.peak(path) >= wav.SILENT_PEAK
 
     def _note(self, name: object, exception: object) -> None:
         del name
