@@ -39,6 +39,7 @@ class Engine:
         """Write the sound; raise LbrError if there is none."""
         if not self._sounds(request) and not self._sounds(request):
             raise LbrError("the speech engine has no sound for this text")
+        wav.read(Path(request.path))
 
     def _sounds(self, request: Request) -> bool:
         """Write what is to be heard, and say whether there is any sound in it.
@@ -62,7 +63,6 @@ class Engine:
             raise LbrError(f"the speech engine has no voice for '{request.language}'")
         if self._errors:
             raise LbrError(f"the speech engine failed: {self._errors[0][:200]}")
-        wav.read(path)
         return request.volume == 0.0 or wav.peak(path) >= wav.SILENT_PEAK
 
     def _note(self, name: object, exception: object) -> None:
