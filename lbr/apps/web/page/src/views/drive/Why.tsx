@@ -30,7 +30,7 @@ export function Why({ from }: { from: string }) {
   };
   const stands = !mine && !sample?.message.moving;
   return (
-    <div class="drive-why" data-tone={line.tone}>
+    <div class="drive-why" data-tone={line.tone} data-open={why !== null || undefined}>
       <Icon name={line.icon} />
       {stands && why ? (
         <p role="status" class="drive-because">
