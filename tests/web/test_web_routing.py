@@ -168,3 +168,9 @@ def test_the_document_is_made_of_the_routes():
     assert made_one["x-role"] == "admin"
     assert made_one["requestBody"]["required"]
     assert made["components"]["schemas"]["Body"]["additionalProperties"] is False
+
+
+@pytest.mark.parametrize("body", [b'{"count":', b"count=1", b"", b"not"])
+def test_a_body_that_is_not_json_is_named_as_that(body):
+    with pytest.raises(Refused, match="the body is not JSON: ."):
+        routing.decoded(body, Body)

@@ -117,8 +117,10 @@ def decoded(body: bytes, kind: Any) -> Any:
     """Return a JSON body as what a route takes; Refused (400) says where it does not fit."""
     try:
         return msgspec.json.decode(body, type=kind)
-    except (msgspec.DecodeError, UnicodeDecodeError) as err:
+    except msgspec.ValidationError as err:
         raise Refused(400, plain(err)) from None
+    except (msgspec.DecodeError, UnicodeDecodeError) as err:
+        raise Refused(400, f"the body is not JSON: {err}") from None
     except RecursionError:
         raise Refused(400, "the JSON is nested too deeply") from None
 
