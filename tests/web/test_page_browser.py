@@ -288,7 +288,9 @@ def test_what_holds_the_base_still_is_the_robots_own_answer(opened, robot):
     expect(page.locator(".drive-because code")).to_have_text("reset, once nothing is in danger")
     assert not page.evaluate(SMALL)
     begins, card = page.locator(".drive-because strong").bounding_box(), page.locator(".drive-why").bounding_box()
-    assert begins is not None and card is not None and begins["y"] >= card["y"], "a long answer begins where it can be read"
+    assert begins is not None
+    assert card is not None
+    assert begins["y"] >= card["y"], "a long answer begins where it can be read"
 
 
 def test_moves_that_end_by_themselves_are_kept_until_they_do(opened, robot):

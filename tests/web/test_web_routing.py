@@ -172,5 +172,5 @@ def test_the_document_is_made_of_the_routes():
 
 @pytest.mark.parametrize("body", [b'{"count":', b"count=1", b"", b"not"])
 def test_a_body_that_is_not_json_is_named_as_that(body):
-    with pytest.raises(Refused, match="the body is not JSON: ."):
+    with pytest.raises(Refused, match=r"the body is not JSON: ."):
         routing.decoded(body, Body)
