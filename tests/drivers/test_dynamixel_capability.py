@@ -462,7 +462,7 @@ def test_when_the_driver_dies_or_hangs_its_guard_holds_the_servos_then_lets_them
 
 
 def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain):
-    process = driving(chain, 1.2)
+    process = driving(chain, 3.0)  # a busy machine reads some servos late, and the guard gives up those it cannot read
     silent = {2, 3}
     chain.answer = lambda request, _usual: b"" if request[2] in silent else None
     process.kill()

@@ -121,3 +121,10 @@ def test_an_answer_that_cannot_be_given_costs_no_thread(robot, capsys):
     robot.over.set()
     (last,) = say(robot, "b")
     until(lambda: last.answered == DONE)
+    told = []
+    until(
+        lambda: (
+            told.append(capsys.readouterr().err)
+            or "".join(told).count("Error: the bus is gone") == robot.begun.count("a")
+        )
+    )
