@@ -1,4 +1,4 @@
-"""What goes into the distribution lbr-client: `lbr/client.py` and the modules that it needs, as the package `lbr_client`.
+"""What goes into the distribution lbr-client: `lbr/client` as the package `lbr_client`, with the modules that it needs.
 
 They are the very modules that lbr's own commands use, under another name, so that both can be installed side by side.
 """
@@ -13,7 +13,8 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 ROOT = Path(__file__).resolve().parent.parent
-NAMED = re.compile(r"^(\s*(?:from|import)\s+)lbr(?=[.\s])", re.MULTILINE)
+FRONT = ROOT / "lbr" / "client"
+NAMED = re.compile(r"^(\s*(?:from|import)\s+)lbr(?:\.client)?(?=[.\s])", re.MULTILINE)
 
 
 class Collect(BuildHookInterface):
@@ -25,9 +26,8 @@ class Collect(BuildHookInterface):
         """Say what is to be included."""
         self._folder = tempfile.TemporaryDirectory(prefix="lbr-client-")
         folder = Path(self._folder.name) / "lbr_client"
-        for path in modules(ROOT / "lbr" / "client.py"):
-            place = folder / path.relative_to(ROOT / "lbr")
-            place = folder / "__init__.py" if place.name == "client.py" else place
+        for path in set().union(*map(modules, FRONT.glob("*.py"))):
+            place = folder / path.relative_to(FRONT if path.is_relative_to(FRONT) else ROOT / "lbr")
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_text(NAMED.sub(r"\1lbr_client", path.read_text()))
         (folder / "py.typed").touch()

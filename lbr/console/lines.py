@@ -210,9 +210,13 @@ Announce = Callable[[ConsoleResult], None]
 
 
 def say_once(
-    operator: Operator, line: str, *, hold_s: float, announce: Announce
+    operator: Operator, line: str, *, hold_s: float, announce: Announce, beat: Callable[[], None] | None = None
 ) -> tuple[ConsoleResult, int, Ending | None]:
-    """Say one line and see its motion to the end; return its result, the exit code, and how a motion ended."""
+    """Say one line and see its motion to the end; return its result, the exit code, and how a motion ended.
+
+    `beat` is what beats at the operator's ear meanwhile, if this thread is not the one that would take a stop.
+    """
+    beat = beat or operator.ear.beat
     result = operator.submit(line)
     announce(result)
     held = operator.latest()
@@ -220,7 +224,7 @@ def say_once(
         return result, result.code, None
     until = time.monotonic() + (hold_s if not held.hold.goal else math.inf)
     while (ending := held.wait(min(POLL_S, max(0.0, until - time.monotonic())))) is None and time.monotonic() < until:
-        operator.ear.beat()
+        beat()
     if ending is None:
         operator.release(f"the {hold_s:g} s are over")
         text = f"stopped after {held.elapsed_s:.1f} s"

@@ -1,4 +1,4 @@
-"""Where a token for a robot elsewhere comes from: a file, the environment, what was saved, or who sits there."""
+"""Where a token for a robot elsewhere comes from: a file, the environment, what was saved, the keyring, or who sits there."""
 
 import getpass
 import os
@@ -15,6 +15,8 @@ from lbr.bus.tokens import Token
 from lbr.errors import InputError
 
 VARIABLE = "LBR_TOKEN"
+SERVICE = "lbr-token"
+"""What the keyring of a desktop knows tokens by, with the endpoint as the user."""
 LARGEST_BYTES = 4096
 
 
@@ -28,7 +30,7 @@ class Offered(Struct, frozen=True, kw_only=True):
 
 
 def offered(endpoint: str, token_file: Path | None) -> Iterator[Offered]:
-    """Yield the tokens to try: the one that is named, or else the saved one, and then what the user types."""
+    """Yield the tokens to try: the one that is named, or else the saved ones, and then what the user types."""
     if token_file is not None:
         yield Offered(token=tokens.parse(_read(token_file)), origin=f"the one in {token_file}")
         return
@@ -37,6 +39,8 @@ def offered(endpoint: str, token_file: Path | None) -> Iterator[Offered]:
         return
     if text := _saved().get(endpoint):
         yield Offered(token=tokens.parse(text), origin=f"the one saved in {_path()}", saved=True)
+    if text := _of_keyring(endpoint):
+        yield Offered(token=tokens.parse(text), origin="the one in your keyring", saved=True)
     while can_ask():
         typed = getpass.getpass(f"token for {endpoint} (empty to leave): ", stream=sys.stderr)
         if not typed.strip():
@@ -68,6 +72,18 @@ def _saved() -> dict[str, str]:
         return msgspec.json.decode(path.read_bytes(), type=dict[str, str])
     except (OSError, msgspec.DecodeError):
         return {}
+
+
+def _of_keyring(endpoint: str) -> str | None:
+    """Return what `keyring set lbr-token ENDPOINT` has put there, if that package is installed and its store can be opened."""
+    try:
+        import keyring  # noqa: PLC0415 - an extra of lbr-client
+    except ImportError:
+        return None
+    try:
+        return keyring.get_password(SERVICE, endpoint)
+    except Exception:  # noqa: BLE001 - stores of others fail in ways of their own; other tokens are still tried
+        return None
 
 
 def _path() -> Path:

@@ -18,6 +18,7 @@ from msgspec import NODEFAULT, Struct, structs
 MODULES = (
     "lbr.capability",
     "lbr.client",
+    "lbr.client.aio",
     "lbr.messages",
     "lbr.drivers.servos",
     "lbr.drivers.uxa90.messages",

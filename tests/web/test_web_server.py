@@ -544,7 +544,7 @@ def test_a_row_says_tls_or_clear_text():
 
 def test_an_announcement_is_told_and_followed():
     async def announced() -> tuple[str, str]:
-        announcer = Announcer("uxa90 test", 50000, lambda: ("127.0.0.1",), {"path": "/"})
+        announcer = Announcer("uxa90 test", 50000, lambda: ("127.0.0.1",), lambda: {"path": "/"})
         running = asyncio.ensure_future(announcer.run())
         for _ in range(400):
             if announcer.said or announcer.trouble:
@@ -561,7 +561,7 @@ def test_an_announcement_is_told_and_followed():
 
 def test_without_a_network_nothing_is_announced():
     async def announced() -> str:
-        announcer = Announcer("uxa90 test", 50000, tuple, {})
+        announcer = Announcer("uxa90 test", 50000, tuple, dict)
         running = asyncio.ensure_future(announcer.run())
         await asyncio.sleep(0)
         running.cancel()

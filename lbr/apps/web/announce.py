@@ -12,12 +12,14 @@ KINDS = ("_http._tcp.local.", "_lbr._tcp.local.")
 
 
 class Announcer:
-    """Announces `name` at `port` under the addresses that `where` returns, and follows them as they change.
+    """Announces `name` at `port` under the addresses that `where` returns, with `properties`, and follows both as they change.
 
     `said` is under which name it is announced now, or empty; `trouble` why it is not.
     """
 
-    def __init__(self, name: str, port: int, where: Callable[[], tuple[str, ...]], properties: dict[str, str]) -> None:
+    def __init__(
+        self, name: str, port: int, where: Callable[[], tuple[str, ...]], properties: Callable[[], dict[str, str]]
+    ) -> None:
         self.said = ""
         self.trouble = ""
         self._name = name
@@ -55,6 +57,7 @@ class Announcer:
             self.trouble = f"the network takes no announcement ({err})"
             return TRY_AGAIN_S
         try:
+            properties = self._properties()
             there_as = [ipaddress.ip_address(one).packed for one in there]
             infos = [
                 AsyncServiceInfo(
@@ -62,7 +65,7 @@ class Announcer:
                     f"{self._name}.{kind}",
                     port=self._port,
                     addresses=there_as,
-                    properties=self._properties,
+                    properties=properties,
                     server=f"{socket.gethostname().partition('.')[0]}.local.",
                 )
                 for kind in KINDS
@@ -71,7 +74,7 @@ class Announcer:
             broadcasts = await asyncio.gather(*told)
             self.said, self.trouble = infos[0].name, ""
             await asyncio.gather(*broadcasts)
-            await self._until_moved(there)
+            await self._until_changed(there, properties)
         except (OSError, Error, TimeoutError) as err:
             self.trouble = f"the network takes no announcement ({err or type(err).__name__})"
             return TRY_AGAIN_S
@@ -83,8 +86,8 @@ class Announcer:
                 async with asyncio.timeout(1.0):
                     await zeroconf.async_close()
 
-    async def _until_moved(self, there: tuple[str, ...]) -> None:
+    async def _until_changed(self, there: tuple[str, ...], properties: dict[str, str]) -> None:
         while True:
             await asyncio.sleep(LOOK_S)
-            if self._where() != there:
+            if self._where() != there or self._properties() != properties:
                 return

@@ -3,6 +3,7 @@
 import socket
 import sys
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from importlib.metadata import version
 
 from starlette.types import ASGIApp
@@ -35,7 +36,7 @@ from lbr.apps.web.streams import MOST_OF_ONE, MOST_VIEWERS, Streams
 from lbr.bus.door import LanUser
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
-from lbr.errors import BusError, DeviceError, InputError
+from lbr.errors import BusError, DeviceError, InputError, LbrError
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.web import AddressReply, WebState
 
@@ -189,11 +190,20 @@ class Web(Capability[WebSettings]):
         settings = self.ctx.settings
         if not settings.announce or listening.is_loopback(sock):
             return None
-        properties = {"path": "/", "robot": self.ctx.robot, "tls": str(int(self._place.tls))}
         self._announcer = Announcer(
-            f"{self.ctx.robot} on {socket.gethostname()}"[:60], self._place.port, self._place.look, properties
+            f"{self.ctx.robot} on {socket.gethostname()}"[:60], self._place.port, self._place.look, self._announced
         )
         return self._announcer.run
+
+    def _announced(self) -> dict[str, str]:
+        """Return what the network is told beside where this server is: `door` is the port of the door for programs."""
+        told = {"path": "/", "robot": self.ctx.robot, "tls": str(int(self._place.tls))}
+        with suppress(LbrError, OSError):
+            lan = [at for one in home.running() if one.robot == self.ctx.robot for at in one.lan]
+            doors = [at.rpartition(":")[2] for at in lan if at.startswith("tls/")]
+            if doors:
+                told["door"] = doors[0]
+        return told
 
     def _look(self, now: float) -> None:
         """Note the newest states, for requests on the other thread."""

@@ -1,0 +1,168 @@
+"""A robot that a program is connected to: it looks, says lines, borrows motion."""
+
+from collections.abc import Callable, Generator
+from contextlib import closing
+from pathlib import Path
+from threading import Event
+from typing import Any, NamedTuple, Self
+
+import msgspec
+
+from lbr.bus import session, wire
+from lbr.client.motion import AT_MOST_S, KeptMotion, Message, Motion, RefusalError
+from lbr.client.words import Words
+from lbr.console import lines, target
+from lbr.console.operator import BusOperator
+from lbr.errors import BusError
+
+HELD_S = 5.0
+
+
+class Said(NamedTuple):
+    """What a robot answered to a line: its words, what programs read, and how a motion that it began has ended."""
+
+    text: str
+    data: Any = None
+    ending: str = ""
+
+
+class Picture(bytes):
+    """A picture as its camera made it: the bytes of a JPEG file, which a notebook shows."""
+
+    __slots__ = ()
+
+    def _repr_jpeg_(self) -> bytes:
+        return bytes(self)
+
+
+class Robot:
+    """A robot that is connected to; `role` is the most that it lets us do. Use it in a `with`, from one thread."""
+
+    def __init__(self, found: target.Target, source: str) -> None:
+        self.name = found.robot
+        self.role = found.role
+        self.source = source
+        self.session = session.open_client(found.endpoints, found.credentials, certificate=found.certificate)
+        self.operator = BusOperator(self.session, found.robot, source, role=found.role, proof=found.proof, listen=False)
+        self._words: Words[Said] | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stop what a line of ours moves, and disconnect."""
+        self.operator.close()
+        self.session.close()
+
+    def key(self, name: str) -> str:
+        """Return the whole key of `drive/state`, `@status` and their like."""
+        return f"{self.name}/{name}"
+
+    def latest(self, name: str) -> Message:
+        """Return the newest message of a stream, or what else answers on a key; raise BusError if nothing does."""
+        return self.ask(name)
+
+    def ask(self, name: str, **message: Any) -> Message:
+        """Give a command that borrows nothing, and return its reply; raise BusError if nothing answers."""
+        for raw in wire.ask(self.session, self.key(name), message or None, source=self.source):
+            found: Message = msgspec.json.decode(raw.payload)
+            return found
+        raise BusError(f"nothing answers on '{name}'; 'lbr topic list' names what there is")
+
+    def stream(self, name: str, *, within_s: float = 2.0) -> Generator[Message, None, None]:
+        """Yield the messages of a stream as they come, always the newest; raise BusError after a silence."""
+        yield from map(msgspec.json.decode, self._payloads(name, within_s))
+
+    def pictures(self, camera: str, *, within_s: float = 2.0) -> Generator[Picture, None, None]:
+        """Yield the pictures of a camera such as `camera_front` as they come, always the newest; BusError after a silence."""
+        yield from map(Picture, self._payloads(f"{camera}/frame", within_s))
+
+    def picture(self, camera: str) -> Picture:
+        """Return the next picture of a camera; BusError if none comes."""
+        with closing(self.pictures(camera)) as found:
+            return next(found)
+
+    def say(self, line: str, *, hold_s: float = HELD_S) -> Said:
+        """Say a console line and return when it is done; motion without bounds is held for `hold_s`, then stopped.
+
+        Raise RefusalError if it is refused, or ends otherwise than it was meant to.
+        """
+        return self.say_kept(line, hold_s=hold_s, beat=self.operator.ear.beat)
+
+    def say_kept(self, line: str, *, hold_s: float, beat: Callable[[], None]) -> Said:
+        """Say a line as `say` does; what it moves goes on only while `operator.ear` is beaten, by `beat` or from elsewhere."""
+        result, code, ending = lines.say_once(
+            self.operator, line, hold_s=hold_s, announce=lambda _result: None, beat=beat
+        )
+        if code != 0:
+            said = ending or result
+            raise RefusalError((ending.code if ending else result.reason_code) or "failed", said.text)
+        return Said(result.text, result.data, ending.text if ending else "")
+
+    @property
+    def do(self) -> Words[Said]:
+        """Return the robot's words as methods: `robot.do.play("wave")` says `/play/wave`; Tab completes them."""
+        if self._words is None:
+            self._words = Words(self.operator.words, self.say)
+        return self._words
+
+    def borrow(self, name: str, **message: Any) -> Motion:
+        """Begin a motion such as `drive/command`, `drive/twist` or `joints/move`; raise RefusalError if it is refused."""
+        return Motion(self, name, message)
+
+    def hold(self, name: str, *, at_most_s: float = AT_MOST_S, **message: Any) -> KeptMotion:
+        """Return a motion for a `with`: it begins there, is kept meanwhile, for `at_most_s`, and is released at the end."""
+        return KeptMotion(lambda: self.borrow(name, **message), at_most_s)
+
+    def drive(self, power: float, angle_deg: float = 0.0, *, at_most_s: float = AT_MOST_S) -> KeptMotion:
+        """Drive within a `with`, at a share of full power (-1 to 1); 0 degrees is ahead, 90 to the right."""
+        return self.hold("drive/command", at_most_s=at_most_s, power=power, angle_deg=angle_deg)
+
+    def twist(
+        self, vx_mps: float = 0.0, wz_rps: float = 0.0, *, vy_mps: float = 0.0, at_most_s: float = AT_MOST_S
+    ) -> KeptMotion:
+        """Drive within a `with`, with this twist (REP 103: ahead, anticlockwise, to the left)."""
+        return self.hold("drive/twist", at_most_s=at_most_s, vx_mps=vx_mps, vy_mps=vy_mps, wz_rps=wz_rps)
+
+    def turn(self, angle_deg: float) -> None:
+        """Turn on the spot, clockwise positive; return when it is done."""
+        with self.borrow("drive/turn", angle_deg=angle_deg) as motion:
+            motion.wait()
+
+    def stop(self) -> None:
+        """Stop whatever moves."""
+        self.say("stop")
+
+    def estop(self, reason: str = "") -> None:
+        """Engage the emergency stop, which stays until `reset`."""
+        self.say(f"/estop/{reason}" if reason else "estop")
+
+    def reset(self) -> None:
+        """Release the emergency stop; nothing moves by that."""
+        self.say("reset")
+
+    def _payloads(self, name: str, within_s: float) -> Generator[bytes, None, None]:
+        came = Event()
+        heard = wire.Subscription(self.session, self.key(name), wake=came.set)
+        try:
+            while came.wait(within_s):
+                came.clear()
+                for raw in heard.take():
+                    yield raw.payload
+            raise BusError(f"nothing came on '{name}' for {within_s:g} s")
+        finally:
+            heard.close()
+
+
+def connect(
+    robot: str | None = None, *, at: str | None = None, token_file: Path | None = None, name: str = ""
+) -> Robot:
+    """Connect to the named robot, the one at an endpoint, or the only one that runs here; raise BusError or InputError.
+
+    At another machine's door (`tls/HOST:PORT`) a token lets us in: `token_file`, $LBR_TOKEN, or one that `lbr` has
+    saved. `name` is what refusals and events call this program.
+    """
+    return Robot(target.find(robot, at, token_file), target.source(name or "program"))
