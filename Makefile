@@ -6,7 +6,7 @@ T ?= tests
 N ?= auto
 PAGE := lbr/apps/web/page
 
-.PHONY: help setup check lint format types docs test coverage gate smoke page pagecheck all
+.PHONY: help setup check lint format types docs site test coverage gate smoke page pagecheck all
 
 help: ## say what there is
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
@@ -33,6 +33,9 @@ types: ## mypy
 
 docs: ## are the generated pages true? (`python docs/generate.py` writes them)
 	$(BIN)/python docs/generate.py --check
+
+site: ## the docs as a site, in build/site/index.html
+	$(BIN)/python docs/site/build.py
 
 test: ## the tests, or those under T=path, N at a time
 	$(BIN)/pytest -n $(N) --dist worksteal $(T)

@@ -1,0 +1,124 @@
+"""The docs as a site: the pages as they stand in the repository, in an order that a reader takes. Read by Sphinx."""
+
+import tomllib
+from pathlib import Path
+
+from pygments.lexers.special import TextLexer
+from sphinx.application import Sphinx
+
+ROOT = Path(__file__).resolve().parents[2]
+
+PAGES = {
+    "Begin": [
+        "docs/tutorial",
+        "docs/tour",
+        "docs/examples/README",
+        "docs/troubleshooting",
+        "docs/compared",
+        "docs/coming_from",
+    ],
+    "Robots": ["docs/robots/lbr", "docs/robots/bioloid", "docs/robots/uxa90"],
+    "Drive and look": [
+        "docs/web",
+        "docs/telepresence",
+        "docs/cameras",
+        "docs/speech_and_dance",
+        "docs/behaviours",
+        "docs/tracking",
+    ],
+    "A robot of your own": [
+        "docs/robot_packages",
+        "docs/devices",
+        "docs/drivers",
+        "docs/capabilities",
+        "docs/rows",
+        "docs/import",
+        "examples/so101/README",
+        "examples/rover/README",
+        "examples/roboclaw/README",
+    ],
+    "Programs": [
+        "docs/client",
+        "client/README",
+        "docs/bus",
+        "docs/rest_api",
+        "docs/robots/lbr_api",
+        "docs/outside",
+        "docs/registry",
+        "docs/gym",
+    ],
+    "Find out": ["docs/why", "docs/box"],
+    "Run it for good": ["docs/service", "docs/two_machines", "docs/power", "docs/safety", "docs/security", "SECURITY"],
+    "Reference": [
+        "docs/reference/cli",
+        "docs/reference/console",
+        "docs/reference/topics",
+        "docs/reference/rows",
+        "docs/reference/settings",
+        "docs/reference/codes",
+    ],
+    "How it is built": [
+        "docs/architecture",
+        "docs/lease_proof",
+        "docs/servo_bus",
+        "docs/uxa90_line",
+        "docs/humanoid_world",
+        "docs/dependencies",
+        "docs/decisions/README",
+        "benchmarks/README",
+        "CONTRIBUTING",
+        "CHANGELOG",
+    ],
+}
+"""What stands beside each page, by heading."""
+
+_project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+project = _project["name"]
+version = release = _project["version"]
+author = "the authors of lbr"
+html_title = f"lbr {version}"
+
+root_doc = "README"
+include_patterns = [f"{page}.md" for pages in PAGES.values() for page in pages]
+include_patterns += ["README.md", "docs/decisions/0*.md"]
+extensions = ["myst_parser"]
+myst_heading_anchors = 4
+myst_enable_extensions = ["attrs_block"]
+suppress_warnings = [
+    "myst.header",  # a page that is read in a repository, too, may begin where it likes
+]
+html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_js_files = [("versions.js", {"defer": "defer"})]
+html_copy_source = False
+html_show_sphinx = False
+html_theme_options = {
+    "light_css_variables": {"color-brand-primary": "#0b6e4f", "color-brand-content": "#0b6e4f"},
+    "dark_css_variables": {"color-brand-primary": "#4fc896", "color-brand-content": "#4fc896"},
+}
+highlight_language = "text"
+
+
+def _listed() -> str:
+    parts = []
+    for heading, pages in PAGES.items():
+        lines = "\n".join(f"/{page}" for page in pages)
+        parts.append(f"\n\n```{{toctree}}\n:hidden:\n:caption: {heading}\n\n{lines}\n```\n")
+    return "".join(parts)
+
+
+def _read(_app: Sphinx, name: str, source: list[str]) -> None:
+    """Add what stands beside the pages to the front page, and the decisions to their list."""
+    if name == root_doc:
+        source[0] += _listed()
+    elif name == "docs/decisions/README":
+        records = sorted(path.stem for path in (ROOT / "docs" / "decisions").glob("0*.md"))
+        source[0] += "\n\n```{toctree}\n:hidden:\n\n" + "\n".join(records) + "\n```\n"
+
+
+def setup(app: Sphinx) -> None:
+    """Be called by Sphinx."""
+    app.connect("source-read", _read)
+    for plain in ("csv", "http"):  # requests and answers are shown together, which no lexer of HTTP reads
+        app.add_lexer(plain, TextLexer)
