@@ -76,6 +76,7 @@ def pages() -> dict[str, str]:
         "settings.md": HEAD + settings_page(kinds()),
         "cli.md": HEAD + cli_page(),
         "codes.md": HEAD + codes_page(),
+        "lbr.1": man_page(),
     }
 
 
@@ -485,6 +486,30 @@ def _helps(command: click.Command, name: str, parent: click.Context | None) -> I
                 found = command.get_command(context, child)
                 if found is not None and not found.hidden:
                     yield from _helps(found, child, context)
+
+
+def man_page() -> str:
+    """Return the same as a page of the manual, in the language of man (7)."""
+    from lbr.cli import cli  # noqa: PLC0415 - only these pages need it
+
+    parts = ['.\\" Written by docs/generate.py; do not edit.', '.TH LBR 1 "" lbr "User commands"', ".SH NAME"]
+    parts.append(r"lbr \- run a robot that is rows in a database, and talk to it")
+    for path, text in _helps(cli, "lbr", None):
+        parts += [f'.SH "{path.upper()}"', ".nf", *(_roff(line) for line in text.splitlines()), ".fi"]
+    parts += [
+        ".SH FILES",
+        ".nf",
+        r"~/.lbr/robot.db    what the robot is (LBR_HOME says where else)",
+        r"~/.lbr/logs        what its parts write",
+        ".fi",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def _roff(line: str) -> str:
+    """Return a line of plain text as man shows it: no command, no escape."""
+    plain = line.replace("\\", r"\e").replace("-", r"\-")
+    return rf"\&{plain}" if plain[:1] in {".", "'"} else plain
 
 
 # -- Markdown ---------------------------------------------------------------------------------------------------------

@@ -1,6 +1,8 @@
 """The `lbr` command. Every subcommand is imported only when it runs, so that all of them start fast."""
 
+import difflib
 import importlib
+import re
 import sys
 from importlib import metadata
 
@@ -38,8 +40,10 @@ COMMANDS = {
     "behaviour": ("behaviour", "Write state tables, check and take them, and run them."),
     "import": ("importing", "Take what a robot's former programs kept: databases, tables, motions."),
     "db": ("db", "Create, check and compare the robot's rows."),
+    "completion": ("completion", "Print what makes a shell complete lbr's commands."),
     "new": ("new", "Write a robot, a driver, servos or a capability of your own, to begin with."),
 }
+_NO_COMMAND = re.compile(r"No such command '(.*)'\.", re.DOTALL)
 NO_ARGUMENTS = getattr(click.exceptions, "NoArgsIsHelpError", ())  # before click 8.2 it prints the help by itself
 HELP = """Run a robot that is rows in a database, and talk to it.
 
@@ -54,7 +58,7 @@ Commands that talk to a robot mean the only one that runs here, unless --robot o
 
 \b
 Exit codes: 0 done, 1 failed or refused, 2 bad input or rows, 3 already running.
-Completion: eval "$(_LBR_COMPLETE=bash_source lbr)"    (or zsh_source, fish_source)
+Completion: eval "$(lbr completion bash)"    (or zsh; in fish: lbr completion fish | source)
 """
 
 
@@ -134,8 +138,18 @@ def _help(err: click.UsageError) -> int:
 
 def _explained(err: click.ClickException) -> str:
     if isinstance(err, click.UsageError) and err.ctx is not None:
-        return f"{err.format_message()} ('{err.ctx.command_path} --help' shows how)"
+        return f"{_meant(err, err.ctx)} ('{err.ctx.command_path} --help' shows how)"
     return err.format_message()
+
+
+def _meant(err: click.UsageError, context: click.Context) -> str:
+    """Return what is wrong, and which command was meant, where one was mistyped."""
+    text = err.format_message()
+    typed = _NO_COMMAND.fullmatch(text)  # newer versions of click know those that are loaded
+    if typed is None or not isinstance(context.command, click.Group):
+        return text
+    near = difflib.get_close_matches(typed[1][:80], context.command.list_commands(context), n=1)
+    return f"{text} Did you mean '{near[0]}'?" if near else text
 
 
 def code_of(err: LbrError) -> int:

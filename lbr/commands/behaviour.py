@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lbr.commands import behaviour_trials
+from lbr.commands.completing import complete_behaviour
 from lbr.commands.options import FileName, json_option, print_json, robot_options
 from lbr.errors import InputError, RowError
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
@@ -119,7 +120,7 @@ def import_(
 
 
 @command.command("export")
-@click.argument("table")
+@click.argument("table", shell_complete=complete_behaviour)
 @click.option(
     "--csv",
     "form",
@@ -151,7 +152,7 @@ def export(table: str, form: str, semicolons: bool, path: Path | None, robot: st
 
 
 @command.command("show")
-@click.argument("table")
+@click.argument("table", shell_complete=complete_behaviour)
 @click.option("--svg", is_flag=True, help="As a picture, for a browser.")
 @click.option("--to", "path", type=FileName(), metavar="FILE", help="Else it is printed.")
 @robot_option
@@ -221,7 +222,7 @@ def _word(name: str, text: str) -> None:
 
 
 @command.command("run")
-@click.argument("table")
+@click.argument("table", shell_complete=complete_behaviour)
 @robot_options
 @json_option
 @click.pass_context

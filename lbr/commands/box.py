@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lbr.commands.completing import complete_recording
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
 
@@ -75,7 +76,7 @@ def list_box(robot: str | None, as_json: bool) -> int:
 
 
 @command.command("show")
-@click.argument("what", required=False, default="")
+@click.argument("what", required=False, default="", shell_complete=complete_recording)
 @which_robot
 @span_options
 @json_option
@@ -109,7 +110,7 @@ def show(what: str, robot: str | None, begin: str | None, end: str | None, aroun
 
 
 @command.command("export")
-@click.argument("what", required=False, default="")
+@click.argument("what", required=False, default="", shell_complete=complete_recording)
 @which_robot
 @span_options
 @click.option(
@@ -161,7 +162,7 @@ def export(
 
 
 @command.command("delete")
-@click.argument("what", nargs=-1, required=True)
+@click.argument("what", nargs=-1, required=True, shell_complete=complete_recording)
 @which_robot
 def delete(what: tuple[str, ...], robot: str | None) -> int:
     """Delete WHAT: what the box kept or a recording, by name; box for all of its own files but the one it writes."""

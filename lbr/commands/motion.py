@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 from msgspec.structs import replace
 
+from lbr.commands.completing import complete_motion
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
@@ -54,7 +55,7 @@ def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
 
 
 @command.command("export")
-@click.argument("name")
+@click.argument("name", shell_complete=complete_motion)
 @robot_option
 @click.option(
     "--to", "path", type=FileName(), metavar="FILE", help="Else it is printed. By its end, .mtn is RoboPlus's form."
@@ -153,7 +154,7 @@ def import_(
 
 
 @command.command("stable")
-@click.argument("names", nargs=-1)
+@click.argument("names", nargs=-1, shell_complete=complete_motion)
 @robot_option
 @click.option("--dry-run", is_flag=True, help="Only say what was found.")
 @database_option

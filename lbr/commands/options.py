@@ -58,7 +58,12 @@ class Whom(NamedTuple):
 def robot_options(function: F) -> F:
     """Add --robot, --connect and --token-file; the command gets them as `whom`."""
 
-    @click.option("--robot", metavar="NAME", help="Which robot; the only one that runs here if left out.")
+    @click.option(
+        "--robot",
+        metavar="NAME",
+        shell_complete=complete_running,
+        help="Which robot; the only one that runs here if left out.",
+    )
     @click.option("--connect", metavar="ENDPOINT", help="Reach a robot elsewhere, such as tls/192.168.1.7:7447.")
     @click.option(
         "--token-file",
@@ -94,6 +99,13 @@ def print_json(value: Any) -> None:
     click.echo(msgspec.json.encode(value).decode())
 
 
+def complete_running(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the robots that run here, to complete a command line by."""
+    from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
+
+    return [CompletionItem(one.robot, help=one.profile) for one in home.running() if one.robot.startswith(begun)]
+
+
 def complete_robot(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the robots that there are, to complete a command line by."""
     from lbr.robots import registry  # noqa: PLC0415 - kept out of `lbr --help`
@@ -110,4 +122,4 @@ def complete_profile(context: click.Context, parameter: click.Parameter, begun: 
     from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of `lbr --help`
 
     found = [CompletionItem(name) for name in profile.names() if name.startswith(begun)]
-    return [*found, *click.Path().shell_complete(context, parameter, begun)] if not found or begun else found
+    return found or click.Path().shell_complete(context, parameter, begun)  # a shell offers files or words, not both

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from lbr.commands.completing import complete_field
 from lbr.commands.options import Number, Whom, robot_options
 from lbr.errors import BusError, InputError
 
@@ -33,7 +34,7 @@ class Series(NamedTuple):
 
 
 @click.command("plot")
-@click.argument("fields", nargs=-1, required=True, metavar="TOPIC.FIELD...")
+@click.argument("fields", nargs=-1, required=True, metavar="TOPIC.FIELD...", shell_complete=complete_field)
 @robot_options
 @click.option(
     "--seconds", type=Number(0.5, 86400), default=20.0, show_default=True, help="How much of the past is shown."

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from lbr.commands import box
+from lbr.commands.completing import complete_recording
 from lbr.commands.options import Number
 from lbr.errors import BusError, InputError
 
@@ -32,7 +33,7 @@ _LETTERS = {b" ": "pause", b"q": "end", b"+": "faster", b"-": "slower", b"\x04":
 
 
 @click.command("replay")
-@click.argument("what", required=False, default="")
+@click.argument("what", required=False, default="", shell_complete=complete_recording)
 @box.which_robot
 @box.span_options
 @click.option(

@@ -7,7 +7,24 @@ import click
 from lbr.commands.options import DEFAULT_PROFILE, FileName, complete_profile
 
 
-@click.command("run")
+class RunCommand(click.Command):
+    """Names the launch profiles in its help."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """Write which profiles there are."""
+        from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of what runs a robot
+        from lbr.robots import registry  # noqa: PLC0415
+
+        with formatter.section("Profiles"):
+            formatter.write_dl(
+                [
+                    (", ".join(profile.of_robot(one)), one.robot.summary if one.robot else one.fault)
+                    for one in registry.every()
+                ]
+            )
+
+
+@click.command("run", cls=RunCommand)
 @click.argument("profile", default=DEFAULT_PROFILE, shell_complete=complete_profile)
 @click.option(
     "--db",

@@ -4,6 +4,7 @@ import sys
 
 import click
 
+from lbr.commands.completing import complete_line
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
@@ -11,7 +12,7 @@ from lbr.messages.system import ConsoleResult
 
 
 @click.command("send", context_settings={"ignore_unknown_options": True})
-@click.argument("words", nargs=-1, required=True, type=click.UNPROCESSED, metavar="LINE")
+@click.argument("words", nargs=-1, required=True, type=click.UNPROCESSED, metavar="LINE", shell_complete=complete_line)
 @robot_options
 @click.option(
     "--hold",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from lbr.commands.completing import complete_token
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
 from lbr.messages.system import TokenRole
@@ -113,7 +114,7 @@ def list_tokens(database: Path | None, as_json: bool) -> int:
 
 
 @command.command("revoke")
-@click.argument("name")
+@click.argument("name", shell_complete=complete_token)
 @database_option
 def revoke(name: str, database: Path | None) -> int:
     """Take a token's rights away: who came in with it is out within a second, and stays out."""

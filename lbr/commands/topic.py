@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lbr.commands.completing import complete_topic
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.plain import one_line
@@ -53,7 +54,7 @@ def list_topics(whom: Whom, as_json: bool) -> int:
 
 
 @command.command("info")
-@click.argument("topic")
+@click.argument("topic", shell_complete=complete_topic)
 @robot_options
 @json_option
 def info(topic: str, whom: Whom, as_json: bool) -> int:
@@ -78,7 +79,7 @@ def info(topic: str, whom: Whom, as_json: bool) -> int:
 
 
 @command.command("echo")
-@click.argument("topic")
+@click.argument("topic", shell_complete=complete_topic)
 @robot_options
 @click.option("--once", is_flag=True, help="Print one message, the latest there is, and leave.")
 @click.option("--raw", is_flag=True, help="Print the payload's bytes as they are.")
@@ -110,7 +111,7 @@ def echo(topic: str, whom: Whom, once: bool, raw: bool, as_json: bool) -> int:
 
 
 @command.command("hz")
-@click.argument("topic")
+@click.argument("topic", shell_complete=complete_topic)
 @robot_options
 @click.option("--seconds", type=Number(0.1, 3600), default=5.0, show_default=True, help="How long to listen.")
 @json_option
@@ -143,7 +144,7 @@ def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
 
 
 @command.command("pub")
-@click.argument("topic")
+@click.argument("topic", shell_complete=complete_topic)
 @click.argument("message", metavar="JSON")
 @robot_options
 @click.option("--rate", type=Number(0.01, 1000), default=10.0, show_default=True, help="Messages a second.")

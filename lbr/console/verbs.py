@@ -123,11 +123,37 @@ class Vocabulary:
         ]
 
     def help(self) -> str:
-        """Return what can be said, as aligned lines for a person."""
-        lines = [(verb.plain, verb.row.help) for verb in self._verbs]
-        lines += [(_said(row), row.help or "An external command") for row in self._external.values()]
-        width = min(max((len(said) for said, _ in lines), default=0), 44)
-        return "\n".join(f"{said:<{width}}  {text}".rstrip() for said, text in lines)
+        """Return what can be said, as aligned lines for a person, by what does it."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for verb in self._verbs:
+            owner = verb.row.target_end[0]
+            groups.setdefault("" if owner == OWN else owner, []).append((verb.plain, verb.row.help))
+        lines = [(_said(row), row.help or "An external command") for row in self._external.values()]
+        width = min(max((len(said) for found in (*groups.values(), lines) for said, _ in found), default=0), 44)
+        order = [(name, groups[name]) for name in sorted(groups)] + [("programs beside the robot", lines)]
+        told = [
+            ([f"\n{name}:"] if name else []) + [f"{said:<{width}}  {text}".rstrip() for said, text in found]
+            for name, found in order
+            if found
+        ]
+        return "\n".join(line for group in told for line in group)
+
+    def tell(self, word: str, entries: Iterable[Mapping[str, Any]]) -> str:
+        """Return what a word takes, as lines for a person, out of its entries; InputError if it is none."""
+        lines = []
+        for entry in entries:
+            role = "" if entry["role"] == "view" else f" (needs the role {entry['role']})"
+            names = iter(field["name"] for field in entry["fields"])
+            said = [next(names, part) if part.startswith("{") else part for part in entry["pattern"].split("/")]
+            lines.append(f"{'/'.join(said)}  {entry['help']}{role}".rstrip())
+            first = entry.get("choices") or []
+            for number, field in enumerate(entry["fields"]):
+                choices = field["choices"] or (first if number == 0 else [])
+                known = f"one of {', '.join(map(str, choices))}" if choices else field["hint"]
+                lines.append(f"    {field['name']}: {known}")
+        if not lines:
+            raise self._unknown(word)
+        return "\n".join(lines)
 
     def _path(self, line: str) -> Parsed:
         parts = [part for part in line.split("/") if part]

@@ -30,7 +30,8 @@ WORDS: tuple[Word, ...] = (
     Word("/estop/{reason...}", "estop", "view", "Emergency stop, and why"),
     Word("reset", "reset", "operate", "Release the emergency stop; nothing moves by that alone"),
     Word("status", "status", "view", "Show what runs and how it is"),
-    Word("help", "help", "view", "List what can be said here"),
+    Word("help", "help", "view", "List what can be said here. With a word: what it takes, such as `help r`"),
+    Word("/help/{word}", "help", "view", "Tell what a word takes"),
     Word("Shutdown", "shutdown", "admin", "Stop everything in order and end; mind the capital letter"),
 )
 

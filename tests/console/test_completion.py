@@ -53,6 +53,7 @@ def offered(text: str) -> list[str]:
                 "reset",
                 "status",
                 "help",
+                "/help/",
                 "Shutdown",
                 "/r/",
                 "/report/",

@@ -32,7 +32,18 @@ def columns(connection: sqlite3.Connection) -> dict[str, list[str]]:
     return {table: [name for (name,) in found] for table, found in names.items() if found}
 
 
-WORDS_OF_EVERY_ROBOT = {"s", "S", "stop", "estop", "/estop/{reason...}", "reset", "status", "help", "Shutdown"}
+WORDS_OF_EVERY_ROBOT = {
+    "s",
+    "S",
+    "stop",
+    "estop",
+    "/estop/{reason...}",
+    "reset",
+    "status",
+    "help",
+    "/help/{word}",
+    "Shutdown",
+}
 """These were rows, up to the schema 0006."""
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TypeVar, get_args
 
+from lbr.database.rows import BUILT_IN_VERBS
 from lbr.executive.planning.facts import facts
 from lbr.executive.planning.plan import Plan
 from lbr.messages.rows import Row
@@ -32,6 +33,7 @@ def choices(plan: Plan, home: Path) -> dict[str, Iterable[str]]:
     """Return the known values by `capability.command` for its first field, or with `.field` at its end for that one."""
     found: dict[str, Iterable[str]] = {
         "executive.report": REPORTS,
+        "executive.help": sorted({row.word for row in (*BUILT_IN_VERBS, *plan.rows.verbs)}),
         "executive.restart": tuple(plan.units),
         "executive.pair": get_args(Role),
         "executive.why": why.names(facts(plan)),

@@ -325,10 +325,13 @@ class Dispatcher:
         text = "\n".join(telling.lines(found))
         return ConsoleResult(code=DONE, text=text, reason_code=found.code or "done", data=msgspec.to_builtins(found))
 
-    def _help(self, _call: VerbCall, _by: _Speaker) -> ConsoleResult:
+    def _help(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
         words = self._robot.vocabulary
-        known = choices(self._robot.plan, home.home())
-        return ConsoleResult(code=DONE, text=words.help(), data=words.entries(known))
+        word, entries = str(call.payload.get("word", "")), words.entries(choices(self._robot.plan, home.home()))
+        if not word:
+            return ConsoleResult(code=DONE, text=words.help(), data=entries)
+        found = [entry for entry in entries if entry["word"] == word.strip("/")]
+        return ConsoleResult(code=DONE, text=words.tell(word.strip("/"), found), data=found)
 
     def _shutdown(self, _call: VerbCall, by: _Speaker) -> ConsoleResult:
         self._robot.shutdown(by.source)

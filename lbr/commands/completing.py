@@ -1,0 +1,110 @@
+"""What a command line may go on with, out of what runs and what the rows hold. Quiet and quick: where nothing runs, nothing is said."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.shell_completion import CompletionItem
+
+from lbr.errors import LbrError
+
+if TYPE_CHECKING:
+    from lbr.bus.session import Session
+
+Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
+
+
+def complete_topic(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the topics of the robot that is meant, with their messages."""
+    with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
+        from lbr.console import topics  # noqa: PLC0415 - kept out of `lbr --help`
+
+        return _items(begun, ((one.name, one.message) for one in topics.catalogue(bus, robot, source)))
+    return []
+
+
+def complete_field(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the numbers that streams have, as `drive/state.power`."""
+    with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
+        from lbr.console import topics  # noqa: PLC0415
+
+        streams = [one for one in topics.catalogue(bus, robot, source) if one.role != "command"]
+        return _items(
+            begun,
+            (
+                (f"{one.name}.{field.name}", str(field.schema.get("description", "")))
+                for one in streams
+                for field in topics.fields_of(one)
+            ),
+        )
+    return []
+
+
+def complete_line(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return how a console line may go on: words, then fields."""
+    with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
+        from prompt_toolkit.completion import CompleteEvent  # noqa: PLC0415
+        from prompt_toolkit.document import Document  # noqa: PLC0415
+
+        from lbr.console.completion import LineCompleter  # noqa: PLC0415
+        from lbr.console.operator import BusOperator  # noqa: PLC0415
+
+        said = " ".join([*(context.params.get("words") or ()), begun])
+        words = BusOperator(bus, robot, source, listen=False).words()
+        found = LineCompleter(words).get_completions(Document(said), CompleteEvent(completion_requested=True))
+        before = len(said) - len(begun)
+        lines = (
+            (said[: len(said) + one.start_position] + one.text, one.display_meta_text) for one in found if one.text
+        )
+        return [CompletionItem(line[before:], help=text) for line, text in lines]
+    return []
+
+
+def of_rows(table: str, name: str, text: str = "") -> Complete:
+    """Return what completes by a column of a table here, and tells another with it."""
+
+    def complete(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+        from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
+        from lbr.database import glance  # noqa: PLC0415
+
+        with suppress(LbrError):
+            return _items(
+                begun, glance.column(context.params.get("database") or home.default_database(), table, name, text)
+            )
+        return []
+
+    return complete
+
+
+complete_capability = of_rows("capability", "name", "help")
+complete_motion = of_rows("motion", "name", "help")
+complete_behaviour = of_rows("behaviour", "name", "help")
+complete_token = of_rows("user_token", "name", "role")
+
+
+def complete_recording(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return what the box kept, and what was recorded on purpose."""
+    from lbr import home  # noqa: PLC0415
+
+    with suppress(LbrError, OSError):
+        from lbr.recording import shelf  # noqa: PLC0415
+
+        shelves = [shelf.Shelf(home.home(), robot) for robot in shelf.robots(home.home())]
+        kept = [(one.path.name, one.why.text if one.why else "") for here in shelves for one in here.kept()]
+        made = [(path.stem, "a recording") for here in shelves for path in here.recordings()]
+        return _items(begun, kept + made)
+    return []
+
+
+@contextmanager
+def _bus(context: click.Context) -> "Iterator[tuple[Session, str, str]]":
+    from lbr.console import target  # noqa: PLC0415
+
+    found = target.find(context.params.get("robot"), context.params.get("connect"), context.params.get("token_file"))
+    with target.connected(found) as bus:
+        yield bus, found.robot, target.source("completion")
+
+
+def _items(begun: str, found: Iterable[Any]) -> list[CompletionItem]:
+    return [CompletionItem(name, help=text or None) for name, text in found if name.startswith(begun)]

@@ -1,0 +1,24 @@
+"""`lbr completion`."""
+
+import click
+from click.shell_completion import get_completion_class
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+@click.command("completion")
+@click.argument("shell", type=click.Choice(SHELLS), metavar="SHELL")
+def command(shell: str) -> int:
+    """Print what makes a shell complete lbr's commands: profiles, robots, topics, motions and words of the robot that runs.
+
+    \b
+    bash   eval "$(lbr completion bash)"           in ~/.bashrc
+    zsh    eval "$(lbr completion zsh)"            in ~/.zshrc, after compinit
+    fish   lbr completion fish | source            in ~/.config/fish/config.fish
+    """
+    from lbr.cli import cli  # noqa: PLC0415 - which imports this module
+
+    found = get_completion_class(shell)
+    assert found is not None
+    click.echo(found(cli, {}, "lbr", "_LBR_COMPLETE").source())
+    return 0
