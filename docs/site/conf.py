@@ -48,7 +48,15 @@ PAGES = {
         "docs/gym",
     ],
     "Find out": ["docs/why", "docs/box"],
-    "Run it for good": ["docs/service", "docs/two_machines", "docs/power", "docs/safety", "docs/security", "SECURITY"],
+    "Run it for good": [
+        "docs/service",
+        "docs/containers",
+        "docs/two_machines",
+        "docs/power",
+        "docs/safety",
+        "docs/security",
+        "SECURITY",
+    ],
     "Reference": [
         "docs/reference/cli",
         "docs/reference/console",
