@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from math import inf
 from typing import Literal
 
+from msgspec.structs import replace
+
 from lbr.errors import InputError
 from lbr.messages.why import Chain, Link
 from lbr.why import bodies
@@ -88,12 +90,20 @@ def _whole(now: Snapshot, walk: Walk) -> Iterator[Link]:
     parts = now.facts.parts.values()
     movers = [one for one in parts if one.moves and one.enabled and one.family == "operation"]
     for mover in movers or [one for one in parts if one.moves and one.enabled]:
-        yield from walk.of(mover.name)
+        yield from (_away_from_dock(now.facts, link) for link in walk.of(mover.name))
     for one in parts:
         if one.enabled and one.runs:
             yield from (
                 link for link in walk.of(one.name) if link.name in {"process", "line", "fault"} and link.state != "ok"
             )
+
+
+def _away_from_dock(facts: Facts, link: Link) -> Link:
+    """Return a link as the whole robot has it: one that is not before its dock sees no beam, and is well."""
+    about = facts.parts.get(link.about)
+    if link.name != "reading" or about is None or "DockSignal" not in about.outputs.values():
+        return link
+    return replace(link, state="ok", code="", do="")
 
 
 def _joint(now: Snapshot, walk: Walk, name: str) -> Iterator[Link]:

@@ -356,6 +356,13 @@ def test_what_only_some_motion_needs_does_not_hold_all_of_it(robots):
     assert other.state == "ok", telling.lines(other)
 
 
+def test_a_robot_that_is_not_before_its_dock_is_well_until_its_dock_is_asked_about(robots):
+    now = with_said(robots["lbr"], "dock/signal", left=False, right=False, left_age_s=None, right_age_s=None)
+    assert explain(now, "").state == "ok"
+    assert any("no beam" in link.text for link in explain(now, "").links)
+    assert explain(now, "beacon").code == "stale_sensor"
+
+
 def test_the_first_of_two_causes_is_the_one_nearer_to_who_asks(robots):
     both = with_estop(without_motors(robots["lbr"]), reason="dog")
     assert told(both, "drive") == ("estop", "estop", "estop")
