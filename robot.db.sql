@@ -542,6 +542,11 @@ INSERT INTO capability (robot, name, kind, settings, help) VALUES
     ('lbr', 'box', 'box', '{}',
      'The black box: what was said of late, and for longer what led to an emergency stop, crash, fault, fall or mark');
 
+-- Off: it needs `pip install 'lbr[foxglove]'`. Then `UPDATE capability SET enabled = 1 WHERE name = 'foxglove'`: docs/foxglove.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('lbr', 'foxglove', 'foxglove', 0, '{"port": 8765}',
+     'The robot for Foxglove: its streams, cameras, body and words, at ws://127.0.0.1:8765');
+
 -- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`
 -- lets in whoever has a token (`lbr token add NAME`).
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES

@@ -47,7 +47,7 @@ PAGES = {
         "docs/registry",
         "docs/gym",
     ],
-    "Find out": ["docs/why", "docs/box"],
+    "Find out": ["docs/why", "docs/box", "docs/foxglove"],
     "Run it for good": [
         "docs/service",
         "docs/containers",

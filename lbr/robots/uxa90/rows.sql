@@ -43,6 +43,11 @@ INSERT INTO capability (robot, name, kind, settings, help) VALUES
     ('uxa90', 'box', 'box', '{}',
      'The black box: what was said of late, and for longer what led to an emergency stop, crash, fault, fall or mark');
 
+-- Off: it needs `pip install 'lbr[foxglove]'`. Then `UPDATE capability SET enabled = 1 WHERE name = 'foxglove'`: docs/foxglove.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('uxa90', 'foxglove', 'foxglove', 0, '{"port": 8767}',
+     'The robot for Foxglove: its streams, cameras, body and words, at ws://127.0.0.1:8767');
+
 -- Off: nothing on the robot can be reached from other machines, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',

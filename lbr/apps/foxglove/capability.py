@@ -1,0 +1,380 @@
+"""The bridge as a process: listens, lets in who may, keeps what is shown as the robot is, and carries words to the robot."""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+import msgspec
+from msgspec import Struct
+from starlette.requests import HTTPConnection
+from starlette.responses import Response
+from starlette.routing import BaseRoute, Match
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from lbr import home
+from lbr.apps.foxglove import FoxgloveSettings, channels, protocol
+from lbr.apps.foxglove import services as words
+from lbr.apps.foxglove.channels import Source
+from lbr.apps.foxglove.layout import layout
+from lbr.apps.foxglove.pictures import Pictures
+from lbr.apps.foxglove.services import ESTOP, STOP, Service
+from lbr.apps.foxglove.socket import Viewer
+from lbr.apps.http import listening, serving
+from lbr.apps.http.pages import Pages
+from lbr.apps.http.rates import Rates
+from lbr.apps.http.turns import Turns
+from lbr.apps.web.access import Access
+from lbr.apps.web.advertised_address import AdvertisedAddress
+from lbr.apps.web.api.feeds import Feeds
+from lbr.apps.web.api.requests import LINE_S, source_of
+from lbr.apps.web.api.robot_bus import Bus, opened
+from lbr.apps.web.api.service import NO_BUS, NOT_YET, Api
+from lbr.apps.web.application import Gate, application, is_owners
+from lbr.apps.web.bridge import Bridge, until
+from lbr.apps.web.face import Client, Message, Refused, Request, Route, json, refuse_without
+from lbr.apps.web.guards import Counts, address_of, headers_of
+from lbr.apps.web.robot import Robot
+from lbr.apps.web.serving import Serving
+from lbr.apps.web.sessions import Sessions
+from lbr.apps.web.streams import shown_token, who
+from lbr.bodies.model import body_file, model
+from lbr.bus.codec import Decoder
+from lbr.bus.door import LanUser
+from lbr.bus.lease_client import RENEW_S, LeaseClient, LeaseTarget
+from lbr.capability.base import Capability
+from lbr.capability.context import Context
+from lbr.errors import BusError, DeviceError, InputError, LbrError, MalformedError
+from lbr.messages.foxglove import FoxgloveState
+from lbr.messages.joints import Joint
+from lbr.messages.kinematics import Wheel
+from lbr.messages.leases import CommandReply
+from lbr.messages.sensing import RangeSensor
+from lbr.messages.system import ConsoleResult, Hold
+
+SWITCH_S = 0.0005
+TELL_S = 1.0
+REQUESTS_HZ = 50.0
+ENDS = "the bridge ends; it comes back at once if its rows were changed"
+LOST = "the connection to Foxglove is gone"
+_results = Decoder(ConsoleResult)
+
+
+class Goal(Struct):
+    """Motion with an end, which a word began: renewed until it is there, and no longer than its client is."""
+
+    viewer: Viewer
+    lease: LeaseClient
+    payload: dict[str, Any]
+    until_s: float
+    next_s: float
+
+
+class Door(BaseRoute):
+    """Lets clients of Foxglove in at any path; those that other paths are for ask by HTTP."""
+
+    def __init__(self, bridge: "Foxglove", gate: Gate, viewers: Turns) -> None:
+        self._bridge = bridge
+        self._gate = gate
+        self._viewers = viewers
+
+    def matches(self, scope: Scope) -> tuple[Match, Scope]:
+        """Say whether a WebSocket is asked for."""
+        return (Match.FULL if scope["type"] == "websocket" else Match.NONE), {}
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one client; raise Refused."""
+        client, pictures = await self._entry(scope)
+        offered = scope.get("subprotocols", ())
+        chosen = next((one for one in protocol.PROTOCOLS if one in offered), None)
+        if chosen is None:
+            raise Refused(400, f"this speaks {' and '.join(protocol.PROTOCOLS)}", code="not_possible")
+        web = WebSocket(scope, receive, send)
+        with self._viewers.taken(who(client)):
+            await web.accept(chosen)
+            if (connection := serving.connection_of(scope)) is not None:
+                connection.mark("watching")
+            viewer = Viewer(self._bridge, client, self._bridge.ctx.settings.rate_hz, pictures=pictures)
+            await viewer.serve(web, receive, self._bridge.ctx.robot)
+
+    async def _entry(self, scope: Scope) -> tuple[Client, bool]:
+        """Return who comes, and whether cameras are for them; raise Refused.
+
+        A page of another origin acts by its token alone: that its browser is the owner's lets it look, and no more.
+        """
+        headers = headers_of(scope)
+        self._gate.refuse_strangers(scope, headers)
+        shown = shown_token(scope) or HTTPConnection(scope).query_params.get("token", "")
+        owner = not shown and "authorization" not in headers and await is_owners(scope, address_of(scope))
+        client = await self._gate.client(scope, headers, shown, owner=owner and "origin" not in headers)
+        refuse_without(client, "view")
+        if self._bridge.over:
+            raise Refused(503, self._bridge.over, {"Retry-After": "2"})
+        if full := self._viewers.why_not(who(client)):
+            raise Refused(503, f"{full} are connected already", {"Retry-After": "10"}, "busy")
+        return client, owner or client.known
+
+
+class Foxglove(Capability[FoxgloveSettings]):
+    """Raises DeviceError while it cannot listen. What `sources` and `services` are is replaced as a whole."""
+
+    rate_hz = 50.0
+    woken_by_streams = False
+    api: Api
+    pictures: Pictures
+
+    def __init__(self, ctx: Context[FoxgloveSettings]) -> None:
+        super().__init__(ctx)
+        sys.setswitchinterval(SWITCH_S)
+        self.over = ""
+        self.sources: Mapping[int, Source] = {}
+        self.services: Mapping[int, Service] = {}
+        self.session = f"{ctx.robot}-{int(ctx.clock() * 1000)}"
+        self._bridge = Bridge(ctx.wake, self._failed)
+        self._counts = Counts()
+        self._sessions = Sessions(home.home() / "credentials" / f"foxglove.{ctx.robot}.{ctx.name}.sessions", {})
+        self._place = AdvertisedAddress(cast("Any", ctx.settings), ctx.settings.port, here=tuple)
+        self._serving: Serving | None = None
+        self._known: object = None
+        self._goals: list[Goal] = []
+        self._bus: Any = None
+        self._tell_at = 0.0
+
+    @property
+    def feeds(self) -> Feeds:
+        """The streams, heard once for all clients."""
+        assert self.api.feeds is not None
+        return self.api.feeds
+
+    def open(self) -> None:
+        """Listen and serve."""
+        settings = self.ctx.settings
+        row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
+        try:
+            sockets = listening.listen(settings.host, settings.port)
+        except InputError as err:
+            raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
+        self._place = AdvertisedAddress(cast("Any", settings), sockets[0].getsockname()[1])
+        self._bridge.open()
+        self.over = ""
+        try:
+            self._bus = self._opened()
+            robot = Robot(cast("Any", self.ctx), self._bridge, self._sessions, self._counts.tell)
+            self.api = Api(robot, self._bus, "")
+            self.pictures = Pictures(self._bus, lambda name: f"{self.ctx.robot}/{name}")
+            self._serving = Serving(self._application(), sockets, tls=self._place.tls)
+        except (InputError, BusError) as err:
+            for one in sockets:
+                one.close()
+            raise DeviceError(str(err)) from err
+        self._serving.start()
+        self.ctx.event("listening", f"Foxglove at {', '.join(self._urls()) or settings.host}")
+        if self._place.open and not self._place.tls:
+            text = "other machines reach the robot in clear text: a machine in between reads tokens, and changes what is asked"
+            self.ctx.event("exposed", text, level="warning")
+
+    def step(self) -> None:
+        """Do what was asked for, and follow what the robot is."""
+        now = self.ctx.clock()
+        self.api.step()
+        self._bridge.serve()
+        self._renew(now)
+        if self.api.known is not None and self.api.known is not self._known:
+            self._known = self.api.known
+            self._show(self.api.known.told)
+        while self._counts.news:
+            kind, text, level = self._counts.news.popleft()
+            self.ctx.event(kind, text, level=level)
+        if now >= self._tell_at:
+            self._tell_at = now + TELL_S
+            self._tell(listening_=True)
+
+    def degraded(self, reason: str) -> None:
+        """Say that no client is served."""
+        self._tell(listening_=False, reason=reason)
+
+    def close(self) -> None:
+        """Stop serving, and what was moved in its clients' names."""
+        self.over = ENDS
+        self._bridge.close(ENDS)
+        for goal in self._goals:
+            _release(goal, ENDS)
+        self._goals.clear()
+        if self._serving is None:
+            return
+        self.api.release(ENDS)
+        self._serving.stop()
+        self._serving = None
+        self._bridge.close(ENDS)  # for what came meanwhile
+        self.api.close()
+
+    def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
+        """Say whether a client may hear a channel: cameras are for who is known."""
+        return not source.picture or (pictures and client.may("view"))
+
+    async def say(self, service: Service, line: str, viewer: Viewer) -> Any:
+        """Say a line in the name of a client; raise Refused."""
+        came_s = self.api.now()
+        return await self._bridge.call(self._said(service, line, viewer, came_s), timeout_s=LINE_S + 1.0)
+
+    # In the loop.
+
+    async def _said(self, service: Service, line: str, viewer: Viewer, came_s: float) -> Any:
+        client = viewer.client
+        if service.word == ESTOP:
+            self.api.stopped(came_s)
+            self.ctx.engage_estop(f"by {client}, from Foxglove")
+        if service.word == STOP:
+            self.api.stopped(came_s)
+        if service.word in {STOP, ESTOP}:
+            self._goals = [goal for goal in self._goals if not (goal.viewer is viewer and _release(goal, "stopped"))]
+            if service.word == ESTOP:
+                return {"code": 0, "text": "the emergency stop is engaged"}
+            question = self.api.line(STOP, role="view", source=source_of(client), timeout_s=LINE_S)
+        else:
+            said = self.api.said(came_s)
+            role = client.role or "view"
+            question = self.api.line(line, role=role, source=source_of(client), timeout_s=LINE_S, said=said)
+        await until(lambda: question.done or bool(question.replies))
+        if not question.replies:
+            raise Refused(503, f"the robot did not answer within {LINE_S:g} s", code="timeout")
+        try:
+            result = _results.decode(question.replies[0].payload)
+        except MalformedError as err:
+            raise Refused(503, f"the answer cannot be read: {err}", code="malformed") from None
+        if result.code != 0:
+            code = f" [{result.reason_code}]" if result.reason_code else ""
+            raise Refused(409, f"{result.text}{code}", code="refused")
+        text = result.text
+        if result.hold is not None:
+            text = self._keep(result.hold, viewer, text)
+        return {"code": 0, "text": text, "data": result.data}
+
+    def _keep(self, hold: Hold, viewer: Viewer, text: str) -> str:
+        """Renew a goal while its client is there; motion without an end is over when it is not published."""
+        if not hold.goal:
+            return f"{text}; it is over in {hold.ttl_s:g} s: to drive, publish it (docs/foxglove.md)"
+        given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
+        at = {"motion": hold.key, **({"halt": hold.stop_key} if hold.stop_key else {})}
+        transport = self._bus.transport(source_of(viewer.client), at, self.ctx.wake)
+        target = LeaseTarget("motion", halt="halt" if "halt" in at else "")
+        now = self.ctx.clock()
+        payload = {name: value for name, value in hold.payload.items() if name != "lease"}
+        lease = LeaseClient(transport, target, given=given)
+        self._goals.append(Goal(viewer, lease, payload, now + hold.max_run_s, now))
+        return text
+
+    def _renew(self, now: float) -> None:
+        left = []
+        for goal in self._goals:
+            try:
+                goal.lease.step()
+                if goal.lease.ended is not None:
+                    continue
+                if goal.viewer.gone or now >= goal.until_s:
+                    _release(goal, LOST if goal.viewer.gone else "it took too long", lost=goal.viewer.gone)
+                    continue
+                if now >= goal.next_s:
+                    goal.next_s = now + RENEW_S
+                    goal.lease.keep(goal.payload)
+            except BusError:
+                continue
+            left.append(goal)
+        self._goals = left
+
+    def _show(self, told: Any) -> None:
+        """Number what is shown anew; a number stays with what it was for, so that clients keep what they hear."""
+        file = body_file(self.ctx.robot, Path(self.ctx.home))
+        sensors = self.ctx.rows(RangeSensor)
+        body = model(self.ctx.robot, file, self.ctx.rows(Joint), self.ctx.rows(Wheel), sensors)
+        before = {one.channel.topic: number for number, one in self.sources.items()}
+        found = {one.channel.topic: one for one in channels.sources(told, body, sensors)}
+        numbers = numbered(found, before)
+        self.services = self._offered(told)
+        self.sources = {
+            number: msgspec.structs.replace(one, channel=msgspec.structs.replace(one.channel, id=number))
+            for number, one in ((numbers[topic], one) for topic, one in found.items())
+        }
+
+    def _offered(self, told: Any) -> Mapping[int, Service]:
+        before = {one.word: number for number, one in self.services.items()}
+        found = {one.word: one for one in words.services(told.words)}
+        numbers = numbered(found, before)
+        return {numbers[word]: one for word, one in found.items()}
+
+    def _application(self) -> ASGIApp:
+        settings, pages = self.ctx.settings, Pages(self.ctx.settings.cors)
+        gate = Gate(Access((), self.ctx.rows(LanUser)), pages)
+        door = Door(self, gate, Turns(settings.clients, settings.clients))
+        stop = Route(
+            method="POST", path="/stop", handle=self._stop, summary="Stop whatever moves", replies={200: Message},
+            role="view", regardless=True,
+        )  # fmt: skip
+        shown = Route(
+            method="GET", path="/layout.json", handle=self._layout, summary="A layout of Foxglove for this robot",
+            replies={200: dict[str, Any]}, page=True,
+        )  # fmt: skip
+        return application(
+            [stop, shown],
+            door,
+            gate=gate,
+            pages=pages,
+            rates=Rates(REQUESTS_HZ),
+            own_names=frozenset(name.lower() for name in (*settings.names, *self._place.names)),
+            counts=self._counts,
+            in_loop=self._bridge.call,
+        )
+
+    def _layout(self, _request: Request) -> Response:
+        known = self.api.known
+        if known is None or not self.sources:
+            raise Refused(503, NOT_YET, {"Retry-After": "1"}, "not_ready")
+        drives = known.told.base is not None
+        return json(layout(self.sources.values(), self.services.values(), drives=drives))
+
+    async def _stop(self, request: Request) -> Any:
+        self.api.stopped(request.came_s)
+        question = self.api.line(STOP, role="view", source=source_of(request.client), timeout_s=LINE_S)
+        await until(lambda: question.done or bool(question.replies))
+        return json(Message(message="stopped" if question.replies else "the robot does not answer"))
+
+    def _opened(self) -> Bus:
+        bus = opened(self.ctx)
+        if bus is None:
+            raise BusError(NO_BUS)
+        return bus
+
+    def _urls(self) -> tuple[str, ...]:
+        return tuple(one.replace("http", "ws", 1) for one in self._place.urls)
+
+    def _tell(self, *, listening_: bool, reason: str = "") -> None:
+        self.ctx.publish(
+            "state",
+            FoxgloveState(
+                listening=listening_,
+                urls=self._urls() if listening_ else (),
+                clients=self._serving.connections if self._serving is not None else 0,
+                refused=self._counts.refused,
+                reason=reason,
+            ),
+        )
+
+    def _failed(self, err: Exception) -> None:
+        self._counts.tell("web_fault", f"{type(err).__name__}: {err}", "error")
+
+
+def numbered(found: Mapping[str, Any], before: Mapping[str, int]) -> dict[str, int]:
+    """Return a number for each name: the one that it had before, or one that none has had."""
+    next_ = max(before.values(), default=0) + 1
+    new = [name for name in sorted(found) if name not in before]
+    return {name: before[name] for name in found if name in before} | {name: next_ + at for at, name in enumerate(new)}
+
+
+def _release(goal: Goal, why: str, *, lost: bool = False) -> bool:
+    try:
+        if goal.lease.ended is None:
+            goal.lease.release(why, lost=lost)
+    except LbrError:
+        return True
+    return True

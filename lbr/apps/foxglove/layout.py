@@ -1,0 +1,87 @@
+"""A layout of Foxglove for a robot: its body, cameras, numbers, events, a stick and a stop, of what there is. Pure."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from lbr.apps.foxglove.channels import LOG, MODEL, Source
+from lbr.apps.foxglove.scene import BASE, WORLD
+from lbr.apps.foxglove.services import Service
+
+_NUMBERS = {
+    "DriveState": ("left", "right"),
+    "BatteryState": ("voltage_v",),
+    "PowerState": ("voltage_v",),
+    "AttitudeState": ("roll_rad", "pitch_rad"),
+}
+"""What is plotted of streams of these types."""
+_MOST_CAMERAS = 3
+
+
+def layout(sources: Iterable[Source], services: Iterable[Service], *, drives: bool) -> dict[str, Any]:
+    """Return a layout, as Foxglove imports it."""
+    known = {one.channel.topic: one for one in sources}
+    shapes = [topic for topic, one in known.items() if one.channel.schema_name in _IN_SPACE]
+    panels: dict[str, dict[str, Any]] = {}
+    cameras = [topic for topic, one in sorted(known.items()) if one.picture][:_MOST_CAMERAS]
+    for number, topic in enumerate(cameras, start=1):
+        panels[f"Image!camera{number}"] = {"imageMode": {"imageTopic": topic}, "foxglovePanelTitle": topic}
+    if shapes:
+        panels["3D!body"] = {
+            "followTf": BASE if MODEL in known else WORLD,
+            "followMode": "follow-pose",
+            "topics": {topic: {"visible": True} for topic in sorted(shapes)},
+            "layers": {"grid": {"layerId": "foxglove.Grid", "instanceId": "grid", "frameId": WORLD, "visible": True}},
+        }
+    if paths := _paths(known):
+        panels["Plot!numbers"] = {"paths": paths, "followingViewWidth": 30, "showLegend": True, "xAxisVal": "timestamp"}
+    panels["RosOut!events"] = {"topicToRender": LOG, "minLogLevel": 2}
+    if drives:
+        panels["Teleop!stick"] = _stick()
+    if any(one.word == "stop" for one in services):
+        panels["CallService!stop"] = {
+            "serviceName": "/stop",
+            "requestPayload": "{}",
+            "layout": "vertical",
+            "buttonText": "Stop",
+            "buttonColor": "#c62828",
+            "foxglovePanelTitle": "Stop",
+        }
+    return {
+        "configById": panels,
+        "globalVariables": {},
+        "userNodes": {},
+        "playbackConfig": {"speed": 1},
+        "layout": _tiled(list(panels), "row"),
+    }
+
+
+_IN_SPACE = {"foxglove.SceneUpdate", "foxglove.PoseInFrame", "foxglove.LaserScan"}
+
+
+def _paths(known: Mapping[str, Source]) -> list[dict[str, Any]]:
+    return [
+        {"value": f"{topic}.{field}", "enabled": True, "timestampMethod": "receiveTime"}
+        for topic, one in sorted(known.items())
+        for field in _NUMBERS.get(one.channel.schema_name, ())
+    ]
+
+
+def _stick() -> dict[str, Any]:
+    """Return a Teleop panel: it publishes ten times a second, since motion that is not renewed for 0.25 s is over."""
+    return {
+        "topic": "/cmd_vel",
+        "publishRate": 10,
+        "autoSendStopOnRelease": True,
+        "upButton": {"field": "linear-x", "value": 0.2},
+        "downButton": {"field": "linear-x", "value": -0.2},
+        "leftButton": {"field": "angular-z", "value": 0.8},
+        "rightButton": {"field": "angular-z", "value": -0.8},
+    }
+
+
+def _tiled(panels: Sequence[str], direction: str) -> Any:
+    if len(panels) == 1:
+        return panels[0]
+    half = (len(panels) + 1) // 2
+    other = "column" if direction == "row" else "row"
+    return {"first": _tiled(panels[:half], other), "second": _tiled(panels[half:], other), "direction": direction}

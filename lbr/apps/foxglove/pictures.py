@@ -1,0 +1,39 @@
+"""Cameras that somebody looks at, each heard once; one that nobody looks at is not heard, and rests."""
+
+from collections.abc import Callable, Iterable
+
+from lbr.apps.web.api.feeds import Sample
+from lbr.apps.web.api.robot_bus import Bus, Feed
+from lbr.bus import stamp
+
+
+class Pictures:
+    """The newest picture of each camera that is wanted; on the server's thread alone."""
+
+    def __init__(self, bus: Bus, key: Callable[[str], str]) -> None:
+        self._bus = bus
+        self._key = key
+        self._wanted: dict[object, frozenset[str]] = {}
+        self._heard: dict[str, tuple[Feed, Sample | None]] = {}
+
+    def want(self, viewer: object, names: Iterable[str]) -> None:
+        """Have a viewer's cameras heard, in the place of those that it wanted before; none: it has gone."""
+        self._wanted[viewer] = frozenset(names)
+        if not self._wanted[viewer]:
+            del self._wanted[viewer]
+        wanted = frozenset().union(*self._wanted.values())
+        for name in self._heard.keys() - wanted:
+            self._heard.pop(name)[0].close()
+        for name in wanted - self._heard.keys():
+            self._heard[name] = self._bus.hear(self._key(name)), None
+
+    def newest(self, name: str) -> Sample | None:
+        """Return the newest picture of a camera that is wanted, as its bytes."""
+        if name not in self._heard:
+            return None
+        feed, newest = self._heard[name]
+        for raw in feed.take():
+            sent_s = stamp.sent_s(stamp.read(raw.attachment), raw.arrived)
+            newest = Sample(raw.payload, sent_s, newest.number + 1 if newest is not None else 1)
+        self._heard[name] = feed, newest
+        return newest

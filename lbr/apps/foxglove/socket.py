@@ -1,0 +1,397 @@
+"""One client of Foxglove's protocol: what it hears, what it asks, and its hand on the robot; on the server's thread.
+
+subscribe ──► streams, newest first ──► messages        a slow reader gets what is newer, and a dead one is cut
+service ──► a console line, with the client's role ──► its answer; a goal goes on while the connection stands
+publish ──► a hand (lbr.apps.web.api.holds) ──► a lease, renewed while the client goes on publishing
+"""
+
+import asyncio
+import socket
+import time
+from collections import deque
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any, Protocol
+
+import msgspec
+from starlette.types import Message, Receive
+from starlette.websockets import WebSocket
+
+from lbr.apps.foxglove import channels, protocol
+from lbr.apps.foxglove import services as words
+from lbr.apps.foxglove.channels import Source
+from lbr.apps.foxglove.pictures import Pictures
+from lbr.apps.foxglove.services import ESTOP, STOP, Service
+from lbr.apps.http import serving
+from lbr.apps.http.rates import Bucket
+from lbr.apps.web.api.feeds import KEPT_S, Feeds, Sample
+from lbr.apps.web.api.holds import Hand, HoldNews
+from lbr.apps.web.api.page_message import Wanted
+from lbr.apps.web.api.requests import source_of
+from lbr.apps.web.api.service import Api
+from lbr.apps.web.face import Client, Refused
+from lbr.errors import InputError
+
+STALLED_S = 5.0
+GOING_AWAY, STALLED, TALKS = 1001, 1013, 1008
+SAID_HZ, SAID_AT_ONCE = 150.0, 300.0
+MOST_CALLS, MOST_NEWS = 8, 256
+FRESH_S = 0.25
+"""Motion that is published this long after the last begins anew."""
+LOST_MS = 1500
+"""What is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
+ALIVE_S = 0.25
+NOTHING_MOVES = 1e-6
+_encode = msgspec.json.Encoder().encode
+
+
+class Served(Protocol):
+    """What a client is served from."""
+
+    api: Api
+    pictures: Pictures
+    session: str
+    sources: Mapping[int, Source]
+    services: Mapping[int, Service]
+    over: str
+
+    @property
+    def feeds(self) -> Feeds:
+        """The streams, heard once for all clients."""
+
+    async def say(self, service: Service, line: str, viewer: "Viewer") -> Any:
+        """Say a line in the name of a client; raise Refused."""
+
+    def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
+        """Say whether a client may hear a channel."""
+
+
+class Viewer:
+    """A client that is connected. `gone` is read by the capability's loop."""
+
+    def __init__(self, served: Served, client: Client, rate_hz: float, *, pictures: bool) -> None:
+        self.client = client
+        self.gone = False
+        self._served = served
+        self._pictures = pictures
+        self._period_s = 1.0 / rate_hz
+        self._loop = asyncio.get_running_loop()
+        self._shown: Mapping[int, Source] = {}
+        self._offered: Mapping[int, Service] = {}
+        self._told: object = None
+        self._subscribed: dict[int, int] = {}
+        self._sent: dict[int, tuple[int, ...]] = {}
+        self._event = 0
+        self._publishes: dict[int, protocol.Published] = {}
+        self._news: deque[str | bytes] = deque(maxlen=MOST_NEWS)
+        self._calls: set[asyncio.Task[None]] = set()
+        self._woken = asyncio.Event()
+        self._hand = Hand(source_of(client), served.api.may(client), self._tell_from_loop)
+        self._has_hand = False
+        self._push, self._pushed_s, self._pushed_to = 0, 0.0, ""
+        self._often = Bucket(SAID_HZ, self._loop.time(), SAID_AT_ONCE)
+
+    async def serve(self, web: WebSocket, receive: Receive, name: str) -> None:
+        """Serve until it goes, reads nothing, says too much, or the server ends."""
+        bound_silence(web)
+        publishes = self.client.may("operate")
+        self._news.append(protocol.server_info(name, self._served.session, publishes=publishes))
+        hearing = asyncio.create_task(self._hear_out(receive))
+        hearing.add_done_callback(lambda _done: self._woken.set())
+        try:
+            code, why = await self._send_out(web, hearing)
+        finally:
+            self._leave()
+            hearing.cancel()
+            with suppress(asyncio.CancelledError):
+                await hearing
+        if code:
+            async with asyncio.timeout(STALLED_S):
+                await web.close(code, why[:120])
+
+    def _leave(self) -> None:
+        self.gone = True
+        self._hand.release(gone=True)
+        for task in self._calls:
+            task.cancel()
+        self._served.api.wake()
+        self._served.feeds.leave(self)
+        self._served.pictures.want(self, ())
+        self._loop.call_later(KEPT_S + 0.1, self._served.feeds.tidy)
+
+    async def _send_out(self, web: WebSocket, hearing: "asyncio.Task[str]") -> tuple[int, str]:
+        due, alive = self._loop.time(), 0.0
+        while not hearing.done():
+            if self._served.over:
+                return GOING_AWAY, self._served.over
+            self._look()
+            now = self._loop.time()
+            if now - alive >= ALIVE_S:
+                alive = now
+                self._news.append(protocol.alive())
+            try:
+                async with asyncio.timeout(STALLED_S):
+                    while self._news:
+                        await _send(web, self._news.popleft())
+                    for one in self._messages():
+                        await _send(web, one)
+            except TimeoutError:
+                return STALLED, f"nothing was read for {STALLED_S:g} s"
+            due = max(self._loop.time(), due + self._period_s)
+            with suppress(TimeoutError):
+                async with asyncio.timeout(max(due - self._loop.time(), 0.001)):
+                    await self._woken.wait()
+            self._woken.clear()
+        return (TALKS, why) if (why := hearing.result()) else (0, "")
+
+    def _look(self) -> None:
+        """Tell of channels and services that came or went; numbers stay what they were meant for."""
+        served = self._served
+        if self._told is served.sources:
+            return
+        self._told = served.sources
+        shown = {
+            number: one
+            for number, one in served.sources.items()
+            if served.shows(one, self.client, pictures=self._pictures)
+        }
+        offered = dict(served.services)
+        gone = [number for number, one in self._shown.items() if shown.get(number) != one]
+        ended = [number for number, one in self._offered.items() if offered.get(number) != one]
+        if gone:
+            self._news.append(protocol.unadvertise(gone))
+            self._subscribed = {one: number for one, number in self._subscribed.items() if number not in gone}
+        if ended:
+            self._news.append(protocol.unadvertise_services(ended))
+        if new := [one.channel for number, one in shown.items() if self._shown.get(number) != one]:
+            self._news.append(protocol.advertise(new))
+        if fresh := [(number, one) for number, one in offered.items() if self._offered.get(number) != one]:
+            self._news.append(protocol.advertise_services(words.told(*one) for one in fresh))
+        self._shown, self._offered = shown, offered
+        self._want()
+
+    def _want(self) -> None:
+        wanted = [self._shown[number] for number in self._subscribed.values()]
+        self._served.feeds.want(self, {key for one in wanted if not one.picture for key in one.streams})
+        self._served.pictures.want(self, {key for one in wanted if one.picture for key in one.streams})
+
+    def _messages(self) -> list[bytes]:
+        """Return what is new of what it hears, the newest of each; of events all."""
+        now, wall_ns, made = self._served.api.now(), time.time_ns(), list[bytes]()
+        events = self._served.feeds.events(self._event)
+        for subscription, number in self._subscribed.items():
+            source = self._shown[number]
+            if source.streams == (channels.EVENT,):
+                for event in events:
+                    made += self._made(source, subscription, {channels.EVENT: event}, now, wall_ns)
+                continue
+            newest = self._served.pictures.newest if source.picture else self._served.feeds.newest
+            heard = {key: one for key in source.streams if (one := newest(key)) is not None}
+            state = tuple(heard[key].number if key in heard else 0 for key in source.streams)
+            if (heard or source.still) and self._sent.get(subscription) != state:
+                self._sent[subscription] = state
+                made += self._made(source, subscription, heard, now, wall_ns)
+        if events:
+            self._event = events[-1].number
+        return made
+
+    def _made(
+        self, source: Source, subscription: int, heard: Mapping[str, Sample], now: float, wall_ns: int
+    ) -> list[bytes]:
+        age_s = min((max(0.0, now - one.sent_s) for one in heard.values()), default=0.0)
+        at_ns = wall_ns - int(age_s * 1e9)
+        try:
+            payload = channels.payload(source, {key: one.text for key, one in heard.items()}, at_ns)
+        except (msgspec.MsgspecError, ValueError, ArithmeticError, UnicodeDecodeError) as err:
+            text = f"{source.channel.topic} cannot be shown: {err}"
+            self._news.append(protocol.status(protocol.WARNING, text[:300], source.channel.topic))
+            return []
+        return [protocol.message(subscription, at_ns, payload)]
+
+    # What it says.
+
+    async def _hear_out(self, receive: Receive) -> str:
+        """Do what it says until it has gone; return why it is to go, if it is."""
+        while True:
+            message: Message = await receive()
+            if message["type"] == "websocket.disconnect":
+                return ""
+            if not self._often.take(self._loop.time()):
+                return "too much is said here"
+            text, data = message.get("text"), message.get("bytes")
+            try:
+                self._do(protocol.parse(text if text is not None else data or b""))
+            except protocol.Rubbish as err:
+                self._hand.release()  # what cannot be read may have been that
+                self._served.api.wake()
+                self._tell(protocol.status(protocol.ERROR, f"a message that is none: {err}", "malformed"))
+
+    def _do(self, said: protocol.Message) -> None:
+        match said:
+            case protocol.Subscribe(subscriptions=wanted):
+                self._subscribe(wanted)
+            case protocol.Unsubscribe(subscription_ids=ids):
+                for one in ids:
+                    self._subscribed.pop(one, None)
+                    self._sent.pop(one, None)
+                self._want()
+            case protocol.Advertise(channels=new):
+                self._advertise(new)
+            case protocol.Unadvertise(channel_ids=ids):
+                for one in ids:
+                    self._publishes.pop(one, None)
+                self._hand.release()
+                self._served.api.wake()
+            case protocol.Say():
+                self._published(said)
+            case protocol.Call():
+                self._call(said)
+            case protocol.Unknown(op=op):
+                self._tell(protocol.status(protocol.WARNING, f"'{op}' is not served here", "op"))
+
+    def _subscribe(self, wanted: tuple[protocol.Subscription, ...]) -> None:
+        for one in wanted:
+            if one.channel_id not in self._shown:
+                text = f"there is no channel {one.channel_id}"
+                self._tell(protocol.status(protocol.WARNING, text, "channel"))
+            elif one.id not in self._subscribed and len(self._subscribed) >= protocol.MOST_LISTED:
+                self._tell(protocol.status(protocol.WARNING, "too many subscriptions", "channel"))
+            else:
+                self._subscribed[one.id] = one.channel_id
+                self._sent.pop(one.id, None)
+        if not self._event:
+            self._event = self._served.feeds.last_event
+        self._want()
+        self._woken.set()
+
+    def _advertise(self, new: tuple[protocol.Published, ...]) -> None:
+        for one in new:
+            if one.encoding != "json":
+                text = f"{one.topic}: only JSON is understood here, and not '{one.encoding}'"
+                self._tell(protocol.status(protocol.ERROR, text, one.topic))
+            elif len(self._publishes) >= protocol.MOST_LISTED:
+                self._tell(protocol.status(protocol.ERROR, "too many channels are advertised", "channel"))
+            else:
+                self._publishes[one.id] = one
+
+    def _published(self, said: protocol.Say) -> None:
+        channel = self._publishes.get(said.channel_id)
+        if channel is None:
+            self._tell(protocol.status(protocol.WARNING, f"no channel {said.channel_id} was advertised", "channel"))
+            return
+        try:
+            wanted = motion(channel, said.payload, self._served.api)
+        except InputError as err:
+            self._hand.release()
+            self._served.api.wake()
+            self._tell(protocol.status(protocol.ERROR, str(err), channel.topic))
+            return
+        if wanted is None:
+            self._hand.release()
+        else:
+            self._hold(*wanted)
+        self._served.api.wake()
+
+    def _hold(self, to: str, message: dict[str, Any]) -> None:
+        now = self._served.api.now()
+        resting = self._hand.said.wanted is None or now - self._pushed_s > FRESH_S or to != self._pushed_to
+        self._push += resting
+        self._pushed_s, self._pushed_to = now, to
+        self._hand.hold(Wanted(to=to, message=message, n=self._push), now)
+        if not self._has_hand:
+            self._has_hand = True
+            self._served.api.holds.add(self._hand)
+
+    def _call(self, call: protocol.Call) -> None:
+        service = self._offered.get(call.service_id)
+        stops = service is not None and service.word in {STOP, ESTOP}
+        if service is None:
+            self._tell(protocol.failed(call, f"there is no service {call.service_id}"))
+        elif not stops and call.encoding not in {"", "json"}:
+            self._tell(protocol.failed(call, f"only JSON is understood here, and not '{call.encoding[:40]}'"))
+        elif not stops and len(self._calls) >= MOST_CALLS:
+            self._tell(protocol.failed(call, "too many services are asked for at once"))
+        else:
+            if stops:
+                self._hand.release()
+                self._served.api.wake()
+            task = self._loop.create_task(self._answer(call, service))
+            self._calls.add(task)
+            task.add_done_callback(self._calls.discard)
+
+    async def _answer(self, call: protocol.Call, service: Service) -> None:
+        try:
+            given = {} if service.word in {STOP, ESTOP} else words.read(call.payload)
+            answer = await self._served.say(service, service.line(given), self)
+        except (InputError, Refused) as err:
+            self._tell(protocol.failed(call, str(err)))
+            return
+        self._tell(protocol.answered(call, _encode(answer)))
+
+    def _tell(self, news: str | bytes) -> None:
+        self._news.append(news)
+        self._woken.set()
+
+    def _tell_from_loop(self, news: HoldNews) -> None:
+        """Have it told how it stands with motion; from the capability's loop."""
+        if news.holds or not news.reason:
+            return
+        held = f" (held by {news.holder})" if news.holder else ""
+        with suppress(RuntimeError):  # the server has ended
+            self._loop.call_soon_threadsafe(
+                self._tell, protocol.status(protocol.WARNING, f"{news.reason}{held} [{news.code}]", "motion")
+            )
+
+
+def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, dict[str, Any]] | None:
+    """Return which command is to be held and with what, for a message that a client publishes; None for standing still.
+
+    A Twist, as a Teleop panel publishes it, goes to the base; what is published on a command's own topic goes there.
+    """
+    try:
+        said = msgspec.json.decode(payload)
+    except (msgspec.MsgspecError, ValueError, RecursionError) as err:
+        raise InputError(f"{channel.topic}: this is no JSON ({type(err).__name__})", "malformed") from None
+    if not isinstance(said, dict):
+        raise InputError(f"{channel.topic}: this is no JSON object", "malformed")
+    known, topic = api.known, channel.topic.lstrip("/")
+    if known is not None and topic in known.commands:
+        if not known.commands[topic].leased:
+            raise InputError(f"'{topic}' is not held: ask for it by a service", "not_possible")
+        return topic, {name: value for name, value in said.items() if name not in {"lease", "ttl_s"}}
+    if "Twist" not in channel.schema_name and topic != "cmd_vel":
+        raise InputError(
+            f"nothing on this robot listens to '{topic}': publish a Twist, or on a command's topic", "unknown_name"
+        )
+    base = known.told.base if known is not None else None
+    if base is None:
+        raise InputError("this robot has no base that takes a twist", "not_possible")
+    said = said.get("twist", said)
+    vx, vy, wz = _part(said, "linear", "x"), _part(said, "linear", "y"), _part(said, "angular", "z")
+    if not max(abs(vx), abs(vy), abs(wz)) > NOTHING_MOVES:  # this way round, NaN stands still
+        return None
+    return f"{base.capability}/twist", {"vx_mps": vx, "vy_mps": vy if base.sideways else 0.0, "wz_rps": wz}
+
+
+def _part(said: Any, vector: str, axis: str) -> float:
+    found = said.get(vector, {}) if isinstance(said, dict) else None
+    value = found.get(axis, 0.0) if isinstance(found, dict) else None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{vector}.{axis} of a Twist is to be a number", "bad_value")
+    try:
+        return float(value)
+    except OverflowError:
+        raise InputError(f"{vector}.{axis} of a Twist is too large", "bad_value") from None
+
+
+def bound_silence(web: WebSocket) -> None:
+    """Have the kernel end a connection whose other end acknowledges nothing any more."""
+    connection = serving.connection_of(web.scope)
+    sock = connection.transport.get_extra_info("socket") if connection is not None else None
+    if sock is not None:
+        with suppress(OSError):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, LOST_MS)
+
+
+async def _send(web: WebSocket, said: str | bytes) -> None:
+    await (web.send_text(said) if isinstance(said, str) else web.send_bytes(said))
