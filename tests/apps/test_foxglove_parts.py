@@ -10,7 +10,9 @@ import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mcap.reader import make_reader
 
+from lbr.apps.box import ear
 from lbr.apps.foxglove import FoxgloveSettings, channels, protocol, scene, services, shown
 from lbr.apps.foxglove.capability import numbered
 from lbr.apps.foxglove.socket import motion
@@ -20,6 +22,7 @@ from lbr.messages.description import CapabilityDescription, RobotDescription
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import RangeSensor, Scan, ranges, ring
 from lbr.messages.system import Event
+from lbr.recording import chunks, export
 
 BODY = model("lbr", None, (), (), ring(0.4, 0.3))
 FROM_CLIENTS = (
@@ -203,3 +206,24 @@ def test_numbers_stay_with_what_they_were_for():
 def test_settings_that_cannot_be_meant_are_refused(settings):
     with pytest.raises(msgspec.ValidationError):
         msgspec.convert(settings, FoxgloveSettings)
+
+
+def test_a_recording_opens_with_the_topics_and_schemas_of_the_live_robot(tmp_path):
+    """What is exported is read by the format's own reader."""
+    schema = msgspec.json.schema(OdometryState)
+    found = {one.channel.topic: one.channel for one in channels.sources(described(state=schema), BODY, ())}
+    said = msgspec.json.encode(OdometryState(valid=True, epoch="e"))
+    recorded = chunks.Channel("a/state", "json", "OdometryState", chunks.flat_schema(schema))
+    picture = chunks.Channel("a/frame", "json", "foxglove.CompressedImage", ear.PICTURE_SCHEMA)
+    pixels = ear.image(b"\xff\xd8....\xff\xd9", "a", 5)
+    path = tmp_path / "all.mcap"
+    export.to_mcap(path, [chunks.Message(recorded, 1, 1, 1, said), chunks.Message(picture, 2, 2, 1, pixels)], "lbr")
+    with path.open("rb") as file:
+        opened = {channel.topic: (schema, channel, one) for schema, channel, one in make_reader(file).iter_messages()}
+    kept, channel, one = opened["a/state"]
+    live = found["a/state"]
+    assert (kept.name, kept.encoding, kept.data.decode()) == (live.schema_name, live.schema_encoding, live.schema)
+    assert (channel.message_encoding, one.data) == ("json", said)
+    kept, _, one = opened["a/frame"]
+    assert kept.name == "foxglove.CompressedImage"
+    assert set(json.loads(one.data)) == set(shown.SCHEMAS[kept.name]["properties"])

@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import ssl
 import struct
 import sys
 import time
@@ -10,10 +11,11 @@ import urllib.request
 from contextlib import ExitStack, closing
 
 import pytest
-from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidMessage, InvalidStatus
 from websockets.sync.client import connect
 
 from lbr.apps.foxglove import shown
+from lbr.apps.web import addresses
 from tests.support import programs
 from tests.support.robot import free_port, lbr, prepare, running, until
 
@@ -316,3 +318,28 @@ def test_its_layout_names_only_what_there_is(client, url):
         return {part} if isinstance(part, str) else leaves(part["first"]) | leaves(part["second"])
 
     assert leaves(layout["layout"]) == set(panels)
+
+
+def test_other_machines_come_in_by_tls_and_a_token_alone(robot, port):
+    """The last one: its row begins anew."""
+    here = next((one for one in addresses.of_machine() if "." in one and not one.startswith("127.")), None)
+    if here is None:
+        pytest.skip("this machine has no network")
+    robot.edit("UPDATE capability SET settings = json_set(settings, '$.host', '0.0.0.0') WHERE name = 'foxglove'")
+    until(
+        lambda: (state := robot.ask("foxglove/state")) and any(one.startswith("wss://") for one in state["urls"]),
+        limit_s=15.0,
+        what="listening anew",
+    )
+    trust = ssl.create_default_context()
+    trust.check_hostname, trust.verify_mode = False, ssl.CERT_NONE
+    with pytest.raises(InvalidStatus) as refused:
+        Foxglove(f"wss://{here}:{port}/", ssl=trust)
+    assert refused.value.response.status_code == 401
+    with pytest.raises((InvalidMessage, OSError)):
+        Foxglove(f"ws://{here}:{port}/")
+    with closing(Foxglove(f"wss://{here}:{port}/?token={robot.token}", ssl=trust)) as operates:
+        assert operates.newest("drive/state")["moving"] is False
+        assert lbr(robot.home, "token", "revoke", "viewer").returncode == 0
+        with pytest.raises(ConnectionClosed):
+            operates.until(lambda: False, "its end")

@@ -42,6 +42,7 @@ _LOG = {
         "name": {"type": "string"},
     },
 }
+PICTURE_SCHEMA = msgspec.json.encode(_IMAGE)
 LINES = Channel(LOG, "json", "foxglove.Log", msgspec.json.encode(_LOG))
 ALL_ROWS = Channel(ROWS, "json", "Rows", b'{"type":"object"}')
 
@@ -170,7 +171,7 @@ class Ear:
     def _channel_of(self, one: RecordedStream) -> Channel:
         topic = self._topic(one.key)
         if one.picture:
-            return Channel(topic, "json", "foxglove.CompressedImage", msgspec.json.encode(_IMAGE))
+            return Channel(topic, "json", "foxglove.CompressedImage", PICTURE_SCHEMA)
         schema = msgspec.json.decode(one.schema) if bytes(one.schema) else None
         if not isinstance(schema, dict) or not schema:
             return Channel(topic, "json")
