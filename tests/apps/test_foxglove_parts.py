@@ -72,6 +72,9 @@ WORDS = [
     {"word": "t", "pattern": "/t/{angle_deg}", "role": "operate", "help": "Turn", "fields": [{"name": "angle"}]},
     {"word": "s", "pattern": "s", "role": "view", "help": "Stop"},
     {"word": "s", "pattern": "/s/{text...}", "role": "operate", "help": "Say", "fields": [{"name": "text"}]},
+    {"word": "torque", "pattern": "/torque/on", "help": "On"},
+    {"word": "torque", "pattern": "torque off", "help": "Off"},
+    {"word": "torque", "pattern": "/torque/off/{joints...}", "help": "Off", "fields": [{"name": "joints"}]},
     {
         "word": "music", "pattern": "music", "target": "external",
         "fields": [{"name": "argument_1"}, {"name": "argument_2"}],
@@ -81,7 +84,10 @@ WORDS = [
 
 def test_a_word_is_said_with_the_fields_that_are_given():
     found = {one.word: one for one in services.services(WORDS)}
-    assert set(found) == {"t", "s", "music", "stop", "estop"}
+    assert set(found) == {"t", "s", "torque/on", "torque/off", "music", "stop", "estop"}
+    assert found["torque/on"].line({}) == "/torque/on"
+    assert found["torque/off"].line({}) == "torque off"
+    assert found["torque/off"].line({"joints": "neck"}) == "/torque/off/neck"
     assert found["t"].line({"angle": 90}) == "/t/90"
     assert found["s"].line({}) == "s"
     assert found["s"].line({"text": "a {angle_deg} b"}) == "/s/a {angle_deg} b"

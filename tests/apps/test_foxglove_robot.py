@@ -5,6 +5,7 @@ import os
 import signal
 import ssl
 import struct
+import subprocess
 import sys
 import time
 import urllib.request
@@ -318,6 +319,19 @@ def test_its_layout_names_only_what_there_is(client, url):
         return {part} if isinstance(part, str) else leaves(part["first"]) | leaves(part["second"])
 
     assert leaves(layout["layout"]) == set(panels)
+
+
+def test_a_killed_bridge_leaves_nothing_moving_and_comes_back(url, robot):
+    program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST)], stderr=subprocess.DEVNULL)
+    try:
+        until(lambda: moves(robot), limit_s=8.0, what="driving")
+        os.kill(robot.capability("foxglove")["pid"], signal.SIGKILL)
+        until(lambda: not moves(robot), limit_s=2.0, what="standing still")
+        until(lambda: robot.capability("foxglove")["phase"] == "ready", limit_s=10.0, what="the bridge")
+        assert not moves(robot)
+    finally:
+        program.kill()
+        program.wait()
 
 
 def test_other_machines_come_in_by_tls_and_a_token_alone(robot, port):

@@ -20,7 +20,10 @@ _RESPONSE = {
 
 
 class Service(Struct, frozen=True, kw_only=True):
-    """A word with all ways to say it; `ways` are patterns and their fields, `external` is said with blanks between."""
+    """A word, with what stands fast beside it (`torque/on`), and all ways to say it: patterns and their fields.
+
+    What is `external` is said with blanks between.
+    """
 
     word: str
     role: str
@@ -44,7 +47,7 @@ def services(words: Iterable[Mapping[str, Any]]) -> tuple[Service, ...]:
     """Return a service for each word, by what the robot tells of its words; `stop` and `estop` always."""
     found: dict[str, list[Mapping[str, Any]]] = {}
     for entry in words:
-        found.setdefault(str(entry.get("word", "")), []).append(entry)
+        found.setdefault(_name(entry), []).append(entry)
     made = {word: _service(word, entries) for word, entries in found.items() if word}
     for word, text in ((STOP, "Stop whatever moves"), (ESTOP, "Latch the emergency stop")):
         made.setdefault(word, Service(word=word, role="view", help=text, ways=((word, ()),)))
@@ -83,6 +86,12 @@ def read(payload: bytes) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise InputError("the request is no JSON object, such as {}", "malformed")
     return found
+
+
+def _name(entry: Mapping[str, Any]) -> str:
+    """Return what stands fast in the pattern of a word, so that each of its meanings is a service of its own."""
+    fast = _PLACE.sub(" ", str(entry.get("pattern") or entry.get("word", "")))
+    return "/".join(fast.replace("/", " ").split())
 
 
 def _service(word: str, entries: list[Mapping[str, Any]]) -> Service:

@@ -321,8 +321,9 @@ class Viewer:
 
     async def _answer(self, call: protocol.Call, service: Service) -> None:
         try:
-            given = {} if service.word in {STOP, ESTOP} else words.read(call.payload)
-            answer = await self._served.say(service, service.line(given), self)
+            stops = service.word in {STOP, ESTOP}
+            line = service.word if stops else service.line(words.read(call.payload))
+            answer = await self._served.say(service, line, self)
         except (InputError, Refused) as err:
             self._tell(protocol.failed(call, str(err)))
             return
