@@ -167,9 +167,11 @@ def test_it_shows_streams_by_their_schema_the_body_and_cameras_only_while_they_a
     image = client.newest("camera_front/frame")
     assert image["format"] == "jpeg"
     assert set(image) == set(shown.SCHEMAS["foxglove.CompressedImage"]["properties"])
+    assert any("watches camera_front, in" in one["text"] for one in robot.events())
     number = client.channels["camera_front/frame"]["id"]
     client.say(op="unsubscribe", subscriptionIds=[number])
     client.until(lambda: not robot.capability("camera_front")["rates_hz"].get("frame"), "the camera's rest")
+    assert any("watches camera_front no more" in one["text"] for one in robot.events())
 
 
 def test_words_are_services_and_answer_as_the_console_does(client):

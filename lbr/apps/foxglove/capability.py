@@ -213,6 +213,10 @@ class Foxglove(Capability[FoxgloveSettings]):
         """Say whether a client may hear a channel: cameras are for who is known."""
         return not source.picture or (pictures and client.may("view"))
 
+    def tell(self, kind: str, text: str) -> None:
+        """Have an event published; from the server's thread."""
+        self._counts.tell(kind, text)
+
     async def say(self, service: Service, line: str, viewer: Viewer) -> Any:
         """Say a line in the name of a client; raise Refused."""
         came_s = self.api.now()

@@ -65,6 +65,9 @@ class Served(Protocol):
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
         """Say whether a client may hear a channel."""
 
+    def tell(self, kind: str, text: str) -> None:
+        """Have an event published."""
+
 
 class Viewer:
     """A client that is connected. `gone` is read by the capability's loop."""
@@ -82,6 +85,7 @@ class Viewer:
         self._subscribed: dict[int, int] = {}
         self._sent: dict[int, tuple[int, ...]] = {}
         self._event = 0
+        self._watched: frozenset[str] = frozenset()
         self._publishes: dict[int, protocol.Published] = {}
         self._news: deque[str | bytes] = deque(maxlen=MOST_NEWS)
         self._calls: set[asyncio.Task[None]] = set()
@@ -116,7 +120,7 @@ class Viewer:
             task.cancel()
         self._served.api.wake()
         self._served.feeds.leave(self)
-        self._served.pictures.want(self, ())
+        self._watch(frozenset())
         self._loop.call_later(KEPT_S + 0.1, self._served.feeds.tidy)
 
     async def _send_out(self, web: WebSocket, hearing: "asyncio.Task[str]") -> tuple[int, str]:
@@ -173,7 +177,15 @@ class Viewer:
     def _want(self) -> None:
         wanted = [self._shown[number] for number in self._subscribed.values()]
         self._served.feeds.want(self, {key for one in wanted if not one.picture for key in one.streams})
-        self._served.pictures.want(self, {key for one in wanted if one.picture for key in one.streams})
+        self._watch(frozenset(key for one in wanted if one.picture for key in one.streams))
+
+    def _watch(self, cameras: frozenset[str]) -> None:
+        """Look at these cameras, and have it told who does."""
+        for key in sorted(cameras ^ self._watched):
+            more = "" if key in cameras else " no more"
+            self._served.tell("watched", f"{self.client} watches {key.partition('/')[0]}{more}, in Foxglove")
+        self._watched = cameras
+        self._served.pictures.want(self, cameras)
 
     def _messages(self) -> list[bytes]:
         """Return what is new of what it hears, the newest of each; of events all."""
@@ -199,7 +211,7 @@ class Viewer:
         self, source: Source, subscription: int, heard: Mapping[str, Sample], now: float, wall_ns: int
     ) -> list[bytes]:
         age_s = min((max(0.0, now - one.sent_s) for one in heard.values()), default=0.0)
-        at_ns = wall_ns - int(age_s * 1e9)
+        at_ns = max(0, wall_ns - int(age_s * 1e9))
         try:
             payload = channels.payload(source, {key: one.text for key, one in heard.items()}, at_ns)
         except (msgspec.MsgspecError, ValueError, ArithmeticError, UnicodeDecodeError) as err:
