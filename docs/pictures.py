@@ -144,7 +144,10 @@ def of_bioloid(browser: Browser, robot: Robot) -> None:
 
 
 def of_uxa90(browser: Browser, robot: Robot) -> None:
-    """Its motions on a phone."""
+    """Its joints on its own body, and its motions on a phone."""
+    with shown(browser, robot, DESK, "light") as page:
+        look(page, "joints", BODY_MS)
+        keep(page, "uxa90_desk")
     with shown(browser, robot, PHONE, "light") as page:
         look(page, "motions", 6000)
         keep(page, "uxa90_phone")
