@@ -151,6 +151,10 @@ def moves(robot):
     return drive(robot)["moving"]
 
 
+def happened(robot, words):
+    return any(words in one["text"] for one in robot.events())
+
+
 def test_it_shows_streams_by_their_schema_the_body_and_cameras_only_while_they_are_looked_at(client, robot):
     state = client.newest("drive/state")
     schema = json.loads(client.channels["drive/state"]["schema"])
@@ -167,11 +171,11 @@ def test_it_shows_streams_by_their_schema_the_body_and_cameras_only_while_they_a
     image = client.newest("camera_front/frame")
     assert image["format"] == "jpeg"
     assert set(image) == set(shown.SCHEMAS["foxglove.CompressedImage"]["properties"])
-    assert any("watches camera_front, in" in one["text"] for one in robot.events())
+    client.until(lambda: happened(robot, "watches camera_front, in"), "the event of its looking")
     number = client.channels["camera_front/frame"]["id"]
     client.say(op="unsubscribe", subscriptionIds=[number])
     client.until(lambda: not robot.capability("camera_front")["rates_hz"].get("frame"), "the camera's rest")
-    assert any("watches camera_front no more" in one["text"] for one in robot.events())
+    client.until(lambda: happened(robot, "watches camera_front no more"), "the event of its end")
 
 
 def test_words_are_services_and_answer_as_the_console_does(client):
