@@ -82,7 +82,7 @@ def together(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1, whole: bo
         _beside_others(results, shared, jobs)
         for run in runs:
             if run not in shared:
-                _take(results, run_alone(run))
+                _by_itself(results, run, once_more=jobs > 1)
     return Measured(
         load=f"{load}; no program waited for {watch.share:.0%} of the time",
         results=results.ordered(),
@@ -153,12 +153,17 @@ def _beside_others(results: Results, runs: list[Run], jobs: int) -> None:
             else:
                 _take(results, encoded)
     for run in again:
+        _by_itself(results, run, once_more=True)
+
+
+def _by_itself(results: Results, run: Run, *, once_more: bool) -> None:
+    """Run a scenario alone; if so asked, what may be the machine's fault is tried once more, and it is told."""
+    encoded = run_alone(run)
+    outcome = msgspec.json.decode(encoded, type=Outcome)
+    if once_more and outcome.may_be_the_machine:
+        results.repeated.append(f"{run.name}, once more by itself: {outcome.why}")
         encoded = run_alone(run)
-        outcome = msgspec.json.decode(encoded, type=Outcome)
-        if outcome.may_be_the_machine:
-            results.repeated.append(f"{run.name}, once more by itself: {outcome.why}")
-            encoded = run_alone(run)
-        _take(results, encoded)
+    _take(results, encoded)
 
 
 def _take(results: Results, encoded: bytes) -> None:
