@@ -5,6 +5,7 @@ from math import atan2, cos, hypot, isfinite, pi, sin
 from typing import Any
 
 import msgspec
+import numpy as np
 from msgspec.structs import replace
 
 from lbr.messages.kinematics import HOLONOMIC, TWO, Kinematics, Wheel
@@ -25,6 +26,9 @@ from lbr.simulation.settings import WorldSettings
 
 _SENSE_EVERY = 10
 _SETTLING_STEPS = 100
+_STILL, _STILL_STEPS = 1e-6, 125
+"""Whatever moves slower than this, in m/s or rad/s, for so many steps and without power, stands."""
+
 _AMPS_PER_NM = 3.0
 _AMPS_SETTLE = 0.15
 
@@ -52,7 +56,7 @@ class Engine:
         self._amps, self._drawn = [0.0] * len(self._wheels), [0.0] * len(self._wheels)
         self._power: dict[str, float] = {}
         self._owed_s = 0.0
-        self._steps = 0
+        self._steps = self._still_steps = 0
         self._ranges: dict[str, float | None] = {}
         self._scans: dict[str, tuple[float | None, ...]] = {}
         self._beams: frozenset[Beam] = frozenset()
@@ -86,9 +90,22 @@ class Engine:
         """Run the world for `dt_s` with motors at a fraction of full power, forward positive; others rest."""
         self._power = {motor: _limited(power) for motor, power in powers.items()}
         self._owed_s += dt_s
+        if self.resting and not any(self._power.values()):
+            self._rest(self._owed_steps())
+            return
         while self._owed_s >= TIMESTEP_S - 1e-9:
             self._owed_s -= TIMESTEP_S
             self._step_once()
+
+    @property
+    def resting(self) -> bool:
+        """Say whether nothing moves: then time passes without the physics, exactly as far as the next power or change."""
+        return self._still_steps >= _STILL_STEPS and not self._placed.changed
+
+    def rest(self, dt_s: float) -> None:
+        """Let time pass that the world stood: it is that before a power which has just come."""
+        self._owed_s += dt_s
+        self._rest(self._owed_steps())
 
     def sensed(self) -> Sensed:
         """Return what devices can measure now."""
@@ -202,7 +219,25 @@ class Engine:
         mujoco.mj_forward(self._model, self._data)
         self._imu.follow(self._data)
 
+    def _owed_steps(self) -> int:
+        steps = int(self._owed_s / TIMESTEP_S + 1e-6)
+        self._owed_s -= steps * TIMESTEP_S
+        return steps
+
+    def _rest(self, steps: int) -> None:
+        """Pass steps in which nothing moves: the battery and what noise there is go on."""
+        if not steps:
+            return
+        self._data.time += steps * TIMESTEP_S
+        self._draw(steps * TIMESTEP_S)
+        looks = self._steps // _SENSE_EVERY
+        self._steps += steps
+        if self._steps // _SENSE_EVERY != looks:
+            self._ranges = self._rangers.again(self._steps - self._steps % _SENSE_EVERY)
+
     def _step_once(self) -> None:
+        if self._placed.changed:
+            self._still_steps = 0
         self._placed.apply(self._model, self._data)
         for index, wheel in enumerate(self._wheels):
             power = self._power.get(wheel.motor, 0.0)
@@ -212,6 +247,8 @@ class Engine:
         mujoco.mj_step(self._model, self._data)
         self._imu.follow(self._data)
         self._load()
+        stands = not any(self._power.values()) and not self._data.ctrl.any()
+        self._still_steps = self._still_steps + 1 if stands and np.abs(self._data.qvel).max() < _STILL else 0
         self._steps += 1
         if self._steps % _SENSE_EVERY == 0:
             self._sense()
@@ -231,8 +268,11 @@ class Engine:
             self._amps[at] += (torque_nm * _AMPS_PER_NM - self._amps[at]) * _AMPS_SETTLE
             duty = self._duty(speeds[self._wheel_v[at]], torque_nm, self._wheels[at].diameter_m / 2)
             self._drawn[at] = self._amps[at] * duty
+        self._draw(TIMESTEP_S)
+
+    def _draw(self, dt_s: float) -> None:
         dock = self.settings.dock
-        self.battery.draw(sum(self._drawn), TIMESTEP_S, dock.current_a if dock and self._charging else 0.0)
+        self.battery.draw(sum(self._drawn), dt_s, dock.current_a if dock and self._charging else 0.0)
 
     def _duty(self, speed_radps: float, torque_nm: float, radius: float) -> float:
         """Return how far a bridge is open: as the wheel turns, and more as it is held."""

@@ -17,6 +17,9 @@ _LATEST_S = 0.1
 
 _SENSE_EVERY = 5
 
+_REST_S = 0.04
+"""How often a world in which nothing moves is looked at; as often as it is sensed while it moves."""
+
 _RESTING_S = 0.3
 _RESTING_LOOK_S = 0.005
 
@@ -28,6 +31,12 @@ class Physics(Protocol):
 
     def advance(self, now: float, dt_s: float) -> None:
         """Run for a while, moved as its twins do now."""
+
+    def resting(self, now: float) -> bool:
+        """Say whether nothing moves, nor is about to: then time needs no steps."""
+
+    def rest(self, dt_s: float) -> None:
+        """Let time pass in which nothing has moved."""
 
     def imu(self) -> ImuReading:
         """Return what an inertial unit measures at the newest step."""
@@ -96,13 +105,26 @@ class WorldLoop:
         while not self._closing.is_set():
             self._let_in()
             self._watch(selector)
-            selector.select(max(0.0, self._next_due(due) - self._clock()))
+            ready = {id(key.data) for key, _ in selector.select(max(0.0, self._next_due(due) - self._clock()))}
             now = self._clock()
+            rests = self._physics.resting(now)
+            if rests and now - last >= self._physics.timestep_s and any(id(twin) in ready for twin in self._feeling):
+                self._advance(now, min(now - last, _LATEST_S))  # who reads an inertial unit reads the newest step
+                last = now
             for twin in self._twins:
-                twin.service(now)
-            if now >= due:
+                if now >= due or id(twin) in ready or _is_due(twin, now):
+                    twin.service(now)
+            if rests and not self._physics.resting(now):
+                self._physics.rest(min(now - last, _LATEST_S))  # before this power came
+                last, due = now, now + self._physics.timestep_s
+            elif now >= due:
                 self._advance(now, min(now - last, _LATEST_S))
-                last, due = now, max(due + self._physics.timestep_s, now)
+                self._rounds += _SENSE_EVERY if rests else 1
+                if self._rounds >= _SENSE_EVERY:
+                    self._rounds = 0
+                    self._share()
+                step_s = _REST_S if self._physics.resting(now) else self._physics.timestep_s
+                last, due = now, max(due + step_s, now)
 
     def _let_in(self) -> None:
         while self._coming:
@@ -122,7 +144,7 @@ class WorldLoop:
             if watched is not None:
                 selector.unregister(self._watched.pop(twin.name))
             if wanted is not None:
-                selector.register(wanted, selectors.EVENT_READ)
+                selector.register(wanted, selectors.EVENT_READ, twin)
                 self._watched[twin.name] = wanted
 
     def _next_due(self, physics: float) -> float:
@@ -134,11 +156,13 @@ class WorldLoop:
             reading = self._physics.imu()
             for twin in self._feeling:
                 twin.feel(reading, now)
-        self._rounds += 1
-        if self._rounds % _SENSE_EVERY == 0:
-            self._share()
 
     def _share(self) -> None:
         sensed = self._physics.look(self._clock())
         for twin in self._twins:
             twin.sense(sensed)
+
+
+def _is_due(twin: Twin, now: float) -> bool:
+    at = twin.next_due()
+    return at is not None and at <= now

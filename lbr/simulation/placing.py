@@ -29,6 +29,11 @@ class Placed:
         """Return what is placed now."""
         return tuple(self._things.values())
 
+    @property
+    def changed(self) -> bool:
+        """Say whether there is something to `apply`."""
+        return self._changed
+
     def place(self, thing: WorldBox, robot: tuple[float, float, float]) -> None:
         """Let a thing appear, or move it if its name is known; `robot` is where that is, and its outline's radius."""
         x, y, radius_m = robot

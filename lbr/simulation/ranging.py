@@ -36,12 +36,16 @@ class Rangers:
         self._rays |= {sensor.name: _turned(_fan(sensor), sensor) for sensor in self._scanners}
         self._groups = np.array([group == STANDING for group in range(6)], dtype=np.uint8)
         self._least_cos = cos(radians(settings.grazing_deg))
+        self._faced: dict[str, float | None] = {}
 
     def look(self, data: Any, place: tuple[float, float, float], step: int) -> dict[str, float | None]:
         """Return what each sensor of a single distance finds in metres; null: nothing within its reach."""
-        return {
-            sensor.name: self._heard(sensor.name, self._nearest(data, place, sensor), step) for sensor in self._singles
-        }
+        self._faced = {sensor.name: self._nearest(data, place, sensor) for sensor in self._singles}
+        return self.again(step)
+
+    def again(self, step: int) -> dict[str, float | None]:
+        """Return what each of them finds while nothing has moved since they looked: other noise, no rays."""
+        return {name: self._heard(name, nearest_m, step) for name, nearest_m in self._faced.items()}
 
     def scan(self, data: Any, place: tuple[float, float, float]) -> dict[str, tuple[float | None, ...]]:
         """Return what each scanner finds in metres along its rays; null: nothing within its reach."""

@@ -25,6 +25,14 @@ class WheeledPhysics:
         """Run for a while with the wheels as the motor controllers have them."""
         self._engine.drive(self._powers(now), dt_s)
 
+    def resting(self, now: float) -> bool:
+        """Say whether nothing moves, nor is about to."""
+        return self._engine.resting and self.at_rest(now)
+
+    def rest(self, dt_s: float) -> None:
+        """Let time pass in which nothing has moved."""
+        self._engine.rest(dt_s)
+
     def imu(self) -> ImuReading:
         """Return what an inertial unit measures at the newest step."""
         return self._engine.imu()

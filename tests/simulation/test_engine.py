@@ -4,6 +4,7 @@ from math import cos, pi
 
 import pytest
 
+from lbr.messages.simulation import WorldBox
 from lbr.simulation.engine import Engine
 from lbr.simulation.settings import Battery, BoxSettings, StartPose, Ultrasonic, WorldSettings
 
@@ -143,3 +144,31 @@ def test_the_default_room_has_walls_round_the_robot():
     names = [box.name for box in engine.scene().walls]
     assert len(set(names)) == len(names)
     assert {"north wall", "table", "chair leg 1", "rug"} <= set(names)
+
+
+def test_at_rest_time_passes_without_physics_and_power_finds_everything_as_it_was():
+    restless, rested = world(seed=3), world(seed=3)
+    rested.drive({}, 600.0)
+    assert rested.resting
+    assert rested.time_s == pytest.approx(600.0, abs=0.01)
+    assert rested.battery.charge < restless.battery.charge
+    went, later = drive(restless, 0.5, 0.3, 1.0), drive(rested, 0.5, 0.3, 1.0)
+    assert not rested.resting
+    assert (later.x_m, later.y_m, later.yaw_rad) == pytest.approx((went.x_m, went.y_m, went.yaw_rad), abs=1e-5)
+    assert drive(rested, 0.0, 0.0, 3.0).speed_mps == pytest.approx(0.0, abs=1e-6)
+    assert rested.resting
+
+
+def test_what_is_measured_at_rest_has_its_noise_and_what_appears_is_seen():
+    engine = world(walls=(WALL,), ultrasonic=Ultrasonic(noise_m=0.01))
+    engine.drive({}, 1.0)
+    seen = set()
+    for _ in range(5):
+        engine.drive({}, 0.04)
+        seen.add((engine.ranges_m["forward"], engine.imu().gyro_rps))
+    assert engine.resting
+    assert len({range_m for range_m, _ in seen}) == len({turn for _, turn in seen}) == 5
+    assert all(range_m == pytest.approx(WALL_FACE_M - HALF_LENGTH_M, abs=0.1) for range_m, _ in seen)
+    engine.place(WorldBox(name="box", x_m=1.0, y_m=0.0, length_m=0.2, width_m=0.6, height_m=0.6))
+    engine.drive({}, 0.1)
+    assert engine.ranges_m["forward"] == pytest.approx(0.9 - HALF_LENGTH_M, abs=0.1)

@@ -42,6 +42,13 @@ class HumanoidPhysics:
         for name, bus in self._buses:
             bus.feel_servos(felt[name], supply_v, now)
 
+    def resting(self, now: float) -> bool:  # noqa: ARG002
+        """Say that it does not: its servos hold it, and every step of that is physics."""
+        return False
+
+    def rest(self, dt_s: float) -> None:
+        """Nothing: it never rests."""
+
     def imu(self) -> ImuReading:
         """Return what the inertial unit measures at the newest step."""
         return self._engine.imu()
