@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from lbr.messages.units import Vector
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.noise import Floats, Noise
 from lbr.simulation.settings import Imu
@@ -36,12 +35,5 @@ class InertialUnit:
         """Return what it measures at a step."""
         true = np.zeros(9) if self._true is None else self._true.copy()
         true[6:] = self._iron @ true[6:]
-        gyro, accel, mag = np.split(true + self._bias + self._spread * self._noise.at(step), 3)
-        return ImuReading(
-            gyro_rps=_vector(gyro), accel_mps2=_vector(accel), mag_ut=_vector(mag), temperature_c=self._temperature_c
-        )
-
-
-def _vector(values: Floats) -> Vector:
-    x, y, z = (float(value) for value in values)
-    return x, y, z
+        a, b, c, d, e, f, g, h, i = (true + self._bias + self._spread * self._noise.at(step)).tolist()
+        return ImuReading(gyro_rps=(a, b, c), accel_mps2=(d, e, f), mag_ut=(g, h, i), temperature_c=self._temperature_c)

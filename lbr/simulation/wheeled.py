@@ -18,7 +18,8 @@ class WheeledPhysics:
     def __init__(self, engine: Engine, twins: Sequence[Twin], cameras: CameraHost) -> None:
         self.pose, self.ranges_m = engine.pose(), engine.ranges_m
         self._engine = engine
-        self._motors = [twin for twin in twins if isinstance(twin, WheelDrive | MotorDrive)]
+        self._pairs = [twin for twin in twins if isinstance(twin, WheelDrive)]
+        self._motors = [twin for twin in twins if isinstance(twin, MotorDrive) and not isinstance(twin, WheelDrive)]
         self._cameras = cameras
 
     def advance(self, now: float, dt_s: float) -> None:
@@ -56,6 +57,8 @@ class WheeledPhysics:
     def _powers(self, now: float) -> dict[str, float]:
         """Return the power of each motor."""
         found: dict[str, float] = {}
+        for pair in self._pairs:
+            found |= dict(zip(TWO, pair.wheels(now), strict=True))
         for twin in self._motors:
-            found |= dict(zip(TWO, twin.wheels(now), strict=True)) if isinstance(twin, WheelDrive) else twin.motors(now)
+            found |= twin.motors(now)
         return found

@@ -30,6 +30,8 @@ class Studio:
         self._data = mujoco.MjData(self._model)
         self._view = view
         self._shown_ns = 0
+        self._shown = b""
+        self._drawn: dict[tuple[str, tuple[int, int]], bytes] = {}
         self._frozen: dict[str, bytes] = {}
         self._renderer = self._chosen(use_gl=use_gl)
 
@@ -43,7 +45,10 @@ class Studio:
         found = self._view.read()
         if found is not None and found[0] != self._shown_ns:
             self._shown_ns = found[0]
-            show(mujoco, self._model, self._data, found[1])
+            if found[1] != self._shown:
+                self._shown = found[1]
+                self._drawn.clear()
+                show(mujoco, self._model, self._data, found[1])
         return self._shown_ns
 
     def picture(self, device: str, mount: str, size: tuple[int, int], faults: CameraFaults) -> bytes:
@@ -54,11 +59,16 @@ class Studio:
             self._frozen.pop(device, None)
         elif device in self._frozen:
             return self._frozen[device]
-        image = np.zeros((1, 1, 3), np.uint8) if faults.black else self._renderer.draw(mount, *size)
-        jpeg = self._jpeg(image, size)
+        jpeg = self._jpeg(np.zeros((1, 1, 3), np.uint8), size) if faults.black else self._seen(mount, size)
         if faults.frozen:
             self._frozen[device] = jpeg
         return jpeg
+
+    def _seen(self, mount: str, size: tuple[int, int]) -> bytes:
+        """Return what is seen from a mount; while nothing has moved it is drawn once."""
+        if (mount, size) not in self._drawn:
+            self._drawn[mount, size] = self._jpeg(self._renderer.draw(mount, *size), size)
+        return self._drawn[mount, size]
 
     def close(self) -> None:
         """Close the renderer."""
