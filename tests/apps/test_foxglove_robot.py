@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import ssl
 import struct
 import subprocess
@@ -228,6 +229,29 @@ def test_who_publishes_a_twist_drives_and_a_stop_ends_it_although_the_publishing
     for _ in range(20):
         assert not pushed(lambda: moves(robot))
     assert any("[" in one for one in client.statuses)
+
+
+def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, robot, url):
+    client.say(**TWIST)
+
+    def pushed(ready):
+        client.push(0.2)
+        client.hear(0.05)
+        return ready()
+
+    for _ in range(5):
+        other = Foxglove(url)
+        other.until(lambda other=other: "/stop" in other.services, "its services")
+        until(lambda: pushed(lambda: moves(robot)), limit_s=5.0, what="driving")
+        with other.socket.protocol_mutex:
+            other.socket.protocol.send_binary(struct.pack("<BIII", 2, other.services["/stop"]["id"], 1, 4) + b"json{}")
+            other.socket.protocol.send_close(1000)
+            other.socket.socket.sendall(b"".join(other.socket.protocol.data_to_send()))
+        other.socket.socket.shutdown(socket.SHUT_RDWR)
+        until(lambda: pushed(lambda: not moves(robot)), limit_s=3.0, what="standing still")
+        other.close()
+        seen = time.monotonic()
+        client.until(lambda seen=seen: time.monotonic() - seen > 0.5, "a stick at rest")
 
 
 def test_a_killed_client_leaves_nothing_moving(url, robot):

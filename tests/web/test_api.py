@@ -241,6 +241,22 @@ def held_back(served, path, body, *, meanwhile):
 STOPS = [("/stop", None), ("/estop", None), ("/api/drive/stop", {}), ("/api/console", {"line": "S"})]
 
 
+@pytest.mark.parametrize(("stop", "said"), STOPS[2:], ids=[one for one, _ in STOPS[2:]])
+def test_a_stop_is_passed_on_although_its_client_leaves_with_its_last_byte(served, stop, said):
+    content = json.dumps(said).encode()
+    key, words = (CONSOLE, "S") if said else (f"{ROBOT}/drive/stop", {})
+    head = f"POST {stop} HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nContent-Type: application/json\r\n"
+
+    def passed_on():
+        return [one for asked, one, _ in served.bus.asked if asked.startswith(key)].count(words)
+
+    for times in range(1, 9):
+        with socket.create_connection(("127.0.0.1", served.port), timeout=8) as client:
+            client.sendall(f"{head}Content-Length: {len(content)}\r\n\r\n".encode() + content)
+            client.shutdown(socket.SHUT_RDWR)
+        until(lambda times=times: passed_on() == times, what=f"stop {times} to be passed on")
+
+
 @pytest.mark.parametrize(("stop", "said"), STOPS, ids=[one for one, _ in STOPS])
 def test_what_came_before_its_own_clients_stop_and_is_whole_only_after_it_bears_its_own_date(served, stop, said):
     """Its sender's stop has been read by then, and is not one of another: its date alone has it begin nothing."""

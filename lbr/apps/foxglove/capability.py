@@ -29,7 +29,7 @@ from lbr.apps.web.access import Access
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.api.feeds import Feeds
 from lbr.apps.web.api.requests import LINE_S, source_of
-from lbr.apps.web.api.robot_bus import Bus, opened
+from lbr.apps.web.api.robot_bus import Bus, Question, opened
 from lbr.apps.web.api.service import NO_BUS, NOT_YET, Api
 from lbr.apps.web.application import Gate, application, is_owners
 from lbr.apps.web.bridge import Bridge, until
@@ -240,16 +240,7 @@ class Foxglove(Capability[FoxgloveSettings]):
             said = self.api.said(came_s)
             role = client.role or "view"
             question = self.api.line(line, role=role, source=source_of(client), timeout_s=LINE_S, said=said)
-        await until(lambda: question.done or bool(question.replies))
-        if not question.replies:
-            raise Refused(503, f"the robot did not answer within {LINE_S:g} s", code="timeout")
-        try:
-            result = _results.decode(question.replies[0].payload)
-        except MalformedError as err:
-            raise Refused(503, f"the answer cannot be read: {err}", code="malformed") from None
-        if result.code != 0:
-            code = f" [{result.reason_code}]" if result.reason_code else ""
-            raise Refused(409, f"{result.text}{code}", code="refused")
+        result = await _result(question)
         text = result.text
         if result.hold is not None:
             text = self._keep(result.hold, viewer, text)
@@ -313,7 +304,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         door = Door(self, gate, Turns(settings.clients, settings.clients))
         stop = Route(
             method="POST", path="/stop", handle=self._stop, summary="Stop whatever moves", replies={200: Message},
-            role="view", regardless=True,
+            role="view", regardless=True, within_s=LINE_S + 1.0, refuses={409: "The robot does not stop so."},
         )  # fmt: skip
         shown = Route(
             method="GET", path="/layout.json", handle=self._layout, summary="A layout of Foxglove for this robot",
@@ -340,8 +331,7 @@ class Foxglove(Capability[FoxgloveSettings]):
     async def _stop(self, request: Request) -> Any:
         self.api.stopped(request.came_s)
         question = self.api.line(STOP, role="view", source=source_of(request.client), timeout_s=LINE_S)
-        await until(lambda: question.done or bool(question.replies))
-        return json(Message(message="stopped" if question.replies else "the robot does not answer"))
+        return json(Message(message=(await _result(question)).text))
 
     def _opened(self) -> Bus:
         bus = opened(self.ctx)
@@ -366,6 +356,21 @@ class Foxglove(Capability[FoxgloveSettings]):
 
     def _failed(self, err: Exception) -> None:
         self._counts.tell("web_fault", f"{type(err).__name__}: {err}", "error")
+
+
+async def _result(question: Question) -> ConsoleResult:
+    """Return what became of a line that was done; raise Refused for all others."""
+    await until(lambda: question.done or bool(question.replies))
+    if not question.replies:
+        raise Refused(503, f"the robot did not answer within {LINE_S:g} s", code="timeout")
+    try:
+        result = _results.decode(question.replies[0].payload)
+    except MalformedError as err:
+        raise Refused(503, f"the answer cannot be read: {err}", code="malformed") from None
+    if result.code != 0:
+        code = f" [{result.reason_code}]" if result.reason_code else ""
+        raise Refused(409, f"{result.text}{code}", code="refused")
+    return result
 
 
 def numbered(found: Mapping[str, Any], before: Mapping[str, int]) -> dict[str, int]:

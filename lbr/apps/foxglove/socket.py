@@ -41,6 +41,7 @@ FRESH_S = 0.25
 LOST_MS = 1500
 """What is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
 ALIVE_S = 0.25
+LAST_WORDS_S = 0.2
 NOTHING_MOVES = 1e-6
 _encode = msgspec.json.Encoder().encode
 
@@ -89,6 +90,7 @@ class Viewer:
         self._publishes: dict[int, protocol.Published] = {}
         self._news: deque[str | bytes] = deque(maxlen=MOST_NEWS)
         self._calls: set[asyncio.Task[None]] = set()
+        self._stops: set[asyncio.Task[None]] = set()
         self._woken = asyncio.Event()
         self._hand = Hand(source_of(client), served.api.may(client), self._tell_from_loop)
         self._has_hand = False
@@ -106,6 +108,7 @@ class Viewer:
             code, why = await self._send_out(web, hearing)
         finally:
             self._leave()
+            await asyncio.wait((hearing,), timeout=LAST_WORDS_S)  # a stop may be among what came before it left
             hearing.cancel()
             with suppress(asyncio.CancelledError):
                 await hearing
@@ -116,7 +119,7 @@ class Viewer:
     def _leave(self) -> None:
         self.gone = True
         self._hand.release(gone=True)
-        for task in self._calls:
+        for task in self._calls - self._stops:
             task.cancel()
         self._served.api.wake()
         self._served.feeds.leave(self)
@@ -232,7 +235,9 @@ class Viewer:
                 return "too much is said here"
             text, data = message.get("text"), message.get("bytes")
             try:
-                self._do(protocol.parse(text if text is not None else data or b""))
+                said = protocol.parse(text if text is not None else data or b"")
+                if not self.gone or isinstance(said, protocol.Call):  # of one that has left, only stops are done
+                    self._do(said)
             except protocol.Rubbish as err:
                 self._hand.release()  # what cannot be read may have been that
                 self._served.api.wake()
@@ -317,6 +322,8 @@ class Viewer:
     def _call(self, call: protocol.Call) -> None:
         service = self._offered.get(call.service_id)
         stops = service is not None and service.word in {STOP, ESTOP}
+        if self.gone and not stops:
+            return
         if service is None:
             self._tell(protocol.failed(call, f"there is no service {call.service_id}"))
         elif not stops and call.encoding not in {"", "json"}:
@@ -330,6 +337,9 @@ class Viewer:
             task = self._loop.create_task(self._answer(call, service))
             self._calls.add(task)
             task.add_done_callback(self._calls.discard)
+            if stops:
+                self._stops.add(task)
+                task.add_done_callback(self._stops.discard)
 
     async def _answer(self, call: protocol.Call, service: Service) -> None:
         try:

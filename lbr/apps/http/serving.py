@@ -314,6 +314,13 @@ def connection_of(scope: Scope) -> Connection | None:
     return found if isinstance(found, Connection) else None
 
 
+def left_behind(scope: Scope) -> bytes | None:
+    """Return the rest of a body that came whole before its sender left; None if some of it is missing."""
+    connection = connection_of(scope)
+    cycle = connection.cycle if connection is not None else None
+    return None if cycle is None or cycle.scope["state"] is not scope["state"] or cycle.more_body else bytes(cycle.body)
+
+
 def config(app: ASGIApp, *, tls: bool, sockets: bool = False) -> uvicorn.Config:
     """Return what uvicorn is to know; with `tls` it speaks nothing else, and `sockets` are WebSockets."""
     for name in ("uvicorn", "uvicorn.error"):

@@ -230,13 +230,16 @@ async def _whose(scope: Scope) -> str | None:
 async def _content(route: Route, scope: Scope, receive: Receive, headers: Mapping[str, str]) -> tuple[bytes, object]:
     """Return a body, and what it says."""
     if not route.regardless:
-        body = await _body(scope, receive, headers)
-        return body, _data(route, headers, body)
+        body, left = await _body(scope, receive, headers)
+        data = _data(route, headers, body)
+        if left and not (route.stops is not None and route.stops(scope["path_params"], data)):
+            raise ClientDisconnect
+        return body, data
     if route.body is None:
         return b"", None
     try:
         async with asyncio.timeout(REGARDLESS_S):
-            body = await _body(scope, receive, headers)
+            body, _left = await _body(scope, receive, headers)
         return body, routing.decoded(body, route.body) if body else None
     except (Refused, TimeoutError, ClientDisconnect):
         return b"", None
@@ -255,7 +258,8 @@ def _data(route: Route, headers: Mapping[str, str], body: bytes) -> object:
     return routing.decoded(body, route.body)
 
 
-async def _body(scope: Scope, receive: Receive, headers: Mapping[str, str]) -> bytes:
+async def _body(scope: Scope, receive: Receive, headers: Mapping[str, str]) -> tuple[bytes, bool]:
+    """Return a body that is whole, and whether its sender has left; raise ClientDisconnect for what was cut."""
     too_much = Refused(413, f"a body may have {LARGEST_BODY} bytes", {"Connection": "close"})
     length = headers.get("content-length", "0")
     if length.isdigit() and int(length[:12]) > LARGEST_BODY:
@@ -269,4 +273,9 @@ async def _body(scope: Scope, receive: Receive, headers: Mapping[str, str]) -> b
                     raise too_much
     except TimeoutError:
         raise Refused(408, f"the body did not come within {BODY_S:g} s", {"Connection": "close"}) from None
-    return bytes(body)
+    except ClientDisconnect:
+        rest = serving.left_behind(scope)
+        if rest is None or len(body) + len(rest) > LARGEST_BODY:
+            raise
+        return bytes(body) + rest, True
+    return bytes(body), False

@@ -191,7 +191,8 @@ class Route:
     `params` are the query's; `body` is JSON. The server refuses what does not fit them, unless the route is `lenient`
     and reads them itself: then they only say in the document what is meant, and a body is passed on unread. What one
     that is `bare` refuses is told by its sentence alone, as clients of the old API know it. One that is `regardless` is
-    done whatever its body is: of one that is late, too large or wrong, `data` is None. `handle` returns an answer: a
+    done whatever its body is: of one that is late, too large or wrong, `data` is None. `stops` says of a path's keys and
+    of what was said whether that is a stop: it is done although its sender has left meanwhile. `handle` returns an answer: a
     coroutine does so in the capability's loop, within `within_s` (else 503), a plain function at once. `replies` maps
     each status to what is then returned: a Struct, a media type, or None for no content; refusals need not be named.
     `role` is the least that is needed, None for no role. A `page` may be opened by a link from any other page,
@@ -214,6 +215,7 @@ class Route:
     lenient: bool = False
     bare: bool = False
     regardless: bool = False
+    stops: Callable[[Mapping[str, str], Any], bool] | None = None
     role: Role | None = "view"
     page: bool = False
     private: bool = False

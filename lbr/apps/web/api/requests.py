@@ -134,6 +134,7 @@ class Requests:
                 method="POST", path="/api/console", handle=self._console, summary="Say a console line",
                 description="With the rights of who asks. 200 whatever became of it: `code` says that.",
                 replies={200: ConsoleAnswer}, body=ConsoleBody, within_s=LINE_S + 1.0,
+                stops=lambda _keys, said: is_stop(said.line),
             ),
             Route(
                 method="GET", path="/api/why", handle=self._why, summary="What holds the robot still",
@@ -152,6 +153,7 @@ class Requests:
                 method="POST", path="/api/{capability}/{name}", handle=self._command, hidden=True,
                 summary="Ask for a command", replies={200: CommandReply}, body=dict[str, Any], body_required=False,
                 refuses={**unknown, 409: "The robot refuses it now."}, within_s=COMMAND_S + 1.0,
+                stops=lambda keys, _said: keys["name"].lower() == STOP,
             ),
         ]  # fmt: skip
 
