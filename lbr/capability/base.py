@@ -13,6 +13,7 @@ class Capability(Generic[S]):
     """A driver, operation or app, running in a process of its own with everything it needs in `self.ctx`.
 
     The runtime calls `open` once, then `step` at `rate_hz` and whenever something arrived; every call on one thread.
+    A capability may change its `rate_hz` as it goes: what has nothing to do needs no fast one, and commands wake it.
     With `woken_by_streams` false what inputs and setpoints bring waits for the next tick, which spares a process that
     reads fast streams most of its work; commands, answers and the emergency stop wake it all the same.
     A DeviceError out of `open` or `step` makes the capability degraded: the runtime calls `close` and opens again

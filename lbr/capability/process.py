@@ -111,10 +111,11 @@ class Process:
             self._capability.close()
 
     def _loop(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
-        period = 1.0 / capability.rate_hz
         due = time.monotonic()
         while not self._stopping:
+            period = 1.0 / capability.rate_hz
             now = time.monotonic()
+            due = min(due, now + period)  # its rate may rise, as when it begins something
             ctx.on_tick = now >= due
             if ctx.on_tick:
                 due = due + period if now < due + period else now + period

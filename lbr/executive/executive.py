@@ -45,7 +45,7 @@ from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.watch import RowWatch
 from lbr.executive.processes import scheduling
-from lbr.executive.processes.child import Child
+from lbr.executive.processes.child import Child, awaited
 from lbr.executive.processes.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
 from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.fork_server import ForkServer
@@ -414,7 +414,7 @@ class Executive:
     def _wait(self, timeout_s: float) -> None:
         self._notifier.beat()
         self._reaper.beat()
-        self._main.wait(timeout_s, (fd for child in self._children() for fd in child.fds))
+        self._main.wait(*awaited(timeout_s, self._supervisor.children()))
 
     def _children(self) -> list[Child]:
         return [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]

@@ -15,6 +15,7 @@ from lbr.messages.codes import Reason
 from lbr.messages.dance import DanceCommand, DanceState, DanceStep
 from lbr.messages.leases import CommandReply, StopCommand
 
+DANCING_HZ, IDLE_HZ = 50.0, 5.0
 STATE_EVERY_S = 1.0
 RESTING = DanceState(phase="resting")
 DANCED = Reason("done", "danced to the end")
@@ -37,7 +38,7 @@ class _Dance:
 class Dance(Capability[DanceSettings]):
     """Holds the base from before the song begins, so that a stop at any time is the end of the dance."""
 
-    rate_hz = 50.0
+    rate_hz = IDLE_HZ
 
     def __init__(self, ctx: Context[DanceSettings]) -> None:
         super().__init__(ctx)
@@ -54,6 +55,7 @@ class Dance(Capability[DanceSettings]):
         """Go on dancing."""
         if self._dance is not None:
             self._go_on(self._dance)
+        self.rate_hz = IDLE_HZ if self._dance is None else DANCING_HZ
         self._tell()
 
     def command(self, call: Call) -> None:
@@ -85,6 +87,7 @@ class Dance(Capability[DanceSettings]):
             raise InputError(f"{self._music} takes no songs ({err.strerror or err}); check the disk", "failed") from err
         song = songs.load(self._music, command.song)
         self._dance = _Dance(song, choreography, BaseClient(self.ctx, choreography.at(0)), call)
+        self.rate_hz = DANCING_HZ
 
     def _go_on(self, dance: _Dance) -> None:
         dance.mover.step()

@@ -43,6 +43,8 @@ from lbr.messages.web import AddressReply, WebState
 SWITCH_S = 0.0005
 """Two threads share the interpreter, and a client waits for both."""
 TELL_S = 1.0
+BUSY_HZ, IDLE_HZ, IDLE_AFTER_S = 50.0, 10.0, 2.0
+"""How often states are looked at while there is a client, or was one lately, and without."""
 LOOK_S = 5.0
 ENDS = "the server ends; it comes back at once if its rows were changed"
 
@@ -50,7 +52,7 @@ ENDS = "the server ends; it comes back at once if its rows were changed"
 class Web(Capability[WebSettings]):
     """Raises DeviceError while it cannot listen."""
 
-    rate_hz = 50.0
+    rate_hz = BUSY_HZ
     woken_by_streams = False
 
     def __init__(self, ctx: Context[WebSettings]) -> None:
@@ -69,7 +71,8 @@ class Web(Capability[WebSettings]):
         self._api: Api | None = None
         self._announcer: Announcer | None = None
         self._place = AdvertisedAddress(ctx.settings, ctx.settings.port, here=tuple)
-        self._tell_at = self._look_at = 0.0
+        self._tell_at = self._look_at = self._busy_until = 0.0
+        self._requests = 0
 
     def open(self) -> None:
         """Listen and serve."""
@@ -99,6 +102,7 @@ class Web(Capability[WebSettings]):
         self._robot.played = tuple(one.message for one in self.ctx.take("played"))
         if self.ctx.on_tick:
             self._look(now)
+            self._take_pace(now)
         if self._api is not None:
             self._api.step()
         self._bridge.serve()
@@ -204,6 +208,12 @@ class Web(Capability[WebSettings]):
             if doors:
                 told["door"] = doors[0]
         return told
+
+    def _take_pace(self, now: float) -> None:
+        """Step as often as clients need."""
+        if (self._serving is not None and self._serving.connections) or self._counts.requests != self._requests:
+            self._requests, self._busy_until = self._counts.requests, now + IDLE_AFTER_S
+        self.rate_hz = BUSY_HZ if now < self._busy_until else IDLE_HZ
 
     def _look(self, now: float) -> None:
         """Note the newest states, for requests on the other thread."""

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import IO
 
@@ -25,10 +26,13 @@ from lbr.errors import MalformedError
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.fork_server import Forked, ForkServer
+from lbr.executive.processes.managed_process import ManagedProcess, Started
 from lbr.executive.processes.reaper import Mark
 
 LARGEST_DOCUMENT_BYTES = 1 << 20
 PIPE_BYTES = 1 << 16
+HEARTBEATS_S = 0.05
+"""What ready processes report is read together, so often, unless they move something; an end is heard at once."""
 _reports = Decoder(Report)
 
 
@@ -175,6 +179,20 @@ class Child:
     def _signal(self, number: int) -> None:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self.pid, number)
+
+
+def awaited(timeout_s: float, children: Iterable[tuple[ManagedProcess, Started]]) -> tuple[float, list[int]]:
+    """Return for how many seconds at most to wait for news of processes, and on which descriptors."""
+    fds: list[int] = []
+    for slot, child in children:
+        if not isinstance(child, Child):
+            continue
+        if slot.phase == "ready" and not slot.unit.moves:
+            timeout_s = min(timeout_s, HEARTBEATS_S)
+            fds.append(child.pid_fd)
+        else:
+            fds += child.fds
+    return timeout_s, fds
 
 
 def _environment(config: ProcessConfig) -> dict[str, str]:
