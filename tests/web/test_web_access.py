@@ -195,6 +195,26 @@ def test_a_get_moves_only_what_no_web_page_can_have_sent(client, proven, moves, 
     Request(method="POST", path="/move", client=client).require("operate")
 
 
+@pytest.mark.parametrize(
+    "ahead",
+    [
+        {"sec-purpose": "prefetch;prerender", "sec-fetch-site": "none"},  # an address that is still being typed
+        {"sec-purpose": "prefetch;anonymous-client-ip"},
+        {"purpose": "Prefetch"},
+        {"x-moz": "prefetch"},
+        {"x-purpose": "preview"},
+    ],
+)
+@pytest.mark.parametrize("legacy", [False, True])
+def test_a_browser_that_loads_ahead_moves_nothing(ahead, legacy):
+    client = Client("127.0.0.1", role="admin", legacy=legacy)
+    ask = Request(method="GET", path="/motion/4", client=client, proven=True, headers=ahead)
+    ask.require("view")
+    with pytest.raises(Refused, match="ahead"):
+        ask.require("operate")
+    Request(method="GET", path="/motion/4", client=client, proven=True, headers={"purpose": "x"}).require("operate")
+
+
 OWN = {"host": "robot:50000"}
 
 

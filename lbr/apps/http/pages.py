@@ -1,10 +1,13 @@
 """Which pages of browsers may ask, by what browsers say of them. Pure."""
 
+import re
 from collections.abc import Iterable, Mapping
 from urllib.parse import urlsplit
 
 ANY = "*"
 _OWN = frozenset({"none", "same-origin"})
+_AHEAD = re.compile(r"prefetch|prerender|preview", re.IGNORECASE)
+_PURPOSES = ("sec-purpose", "purpose", "x-purpose", "x-moz")
 
 
 class Pages:
@@ -54,6 +57,11 @@ class Pages:
 def is_visit(headers: Mapping[str, str]) -> bool:
     """Say whether a user follows a link to a page, so that the page that has the link learns nothing."""
     return "origin" not in headers and headers.get("sec-fetch-mode", "navigate") == "navigate"
+
+
+def is_ahead(headers: Mapping[str, str]) -> bool:
+    """Say whether a browser only guesses that its user may go there, as with an address that is still being typed."""
+    return any(_AHEAD.search(headers.get(one, "")) for one in _PURPOSES)
 
 
 def _origin(url: str) -> str:

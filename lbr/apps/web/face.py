@@ -13,6 +13,7 @@ import msgspec
 from msgspec import Struct
 from starlette.responses import Response
 
+from lbr.apps.http.pages import is_ahead
 from lbr.messages.codes import Code, Reason, ReasonCode
 from lbr.messages.system import RANKS, Role
 
@@ -123,10 +124,13 @@ class Request:
 
         Routes call it that need more of some requests than of others; for what every request needs the server does.
         A GET that does more than look must be proven to be no foreign page's: browsers send it for any page's picture,
-        and not every browser says so.
+        and not every browser says so. One that loads ahead says that no user asked for it yet.
         """
         refuse_without(self.client, role)
-        if self.method in {"GET", "HEAD"} and RANKS[role] > RANKS["view"] and not (self.proven or self.client.legacy):
+        moves = self.method in {"GET", "HEAD"} and RANKS[role] > RANKS["view"]
+        if moves and is_ahead(self.headers):
+            raise Refused(403, "a browser loads this ahead: nothing moves until its user asks for it", code="denied")
+        if moves and not (self.proven or self.client.legacy):
             raise Refused(
                 403,
                 "a GET that moves must show that no web page sent it: use POST, show a token, say 'Sec-Fetch-Site: none',"
