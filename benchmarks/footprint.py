@@ -1,8 +1,8 @@
-"""What a whole simulated robot costs: time to ready, CPU while idle, private memory, process by process.
+"""What a whole simulated robot costs: time to ready, CPU and wake-ups while idle, private memory, process by process.
 
 `python -m benchmarks footprint --seconds 20`. Private memory (USS) stands beside as many processes that have a zenoh
 session and nothing else. The world and what draws its pictures are listed and left out of the sum: a real robot has
-none. The cameras are switched off first, unless `--cameras`. Exit code 1 if a hard value is broken: ready in 3 s.
+none. The cameras are switched off first, unless `--cameras`. Wake-ups are how often a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
 """
 
 import argparse
@@ -10,9 +10,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import NamedTuple
 
 import psutil
 
@@ -28,6 +29,22 @@ SMOKE = "--seconds 1"
 
 PROMISES = {"ready": Promise(what="`lbr run` to ready, database made", unit="s", hard=3.0)}
 SIMULATION = "world"
+
+
+class Cost(NamedTuple):
+    """What a process costs."""
+
+    cpu_percent: float
+    wakes_per_s: float
+    private_mib: float
+
+    def row(self, name: str) -> str:
+        """Return it as a row of a table."""
+        return f"| {name} | {self.cpu_percent:.1f} | {self.wakes_per_s:.0f} | {self.private_mib:.1f} |"
+
+
+def _sum(costs: Sequence[Cost]) -> Cost:
+    return Cost(*(sum(values) for values in zip(*costs, strict=True)))
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -56,18 +73,31 @@ def measure(given: argparse.Namespace) -> Measured:
     return Measured(results=results.ordered(), load=f"idle for {given.seconds:g} s", text=_text(costs, bare_mib))
 
 
-def _costs(robot: Robot, seconds: float) -> dict[str, tuple[float, float]]:
-    """Return CPU in percent of one core and private MiB by process."""
+def _costs(robot: Robot, seconds: float) -> dict[str, Cost]:
+    """Return what each process costs while nothing is asked of it."""
     Bench.pass_time(2.0)
     names = _names(robot)
-    before = {pid: _cpu_s(psutil.Process(pid)) for pid in names}
+    before = {pid: (_cpu_s(psutil.Process(pid)), _woken(pid)) for pid in names}
     began = time.monotonic()
     Bench.pass_time(seconds)
     spent_s = time.monotonic() - began
     return {
-        name: ((_cpu_s(psutil.Process(pid)) - before[pid]) / spent_s * 100, _private_mib(psutil.Process(pid)))
+        name: Cost(
+            cpu_percent=(_cpu_s(psutil.Process(pid)) - before[pid][0]) / spent_s * 100,
+            wakes_per_s=sum(n - before[pid][1].get(thread, n) for thread, n in _woken(pid).items()) / spent_s,
+            private_mib=_private_mib(psutil.Process(pid)),
+        )
         for pid, name in names.items()
     }
+
+
+def _woken(pid: int) -> dict[str, int]:
+    """Return how often each thread of a process has slept by itself."""
+    found = {}
+    for status in Path(f"/proc/{pid}/task").glob("*/status"):
+        with suppress(OSError):  # it has ended meanwhile
+            found[status.parent.name] = int(status.read_text().rpartition("\nvoluntary_ctxt_switches:")[2].split()[0])
+    return found
 
 
 def _names(robot: Robot) -> dict[int, str]:
@@ -78,16 +108,16 @@ def _names(robot: Robot) -> dict[int, str]:
     return names
 
 
-def _text(costs: dict[str, tuple[float, float]], bare_mib: list[float]) -> str:
-    text = ["", "| process | CPU, % of a core | private memory, MiB |", "|---|--:|--:|"]
-    text += [f"| {name} | {cpu:.1f} | {memory:.1f} |" for name, (cpu, memory) in costs.items()]
+def _text(costs: dict[str, Cost], bare_mib: list[float]) -> str:
+    text = ["", "| process | CPU, % of a core | wake-ups a second | private memory, MiB |", "|---|--:|--:|--:|"]
+    text += [cost.row(name) for name, cost in costs.items()]
     counted = [cost for name, cost in costs.items() if name not in {SIMULATION, f"child of {SIMULATION}"}]
-    cpu, memory = sum(cost[0] for cost in counted), sum(cost[1] for cost in counted)
-    bare = sum(bare_mib[: len(counted)])
+    whole, bare = _sum(counted), sum(bare_mib[: len(counted)])
     text += [
-        f"| all but the simulation | {cpu:.1f} | {memory:.1f} |",
-        f"| {len(counted)} processes with a bare zenoh session | | {bare:.1f} |",
-        f"\nratio of memory: {memory / bare:.2f}",
+        whole.row("all but the simulation"),
+        _sum(list(costs.values())).row("all"),
+        f"| {len(counted)} processes with a bare zenoh session | | | {bare:.1f} |",
+        f"\nratio of memory: {whole.private_mib / bare:.2f}",
     ]
     return "\n".join(text)
 
