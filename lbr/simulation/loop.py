@@ -105,14 +105,16 @@ class WorldLoop:
         while not self._closing.is_set():
             self._let_in()
             self._watch(selector)
-            ready = {id(key.data) for key, _ in selector.select(max(0.0, self._next_due(due) - self._clock()))}
+            times = {id(twin): at for twin in self._twins if (at := twin.next_due()) is not None}
+            heard = selector.select(max(0.0, min((due, *times.values())) - self._clock()))
             now = self._clock()
+            busy = {id(key.data) for key, _ in heard} | {twin for twin, at in times.items() if at <= now}
             rests = self._physics.resting(now)
-            if rests and now - last >= self._physics.timestep_s and any(id(twin) in ready for twin in self._feeling):
-                self._advance(now, min(now - last, _LATEST_S))  # who reads an inertial unit reads the newest step
+            if rests and now - last >= self._physics.timestep_s and any(id(twin) in busy for twin in self._feeling):
+                self._advance(now, min(now - last, _LATEST_S))  # what feels it tells of the newest step
                 last = now
             for twin in self._twins:
-                if now >= due or id(twin) in ready or _is_due(twin, now):
+                if now >= due or id(twin) in busy:
                     twin.service(now)
             if rests and not self._physics.resting(now):
                 self._physics.rest(min(now - last, _LATEST_S))  # before this power came
@@ -147,9 +149,6 @@ class WorldLoop:
                 selector.register(wanted, selectors.EVENT_READ, twin)
                 self._watched[twin.name] = wanted
 
-    def _next_due(self, physics: float) -> float:
-        return min([physics, *(at for twin in self._twins if (at := twin.next_due()) is not None)])
-
     def _advance(self, now: float, dt_s: float) -> None:
         self._physics.advance(now, dt_s)
         if self._feeling:
@@ -161,8 +160,3 @@ class WorldLoop:
         sensed = self._physics.look(self._clock())
         for twin in self._twins:
             twin.sense(sensed)
-
-
-def _is_due(twin: Twin, now: float) -> bool:
-    at = twin.next_due()
-    return at is not None and at <= now

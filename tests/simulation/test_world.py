@@ -12,11 +12,17 @@ import serial
 from lbr.capability import twins
 from lbr.capability.context import Device
 from lbr.simulation import KIND
+from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.capability import World
+from lbr.simulation.engine import Engine
+from lbr.simulation.loop import WorldLoop
 from lbr.simulation.requests import FaultRequest, PictureRequest, PlugRequest
+from lbr.simulation.settings import WorldSettings
+from lbr.simulation.wheeled import WheeledPhysics
 from tests.simulation.world_bench import Bench, Client
 from tests.support import programs
 from tests.support.machine import Stopwatch
+from tests.support.robot import until
 
 
 @pytest.fixture
@@ -332,3 +338,47 @@ def test_a_device_that_cannot_be_plugged_in_now_is_refused_and_nothing_is_change
     assert why in call.refused
     assert not place.exists()
     assert bench.ctx.told("plugged_in") == []
+
+
+class Streaming:
+    """A unit that tells by itself what it feels, 100 times a second."""
+
+    name = "streaming"
+
+    def __init__(self):
+        self.reading, self.told, self.due = None, [], time.monotonic()
+
+    def watched(self):
+        return None
+
+    def next_due(self):
+        return self.due
+
+    def service(self, now):
+        if now >= self.due:
+            self.due = now + 0.01
+            self.told.append(self.reading)
+
+    def sense(self, sensed):
+        pass
+
+    def feel(self, reading, now):
+        self.reading = reading
+
+    def close(self):
+        pass
+
+
+def test_what_streams_by_itself_tells_something_new_each_time_also_at_rest():
+    engine, twin = Engine(WorldSettings(walls=())), Streaming()
+    engine.drive({}, 1.0)
+    assert engine.resting
+    loop = WorldLoop(WheeledPhysics(engine, (twin,), CameraHost(b"", 0)), (twin,), time.monotonic)
+    loop.open()
+    try:
+        until(lambda: len(twin.told) > 40, what="forty readings")
+    finally:
+        loop.close()
+    assert loop.failure is None
+    assert engine.resting
+    assert len({reading.gyro_rps for reading in twin.told[5:40]}) > 30
