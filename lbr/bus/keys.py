@@ -64,6 +64,11 @@ def event(robot: str) -> str:
     return f"{robot}/@event"
 
 
+def taped(robot: str, capability: str) -> str:
+    """Return the key on which a capability tells a recorder of its lines' bytes and its commands."""
+    return f"{robot}/@taped/{capability}"
+
+
 def alive(robot: str, capability: str) -> str:
     """Return the key of a capability's liveliness token."""
     return f"{robot}/@alive/{capability}"

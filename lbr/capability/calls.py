@@ -22,7 +22,7 @@ class BusCall:
     """A command from the bus, query or `put`; refusals are told to `refused(source, reply)` as well.
 
     `away` says that the robot runs on another machine than this process: what it sends comes from there too.
-    `overtaken` knows the stops that came before.
+    `overtaken` knows the stops that came before; `answered` is told of the answer.
     """
 
     def __init__(
@@ -35,6 +35,7 @@ class BusCall:
         *,
         away: bool = False,
         overtaken: Overtaken | None = None,
+        answered: Callable[["BusCall", Struct], None] | None = None,
     ) -> None:
         found = stamp.read(request.attachment)
         self.name = name
@@ -53,6 +54,7 @@ class BusCall:
         self._request = request
         self._owner = owner
         self._refused = refused
+        self._answered = answered
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
         """Answer, once. A refusal is an event too, unless it is `quiet` and the sender waits for the answer."""
@@ -61,6 +63,9 @@ class BusCall:
         if isinstance(answer, CommandReply) and not answer.accepted and not (quiet and self._request.answerable):
             self._refused(self.source, answer)
         self._request.reply(answer, self._owner)
+        answered, self._answered = self._answered, None
+        if answered is not None and self.message is not None:
+            answered(self, answer)
 
     def refuse(self, reason: str | Reason, code: Code = "refused") -> None:
         """Answer that the command is not accepted, and why."""

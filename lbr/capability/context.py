@@ -1,11 +1,12 @@
 """The robot as a running capability sees it: settings, wiring, bus and emergency stop."""
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 from msgspec import Struct
 
+from lbr.capability.tap import Tap
 from lbr.messages.codes import Code, Reason
 from lbr.messages.rows import Row
 from lbr.messages.system import Stamp
@@ -75,12 +76,13 @@ class EmergencyStop(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A device row: where it is (`address`) and what its type may set."""
+    """A device row: where it is (`address`) and what its type may set. Its line gives its bytes to `tap`."""
 
     name: str
     type: str
     address: str
     settings: dict[str, Any]
+    tap: Tap = field(default_factory=Tap, compare=False, repr=False)
 
 
 class Context(Protocol[S_co]):

@@ -140,6 +140,7 @@ class Process:
     def _keep_house(self, ctx: ProcessContext) -> None:
         """Do what may wait, right after a tick: nothing else is due for almost a period."""
         now = time.monotonic()
+        ctx.tell_recorder()
         if now >= self._tell_at:
             self._tell_at = now + TELL_MISSED_S
             ctx.tell_missed()
@@ -158,6 +159,7 @@ class Process:
             for call in ctx.calls():
                 call.refuse(f"{ctx.name}: {reason}", reason.code)
             self._reporter.beat(ctx.counts())
+            ctx.tell_recorder()
             self._wake.wait(min(until - time.monotonic(), BEAT_S))
 
 

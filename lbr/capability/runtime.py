@@ -20,6 +20,7 @@ from lbr.capability.kind import STOP, Kind
 from lbr.capability.overtaken import Overtaken
 from lbr.capability.reporter import Reporter
 from lbr.capability.send_times import SendTimes
+from lbr.capability.tape import Tape
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import Code, Reason
@@ -169,6 +170,8 @@ class ProcessContext:
         self._dropped: dict[str, int] = {}
         self._bus = session.open_client(config.endpoints, config.credentials, certificate=config.certificate)
         self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
+        taps = {device.name: device.tap for device in self.devices} if self.device is not None else {}
+        self._tape = Tape(self._bus, config.robot, config.name, taps)
         self._outputs = {
             name: [
                 wire.Publisher(
@@ -306,6 +309,10 @@ class ProcessContext:
         for port in self._ports.values():
             port.drop_unread(now)
 
+    def tell_recorder(self) -> None:
+        """Tell a recorder, if there is one, of bytes and commands; called after each tick."""
+        self._tape.step(time.monotonic())
+
     def engage_estop(self, reason: str) -> None:
         """Latch the emergency stop of everything that moves."""
         request = EstopRequest(engaged=True, reason=reason[:200])
@@ -364,6 +371,7 @@ class ProcessContext:
             lambda who, reply: self._refused(who, f"{who}: {reply.reason}", reply.code, about=who),
             away=bool(self.config.host),
             overtaken=self._overtaken,
+            answered=self._tape.answered,
         )
         try:
             call.message = _read(name, request.payload, self._commands[name][1])

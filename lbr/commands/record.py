@@ -25,9 +25,10 @@ LOOK_S = 0.5
 @robot_options
 @click.option("--seconds", type=Number(0.1, 86400.0), help="For how long; until Ctrl-C if left out.")
 @click.option("--with", "also", multiple=True, type=click.Choice(["cameras"]), help="Every picture, too.")
+@click.option("--lines", is_flag=True, help="The bytes of the devices' lines, and commands, too: for `replay --check`.")
 @click.option("--name", default="", metavar="NAME", help="The file's; made of the time if left out.")
 @json_option
-def command(whom: Whom, seconds: float | None, also: tuple[str, ...], name: str, as_json: bool) -> int:
+def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: bool, name: str, as_json: bool) -> int:
     """Record on purpose, into a file of its own below the robot's home: all streams, events and lines of logs.
 
     Its black box writes it, so it goes on when this command is killed; then `/record/end` ends it.
@@ -43,7 +44,7 @@ def command(whom: Whom, seconds: float | None, also: tuple[str, ...], name: str,
             import msgspec  # noqa: PLC0415
 
             asked = msgspec.convert(
-                {"seconds": seconds or 0.0, "cameras": "cameras" in also, "name": name}, RecordCommand
+                {"seconds": seconds or 0.0, "cameras": "cameras" in also, "lines": lines, "name": name}, RecordCommand
             )
         except msgspec.ValidationError as err:
             raise InputError(f"--name: {err}") from None

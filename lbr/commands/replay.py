@@ -15,8 +15,9 @@ import click
 
 from lbr.commands import box
 from lbr.commands.completing import complete_recording
-from lbr.commands.options import Number
+from lbr.commands.options import Number, json_option
 from lbr.errors import BusError, InputError
+from lbr.recording import lines
 
 if TYPE_CHECKING:
     from lbr.bus.session import Session
@@ -41,6 +42,12 @@ _LETTERS = {b" ": "pause", b"q": "end", b"+": "faster", b"-": "slower", b"\x04":
 )
 @click.option("--speed", type=Number(0.05, 100.0), default=1.0, show_default=True, help="So many times as fast.")
 @click.option("--loop", is_flag=True, help="Begin again at the end.")
+@click.option(
+    "--check",
+    is_flag=True,
+    help="Run the robot's own processes on the recorded bytes and commands, and compare; exit 1 if it does otherwise.",
+)
+@json_option
 def command(
     *,
     what: str,
@@ -51,8 +58,13 @@ def command(
     name: str,
     speed: float,
     loop: bool,
+    check: bool,
+    as_json: bool,
 ) -> int:
     """Publish what was recorded under another robot's name, with its schemas, at the pace of then. Nothing moves by it.
+
+    With --check a recording by 'lbr record --lines' goes through the real drivers and operations instead, in a home of
+    its own.
 
     WHAT is the box (if left out), what it kept, a recording or a file. Meanwhile `lbr topic`, `lbr plot` and `lbr status` with
     --robot replay look at it. In a terminal space pauses, the arrows jump and change the speed, q ends.
@@ -64,6 +76,12 @@ def command(
     if not _NAME.fullmatch(name):
         raise InputError(f"'{name[:60]}' is not a robot's name: small letters, digits and _")
     chosen, start_ns, end_ns = box.selected(what, robot, begin, end, around)
+    if check:
+        from lbr.commands import replay_check  # noqa: PLC0415
+
+        return replay_check.check(chosen, start_ns, end_ns, as_json=as_json)
+    if as_json:
+        raise InputError("--json goes with --check")
     first, last = selection.span_ns(chosen.files)
     start_ns, end_ns = max(start_ns, first), min(end_ns, last)
     if not chosen.files or end_ns <= start_ns:
@@ -97,7 +115,7 @@ class Stage:
 
         from lbr.recording.export import PICTURES, picture_in  # noqa: PLC0415
 
-        if one.topic in NOT_ON_A_BUS:
+        if one.topic in NOT_ON_A_BUS or one.topic.startswith(lines.TAPED):
             return
         picture = one.channel.schema_name == PICTURES
         if one.topic not in self._publishers:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, Protocol
 from lbr.capability.context import Device
 from lbr.drivers import access
 from lbr.drivers.i2c_socket import SocketBus
+from lbr.drivers.i2c_tap import TappedBus
 from lbr.errors import DeviceError
 
 UNANSWERED = frozenset({errno.EREMOTEIO, errno.ENXIO, errno.ENODEV, errno.ETIMEDOUT, errno.EIO})
@@ -61,9 +62,10 @@ def open_bus(device: Device, default_address: int) -> tuple[Bus, int]:
     """Open the bus of a device row; return it and the device's address on it, `default_address` if the row has none."""
     place = locate(device, default_address)
     try:
-        return (SocketBus(place.path) if place.path else _kernel_bus(place.number)), place.address
+        bus: Bus = SocketBus(place.path) if place.path else _kernel_bus(place.number)
     except OSError as err:
         raise DeviceError(_why_not(device, place, err), access.code_of(err)) from err
+    return TappedBus(bus, device.tap), place.address
 
 
 def locate(device: Device, default_address: int) -> Place:

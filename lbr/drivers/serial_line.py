@@ -24,9 +24,10 @@ READ_BYTES = 4096
 class SerialLine:
     """An open tty. Every failure is a DeviceError that names the device row, the path and what to do."""
 
-    def __init__(self, device: str, path: str, port: serial.Serial) -> None:
-        self.device = device
+    def __init__(self, device: Device, path: str, port: serial.Serial) -> None:
+        self.device = device.name
         self.path = path
+        self.tap = device.tap
         self._port = port
         self._fd: int = port.fileno()
         self._poll = select.poll()
@@ -47,15 +48,18 @@ class SerialLine:
                 return b""
         if not data:
             raise self._gone("end of file")
+        self.tap.came(data)
         return data
 
     def write(self, data: bytes) -> int:
         """Hand over what the line takes at once and return how much that was; never waits."""
         with self._telling("cannot be written"):
             try:
-                return os.write(self._fd, data)
+                written = os.write(self._fd, data)
             except BlockingIOError:
                 return 0
+            self.tap.sent(data[:written])
+            return written
 
     def set_baud(self, baud: int) -> None:
         """Go on at another speed; the line stays open, so that a board that begins again at each opening does not."""
@@ -109,7 +113,8 @@ def open_line(device: Device, baud: int) -> SerialLine:
     if not os.path.realpath(path).startswith("/dev/pts/"):  # there the flag would outlive a killed driver
         with suppress(OSError):
             fcntl.ioctl(port.fileno(), termios.TIOCEXCL)
-    return SerialLine(device.name, path, port)
+    device.tap.opened()
+    return SerialLine(device, path, port)
 
 
 def resolve(device: Device, ports: Callable[[], list[tuple[str, int | None, int | None, str]]] | None = None) -> str:

@@ -5,6 +5,7 @@ import select
 import termios
 from math import ceil
 
+from lbr.capability.tap import Tap
 from lbr.drivers.serial_line import SerialLine
 from lbr.errors import DeviceError
 
@@ -20,6 +21,7 @@ class Wire:
         self.baud = baud
         self._fd = fd
         self._line = line  # keeps the lock, and closes
+        self._tap = line.tap if line is not None else Tap()
         poll = select.poll()
         poll.register(fd, select.POLLIN)
         self._wait = poll.poll
@@ -32,6 +34,7 @@ class Wire:
         """Write all of it at once; False when the line takes no more, which then has lost what it held."""
         try:
             if os.write(self._fd, data) == len(data):
+                self._tap.sent(data)
                 return True
         except BlockingIOError:
             pass
@@ -52,6 +55,7 @@ class Wire:
             raise self._gone(err) from err
         if not data:
             raise self._gone(None)
+        self._tap.came(data)
         return data
 
     def wire_s(self, count: int) -> float:

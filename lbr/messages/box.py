@@ -19,11 +19,13 @@ class MarkCommand(Struct, frozen=True, kw_only=True):
 class RecordCommand(Struct, frozen=True, kw_only=True):
     """Record on purpose, into a file of its own: `seconds` long, or until it is ended (0).
 
-    `cameras`: every picture that they take. `name` is the file's; it is made of the time if there is none.
+    `cameras`: every picture that they take. `lines`: the bytes of the devices' lines, and all commands with their
+    answers, too. `name` is the file's; it is made of the time if there is none.
     """
 
     seconds: Annotated[float, Meta(ge=0.0, le=86400.0)] = 0.0
     cameras: bool = False
+    lines: bool = False
     name: FileStem = ""
 
 

@@ -32,6 +32,7 @@ ASK_S = 2.0
 AGAIN_S = 1.0
 TELL_S = 5.0
 FORMAT = "1"
+TAPED = "@taped/"
 EVENTS = 50
 """As many as the executive has when it is asked why something stands still."""
 MB = 1_000_000
@@ -220,10 +221,11 @@ class Box(Capability[BoxSettings]):
             self._revise(heard.data)
         if heard.topic == EVENT:
             self._events.append(heard)
-        elif not heard.picture:
+        elif not heard.picture and not heard.topic.startswith(TAPED):
             self._latest[heard.topic] = heard
         for tape in tapes:
-            self._add(tape, heard)
+            if tape is self._made or not heard.topic.startswith(TAPED):
+                self._add(tape, heard)
 
     def _add(self, tape: Tape, heard: Heard) -> None:
         log_ns = self._clock.dated(heard.mono_ns)
@@ -347,6 +349,8 @@ class Box(Capability[BoxSettings]):
         self._made_since = now
         self._made_until = now + asked.seconds if asked.seconds else float("inf")
         self._with_cameras = asked.cameras
+        if self._ear is not None:
+            self._ear.hear_lines(on=asked.lines)
         self._follow()
         self._tell_at = 0.0
         self._tell(now)
@@ -362,6 +366,8 @@ class Box(Capability[BoxSettings]):
         made.disk.close(2.0)
         path = made.disk.path
         self._with_cameras = False
+        if self._ear is not None:
+            self._ear.hear_lines(on=False)
         self._follow()
         self._tell_at = 0.0
         self._tell(self.ctx.clock())

@@ -1,6 +1,7 @@
 """Hears the bus without being woken by it: the bus library keeps what comes, and once in a while all of it is taken."""
 
 import base64
+import functools
 from collections.abc import Callable, Collection, Iterator
 from typing import Any, NamedTuple
 
@@ -13,12 +14,14 @@ from lbr.bus.session import Session
 from lbr.errors import BusError
 from lbr.messages.recorded import RecordedStream
 from lbr.messages.system import Event, Status
+from lbr.messages.taped import Taped
 from lbr.recording.chunks import Channel, Channels, flat_schema
 
 DEPTH = 512
 """Of a stream of 100 Hz five seconds, should the machine be too busy to let us take them."""
 EVENTS_DEPTH = 2048
 PICTURES_DEPTH = 64
+TAPED_DEPTH = 4096
 PICTURE_S = 2.0
 STATUS, EVENT, ROWS, LOG = "@status", "@event", "@rows", "@log"
 _TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
@@ -96,6 +99,7 @@ class Ear:
         self._channels = channels
         self._clock = clock
         self._feeds: dict[str, _Feed] = {}
+        self._taped: wire.PolledSubscription | None = None
         self._cameras: dict[str, RecordedStream] = {}
         self._asked: list[tuple[RecordedStream, wire.PendingQuery]] = []
         self._seen: dict[str, tuple[int, int]] = {}
@@ -118,6 +122,14 @@ class Ear:
             else:
                 self._hear(key, channel.topic, channel, PICTURES_DEPTH if one.picture else DEPTH, picture=one.picture)
 
+    def hear_lines(self, *, on: bool) -> None:
+        """Hear the bytes of lines, and commands, of every capability, or no longer: only while they are heard they are told."""
+        if on and self._taped is None:
+            self._taped = wire.PolledSubscription(self._bus, keys.taped(self._robot, "*"), depth=TAPED_DEPTH)
+        elif not on and self._taped is not None:
+            self._taped.close()
+            self._taped = None
+
     def ask_for_pictures(self) -> None:
         """Ask each camera for its newest picture; it comes with a later round."""
         for key, one in self._cameras.items():
@@ -137,10 +149,15 @@ class Ear:
                     self.lost += stamp.seq - feed.last - 1
                 feed.last = stamp.seq
                 yield self._heard(feed.topic, feed.number, stamp, raw.payload, picture=feed.picture)
+        for raw in self._taped.take() if self._taped is not None else ():
+            topic = self._topic(raw.key)
+            number = self._channels.number(_channel(topic, Taped))
+            yield self._heard(topic, number, _stamp_of(raw.attachment), raw.payload, picture=False)
         yield from self._pictures()
 
     def close(self) -> None:
         """Hear no more."""
+        self.hear_lines(on=False)
         for feed in self._feeds.values():
             feed.subscription.close()
 
@@ -212,5 +229,6 @@ def _stamp_of(attachment: bytes) -> _Stamp:
         return _NO_STAMP
 
 
+@functools.cache
 def _channel(topic: str, message: type[Any]) -> Channel:
     return Channel(topic, "json", message.__name__, flat_schema(msgspec.json.schema(message)))

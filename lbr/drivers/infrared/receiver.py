@@ -29,6 +29,7 @@ class Receiver:
         events = _sends_events(device.address, settings)
         self._parser = RecordParser(read_event if events else read_scancode)
         self._fd = self._open()
+        device.tap.opened()
         try:
             self._prepare_events() if events else self._prepare_scancodes()
             self._refuse_without_decoder(settings)
@@ -52,6 +53,7 @@ class Receiver:
             raise self._error(f"went away ({err.strerror}); check its cable") from err
         if not data:
             raise self._error("went away (end of file); check its cable")
+        self._device.tap.came(data)
         return self._parser.feed(data)
 
     def close(self) -> None:

@@ -71,9 +71,16 @@ def _of_process(plan: Plan, unit: ProcessSpec) -> Rights:
     acknowledgement = (keys.estop_acknowledgement(robot, name),) if unit.moves else ()
     release = (keys.estop_release(robot, name),) if unit.moves else ()
     return Rights(
-        put=(*outputs, *relayed, *acknowledgement, keys.event(robot), keys.estop(robot)),
+        put=(*outputs, *relayed, *acknowledgement, keys.event(robot), keys.taped(robot, name), keys.estop(robot)),
         ask=(*requests, *inputs, *relayed, *people.ask),
-        serve=(*outputs, *commands, *release, keys.event(robot), keys.schema(robot, name, "*")),
+        serve=(
+            *outputs,
+            *commands,
+            *release,
+            keys.event(robot),
+            keys.taped(robot, name),
+            keys.schema(robot, name, "*"),
+        ),
         hear=(*inputs, *commands, *release, *watched, *people.hear, keys.estop(robot)),
         alive=(keys.alive(robot, name),),
         watch=(keys.alive(robot, "*"),),
@@ -93,10 +100,11 @@ def _for_people(robot: str) -> Rights:
 
 
 def _to_record(robot: str) -> Rights:
-    """Return what a recorder may do: hear all streams, ask what the robot is, and cameras for their newest picture."""
+    """Return what a recorder may do: hear all streams and lines, ask what the robot is, and cameras for their newest
+    picture."""
     return Rights(
         ask=(f"{robot}/*/frame", keys.console(robot, "view")),
-        hear=(f"{robot}/**", keys.status(robot), keys.event(robot)),
+        hear=(f"{robot}/**", keys.status(robot), keys.event(robot), keys.taped(robot, "*")),
     )
 
 

@@ -1,0 +1,71 @@
+"""The bytes of a device's line: of its first seconds always, of the rest while a recorder hears them."""
+
+import time
+from collections import deque
+
+from lbr.messages.taped import LineBytes
+
+OPENING_NS = 5_000_000_000
+"""So long after it was opened, a line's bytes are kept: the handshakes of all drivers are over by then."""
+OPENING_PIECES = 2000
+MOST_PIECES = 20_000
+"""Of one line between two messages: of the fastest line there is ten seconds."""
+
+
+class Tap:
+    """The bytes of one line; any thread of a driver gives them, one takes them."""
+
+    def __init__(self) -> None:
+        self._opening: list[LineBytes] = []
+        self._opened_ns = 0
+        self._live: deque[LineBytes] | None = None
+        self._lost = 0
+
+    def opened(self) -> None:
+        """Begin anew: the line was opened now."""
+        self._opening = []
+        self._opened_ns = time.monotonic_ns()
+
+    @property
+    def wanted(self) -> bool:
+        """Say whether what comes now is kept."""
+        return self._live is not None or self._opened_ns > 0
+
+    def sent(self, data: bytes) -> None:
+        """Take what the driver wrote."""
+        if self.wanted:
+            self._take(data, sent=True)
+
+    def came(self, data: bytes) -> None:
+        """Take what the driver read."""
+        if self.wanted:
+            self._take(data, sent=False)
+
+    @property
+    def opening(self) -> tuple[LineBytes, ...]:
+        """The bytes of the line's first seconds."""
+        return tuple(self._opening)
+
+    def listen(self, *, on: bool) -> None:
+        """Keep what comes for `take`, or no longer."""
+        self._live, self._lost = (deque(maxlen=MOST_PIECES) if on else None), 0
+
+    def take(self) -> tuple[tuple[LineBytes, ...], int]:
+        """Return what came since the last call, and how many pieces were too many."""
+        live, taken = self._live, []
+        while live:
+            taken.append(live.popleft())
+        lost, self._lost = self._lost, 0
+        return tuple(taken), lost
+
+    def _take(self, data: bytes, *, sent: bool) -> None:
+        piece = LineBytes(time.monotonic_ns(), sent, data)
+        if self._opened_ns:
+            if piece.at_ns - self._opened_ns < OPENING_NS and len(self._opening) < OPENING_PIECES:
+                self._opening.append(piece)
+            else:
+                self._opened_ns = 0
+        live = self._live
+        if live is not None:
+            self._lost += len(live) == MOST_PIECES
+            live.append(piece)

@@ -1,0 +1,70 @@
+"""What of a process a recorder with lines hears: the bytes of its devices, and its commands with their answers.
+
+Without such a recorder it is empty and costs nothing: it follows whether there is a subscriber.
+"""
+
+import time
+from collections.abc import Mapping
+
+from msgspec import Raw, Struct
+
+from lbr.bus import keys, wire
+from lbr.bus.session import Session
+from lbr.capability.calls import BusCall
+from lbr.capability.tap import Tap
+from lbr.messages.taped import Taped, TapedCommand, TapedLine
+
+SEND_S = 0.2
+MOST_COMMANDS = 1000
+"""Between two messages; more than a capability answers."""
+
+
+class Tape:
+    """What of a process is published while a recorder hears it. One thread uses it."""
+
+    def __init__(self, bus: Session, robot: str, name: str, taps: Mapping[str, Tap]) -> None:
+        self._taps = taps
+        self._commands: list[TapedCommand] = []
+        self._on = False
+        self._send_at = 0.0
+        self._publisher = wire.Publisher(bus, keys.taped(robot, name), name, watching=lambda: None)
+
+    def answered(self, call: BusCall, answer: Struct) -> None:
+        """Take a command with its answer."""
+        if self._on and len(self._commands) < MOST_COMMANDS:
+            self._commands.append(
+                TapedCommand(
+                    name=call.name,
+                    source=call.source,
+                    at_ns=int(call.arrived * 1e9),
+                    message=Raw(wire.encode(call.message)),
+                    answerable=call.answerable,
+                    answered_ns=time.monotonic_ns(),
+                    reply=Raw(wire.encode(answer)),
+                )
+            )
+
+    def step(self, now: float) -> None:
+        """Publish what came, a few times a second, and follow whether a recorder hears."""
+        if self._on != self._publisher.watched:
+            self._on = self._publisher.watched
+            self._commands.clear()
+            for tap in self._taps.values():
+                tap.listen(on=self._on)
+            if self._on:
+                openings = {name: tap.opening for name, tap in self._taps.items()}
+                self._publish([TapedLine(device=one, pieces=found, opening=True) for one, found in openings.items()])
+        if self._on and now >= self._send_at:
+            self._send_at = now + SEND_S
+            taken = {name: tap.take() for name, tap in self._taps.items()}
+            lines = [
+                TapedLine(device=one, pieces=pieces, lost=lost)
+                for one, (pieces, lost) in taken.items()
+                if pieces or lost
+            ]
+            if lines or self._commands:
+                self._publish(lines)
+
+    def _publish(self, lines: list[TapedLine]) -> None:
+        commands, self._commands = tuple(self._commands), []
+        self._publisher.put(Taped(now_ns=time.monotonic_ns(), lines=tuple(lines), commands=commands))

@@ -1,0 +1,142 @@
+"""`lbr replay --check`: a recording goes through the real drivers and operations, and what they do is compared."""
+
+import math
+import sys
+import time
+from typing import TYPE_CHECKING
+
+import click
+
+from lbr.commands.options import print_json
+
+if TYPE_CHECKING:
+    from lbr.recording.selection import Chosen
+    from lbr.rerun.check import Outcome, Recorded
+
+SHOWN = 5
+
+
+def check(chosen: "Chosen", start_ns: int, end_ns: int, *, as_json: bool) -> int:
+    """Run a recording again, and say where it did otherwise; 1 if it did."""
+    from lbr.rerun import check as checks  # noqa: PLC0415 - kept out of `lbr --help`
+
+    recorded = checks.read(chosen.files, start_ns, end_ns)
+    if not as_json:
+        devices = ", ".join(f"{name} ({len(line.exchanges)})" for name, line in sorted(recorded.taken.lines.items()))
+        seconds = (recorded.end_ns - recorded.start_ns) / 1e9
+        click.echo(
+            f"{chosen.name}: {seconds:.1f} s of '{recorded.robot}', exchanges of {devices}; {len(recorded.taken.commands)} commands"
+        )
+    outcome = checks.run(recorded, _progress if not as_json else lambda _text: None)
+    _clear()
+    if as_json:
+        print_json(_plain(outcome, recorded))
+    else:
+        _tell(outcome, recorded)
+    return 0 if outcome.same else 1
+
+
+def _progress(text: str) -> None:
+    if sys.stderr.isatty():
+        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+
+
+def _clear() -> None:
+    if sys.stderr.isatty():
+        print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+def _tell(outcome: "Outcome", recorded: "Recorded") -> None:
+    for name, why in sorted(outcome.left_out.items()):
+        click.echo(f"  without {name}: {why}", err=True)
+    for topic, count in outcome.setpoints.items():
+        found = outcome.differences[topic]
+        click.echo(f"{topic:<28} {count} samples, {_verdict(len(found))}")
+        for one in found[:SHOWN]:
+            click.echo(
+                f"    {_at(one.at_ns, recorded)} {one.field}: {_value(one.recorded)} then, {_value(one.now)} now"
+            )
+    click.echo(f"{'commands':<28} {outcome.said}, {_verdict(len(outcome.answered_otherwise))}")
+    for said in outcome.answered_otherwise[:SHOWN]:
+        asked = said.command
+        then, now = _answer(asked.reply), _answer(said.reply) if said.reply is not None else "no answer"
+        click.echo(
+            f"    {_at(asked.at_ns, recorded)} {asked.to}/{asked.name} by {asked.source}: {then} then, {now} now"
+        )
+    if outcome.begun_before:
+        click.echo(f"    {outcome.begun_before} went by a lease from before the recording, and were left out")
+    click.echo(f"{'reasons':<28} {outcome.reasons}, {_verdict(len(outcome.missing) + len(outcome.new))}")
+    for text, events in (("then alone", outcome.missing), ("now alone", outcome.new)):
+        for happened in events[:SHOWN]:
+            what = f"{happened.subject} {happened.kind} [{happened.code}]"
+            click.echo(f"    {_at(happened.at_ns, recorded)} {what}: {text}")
+    for device, (count, unlike) in sorted(outcome.unlike.items()):
+        if unlike:
+            click.echo(
+                f"  {device} was sent {count} times, also what was not sent then, such as {unlike[0][:24]!r}", err=True
+            )
+    click.echo("as recorded" if outcome.same else "otherwise than recorded")
+
+
+def _plain(outcome: "Outcome", recorded: "Recorded") -> dict[str, object]:
+    return {
+        "robot": recorded.robot,
+        "recorded_at": time.strftime("%Y-%m-%dT%H:%M:%S", time.localtime(recorded.start_ns / 1e9)),
+        "seconds": round(outcome.seconds, 3),
+        "same": outcome.same,
+        "runs": outcome.runs,
+        "left_out": outcome.left_out,
+        "setpoints": {
+            topic: {
+                "samples": count,
+                "differences": [
+                    {
+                        "at_s": (one.at_ns - recorded.start_ns) / 1e9,
+                        "field": one.field,
+                        "then": None if math.isnan(one.recorded) else one.recorded,
+                        "now": None if math.isnan(one.now) else one.now,
+                    }
+                    for one in outcome.differences[topic]
+                ],
+            }
+            for topic, count in outcome.setpoints.items()
+        },
+        "commands": {
+            "said": outcome.said,
+            "begun_before": outcome.begun_before,
+            "otherwise": [
+                {
+                    "at_s": (said.command.at_ns - recorded.start_ns) / 1e9,
+                    "command": f"{said.command.to}/{said.command.name}",
+                    "then": said.command.reply,
+                    "now": said.reply,
+                }
+                for said in outcome.answered_otherwise
+            ],
+        },
+        "reasons": {
+            "told": outcome.reasons,
+            "then_alone": [list(one.what) for one in outcome.missing],
+            "now_alone": [list(one.what) for one in outcome.new],
+        },
+        "late_s": outcome.late_s,
+    }
+
+
+def _verdict(differences: int) -> str:
+    return "all as recorded" if not differences else f"{differences} otherwise"
+
+
+def _at(at_ns: int, recorded: "Recorded") -> str:
+    return f"at {(at_ns - recorded.start_ns) / 1e9:.2f} s"
+
+
+def _value(value: float) -> str:
+    return "nothing" if math.isnan(value) else f"{value:g}"
+
+
+def _answer(reply: object) -> str:
+    found = reply if isinstance(reply, dict) else {}
+    if found.get("accepted", True):
+        return "accepted"
+    return f"refused ({found.get('code', '')})"

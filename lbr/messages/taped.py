@@ -1,0 +1,40 @@
+"""What a recorder with lines gets of a capability: the bytes of its devices, and what it was asked and answered."""
+
+from msgspec import Raw, Struct
+
+
+class LineBytes(Struct, frozen=True, array_like=True, gc=False):
+    """Bytes at once on a line: when, by the sender's monotonic clock, whether the driver sent them, and the bytes."""
+
+    at_ns: int
+    sent: bool
+    data: bytes
+
+
+class TapedLine(Struct, frozen=True, kw_only=True):
+    """The bytes of a device's line since the last message; `opening`: those by which it was opened before the recording."""
+
+    device: str
+    pieces: tuple[LineBytes, ...]
+    opening: bool = False
+    lost: int = 0
+
+
+class TapedCommand(Struct, frozen=True, kw_only=True):
+    """A command as it came, by a query or a `put`, and its answer; times by the sender's monotonic clock."""
+
+    name: str
+    source: str
+    at_ns: int
+    message: Raw
+    answerable: bool
+    answered_ns: int
+    reply: Raw
+
+
+class Taped(Struct, frozen=True, kw_only=True):
+    """What came and went since the last one; `now_ns` is the monotonic time at which this was made."""
+
+    now_ns: int
+    lines: tuple[TapedLine, ...] = ()
+    commands: tuple[TapedCommand, ...] = ()

@@ -1,0 +1,111 @@
+"""Whether two runs of a robot did the same: numbers as time goes on, and what happened. Pure; times in ns of the recording."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+WINDOW_NS = 150_000_000
+"""So far apart the same thing may be: a tick of a slow operation and of a setpoint's way, twice."""
+TOLERANCE = 0.02
+"""Of the span that a number had in the recording."""
+SMALLEST = 1e-3
+UNTOLD = frozenset({"lease", "halt", "seq", "time_s", "stamp_s"})
+"""Fields that count or name, and so are others in every run."""
+
+Series = Sequence[tuple[int, Mapping[str, float]]]
+
+
+class Difference(NamedTuple):
+    """A number that another run had otherwise; NaN: it had none at that time."""
+
+    at_ns: int
+    field: str
+    recorded: float
+    now: float
+
+
+class Happened(NamedTuple):
+    """Something that happened: when, to whom, of which kind and with which code."""
+
+    at_ns: int
+    subject: str
+    kind: str
+    code: str
+
+    @property
+    def what(self) -> tuple[str, str, str]:
+        """All but the time."""
+        return self.subject, self.kind, self.code
+
+
+def numbers(message: Any, path: str = "") -> dict[str, float]:
+    """Return the numbers of a message by their paths; what only counts or names is left out."""
+    if isinstance(message, bool | int | float):
+        return {path: float(message)}
+    found: dict[str, float] = {}
+    if isinstance(message, Mapping):
+        name = message.get("name", message.get("id"))
+        for key, value in message.items():
+            if key not in UNTOLD:
+                found |= numbers(value, f"{path}.{key}" if path else str(key))
+        return found if name is None else {one: value for one, value in found.items() if one != f"{path}.id"}
+    if isinstance(message, Sequence) and not isinstance(message, str):
+        for place, value in enumerate(message):
+            found |= numbers(value, f"{path}.{_name_of(value, place)}" if path else _name_of(value, place))
+    return found
+
+
+def differences(recorded: Series, now: Series, window_ns: int = WINDOW_NS) -> list[Difference]:
+    """Return where one run has a number that the other has not about then; both in the order of time."""
+    fields = {name for _, values in (*recorded, *now) for name in values}
+    found = []
+    for name in sorted(fields):
+        ours = [(at, values[name]) for at, values in recorded if name in values]
+        theirs = [(at, values[name]) for at, values in now if name in values]
+        span = [value for _, value in ours if math.isfinite(value)] or [0.0]
+        tolerance = max(SMALLEST, TOLERANCE * (max(span) - min(span)))
+        found += [Difference(at, name, value, other) for at, value, other in _unmet(ours, theirs, window_ns, tolerance)]
+        found += [Difference(at, name, other, value) for at, value, other in _unmet(theirs, ours, window_ns, tolerance)]
+    return sorted(found)
+
+
+def unmatched(
+    recorded: Iterable[Happened], now: Iterable[Happened], window_ns: int
+) -> tuple[list[Happened], list[Happened]]:
+    """Return what happened in one run alone: in the recorded one, and in this one."""
+    left = sorted(now)
+    alone = []
+    for one in sorted(recorded):
+        match = min(
+            (other for other in left if other.what == one.what and abs(other.at_ns - one.at_ns) <= window_ns),
+            key=lambda other: abs(other.at_ns - one.at_ns),
+            default=None,
+        )
+        if match is None:
+            alone.append(one)
+        else:
+            left.remove(match)
+    return alone, left
+
+
+def _unmet(
+    ours: list[tuple[int, float]], theirs: list[tuple[int, float]], window_ns: int, tolerance: float
+) -> Iterable[tuple[int, float, float]]:
+    """Yield what of ours none of theirs is like within the window, with the nearest of theirs."""
+    first = last = 0
+    for at, value in ours:
+        while first < len(theirs) and theirs[first][0] < at - window_ns:
+            first += 1
+        while last < len(theirs) and theirs[last][0] <= at + window_ns:
+            last += 1
+        near = [other for _, other in theirs[first:last]]
+        if not near:
+            yield at, value, math.nan
+        elif not min(near) - tolerance <= value <= max(near) + tolerance:
+            yield at, value, min(near, key=lambda other: abs(other - value))
+
+
+def _name_of(value: Any, place: int) -> str:
+    if isinstance(value, Mapping):
+        return str(value.get("name", value.get("id", place)))
+    return str(place)
