@@ -56,6 +56,7 @@ FLOORS = {
     "client": BUS | {"client", "console", "home"},
     "console": BUS | {"console", "database", "home", "ownership"},
     "why": GROUND | {"why"},
+    "rerun": CAPABILITY | {"database", "drivers", "home", "recording", "rerun", "simulation"},
     "executive": CAPABILITY | ROBOTS | {"executive", "console", "database", "home", "qr", "why"},
 }
 TOP = {"cli", "commands", "gym"}

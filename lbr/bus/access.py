@@ -74,7 +74,20 @@ _NOT_URGENT = ("interactive_high", "interactive_low", "data_high", "data", "data
 
 def everything(robot: str) -> tuple[str, ...]:
     """Return the whole key space; `**` passes by the chunks that begin with `@`."""
-    system = ("console", "estop", "status", "event", "alive", "schema", "host", "edit", "pair", "manage", "router")
+    system = (
+        "console",
+        "estop",
+        "status",
+        "event",
+        "alive",
+        "schema",
+        "host",
+        "edit",
+        "pair",
+        "manage",
+        "router",
+        "taped",
+    )
     return (f"{robot}/**", *(f"{robot}/@{name}/**" for name in system), keys.ANY_STATUS)
 
 

@@ -168,13 +168,13 @@ class Subscription:
 
 
 class PolledSubscription:
-    """The newest `depth` messages of a key, kept by Zenoh until we look: no Python runs when one arrives.
+    """The newest `depth` messages of a key expression, kept by Zenoh until we look: no Python runs when one arrives.
 
     It costs half of what a Subscription does; what it says of a message's arrival is when it was taken.
     """
 
     def __init__(self, session: zenoh.Session, key: str, *, depth: int = 1) -> None:
-        self._key = key
+        self._key = key if "*" not in key else ""
         self._subscriber = session.declare_subscriber(key, zenoh.handlers.RingChannel(depth))
 
     def take(self) -> list[RawMessage]:
@@ -184,7 +184,7 @@ class PolledSubscription:
         while (sample := self._received()) is not None:
             attachment = sample.attachment
             stamp = attachment.to_bytes() if attachment is not None else b""
-            taken.append(RawMessage(self._key, sample.payload.to_bytes(), stamp, now))
+            taken.append(RawMessage(self._key or str(sample.key_expr), sample.payload.to_bytes(), stamp, now))
         return taken
 
     def close(self) -> None:

@@ -51,6 +51,7 @@ class BusCall:
         self.sender_s = found.mono_ns / 1e9 if found is not None and found.boot else nan
         self.waited_s = found.waited_s if found is not None else 0.0
         self.answerable = request.answerable
+        self.payload = request.payload
         self._request = request
         self._owner = owner
         self._refused = refused
@@ -64,7 +65,7 @@ class BusCall:
             self._refused(self.source, answer)
         self._request.reply(answer, self._owner)
         answered, self._answered = self._answered, None
-        if answered is not None and self.message is not None:
+        if answered is not None:
             answered(self, answer)
 
     def refuse(self, reason: str | Reason, code: Code = "refused") -> None:

@@ -18,11 +18,13 @@ class Tap:
     def __init__(self) -> None:
         self._opening: list[LineBytes] = []
         self._opened_ns = 0
+        self._is_line = False
         self._live: deque[LineBytes] | None = None
         self._lost = 0
 
     def opened(self) -> None:
         """Begin anew: the line was opened now."""
+        self._is_line = True
         self._opening = []
         self._opened_ns = time.monotonic_ns()
 
@@ -40,6 +42,11 @@ class Tap:
         """Take what the driver read."""
         if self.wanted:
             self._take(data, sent=False)
+
+    @property
+    def is_line(self) -> bool:
+        """Say whether a driver has opened it: other devices have no bytes."""
+        return self._is_line
 
     @property
     def opening(self) -> tuple[LineBytes, ...]:

@@ -37,7 +37,7 @@ class Tape:
                     name=call.name,
                     source=call.source,
                     at_ns=int(call.arrived * 1e9),
-                    message=Raw(wire.encode(call.message)),
+                    payload=call.payload,
                     answerable=call.answerable,
                     answered_ns=time.monotonic_ns(),
                     reply=Raw(wire.encode(answer)),
@@ -52,7 +52,7 @@ class Tape:
             for tap in self._taps.values():
                 tap.listen(on=self._on)
             if self._on:
-                openings = {name: tap.opening for name, tap in self._taps.items()}
+                openings = {name: tap.opening for name, tap in self._taps.items() if tap.is_line}
                 self._publish([TapedLine(device=one, pieces=found, opening=True) for one, found in openings.items()])
         if self._on and now >= self._send_at:
             self._send_at = now + SEND_S

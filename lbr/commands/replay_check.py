@@ -51,8 +51,12 @@ def _tell(outcome: "Outcome", recorded: "Recorded") -> None:
         click.echo(f"  without {name}: {why}", err=True)
     for topic, count in outcome.setpoints.items():
         found = outcome.differences[topic]
-        click.echo(f"{topic:<28} {count} samples, {_verdict(len(found))}")
-        for one in found[:SHOWN]:
+        some = f" but {len({one.at_ns for one in found})}" if found and not outcome.differs(topic) else ""
+        verdict = (
+            f"all{some} as recorded" if not outcome.differs(topic) else _verdict(len({one.at_ns for one in found}))
+        )
+        click.echo(f"{topic:<28} {count} samples, {verdict}")
+        for one in found[:SHOWN] if outcome.differs(topic) else ():
             click.echo(
                 f"    {_at(one.at_ns, recorded)} {one.field}: {_value(one.recorded)} then, {_value(one.now)} now"
             )
@@ -70,11 +74,10 @@ def _tell(outcome: "Outcome", recorded: "Recorded") -> None:
         for happened in events[:SHOWN]:
             what = f"{happened.subject} {happened.kind} [{happened.code}]"
             click.echo(f"    {_at(happened.at_ns, recorded)} {what}: {text}")
-    for device, (count, unlike) in sorted(outcome.unlike.items()):
-        if unlike:
-            click.echo(
-                f"  {device} was sent {count} times, also what was not sent then, such as {unlike[0][:24]!r}", err=True
-            )
+    for device, sent in sorted(outcome.asked.items()):
+        if sent.unlike:
+            example = repr(sent.unlike[0][:24])[1:]
+            click.echo(f"  {device} was sent {sent.times} times, also what it was not sent then: {example}", err=True)
     click.echo("as recorded" if outcome.same else "otherwise than recorded")
 
 
@@ -137,6 +140,5 @@ def _value(value: float) -> str:
 
 def _answer(reply: object) -> str:
     found = reply if isinstance(reply, dict) else {}
-    if found.get("accepted", True):
-        return "accepted"
-    return f"refused ({found.get('code', '')})"
+    code = f" ({found['code']})" if found.get("code") else ""
+    return ("accepted" if found.get("accepted", True) else "refused") + code

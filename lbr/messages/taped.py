@@ -21,12 +21,12 @@ class TapedLine(Struct, frozen=True, kw_only=True):
 
 
 class TapedCommand(Struct, frozen=True, kw_only=True):
-    """A command as it came, by a query or a `put`, and its answer; times by the sender's monotonic clock."""
+    """A command as it came, by a query or a `put`, and its answer; times by the monotonic clock of who answered."""
 
     name: str
     source: str
     at_ns: int
-    message: Raw
+    payload: bytes
     answerable: bool
     answered_ns: int
     reply: Raw

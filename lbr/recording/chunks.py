@@ -25,7 +25,6 @@ _RECORD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
 _CHUNK_HEAD = struct.Struct("<QQQII")
 HEAD_BYTES = _RECORD.size + _CHUNK_HEAD.size
-_compressor = zstandard.ZstdCompressor(level=LEVEL)
 
 
 class DamagedError(ValueError):
@@ -105,10 +104,11 @@ def message(number: int, sequence: int, log_ns: int, publish_ns: int, data: byte
 def chunk(parts: Iterable[bytes], start_ns: int, end_ns: int) -> bytes:
     """Return the record of a chunk of these records, compressed."""
     plain = b"".join(parts)
+    packed = zstandard.ZstdCompressor(level=LEVEL).compress(plain)  # one of its own: two files are written at once
     return _bytes_of(
         records.Chunk(
             compression=COMPRESSION,
-            data=_compressor.compress(plain),
+            data=packed,
             message_start_time=max(0, start_ns),
             message_end_time=max(0, end_ns),
             uncompressed_crc=zlib.crc32(plain),

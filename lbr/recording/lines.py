@@ -16,8 +16,14 @@ from lbr.recording.chunks import Message
 
 TAPED = "@taped/"
 ANSWER_NS = 100_000_000
-SHORTEST = 2
-"""Bytes that a question has at least in common with the one whose answer it gets."""
+SHORTEST = 3
+"""Bytes that a question has at least in common with the one whose answer it gets: to the servo's number, or the command."""
+SURE = 3
+"""Bytes of a question by which its beginning is known among others."""
+LATE_NS = 150_000_000
+"""What was sent but once has a meaning of its own: what is answered after it may be because of it. So much earlier or later
+than then it may come."""
+OFTEN_NS = 50_000_000
 _taped = msgspec.json.Decoder(Taped)
 
 
@@ -37,13 +43,14 @@ class Exchange(NamedTuple):
 
 
 class Command(Struct, frozen=True, kw_only=True):
-    """A command of the recording: to whom, from whom, when it came, its message and its answer."""
+    """A command of the recording: to whom, from whom, when it was sent and answered, its bytes and its answer."""
 
     at_ns: int
+    answered_ns: int
     to: str
     name: str
     source: str
-    message: dict[str, Any]
+    payload: bytes
     reply: dict[str, Any]
     answerable: bool
 
@@ -57,19 +64,79 @@ class RecordedLine:
         self.exchanges: list[Exchange] = []
         self.unasked: list[tuple[int, bytes]] = []
         self._by_question: dict[bytes, list[Exchange]] = {}
+        self._last: dict[bytes, int] = {}
+        self._passed = 0
+        self._at_ns = 0
         self._take(pieces)
+        self._single = sorted((all_[0].at_ns, sent) for sent, all_ in self._by_question.items() if len(all_) == 1)
+        self._once = {sent for _, sent in self._single}
         self.longest = max((len(one) for one in self._by_question), default=0)
 
     def known(self, sent: bytes) -> bool:
         """Say whether exactly this was sent."""
         return sent in self._by_question
 
-    def begins(self, sent: bytes) -> bool:
-        """Say whether these bytes are the beginning of what was sent."""
-        return any(one.startswith(sent) for one in self._by_question)
+    def question(self, data: bytes) -> tuple[bytes, bool]:
+        """Return the question with which these bytes begin, and whether it may have an end that is not here yet.
 
-    def first(self, data: bytes) -> bytes:
-        """Return the longest question that was sent with which these bytes begin; empty: none."""
+        What was sent in two pieces may come as one; what was never sent ends where something begins that was.
+        """
+        if data in self._by_question:
+            return data, False
+        if first := self._first(data):
+            return first, False
+        if any(one.startswith(data) for one in self._by_question):
+            return data, True
+        for end in range(1, len(data) - SURE + 1):
+            if len(self._first(data[end:])) >= SURE:
+                return data[:end], False
+        return data, False
+
+    def _next(self, sent: bytes, at_ns: int) -> Exchange:
+        """Return the exchange of about that time which has the same single questions before it and after it.
+
+        Who asks often, but not at the same moments as then, gets each answer once: the one after the last.
+        """
+        found = self._by_question[sent]
+        begin_ns, end_ns = self._between(sent, at_ns)
+        first = bisect.bisect_left(found, begin_ns, key=lambda one: one.at_ns)
+        last = bisect.bisect_right(found, end_ns, key=lambda one: one.at_ns)
+        if first >= last:
+            first, last = (first if first < len(found) else 0), len(found)
+        at = min(max(bisect.bisect_left(found, at_ns, key=lambda one: one.at_ns), first), last)
+        near = min(range(max(first, at - 1), min(last, at + 1)), key=lambda one: abs(found[one].at_ns - at_ns))
+        following = self._last.get(sent, -2) + 1
+        if (
+            first <= following < last
+            and abs(following - near) == 1
+            and abs(found[following].at_ns - found[near].at_ns) < OFTEN_NS
+        ):
+            near = following
+        self._last[sent] = near
+        return found[near]
+
+    def _between(self, sent: bytes, at_ns: int) -> tuple[int, int]:
+        """Return from when to when an answer may be: after the last single question that came, and before the next one.
+
+        One that does not come is not waited for.
+        """
+        if at_ns < self._at_ns:
+            self._passed = 0  # the time was set back
+        self._at_ns = at_ns
+        if sent in self._once:
+            first = bisect.bisect_left(self._single, (at_ns - LATE_NS, b""))
+            last = bisect.bisect_right(self._single, (at_ns + LATE_NS, b""))
+            same = [one for one in range(first, last) if self._single[one][1] == sent]
+            if same:
+                here = min(same, key=lambda one: abs(self._single[one][0] - at_ns))
+                self._passed = max(self._passed, here + 1)
+        while self._passed < len(self._single) and self._single[self._passed][0] < at_ns - LATE_NS:
+            self._passed += 1
+        begin_ns = self._single[self._passed - 1][0] if self._passed else 0
+        end_ns = self._single[self._passed][0] if self._passed < len(self._single) else 1 << 63
+        return begin_ns, end_ns
+
+    def _first(self, data: bytes) -> bytes:
         for length in range(min(len(data), self.longest), 0, -1):
             if data[:length] in self._by_question:
                 return data[:length]
@@ -77,13 +144,12 @@ class RecordedLine:
 
     def answers(self, sent: bytes, at_ns: int) -> tuple[Answer, ...]:
         """Return what was answered to this at about that time; to what was never sent, what its like was answered."""
-        found = self._by_question.get(sent)
-        if found is not None:
-            return _nearest(found, at_ns).answers
+        if sent in self._by_question:
+            return self._next(sent, at_ns).answers
         alike = max(self._by_question, key=lambda one: (_common(one, sent), -abs(len(one) - len(sent))), default=b"")
-        if _common(alike, sent) < min(SHORTEST, len(sent)):
+        if _common(alike, sent) < SHORTEST:
             return ()
-        return _nearest(self._by_question[alike], at_ns).answers
+        return self._next(alike, at_ns).answers
 
     def came(self, after_ns: int, until_ns: int) -> list[bytes]:
         """Return what came by itself in that time."""
@@ -163,25 +229,19 @@ def _decoded(message: Message) -> Taped | None:
 
 def _command(to: str, one: TapedCommand, later_ns: int) -> Command | None:
     try:
-        message, reply = msgspec.json.decode(one.message), msgspec.json.decode(one.reply)
+        reply = msgspec.json.decode(one.reply, type=dict[str, Any])
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
-        return None
-    if not isinstance(message, dict) or not isinstance(reply, dict):
         return None
     return Command(
         at_ns=one.at_ns + later_ns,
+        answered_ns=one.answered_ns + later_ns,
         to=to,
         name=one.name,
         source=one.source,
-        message=message,
+        payload=one.payload,
         reply=reply,
         answerable=one.answerable,
     )
-
-
-def _nearest(exchanges: list[Exchange], at_ns: int) -> Exchange:
-    at = bisect.bisect_left(exchanges, at_ns, key=lambda one: one.at_ns)
-    return min(exchanges[max(0, at - 1) : at + 1], key=lambda one: abs(one.at_ns - at_ns))
 
 
 def _common(one: bytes, other: bytes) -> int:

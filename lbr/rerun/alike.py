@@ -4,12 +4,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-WINDOW_NS = 150_000_000
-"""So far apart the same thing may be: a tick of a slow operation and of a setpoint's way, twice."""
-TOLERANCE = 0.02
-"""Of the span that a number had in the recording."""
-SMALLEST = 1e-3
-UNTOLD = frozenset({"lease", "halt", "seq", "time_s", "stamp_s"})
+WINDOW_NS = 300_000_000
+"""So far apart the same thing may be: a tick of each operation on its way, and a sweep of a bus of servos, twice."""
+TOLERANCE = 0.1
+"""Of the span that a number had in the recording. Feedback comes at other moments than then, by a tick at most: a turn's
+last creeping steps may fall otherwise by that, and nothing that is larger."""
+SMALLEST = 0.02
+"""A step of the coarsest servo's encoder in rad, and a fiftieth of full power."""
+UNTOLD = frozenset({"id", "lease", "halt", "count", "seq", "time_s", "stamp_s"})
 """Fields that count or name, and so are others in every run."""
 
 Series = Sequence[tuple[int, Mapping[str, float]]]
@@ -44,12 +46,10 @@ def numbers(message: Any, path: str = "") -> dict[str, float]:
         return {path: float(message)}
     found: dict[str, float] = {}
     if isinstance(message, Mapping):
-        name = message.get("name", message.get("id"))
         for key, value in message.items():
             if key not in UNTOLD:
                 found |= numbers(value, f"{path}.{key}" if path else str(key))
-        return found if name is None else {one: value for one, value in found.items() if one != f"{path}.id"}
-    if isinstance(message, Sequence) and not isinstance(message, str):
+    elif isinstance(message, Sequence) and not isinstance(message, str):
         for place, value in enumerate(message):
             found |= numbers(value, f"{path}.{_name_of(value, place)}" if path else _name_of(value, place))
     return found

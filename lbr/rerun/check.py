@@ -24,7 +24,7 @@ from lbr.messages.system import Event
 from lbr.recording import lines, selection
 from lbr.recording.chunks import Message
 from lbr.rerun import alike, rows
-from lbr.rerun.ends import Clock, Ends
+from lbr.rerun.ends import Asked, Clock, Ends
 from lbr.rerun.feed import Feed, Said
 
 READY_S = 60.0
@@ -33,8 +33,13 @@ AFTER_S = 0.3
 ROUND_S = 0.002
 REASON_NS = 1_000_000_000
 """So far apart the same event may be: a state that is told once a second."""
+RENEWED_NS = 300_000_000
+"""A goal that ends so much earlier or later ends as it did: leases are renewed ten times a second."""
 SETTLED_NS = 200_000_000
 EXECUTIVE = "executive"
+ONE_IN = 50
+"""Samples of which one may be another: a pulse of a turn's last, creeping steps."""
+RESULT = "/result"
 ESTOP, RESET = "estop", "estop_reset"
 
 Tell = Callable[[str], None]
@@ -50,6 +55,8 @@ class Recorded(Struct, kw_only=True):
     end_ns: int
     streams: dict[str, list[tuple[int, dict[str, Any]]]] = {}
     events: tuple[tuple[int, Event], ...] = ()
+    ended: dict[str, int] = {}
+    """When each goal ended."""
 
 
 class Outcome(Struct, kw_only=True):
@@ -66,13 +73,17 @@ class Outcome(Struct, kw_only=True):
     reasons: int
     missing: list[alike.Happened]
     new: list[alike.Happened]
-    unlike: dict[str, tuple[int, list[bytes]]]
     late_s: float
+    asked: dict[str, Asked] = {}
 
     @property
     def same(self) -> bool:
         """Say whether setpoints, answers and reasons were as recorded."""
-        return not (any(self.differences.values()) or self.answered_otherwise or self.missing or self.new)
+        return not (any(map(self.differs, self.setpoints)) or self.answered_otherwise or self.missing or self.new)
+
+    def differs(self, topic: str) -> bool:
+        """Say whether a stream of setpoints was another, but for a sample in `ONE_IN`."""
+        return len({one.at_ns for one in self.differences[topic]}) * ONE_IN > self.setpoints[topic]
 
 
 class _Reader:
@@ -85,6 +96,7 @@ class _Reader:
         self.taped: list[Message] = []
         self.streams: dict[str, list[tuple[int, dict[str, Any]]]] = {}
         self.events: list[tuple[int, Event]] = []
+        self.ended: dict[str, int] = {}
 
     def take(self, one: Message) -> None:
         """Take a message."""
@@ -100,6 +112,10 @@ class _Reader:
             self.rows = found or self.rows
         elif one.topic == "@status":
             self.robot = str((_decoded(one.data, dict[str, Any]) or {}).get("robot", self.robot))
+        elif one.topic.endswith(RESULT):
+            message = _decoded(one.data, dict[str, Any])
+            if message is not None:
+                self.ended.setdefault(str(message.get("goal", "")), one.log_ns)
         elif one.topic.endswith("/setpoint"):
             message = _decoded(one.data, dict[str, Any])
             if message is not None:
@@ -129,6 +145,7 @@ def read(files: tuple[Path, ...], start_ns: int, end_ns: int) -> Recorded:
         end_ns=last_ns,
         streams=found.streams,
         events=tuple(found.events),
+        ended=found.ended,
     )
 
 
@@ -141,19 +158,18 @@ def run(recorded: Recorded, tell: Tell) -> Outcome:
         if not made.devices:
             raise InputError("none of the recorded lines belongs to a capability that can run here", "not_possible")
         clock = Clock(recorded.start_ns, recorded.end_ns)
-        ends = Ends(clock)
+        ends = Ends(clock, {address: recorded.taken.lines[device] for device, address in made.devices.items()})
         try:
-            for device, (path, emulated) in made.devices.items():
-                ends.add(recorded.taken.lines[device], path, emulated)
-            ends.open()
             with _running(made, recorded.robot) as bus:
                 tell("up, on the recorded bytes")
-                return _compare(recorded, made, clock, ends, bus, tell)
+                outcome = _compare(recorded, made, clock, bus, tell)
         finally:
-            ends.close()
+            asked = ends.close()
+        outcome.asked = {device: asked[address] for device, address in made.devices.items() if address in asked}
+        return outcome
 
 
-def _compare(recorded: Recorded, made: rows.Place, clock: Clock, ends: Ends, bus: Session, tell: Tell) -> Outcome:
+def _compare(recorded: Recorded, made: rows.Place, clock: Clock, bus: Session, tell: Tell) -> Outcome:
     setpoints = [f"{name}/{port}" for name, kind in made.runs.items() for port in kind.setpoints]
     heard = {topic: wire.Subscription(bus, f"{recorded.robot}/{topic}", depth=100_000) for topic in setpoints}
     happened = wire.Subscription(bus, keys.event(recorded.robot), depth=10_000)
@@ -164,9 +180,9 @@ def _compare(recorded: Recorded, made: rows.Place, clock: Clock, ends: Ends, bus
         for at, event in recorded.events
         if recorded.start_ns <= at <= recorded.end_ns and event.subject == EXECUTIVE and event.kind in {ESTOP, RESET}
     ]
-    feed = Feed(bus, recorded.robot, within, stops)
+    results = [f"{name}{RESULT}" for name, kind in made.runs.items() if RESULT[1:] in kind.outputs]
+    feed = Feed(bus, recorded.robot, within, stops, recorded.ended, results)
     clock.start()
-    began_ns = time.monotonic_ns()
     rest = threading.Event()
     told = 0.0
     while (now_ns := clock.now_ns()) < recorded.end_ns:
@@ -176,11 +192,11 @@ def _compare(recorded: Recorded, made: rows.Place, clock: Clock, ends: Ends, bus
             told = time.monotonic()
             tell(f"{(now_ns - recorded.start_ns) / 1e9:.0f} of {(recorded.end_ns - recorded.start_ns) / 1e9:.0f} s")
     until = time.monotonic() + STOP_S
-    while feed.waits and time.monotonic() < until:
+    while not feed.finish(recorded.end_ns) and time.monotonic() < until:
         rest.wait(ROUND_S)
 
     def dated(mono_ns: int) -> int:
-        return mono_ns - began_ns + recorded.start_ns
+        return mono_ns - clock.began_ns + recorded.start_ns
 
     now = {topic: _samples(one, dated) for topic, one in heard.items()}
     window_ns = alike.WINDOW_NS + feed.late_ns
@@ -207,12 +223,11 @@ def _compare(recorded: Recorded, made: rows.Place, clock: Clock, ends: Ends, bus
         setpoints=counts,
         differences=differences,
         said=len(feed.said),
-        answered_otherwise=[one for one in feed.said if not one.alike],
+        answered_otherwise=feed.otherwise(window_ns + RENEWED_NS),
         begun_before=feed.begun_before,
         reasons=len(then_events),
         missing=[one for one in missing if inside(one)],
         new=[one for one in new if inside(one)],
-        unlike={device: (end.asked, end.unlike) for device, end in ends.by_device.items()},
         late_s=feed.late_ns / 1e9,
     )
 

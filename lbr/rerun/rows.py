@@ -28,8 +28,8 @@ class Place(Struct, frozen=True, kw_only=True):
     profile: Path
     runs: Mapping[str, Kind]
     left_out: Mapping[str, str]
-    devices: Mapping[str, tuple[str, Emulation]]
-    """The path and sort of each device's end."""
+    devices: Mapping[str, str]
+    """The address of each device's end."""
 
 
 def prepare(place: Path, robot: str, rows: RecordedRows, lines: Collection[str]) -> Place:
@@ -49,19 +49,24 @@ def prepare(place: Path, robot: str, rows: RecordedRows, lines: Collection[str])
         if row["name"] in lines:
             kind = next((one for one in kinds.values() if one.device == row["type"]), None)
             emulated: Emulation = kind.emulated if kind is not None else "tty"
-            devices[str(row["name"])] = (str(place / "run" / f"{robot}-devices" / str(row["name"])), emulated)
+            path = str(place / "run" / f"{robot}-devices" / str(row["name"]))
+            devices[str(row["name"])] = f"unix:{path}" if emulated == "socket" else path
     profile = place / "recorded.toml"
+    profile.write_text(_profile(robot, left_out, devices))
+    return Place(home=place, profile=profile, runs=kinds, left_out=left_out, devices=devices)
+
+
+def _profile(robot: str, without: Collection[str], devices: Mapping[str, str]) -> str:
+    """Return a launch profile in which nothing is real; TOML writes lists and texts as JSON does."""
     document = {
         "robot": robot,
         "description": "a recorded robot, on emulated devices that say what was recorded",
         "simulate": True,
-        "without": sorted(left_out),
-        "devices": {
-            name: f"unix:{path}" if emulated == "socket" else path for name, (path, emulated) in devices.items()
-        },
+        "without": sorted(without),
     }
-    profile.write_bytes(msgspec.toml.encode(document))
-    return Place(home=place, profile=profile, runs=kinds, left_out=left_out, devices=devices)
+    lines = [f"{name} = {msgspec.json.encode(value).decode()}" for name, value in document.items()]
+    lines += ["", "[devices]", *(f"{name} = {msgspec.json.encode(path).decode()}" for name, path in devices.items())]
+    return "\n".join(lines) + "\n"
 
 
 def _running(rows: RecordedRows, lines: Collection[str], place: Path) -> tuple[dict[str, Kind], dict[str, str]]:

@@ -11,6 +11,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.drivers.inertial import LifeSigns, Notices
 from lbr.drivers.phidget_spatial import PhidgetSpatialSettings
+from lbr.drivers.phidget_spatial.emulated import RECORD
 from lbr.drivers.phidget_spatial.library import Opened, find
 from lbr.drivers.phidget_spatial.readings import DeviceClock, Reading, sample
 from lbr.errors import DeviceError
@@ -53,6 +54,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
                 self._zero(opened)
         except opened.errors as err:
             raise DeviceError(f"{self._who()}: {_said(err)}; is it plugged in, and may this user use it?") from err
+        self.ctx.device.tap.opened()
         self._heard_s = self.ctx.clock()
 
     def step(self) -> None:
@@ -107,8 +109,10 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
     def _came(
         self, _: Any, accel: Sequence[float], gyro: Sequence[float], mag: Sequence[float], device_ms: float
     ) -> None:
-        """Hand over, on the library's thread: its lists are its own."""
+        """Hand over, on the library's thread: its lists are its own. A recorder gets it in the words of the emulated unit."""
         self._waiting.append(Reading(tuple(accel), tuple(gyro), tuple(mag), device_ms, time.monotonic()))
+        if self.ctx.device is not None and self.ctx.device.tap.wanted:
+            self.ctx.device.tap.came(RECORD.pack(*accel, *gyro, *mag, device_ms))
 
     def _went(self, _: Any) -> None:
         self._gone = True
