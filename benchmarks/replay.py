@@ -20,6 +20,7 @@ import msgspec
 from benchmarks import Measured, listed
 from lbr import client
 from lbr.client.motion import RefusalError
+from tests.support import programs
 from tests.support.figures import Promise, Results
 from tests.support.robot import LBR, Robot, environment, prepare, running
 
@@ -68,7 +69,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 def _recorded(robot: Robot, name: str, seconds: float, dice: random.Random) -> str:
     command = [*LBR, "record", "--lines", "--name", name]
-    with subprocess.Popen(
+    with programs.start(
         command, env=environment(robot.home), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as said:
         assert said.stderr is not None
@@ -122,7 +123,7 @@ def _why(found: dict[str, Any]) -> str:
 
 
 def _checked(home: Path, name: str) -> dict[str, Any]:
-    done = subprocess.run(
+    done = programs.run(
         [*LBR, "replay", name, "--check", "--json"], env=environment(home), capture_output=True, check=False
     )
     try:

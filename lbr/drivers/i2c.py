@@ -7,12 +7,12 @@ import errno
 import fcntl
 import os
 import re
-from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 from lbr.capability.context import Device
 from lbr.drivers import access
+from lbr.drivers.i2c_bus import Bus
 from lbr.drivers.i2c_socket import SocketBus
 from lbr.drivers.i2c_tap import TappedBus
 from lbr.errors import DeviceError
@@ -23,31 +23,6 @@ UNANSWERED = frozenset({errno.EREMOTEIO, errno.ENXIO, errno.ENODEV, errno.ETIMED
 _FIRST, _LAST = 0x08, 0x77
 _I2C_TIMEOUT = 0x0702
 _TIMEOUT_10MS = 5
-
-
-class Bus(Protocol):
-    """The calls of `smbus2.SMBus` that drivers use; each raises OSError, with an errno, if it did not succeed."""
-
-    def read_byte_data(self, i2c_addr: int, register: int) -> int:
-        """Return one register."""
-
-    def read_word_data(self, i2c_addr: int, register: int) -> int:
-        """Return two registers, the low byte first."""
-
-    def read_i2c_block_data(self, i2c_addr: int, register: int, length: int) -> list[int]:
-        """Return up to 32 registers of one instant."""
-
-    def write_byte_data(self, i2c_addr: int, register: int, value: int) -> None:
-        """Set one register."""
-
-    def write_i2c_block_data(self, i2c_addr: int, register: int, data: Sequence[int]) -> None:
-        """Set up to 32 registers."""
-
-    def i2c_rdwr(self, *i2c_msgs: Any) -> None:
-        """Do one transaction of several messages."""
-
-    def close(self) -> None:
-        """Close the device."""
 
 
 class Place(NamedTuple):

@@ -2,13 +2,11 @@
 
 import errno
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from lbr.capability.tap import Tap
+from lbr.drivers.i2c_bus import Bus
 from lbr.drivers.i2c_socket import READ_FLAG, Read, Write, encode_transaction
-
-if TYPE_CHECKING:
-    from lbr.drivers.i2c import Bus
 
 T = TypeVar("T")
 
@@ -16,7 +14,7 @@ T = TypeVar("T")
 class TappedBus:
     """Does what the bus does, and tells the tap of it. A transaction that failed has an errno for an answer."""
 
-    def __init__(self, bus: "Bus", tap: Tap) -> None:
+    def __init__(self, bus: Bus, tap: Tap) -> None:
         self._bus = bus
         self._tap = tap
         tap.opened()

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from lbr.drivers.i2c import Bus
+from lbr.drivers.i2c_bus import Bus
 from lbr.drivers.mpu9150 import registers
 from lbr.drivers.mpu9150.registers import MagneticField
 from lbr.errors import DeviceError

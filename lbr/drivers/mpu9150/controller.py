@@ -6,7 +6,8 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from lbr.capability.context import Device
-from lbr.drivers.i2c import Bus, unanswered
+from lbr.drivers.i2c import unanswered
+from lbr.drivers.i2c_bus import Bus
 from lbr.drivers.inertial import LifeSigns
 from lbr.drivers.mpu9150 import Mpu9150Settings, registers
 from lbr.drivers.mpu9150.compass import Compass

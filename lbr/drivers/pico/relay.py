@@ -9,7 +9,8 @@ import time
 from collections.abc import Sequence
 
 from lbr.capability.context import Device
-from lbr.drivers.i2c import Bus, open_bus
+from lbr.drivers.i2c import open_bus
+from lbr.drivers.i2c_bus import Bus
 from lbr.drivers.pico.registers import COMMANDS_ABOVE, RELAY, STATUS_ADDRESS
 from lbr.errors import DeviceError
 

@@ -5,7 +5,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 from lbr.capability.context import Device
-from lbr.drivers.i2c import Bus, unanswered
+from lbr.drivers.i2c import unanswered
+from lbr.drivers.i2c_bus import Bus
 from lbr.drivers.pico import PicoSettings, registers
 from lbr.drivers.pico.readout import Readout, items
 from lbr.messages.power import UpsState
