@@ -11,6 +11,7 @@ from contextlib import suppress
 from lbr.capability.context import Device
 from lbr.capability.recognition import Handshake, I2cHandshake, NameHandshake, Read, Seen, SerialHandshake
 from lbr.drivers import i2c
+from lbr.drivers.i2c_bus import Bus
 from lbr.drivers.serial_line import SerialLine, open_line
 from lbr.errors import DeviceError
 
@@ -136,7 +137,7 @@ def _hear(line: SerialLine, heard: bytearray, wait_s: float, until: float, enoug
                 return
 
 
-def _read(bus: i2c.Bus, address: int, one: I2cHandshake) -> Seen | None:
+def _read(bus: Bus, address: int, one: I2cHandshake) -> Seen | None:
     def read(register: int, count: int) -> bytes:
         return bytes(bus.read_i2c_block_data(address, register, count))
 
