@@ -14,6 +14,8 @@ from lbr.database.files import check_owner, check_owners, check_side_files
 from lbr.errors import RowError
 
 BUSY_TIMEOUT_S = 2.0
+LONGEST_BYTES = 4_000_000
+"""The longest row, and the longest value: those that make robots have a few kB. Longer ones cost memory, and delay a stop."""
 
 _RESTORE = "`lbr db restore` puts the last good copy in its place"
 _SENTENCES = {
@@ -28,6 +30,7 @@ _SENTENCES = {
     "may be why, and `lbr db check` names those",
     sqlite3.SQLITE_NOTADB: f"is no database at all: name another file; {_RESTORE}",
 }
+_TABLE = re.compile(r"(?:FROM|INTO|UPDATE) \"?(\w+)", re.IGNORECASE)
 _ROW_FAULT = re.compile(r"CHECK constraint failed in |\S+ value in ")
 
 
@@ -36,12 +39,12 @@ class Connection(sqlite3.Connection):
 
     def execute(self, sql: str, values: Any = ()) -> sqlite3.Cursor:
         """Run a statement."""
-        with _knowing(sql):
+        with knowing(sql):
             return super().execute(sql, values)
 
     def executemany(self, sql: str, values: Iterable[Any]) -> sqlite3.Cursor:
         """Run a statement once for each of several values."""
-        with _knowing(sql):
+        with knowing(sql):
             return super().executemany(sql, values)
 
     def scalar(self, sql: str, values: Any = ()) -> Any:
@@ -135,7 +138,8 @@ def sentences(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _knowing(statement: str) -> Iterator[None]:
+def knowing(statement: str) -> Iterator[None]:
+    """Have an error know the statement that it is of."""
     try:
         yield
     except sqlite3.Error as err:
@@ -156,6 +160,16 @@ def _connect(path: Path, mode: str) -> Connection:
     return connection
 
 
+@contextmanager
+def short_values(connection: Connection) -> Iterator[None]:
+    """Have SQLite refuse values and rows that are longer than those that make robots ever are."""
+    before = connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
+    try:
+        yield
+    finally:
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, before)
+
+
 def _text(raw: bytes) -> str:
     """Decode without raising, so that the checks can name the row."""
     return raw.decode(errors="surrogateescape")
@@ -168,6 +182,12 @@ def _sentence(path: Path, error: sqlite3.Error, statement: str) -> str:
     if code == sqlite3.SQLITE_ERROR:
         shown = "".join(c if c.isprintable() else "?" for c in str(error)[:100])
         return f"database {path} has not the schema it should have ({shown}): {_RESTORE}"
+    if code == sqlite3.SQLITE_TOOBIG:
+        where = f" in '{found[1]}'" if (found := _TABLE.search(statement)) else ""
+        return (
+            f"database {path} has a row{where} of more than {LONGEST_BYTES / 1e6:g} MB, or would get one, and lbr reads none so long:"
+            " shorten or delete it with sqlite3, where length(COLUMN) finds it"
+        )
     if code == sqlite3.SQLITE_CONSTRAINT:
         return f"database {path} refuses the row: {constraints.words(str(error), statement)}"
     return f"database {path} {_SENTENCES.get(code, f'refuses: {error}')}"

@@ -63,6 +63,15 @@ def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
     )
 
 
+def touched(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
+    """Return which rows were changed after revision `since`, oldest first, without what stood in them."""
+    statement = "SELECT id, table_name, row_key, operation, changed_at FROM revision WHERE id > ? ORDER BY id"
+    return tuple(
+        RevisionRow(id=id_, table=table, row_key=_key(key), operation=operation, old=None, new=None, changed_at=at)
+        for id_, table, key, operation, at in connection.execute(statement, (since,))
+    )
+
+
 def made(connection: Connection, change: ChangeRow) -> None:
     """Write down who made some revisions, and by what."""
     texts = {name: storable(getattr(change, name))[:LONGEST] for name in ("source", "program", "text")}

@@ -11,7 +11,7 @@ from contextlib import closing
 from pathlib import Path
 
 from lbr.database import constraints, copies, past, row_files
-from lbr.database.connection import Connection, connect, pragma, sentences
+from lbr.database.connection import LONGEST_BYTES, Connection, connect, pragma, sentences
 from lbr.database.packaged import READING
 from lbr.database.reading import RawTables
 from lbr.database.store import Database
@@ -86,6 +86,7 @@ def _run(source: Path, script: str, database: Path) -> RawTables:
     with closing(sqlite3.connect(":memory:", factory=Connection, isolation_level=None)) as copy:
         with sentences(database), closing(connect(database)) as opened:
             opened.backup(copy)
+        copy.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
         pragma(copy, "foreign_keys = ON")
         schema = Schema(copy)
 

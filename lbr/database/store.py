@@ -242,6 +242,11 @@ class Database:
         with self.reading() as connection:
             return history.revisions(connection, since)
 
+    def touched(self, since: int) -> tuple[RevisionRow, ...]:
+        """Return which rows were changed after revision `since`, without what stood in them."""
+        with self.reading() as connection:
+            return history.touched(connection, since)
+
     def record_start(self, robot: str) -> None:
         """Write down that the robot started now."""
         self._update_robot(robot, durable=False, last_start=self._now())

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from lbr.database.connection import Connection, quoted
+from lbr.database.connection import Connection, knowing, quoted, short_values
 from lbr.database.reading import RawRow, RawTables
 
 WRITTEN_BY_LBR = {("robot", name) for name in ("last_start", "last_shutdown", "estop_engaged", "estop_reason")}
@@ -54,11 +54,13 @@ class Schema(dict[str, tuple[str, ...]]):
 def read_tables(connection: Connection) -> tuple[RawTables, Schema]:
     """Return every table's rows in the order of their keys, and what their columns are."""
     schema = Schema(connection)
-    return {table: _rows(connection, table, schema) for table in schema}, schema
+    with short_values(connection):
+        return {table: _rows(connection, table, schema) for table in schema}, schema
 
 
 def _rows(connection: Connection, table: str, schema: Schema) -> list[RawRow]:
     names = ", ".join(map(quoted, schema[table]))
     key = ", ".join(map(quoted, schema.keys_of[table]))
-    found = connection.execute(f"SELECT {names} FROM {quoted(table)} ORDER BY {key}")  # noqa: S608 - quoted
-    return [dict(zip(schema[table], row, strict=True)) for row in found]
+    statement = f"SELECT {names} FROM {quoted(table)} ORDER BY {key}"  # noqa: S608 - quoted
+    with knowing(statement):
+        return [dict(zip(schema[table], row, strict=True)) for row in connection.execute(statement)]

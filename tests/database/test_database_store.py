@@ -272,3 +272,27 @@ def test_a_trigger_that_never_ends_holds_nobody_up_for_long(database, client):
     client.execute("DROP TRIGGER odd")
     database.append_events([Event(kind="k", subject="s", text="t")])
     assert len(database.events()) == 1
+
+
+@pytest.mark.parametrize("spoilt", ["verb", "capability"])
+def test_a_row_of_megabytes_is_not_read_and_nothing_is_lost_once_it_is_gone(database, client, spoilt):
+    before = database.load("lbr")
+    if spoilt == "verb":
+        client.execute(
+            "INSERT INTO verb (robot, word, pattern, target, payload, help)"
+            " VALUES ('lbr', 'zz', 'zz', 'drive.command', '{}', hex(zeroblob(3000000)))"
+        )
+    else:
+        client.execute(
+            "UPDATE capability SET settings = json_object('zz', hex(zeroblob(3000000))) WHERE name = 'drive'"
+        )
+    with pytest.raises(RowError, match=rf"a row in '{spoilt}' of more than 4 MB"):
+        database.load("lbr")
+    client.execute("DELETE FROM verb WHERE word = 'zz'")
+    client.execute("UPDATE capability SET settings = '{}' WHERE name = 'drive'")
+    after = database.load("lbr")
+    assert (after.verbs, after.problems) == (before.verbs, before.problems)
+    touched = database.touched(before.revision)
+    assert {one.table for one in touched} >= {spoilt}
+    assert all(one.old is None and one.new is None for one in touched), "what stood there is not read to name it"
+    assert [one.row_key for one in touched] == [one.row_key for one in database.revisions(before.revision)]

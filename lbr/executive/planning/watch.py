@@ -118,7 +118,10 @@ class RowWatch:
         return replace(rows, tokens=valid)
 
     def _edited(self, old: RobotRows, new: RobotRows) -> str:
-        rows = self._database.revisions(old.revision) if new.revision != old.revision else ()
+        try:
+            rows = self._database.touched(old.revision) if new.revision != old.revision else ()
+        except RowError as err:  # it is only told
+            return f"rows that are not known: {err}"
         said = edited(rows, new.robot.name)
         more = f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else ""
         return ", ".join(filter(None, (", ".join(said[:EDITS_TOLD]) + more, _tokens_edited(old, new))))
