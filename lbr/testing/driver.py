@@ -3,7 +3,6 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import asdict
 from math import inf, isfinite, nan
 from typing import Any
 
@@ -121,7 +120,7 @@ class DriverBench:
             "kind": self.kind.name,
             "home": self.ctx.home,
             "settings": self.settings,
-            "device": asdict(self.device.device),
+            "device": {name: getattr(self.device.device, name) for name in ("name", "type", "address", "settings")},
             "wired": self.ctx.wired,
             "given": [
                 (type(row).__module__, type(row).__qualname__, msgspec.to_builtins(row)) for row in self.ctx.given

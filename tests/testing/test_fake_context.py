@@ -38,7 +38,7 @@ def test_it_has_all_that_the_contract_names_with_the_same_parameters(fake, real)
 
 
 def test_the_runtime_has_nothing_for_capabilities_that_it_has_not():
-    own = {"bus", "calls", "close", "counts", "drop_unread", "tell_missed"}
+    own = {"bus", "calls", "close", "counts", "drop_unread", "tell_missed", "tell_recorder"}
     public = {name for name in vars(ProcessContext) if not name.startswith("_")}
     assert public - own <= set(dir(FakeContext))
 
