@@ -92,9 +92,9 @@ def command(
     if how["watch"] and how["write"]:
         raise InputError("--watch writes nothing: leave --write out")
     looking = Looking(robot, database, called or "", wait_s=wait_s, ask=not listen)
-    looked = looking.look([attached.named(port) for port in ports] if ports else attached.ends())
     if how["watch"]:
-        return _watch(looking, looked, ports, as_json=how["as_json"])
+        return _watch(looking, ports, as_json=how["as_json"])
+    looked = looking.look([attached.named(port) for port in ports] if ports else attached.ends())
     good = [one for one in looked.proposals if one.changes and not one.problems]
     became = _agreed(looking, looked, good, write=how["write"], as_json=how["as_json"])
     bad = any(one.problems for one in looked.proposals) or (became is not None and bool(became.problems))
@@ -237,7 +237,7 @@ def _held() -> dict[str, str]:
     return held
 
 
-def _watch(looking: Looking, first: Looked, ports: tuple[str, ...], *, as_json: bool) -> int:
+def _watch(looking: Looking, ports: tuple[str, ...], *, as_json: bool) -> int:
     from lbr.commands import attached  # noqa: PLC0415
 
     def now() -> "dict[str, End]":
@@ -248,12 +248,13 @@ def _watch(looking: Looking, first: Looked, ports: tuple[str, ...], *, as_json: 
             if one.path.startswith(("i2c:", "unix:")) or Path(one.path).exists()
         }
 
+    known = now()  # before the first look: what is plugged in meanwhile is told twice rather than never
+    first = looking.look([attached.named(port) for port in ports] if ports else attached.ends())
     if as_json:
         print_json(first)
     else:
         _tell(first)
         click.echo("watching; Ctrl-C ends it")
-    known = now()
     while True:
         time.sleep(LOOK_S)
         there = now()

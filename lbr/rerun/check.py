@@ -7,7 +7,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +29,9 @@ from lbr.rerun.feed import Feed, Said
 
 READY_S = 60.0
 STOP_S = 10.0
-AFTER_S = 0.3
 ROUND_S = 0.002
+SAMPLES, EVENTS = 100_000, 10_000
+"""More than a recording of minutes has of a stream."""
 REASON_NS = 1_000_000_000
 """So far apart the same event may be: a state that is told once a second."""
 RENEWED_NS = 300_000_000
@@ -57,6 +58,10 @@ class Recorded(Struct, kw_only=True):
     events: tuple[tuple[int, Event], ...] = ()
     ended: dict[str, int] = {}
     """When each goal ended."""
+
+    def holds(self, at_ns: int, margin_ns: int = 0) -> bool:
+        """Say whether a time is in it, and not within so much of its ends."""
+        return self.start_ns + margin_ns <= at_ns <= self.end_ns - margin_ns
 
 
 class Outcome(Struct, kw_only=True):
@@ -162,102 +167,105 @@ def run(recorded: Recorded, tell: Tell) -> Outcome:
         try:
             with _running(made, recorded.robot) as bus:
                 tell("up, on the recorded bytes")
-                outcome = _compare(recorded, made, clock, bus, tell)
+                witness, feed = _Witness(bus, recorded, made, clock), _feed(bus, recorded, made)
+                _play(feed, clock, recorded, tell)
+                outcome = witness.outcome(feed, made)
         finally:
             asked = ends.close()
         outcome.asked = {device: asked[address] for device, address in made.devices.items() if address in asked}
         return outcome
 
 
-def _compare(recorded: Recorded, made: rows.Place, clock: Clock, bus: Session, tell: Tell) -> Outcome:
-    setpoints = [f"{name}/{port}" for name, kind in made.runs.items() for port in kind.setpoints]
-    heard = {topic: wire.Subscription(bus, f"{recorded.robot}/{topic}", depth=100_000) for topic in setpoints}
-    happened = wire.Subscription(bus, keys.event(recorded.robot), depth=10_000)
-    outside = [one for one in recorded.taken.commands if one.source not in made.runs and one.to in made.runs]
-    within = [one for one in outside if recorded.start_ns <= one.at_ns <= recorded.end_ns and one.source != EXECUTIVE]
-    stops = [
-        (at, event.kind == ESTOP)
-        for at, event in recorded.events
-        if recorded.start_ns <= at <= recorded.end_ns and event.subject == EXECUTIVE and event.kind in {ESTOP, RESET}
-    ]
-    results = [f"{name}{RESULT}" for name, kind in made.runs.items() if RESULT[1:] in kind.outputs]
-    feed = Feed(bus, recorded.robot, within, stops, recorded.ended, results)
+def _feed(bus: Session, recorded: Recorded, made: rows.Place) -> Feed:
+    """Return what was said to the robot from outside, in the recording's time."""
+    own = {*made.runs, EXECUTIVE}
+    said = [one for one in recorded.taken.commands if one.source not in own and one.to in made.runs]
+    stops = [(at, event.kind == ESTOP) for at, event in recorded.events if event.kind in {ESTOP, RESET}]
+    return Feed(
+        bus,
+        recorded.robot,
+        [one for one in said if recorded.holds(one.at_ns)],
+        [one for one in stops if recorded.holds(one[0])],
+        recorded.ended,
+        [f"{name}{RESULT}" for name, kind in made.runs.items() if RESULT[1:] in kind.outputs],
+    )
+
+
+def _play(feed: Feed, clock: Clock, recorded: Recorded, tell: Tell) -> None:
+    """Say everything in its time, and wait for the last answers."""
+    rest, told_s = threading.Event(), 0.0
     clock.start()
-    rest = threading.Event()
-    told = 0.0
     while (now_ns := clock.now_ns()) < recorded.end_ns:
         feed.step(now_ns)
         rest.wait(ROUND_S)
-        if time.monotonic() - told > 1.0:
-            told = time.monotonic()
+        if time.monotonic() - told_s > 1.0:
+            told_s = time.monotonic()
             tell(f"{(now_ns - recorded.start_ns) / 1e9:.0f} of {(recorded.end_ns - recorded.start_ns) / 1e9:.0f} s")
     until = time.monotonic() + STOP_S
     while not feed.finish(recorded.end_ns) and time.monotonic() < until:
         rest.wait(ROUND_S)
 
-    def dated(mono_ns: int) -> int:
-        return mono_ns - clock.began_ns + recorded.start_ns
 
-    now = {topic: _samples(one, dated) for topic, one in heard.items()}
-    window_ns = alike.WINDOW_NS + feed.late_ns
-    differences = {}
-    counts = {}
-    inner = recorded.start_ns + window_ns, recorded.end_ns - window_ns
-    for topic in setpoints:
-        then = [(at, alike.numbers(message)) for at, message in recorded.streams.get(topic, [])]
-        counts[topic] = sum(inner[0] <= at <= inner[1] for at, _ in then)
-        found = alike.differences(then, now[topic], window_ns)
-        differences[topic] = [one for one in found if inner[0] <= one.at_ns <= inner[1]]
-    then_events = _happened(recorded.events, made.runs, recorded)
-    now_events = _happened(_events(happened, dated), made.runs, recorded)
-    missing, new = alike.unmatched(then_events, now_events, REASON_NS + window_ns)
-    edge = REASON_NS + window_ns
+class _Witness:
+    """Hears what the robot does: its setpoints, and what happens."""
 
-    def inside(one: alike.Happened) -> bool:
-        return recorded.start_ns + edge <= one.at_ns <= recorded.end_ns - edge
+    def __init__(self, bus: Session, recorded: Recorded, made: rows.Place, clock: Clock) -> None:
+        topics = [f"{name}/{port}" for name, kind in made.runs.items() for port in kind.setpoints]
+        self._setpoints = {one: wire.Subscription(bus, f"{recorded.robot}/{one}", depth=SAMPLES) for one in topics}
+        self._events = wire.Subscription(bus, keys.event(recorded.robot), depth=EVENTS)
+        self._recorded, self._runs, self._clock = recorded, made.runs, clock
 
-    return Outcome(
-        seconds=(recorded.end_ns - recorded.start_ns) / 1e9,
-        runs=tuple(made.runs),
-        left_out=made.left_out,
-        setpoints=counts,
-        differences=differences,
-        said=len(feed.said),
-        answered_otherwise=feed.otherwise(window_ns + RENEWED_NS),
-        begun_before=feed.begun_before,
-        reasons=len(then_events),
-        missing=[one for one in missing if inside(one)],
-        new=[one for one in new if inside(one)],
-        late_s=feed.late_ns / 1e9,
-    )
+    def outcome(self, feed: Feed, made: rows.Place) -> Outcome:
+        """Return where it was otherwise than recorded; at both ends there is too little to compare by."""
+        recorded, window_ns = self._recorded, alike.WINDOW_NS + feed.late_ns
+        counts, differences = {}, {}
+        for topic, heard in self._setpoints.items():
+            then = [(at, alike.numbers(message)) for at, message in recorded.streams.get(topic, [])]
+            found = alike.differences(then, self._samples(heard), window_ns)
+            counts[topic] = sum(recorded.holds(at, window_ns) for at, _ in then)
+            differences[topic] = [one for one in found if recorded.holds(one.at_ns, window_ns)]
+        reason_ns = REASON_NS + window_ns
+        happened = self._coded(recorded.events)
+        missing, new = alike.unmatched(happened, self._coded(self._heard()), reason_ns)
+        return Outcome(
+            seconds=(recorded.end_ns - recorded.start_ns) / 1e9,
+            runs=tuple(made.runs),
+            left_out=made.left_out,
+            setpoints=counts,
+            differences=differences,
+            said=len(feed.said),
+            answered_otherwise=feed.otherwise(window_ns + RENEWED_NS),
+            begun_before=feed.begun_before,
+            reasons=len(happened),
+            missing=[one for one in missing if recorded.holds(one.at_ns, reason_ns)],
+            new=[one for one in new if recorded.holds(one.at_ns, reason_ns)],
+            late_s=feed.late_ns / 1e9,
+        )
 
+    def _dated(self, mono_ns: int) -> int:
+        return mono_ns - self._clock.began_ns + self._recorded.start_ns
 
-def _samples(heard: wire.Subscription, dated: Callable[[int], int]) -> list[tuple[int, dict[str, float]]]:
-    found = []
-    for raw in heard.take():
-        message = _decoded(raw.payload, dict)
-        stamp = stamps.read(raw.attachment)
-        if isinstance(message, dict):
-            at_ns = stamp.mono_ns if stamp is not None and stamp.mono_ns else int(raw.arrived * 1e9)
-            found.append((dated(at_ns), alike.numbers(message)))
-    return sorted(found, key=lambda one: one[0])
+    def _samples(self, heard: wire.Subscription) -> list[tuple[int, dict[str, float]]]:
+        found = []
+        for raw in heard.take():
+            message, stamp = _decoded(raw.payload, dict[str, Any]), stamps.read(raw.attachment)
+            if message is not None:
+                at_ns = stamp.mono_ns if stamp is not None and stamp.mono_ns else int(raw.arrived * 1e9)
+                found.append((self._dated(at_ns), alike.numbers(message)))
+        return sorted(found, key=lambda one: one[0])
 
+    def _heard(self) -> Iterator[tuple[int, Event]]:
+        for raw in self._events.take():
+            event = _decoded(raw.payload, Event)
+            if event is not None:
+                yield self._dated(int(raw.arrived * 1e9)), event
 
-def _events(heard: wire.Subscription, dated: Callable[[int], int]) -> Iterator[tuple[int, Event]]:
-    for raw in heard.take():
-        event = _decoded(raw.payload, Event)
-        if event is not None:
-            yield dated(int(raw.arrived * 1e9)), event
-
-
-def _happened(
-    events: "Iterator[tuple[int, Event]] | tuple[tuple[int, Event], ...]", runs: Mapping[str, Any], recorded: Recorded
-) -> list[alike.Happened]:
-    return [
-        alike.Happened(at, event.subject, event.kind, event.code)
-        for at, event in events
-        if event.code and event.subject in runs and recorded.start_ns <= at <= recorded.end_ns
-    ]
+    def _coded(self, events: Iterable[tuple[int, Event]]) -> list[alike.Happened]:
+        return [
+            alike.Happened(at, event.subject, event.kind, event.code)
+            for at, event in events
+            if event.code and event.subject in self._runs and self._recorded.holds(at)
+        ]
 
 
 @contextlib.contextmanager
