@@ -30,7 +30,10 @@ PROMISES = {
     for name in ("lbr", "bioloid", "uxa90")
 }
 ALSO = ("imu", "attitude", "odometry", "battery", "dock", "beacon", "behaviour", "box")
-MOTIONS = {"bioloid": ("wave", "bow", "sit", "stand_up"), "uxa90": ("reset", "basic_motion", "kick_right", "turn_left")}
+MOTIONS = {
+    "bioloid": ("wave", "ready", "sit", "stand_up"),
+    "uxa90": ("reset", "basic_motion", "kick_right", "turn_left"),
+}
 
 
 def options(parser: argparse.ArgumentParser) -> None:
