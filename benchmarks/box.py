@@ -8,7 +8,6 @@ runs some. Exit code 1 if a message in a hundred was lost that was older than a 
 import argparse
 import random
 import time
-from collections import deque
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,7 +15,6 @@ import psutil
 
 from benchmarks import Measured, listed
 from benchmarks.latency import STEPS, _slow_down, _spin
-from lbr.bus import stamp, wire
 from lbr.recording import selection
 from lbr.recording.shelf import Shelf
 from tests.scenarios.promises import PROMISES as SAFETY
@@ -24,6 +22,7 @@ from tests.support.bench import Bench, bench, let_go, temporary_home
 from tests.support.figures import Promise, Results, percentile
 from tests.support.mover import Mover
 from tests.support.robot import start
+from tests.support.witness import Witness
 
 SMOKE = "--n 1 --seconds 2 --lines 3"
 SWITCH = "UPDATE capability SET enabled = {} WHERE robot = 'lbr' AND name = 'box'"
@@ -59,29 +58,6 @@ def measure(given: argparse.Namespace) -> Measured:
     if "latency" in given.only:
         text += _latency(given.lines)
     return Measured(results=results.ordered(), text="\n".join(text))
-
-
-class Witness:
-    """Another client that hears the same streams."""
-
-    def __init__(self, under_test: Bench) -> None:
-        self._session = under_test.robot.as_owner()
-        self._heard: deque[tuple[str, int, int]] = deque(maxlen=200_000)
-        self._subscriber = self._session.declare_subscriber("lbr/*/*", wire.direct(self._hear))
-
-    def between(self, start_ns: int, end_ns: int) -> set[tuple[str, int]]:
-        """Return topic and number of what was sent then, by the monotonic clock."""
-        return {(topic, seq) for topic, seq, mono_ns in list(self._heard) if start_ns <= mono_ns <= end_ns}
-
-    def close(self) -> None:
-        """Hear no more."""
-        self._session.close()
-
-    def _hear(self, sample: object) -> None:
-        attachment = sample.attachment  # type: ignore[attr-defined]
-        found = stamp.read(attachment.to_bytes()) if attachment is not None else None
-        if found is not None:
-            self._heard.append((str(sample.key_expr).partition("/")[2], found.seq, found.mono_ns))  # type: ignore[attr-defined]
 
 
 def _kills(results: Results, n: int) -> list[str]:

@@ -48,7 +48,7 @@ def measure(given: argparse.Namespace) -> Measured:
     """Record, and check."""
     results, text = Results(PROMISES), []
     for name in given.robots:
-        same, samples, commands = 0, 0, 0
+        same, first, samples, commands = 0, 0, 0, 0
         with tempfile.TemporaryDirectory(prefix="lbr-") as place:
             home = prepare(Path(place) / "h", *ALSO)
             os.environ["LBR_HOME"] = str(home)
@@ -61,11 +61,12 @@ def measure(given: argparse.Namespace) -> Measured:
                 wrong = "" if found.get("same") else _why(found)
                 results.check(f"RP {name}", [f"{one}: {wrong}"] if wrong else [])
                 same += not wrong
+                first += not wrong and found["tries"] == 1
                 samples += sum(each["samples"] for each in found.get("setpoints", {}).values())
                 commands += found.get("commands", {}).get("said", 0)
-                print(f"{name} {one}: {wrong or 'as recorded'}", file=sys.stderr, flush=True)
+                print(f"{name} {one}: {wrong or 'as recorded'} ({found.get('tries')})", file=sys.stderr, flush=True)
         text.append(
-            f"{name}: {same} of {given.n} as recorded; {samples} samples of setpoints, {commands} commands compared"
+            f"{name}: {same} of {given.n} as recorded, {first} at the first try; {samples} samples of setpoints, {commands} commands compared"
         )
     return Measured(results=results.ordered(), text="\n".join(text))
 

@@ -11,9 +11,14 @@ from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
 
 if TYPE_CHECKING:
+    from lbr.database.reading import RawTables
+    from lbr.messages.recorded import RecordedRows
     from lbr.recording.moment import Moment
     from lbr.why.snapshot import Snapshot
 
+Tables = dict[str, list[dict[str, Any]]]
+SURE = "capability"
+"""The table by which it is told whether rows are the same."""
 SILENT_S = 3.0
 """A robot that runs says something each second."""
 
@@ -32,7 +37,7 @@ def command(
     """Answer as then: why something stood still, how each process was, or what the rows were.
 
     TIME is 10m (ago), 14:02, 'yesterday 9:30'. PART is what `why` is asked about, or a table of the rows. The answers are out of
-    the black box; rows that it does not have any more are out of the past that the rows have themselves.
+    the black box; rows are out of the past that the rows have themselves, and out of the box if that is of other rows.
     """
     from lbr.recording import times  # noqa: PLC0415 - kept out of `lbr --help`
 
@@ -125,39 +130,65 @@ def _rows(at_ns: int, table: str, robot: str | None, place: str, database: Path 
     return 0
 
 
-def _tables(
-    at_ns: int, robot: str | None, place: str, database: Path | None
-) -> tuple[int, dict[str, list[dict[str, Any]]], str]:
-    """Return the revision of then, the rows, and where they are from: the box, or the past of the rows themselves."""
-    if database is None:
-        try:
-            found = _moment(at_ns, robot, place)
-        except InputError:
-            if place:
-                raise
-        else:
-            if found.rows is not None and found.late_s <= SILENT_S:
-                return found.rows.revision, found.rows.tables, "the black box"
-    return _past(at_ns, robot, database)
+def _tables(at_ns: int, robot: str | None, place: str, database: Path | None) -> tuple[int, Tables, str]:
+    """Return the revision of then, the rows, and where they are from: their own past, or a recording.
 
-
-def _past(at_ns: int, robot: str | None, database: Path | None) -> tuple[int, dict[str, list[dict[str, Any]]], str]:
+    Their own past has each edit at its moment; a recording has it once the executive has taken it in. But the recorded rows may
+    have been replaced since.
+    """
     from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
 
     path = database or home.default_database()
+    recorded, name = (None, robot) if database else _recorded(at_ns, robot, place)
+    if recorded is not None and (place or not _goes_back_to(path, recorded, name)):
+        return recorded.revision, recorded.tables, "the black box" if not place else f"the recording {place}"
     if not path.exists():
         raise InputError(f"neither the black box nor {path} has the rows of then")
+    return *_past(path, at_ns, name), f"the past of {path}"
+
+
+def _recorded(at_ns: int, robot: str | None, place: str) -> "tuple[RecordedRows | None, str | None]":
+    """Return the rows of then as they were recorded, if they were, and whose they are."""
+    try:
+        found = _moment(at_ns, robot, place)
+    except InputError:
+        if place:
+            raise
+        return None, robot
+    name = found.status.robot if found.status is not None else robot
+    return (found.rows if place or found.late_s <= SILENT_S else None), name
+
+
+def _goes_back_to(path: Path, recorded: "RecordedRows", robot: str | None) -> bool:
+    """Say whether a database had these rows: it was not replaced by another one."""
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    if not path.exists():
+        return False
     with opened(path) as rows:
-        until = [one.id for one in rows.revisions() if _ns(one.changed_at) <= at_ns]
+        try:
+            then = rows.tables_at(recorded.revision)
+        except InputError:
+            return False
+    return _of(then, robot).get(SURE, []) == recorded.tables.get(SURE)
+
+
+def _past(path: Path, at_ns: int, robot: str | None) -> tuple[int, Tables]:
+    from lbr.commands.rows import opened  # noqa: PLC0415
+
+    with opened(path) as rows:
+        until = [one.id for one in rows.touched(0) if _ns(one.changed_at) <= at_ns]
         revision = until[-1] if until else 0
-        tables = rows.tables_at(revision)
-    own = {
+        return revision, _of(rows.tables_at(revision), robot)
+
+
+def _of(tables: "RawTables", robot: str | None) -> Tables:
+    """Return the rows of one robot, without tokens; of all if none is named."""
+    return {
         name: [dict(row) for row in found if robot is None or row.get("robot", row.get("name", robot)) == robot]
         for name, found in tables.items()
         if name != "user_token"
     }
-    return revision, own, f"the past of {path}"
 
 
 def _ns(text: str) -> int:

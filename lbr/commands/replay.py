@@ -47,6 +47,13 @@ _LETTERS = {b" ": "pause", b"q": "end", b"+": "faster", b"-": "slower", b"\x04":
     is_flag=True,
     help="Run the robot's own processes on the recorded bytes and commands, and compare; exit 1 if it does otherwise.",
 )
+@click.option(
+    "--tries",
+    type=click.IntRange(1, 20),
+    default=3,
+    show_default=True,
+    help="With --check: so many runs at most, until one is as recorded.",
+)
 @json_option
 def command(
     *,
@@ -59,12 +66,13 @@ def command(
     speed: float,
     loop: bool,
     check: bool,
+    tries: int,
     as_json: bool,
 ) -> int:
     """Publish what was recorded under another robot's name, with its schemas, at the pace of then. Nothing moves by it.
 
     With --check a recording by 'lbr record --lines' goes through the real drivers and operations instead, in a home of
-    its own.
+    its own. What chance did on the way falls otherwise each time, what a change does does not: so it is tried again.
 
     WHAT is the box (if left out), what it kept, a recording or a file. Meanwhile `lbr topic`, `lbr plot` and `lbr status` with
     --robot replay look at it. In a terminal space pauses, the arrows jump and change the speed, q ends.
@@ -79,7 +87,7 @@ def command(
     if check:
         from lbr.commands import replay_check  # noqa: PLC0415
 
-        return replay_check.check(chosen, start_ns, end_ns, as_json=as_json)
+        return replay_check.check(chosen, start_ns, end_ns, tries, as_json=as_json)
     if as_json:
         raise InputError("--json goes with --check")
     first, last = selection.span_ns(chosen.files)

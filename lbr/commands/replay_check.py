@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 SHOWN = 5
 
 
-def check(chosen: "Chosen", start_ns: int, end_ns: int, *, as_json: bool) -> int:
-    """Run a recording again, and say where it did otherwise; 1 if it did."""
+def check(chosen: "Chosen", start_ns: int, end_ns: int, tries: int, *, as_json: bool) -> int:
+    """Run a recording again, up to `tries` times until it does the same, and say where it did otherwise; 1 if it did."""
     from lbr.rerun import check as checks  # noqa: PLC0415 - kept out of `lbr --help`
 
     recorded = checks.read(chosen.files, start_ns, end_ns)
@@ -27,12 +27,17 @@ def check(chosen: "Chosen", start_ns: int, end_ns: int, *, as_json: bool) -> int
         click.echo(
             f"{chosen.name}: {seconds:.1f} s of '{recorded.robot}', exchanges of {devices}; {len(recorded.taken.commands)} commands"
         )
-    outcome = checks.run(recorded, _progress if not as_json else lambda _text: None)
-    _clear()
+    for number in range(1, tries + 1):
+        outcome = checks.run(recorded, _progress if not as_json else lambda _text: None)
+        _clear()
+        if not as_json:
+            _tell(outcome, recorded)
+        if outcome.same or number == tries:
+            break
+        if not as_json:
+            click.echo(f"once more, in case it was chance: run {number + 1} of {tries}")
     if as_json:
-        print_json(_plain(outcome, recorded))
-    else:
-        _tell(outcome, recorded)
+        print_json(_plain(outcome, recorded, number))
     return 0 if outcome.same else 1
 
 
@@ -81,12 +86,13 @@ def _tell(outcome: "Outcome", recorded: "Recorded") -> None:
     click.echo("as recorded" if outcome.same else "otherwise than recorded")
 
 
-def _plain(outcome: "Outcome", recorded: "Recorded") -> dict[str, object]:
+def _plain(outcome: "Outcome", recorded: "Recorded", tries: int) -> dict[str, object]:
     return {
         "robot": recorded.robot,
         "recorded_at": time.strftime("%Y-%m-%dT%H:%M:%S", time.localtime(recorded.start_ns / 1e9)),
         "seconds": round(outcome.seconds, 3),
         "same": outcome.same,
+        "tries": tries,
         "runs": outcome.runs,
         "left_out": outcome.left_out,
         "setpoints": {
