@@ -5,8 +5,9 @@ import sqlite3
 import tempfile
 import threading
 import time
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
+from typing import NamedTuple
 
 import psutil
 from msgspec import Struct
@@ -54,7 +55,7 @@ def _cut(under_test: Bench, disk: CutDisk, seconds: float) -> Cut:
     begun_ns = time.monotonic_ns()
     editor.start()
     under_test.pass_time(seconds)
-    cut_ns = time.monotonic_ns()
+    known, cut_ns = editor.acknowledged(), time.monotonic_ns()
     disk.cut()
     editor.over.set()
     wanted = witness.between(begun_ns, cut_ns - OLD_NS)
@@ -67,7 +68,15 @@ def _cut(under_test: Bench, disk: CutDisk, seconds: float) -> Cut:
     under_test.until(lambda: not processes_of(home), 5.0, "no process", every_s=0.05)
     disk.back()
     there = {(one.topic, one.sequence) for one in selection.messages(Shelf(home, "lbr").files())}
-    return Cut(_wrong(home, editor), editor.acknowledged, len(wanted), len(wanted - there))
+    return Cut(_wrong(home, known, editor), known.count, len(wanted), len(wanted - there))
+
+
+class _Known(NamedTuple):
+    """What was acknowledged at a moment: the last edit, the latch (two values while one is under way), and how many."""
+
+    edit: int
+    latches: frozenset[int]
+    count: int
 
 
 class _Editor(threading.Thread):
@@ -76,15 +85,19 @@ class _Editor(threading.Thread):
     def __init__(self, under_test: Bench, dice: random.Random) -> None:
         super().__init__(daemon=True)
         self.over = threading.Event()
-        self.asked = self.edited = self.acknowledged = 0
-        self.latches = {0}
+        self.asked = 0
+        self._known = _Known(0, frozenset({0}), 0)
         self._robot, self._dice = under_test.robot, dice
+
+    def acknowledged(self) -> _Known:
+        """Return what was acknowledged until now; what the kernel says in the very moment of a cut is no promise."""
+        return self._known
 
     def run(self) -> None:
         """Edit until it is over, or the disk is gone."""
         with suppress(sqlite3.Error, NoAnswerError, OSError):
             while not self.over.wait(self._dice.uniform(0.0, 0.1)):
-                if self._dice.random() < 0.8:
+                if self._dice.random() < 0.8:  # noqa: PLR2004 - mostly rows
                     self._edit()
                 else:
                     self._latch(self._dice.randrange(2))
@@ -92,28 +105,24 @@ class _Editor(threading.Thread):
     def _edit(self) -> None:
         self.asked += 1
         self._robot.edit(EDIT, str(self.asked))
-        self.edited = self.asked
-        self.acknowledged += 1
+        self._known = self._known._replace(edit=self.asked, count=self._known.count + 1)
 
     def _latch(self, engaged: int) -> None:
-        self.latches |= {engaged}
-        said = self._robot.line("estop" if engaged else "reset")
-        if said["code"] == 0 and not self.over.is_set():
-            self.latches = {engaged}
-            self.acknowledged += 1
+        self._known = self._known._replace(latches=self._known.latches | {engaged})
+        if self._robot.line("estop" if engaged else "reset")["code"] == 0:
+            self._known = self._known._replace(latches=frozenset({engaged}), count=self._known.count + 1)
 
 
-def _wrong(home: Path, editor: _Editor) -> list[str]:
+def _wrong(home: Path, known: _Known, editor: _Editor) -> list[str]:
     """Return what of the rows is not as it was acknowledged."""
-    with sqlite3.connect(home / "robot.db") as database:
+    with closing(sqlite3.connect(home / "robot.db")) as database:
         problems = [text for (text,) in database.execute("PRAGMA integrity_check") if text != "ok"]
         problems += [f"foreign key: {row}" for row in database.execute("PRAGMA foreign_key_check")]
         (help_,) = database.execute("SELECT help FROM capability WHERE robot = 'lbr' AND name = 'world'").fetchone()
         (latch,) = database.execute("SELECT estop_engaged FROM robot WHERE name = 'lbr'").fetchone()
-    database.close()
-    if not editor.edited <= (there := int(help_) if help_.isdigit() else 0) <= editor.asked:
-        problems.append(f"edit {editor.edited} was acknowledged, {editor.asked} was asked for, and {there} is there")
-    if latch not in editor.latches:
-        problems.append(f"the latch is {latch}, and {editor.latches} was acknowledged")
+    if not known.edit <= (there := int(help_) if help_.isdigit() else 0) <= editor.asked:
+        problems.append(f"edit {known.edit} was acknowledged, {editor.asked} was asked for, and {there} is there")
+    if latch not in known.latches | editor.acknowledged().latches:
+        problems.append(f"the latch is {latch}, and {set(known.latches)} was acknowledged")
     checked = lbr(home, "db", "check", "--db", str(home / "robot.db"), limit_s=30.0)
     return problems + ([checked.stderr] if checked.returncode else [])

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tests.support import programs
+from tests.support.robot import until
 
 SIZE = "96M"
 SHUTDOWN = 0x8004587D
@@ -47,8 +48,11 @@ class CutDisk:
         self._mount()
 
     def close(self) -> None:
-        """Take it away."""
-        programs.run(["umount", str(self.at)], check=True)
+        """Take it away, once what was killed on it is gone."""
+        until(self._unmounted, what=f"nothing uses {self.at}")
+
+    def _unmounted(self) -> bool:
+        return programs.run(["umount", str(self.at)], check=False, capture_output=True).returncode == 0
 
     def _mount(self) -> None:
         programs.run(["mount", "-o", "loop", str(self.image), str(self.at)], check=True)

@@ -8,7 +8,7 @@ import sqlite3
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -93,9 +93,8 @@ class Robot(robots.Robot):
 
     def edit(self, sql: str, *parameters: Any) -> None:
         """Change the rows the way anybody does: with another SQLite client."""
-        with sqlite3.connect(self.home / "robot.db", timeout=5.0) as database:
+        with closing(sqlite3.connect(self.home / "robot.db", timeout=5.0)) as database, database:
             database.execute(sql, parameters)
-        database.close()
 
     @property
     def web(self) -> str:
