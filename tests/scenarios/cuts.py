@@ -97,7 +97,7 @@ class _Editor(threading.Thread):
         """Edit until it is over, or the disk is gone."""
         with suppress(sqlite3.Error, NoAnswerError, OSError):
             while not self.over.wait(self._dice.uniform(0.0, 0.1)):
-                if self._dice.random() < 0.8:  # noqa: PLR2004 - mostly rows
+                if self._dice.random() < 0.8:
                     self._edit()
                 else:
                     self._latch(self._dice.randrange(2))
