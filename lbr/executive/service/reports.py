@@ -16,14 +16,13 @@ from lbr.executive.service import recorded
 from lbr.executive.service.completion_values import REPORTS, choices
 from lbr.executive.service.description import describe
 from lbr.executive.service.robot import Robot
+from lbr.messages import readable
 from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import DriveState
 from lbr.messages.joints import JointsState
 from lbr.messages.telemetry import Telemetry
 
 ANSWERS_WITHIN_S = 1.0
-
-LONGEST_SHOWN = 400
 
 
 class Reports:
@@ -53,6 +52,7 @@ class Reports:
             "health": self.health,
             "events": lambda: _events_text(data),
             "telemetry": lambda: self._telemetry_text(data),
+            "settings": lambda: "\n".join(f"{name}: {_as_written(settings)}" for name, settings in data.items()),
             "wiring": lambda: "\n".join(wiring.tree(wiring.from_plain(data))),
             "streams": lambda: "\n".join(f"{one['key']}: {one['message'] or 'unknown'}" for one in data["streams"]),
             "rows": lambda: "\n".join(f"{name}: {len(rows)} rows" for name, rows in data["tables"].items()),
@@ -121,30 +121,15 @@ class Reports:
 
 
 def flat(data: dict[str, Any]) -> str:
-    """Return a line for each part."""
-    lines = []
-    for name, fields in data.items():
-        shown = ", ".join(f"{key} {_short(value)}" for key, value in fields.items())
-        lines.append(f"{name}: {shown}")
-    return "\n".join(lines) or "nothing yet"
+    """Return a line for each part, for people: values with their units."""
+    return "\n".join(f"{name}: {readable.fields(part)}" for name, part in data.items()) or "nothing yet"
 
 
-def _short(value: Any) -> str:
-    """Return a value as a person reads it; of what would fill a screen, how much it is."""
-    if isinstance(value, float):
-        return f"{value:.3g}"
-    if not isinstance(value, dict | list):
-        return str(value)
-    text = json.dumps(_rounded(value))
-    return text if len(text) <= LONGEST_SHOWN else f"({len(value)} entries)"
-
-
-def _rounded(value: Any) -> Any:
-    if isinstance(value, float):
-        return float(f"{value:.3g}")
-    if isinstance(value, dict):
-        return {name: _rounded(part) for name, part in value.items()}
-    return [_rounded(part) for part in value] if isinstance(value, list) else value
+def _as_written(settings: dict[str, Any]) -> str:
+    """Return settings by the names and values that a row has."""
+    return ", ".join(
+        f"{name} {value if isinstance(value, str) else json.dumps(value)}" for name, value in settings.items()
+    )
 
 
 def _events_text(events: list[dict[str, Any]]) -> str:

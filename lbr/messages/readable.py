@@ -1,0 +1,59 @@
+"""A message as a person reads it: each value with the unit that its field's name ends in. Pure."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+UNITS = {
+    "a": "A", "c": "°C", "deg": "°", "hz": "Hz", "m": "m", "mb": "MB", "mps": "m/s", "mps2": "m/s²", "ms": "ms", "ns": "ns",
+    "percent": "%", "px": "px", "rad": "rad", "rps": "rad/s", "s": "s", "ut": "µT", "v": "V",
+}  # fmt: skip
+"""By the last part of a field's name."""
+TIGHT = frozenset({"°", "%"})
+"""Units that follow their number without a space."""
+LONGEST = 400
+
+
+def fields(message: Mapping[str, Any]) -> str:
+    """Return the fields of a message, such as `forward 2.61 m, charging yes`, and its age last, in parentheses."""
+    shown = [_field(name, value) for name, value in message.items() if name != "age_s"]
+    age = message.get("age_s")
+    old = f"  ({_number(age)} s old)" if isinstance(age, int | float) and not isinstance(age, bool) else ""
+    return f"{', '.join(shown)}{old}"
+
+
+def _field(name: str, value: Any) -> str:
+    words, _, suffix = name.rpartition("_")
+    unit = UNITS.get(suffix, "") if words else ""
+    return f"{(words if unit else name).replace('_', ' ')} {_value(value, unit) or 'none'}"
+
+
+def _value(value: Any, unit: str) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, Mapping):
+        inner = ", ".join(f"{name} {_value(one, unit)}" if unit else _field(name, one) for name, one in value.items())
+        return _bounded(f"({inner})" if inner else "none", value)
+    if isinstance(value, Sequence):
+        if value and all(isinstance(one, int | float) for one in value):
+            return _bounded(_with(f"[{' '.join(map(_number, value))}]", unit), value)
+        return _bounded(", ".join(_value(one, unit) for one in value), value)
+    return (
+        _with(_number(value), unit) if isinstance(value, int | float) and not isinstance(value, bool) else _word(value)
+    )
+
+
+def _word(value: Any) -> str:
+    return {None: "unknown", True: "yes", False: "no"}.get(value, str(value))
+
+
+def _with(text: str, unit: str) -> str:
+    return text + (unit if unit in TIGHT or not unit else f" {unit}")
+
+
+def _number(value: float) -> str:
+    return str(value) if isinstance(value, int) else f"{value or 0.0:.3g}"
+
+
+def _bounded(text: str, value: Sequence[Any] | Mapping[str, Any]) -> str:
+    """Return a text, or how much it is of what would fill a screen."""
+    return text if len(text) <= LONGEST else f"({len(value)} entries)"
