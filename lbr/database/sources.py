@@ -21,6 +21,8 @@ from lbr.errors import InputError, RowError
 MAGIC = b"SQLite format 3\0"
 COMPUTED_S = 5.0
 """Of the processor, for one file of SQL."""
+STATEMENT_S = 0.5
+"""Of it, for one statement: the longest that edits rows of a robot takes a hundredth of that."""
 LOOK_EVERY = 10_000
 MOST_BYTES = 32_000_000
 _CHANGING = {sqlite3.SQLITE_INSERT, sqlite3.SQLITE_UPDATE, sqlite3.SQLITE_DELETE}
@@ -95,10 +97,12 @@ def _run(source: Path, script: str, database: Path) -> RawTables:
             switch = action == sqlite3.SQLITE_PRAGMA and first in {"foreign_keys", "busy_timeout", "defer_foreign_keys"}
             return sqlite3.SQLITE_OK if mine or switch or action in READING else sqlite3.SQLITE_DENY
 
-        until = time.thread_time() + COMPUTED_S
+        last = time.thread_time() + COMPUTED_S
+        until = last
         copy.set_progress_handler(lambda: time.thread_time() > until, LOOK_EVERY)
         copy.set_authorizer(allow)
         for line, statement in constraints.statements(script):
+            until = min(last, time.thread_time() + STATEMENT_S)
             try:
                 copy.execute(statement)
             except sqlite3.Error as err:

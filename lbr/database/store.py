@@ -37,6 +37,7 @@ from lbr.database.connection import (
     insert,
     pragma,
     sentences,
+    short_values,
     transaction,
 )
 from lbr.database.files import check_file, check_folder
@@ -298,7 +299,8 @@ class Database:
         """
 
         def applied(connection: Connection, tables: RawTables) -> RawTables:
-            since = () if edit.revision is None else history.revisions(connection, edit.revision)
+            with short_values(connection):
+                since = () if edit.revision is None else history.revisions(connection, edit.revision)
             return edits.applied(tables, robot, edit, since)
 
         def write(connection: Connection) -> None:
@@ -355,7 +357,8 @@ class Database:
             if not 0 <= revision <= newest:
                 raise InputError(f"there is no revision {revision} in {self.path}: 0 to {newest}", "unknown_name")
             tables, schema = read_tables(connection)
-            return past.at(tables, schema, history.revisions(connection, revision))
+            with short_values(connection):
+                return past.at(tables, schema, history.revisions(connection, revision))
 
     def set_setting(
         self,

@@ -3,7 +3,7 @@
 import msgspec
 
 from lbr.database import history, past
-from lbr.database.connection import Connection, insert, selected
+from lbr.database.connection import Connection, insert, selected, short_values
 from lbr.database.past import Became, Trial
 from lbr.database.tables import read_tables
 from lbr.errors import InputError
@@ -47,7 +47,8 @@ def end(connection: Connection, trial: Trial, state: str, text: str) -> Trial:
 def take_back(connection: Connection, trial: Trial) -> None:
     """Write the rows of a trial as they were before, but for those that others have changed since."""
     now, schema = read_tables(connection)
-    since = history.revisions(connection, trial.back)
+    with short_values(connection):
+        since = history.revisions(connection, trial.back)
     tried = past.at(now, schema, [one for one in since if one.id > trial.revision])
     before = past.at(tried, schema, [one for one in since if one.id <= trial.revision])
     changed = {(one.table, one.key) for one in past.steps(tried, now, schema)}

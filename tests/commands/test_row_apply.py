@@ -99,8 +99,7 @@ def test_apply_writes_all_in_one_change_that_says_who_and_from_what(path, sql):
         ),
     ],
 )
-def test_sql_that_does_anything_else_is_refused_with_its_line(path, tmp_path, script, said, monkeypatch):
-    monkeypatch.setattr("lbr.database.sources.COMPUTED_S", 0.1)
+def test_sql_that_does_anything_else_is_refused_with_its_line(path, tmp_path, script, said):
     (tmp_path / "edit.sql").write_text(script, errors="surrogateescape")
     assert said in refusal("apply", str(tmp_path / "edit.sql"))
     assert asked(path, "SELECT count(*) FROM revision") == [(0,)]
