@@ -6,6 +6,10 @@ from lbr.bus import stamp, wire
 from tests.support.bench import Bench
 
 
+COMMAND = "/command"
+"""What is asked of a robot comes once and is no stream: a recorder has it only on purpose."""
+
+
 class Witness:
     """Another client that hears the same streams."""
 
@@ -25,5 +29,6 @@ class Witness:
     def _hear(self, sample: object) -> None:
         attachment = sample.attachment  # type: ignore[attr-defined]
         found = stamp.read(attachment.to_bytes()) if attachment is not None else None
-        if found is not None:
-            self._heard.append((str(sample.key_expr).partition("/")[2], found.seq, found.mono_ns))  # type: ignore[attr-defined]
+        topic = str(sample.key_expr).partition("/")[2]  # type: ignore[attr-defined]
+        if found is not None and not topic.endswith(COMMAND):
+            self._heard.append((topic, found.seq, found.mono_ns))
