@@ -5,7 +5,6 @@ from collections import deque
 from lbr.bus import stamp, wire
 from tests.support.bench import Bench
 
-
 COMMAND = "/command"
 """What is asked of a robot comes once and is no stream: a recorder has it only on purpose."""
 
