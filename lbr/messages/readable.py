@@ -1,38 +1,42 @@
-"""A message as a person reads it: each value with the unit that its field's name ends in. Pure."""
+"""A message as a person reads it: each value with the unit that its field's name ends in, without what is empty. Pure."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 UNITS = {
-    "a": "A", "c": "°C", "deg": "°", "hz": "Hz", "m": "m", "mb": "MB", "mps": "m/s", "mps2": "m/s²", "ms": "ms", "ns": "ns",
+    "a": "A", "c": "°C", "deg": "°", "dps": "°/s", "hz": "Hz", "m": "m", "mb": "MB", "mps": "m/s", "mps2": "m/s²", "ms": "ms", "ns": "ns",
     "percent": "%", "px": "px", "rad": "rad", "rps": "rad/s", "s": "s", "ut": "µT", "v": "V",
 }  # fmt: skip
 """By the last part of a field's name."""
 TIGHT = frozenset({"°", "%"})
 """Units that follow their number without a space."""
 LONGEST = 400
+WHOLE = (1e3, 1e9)
+"""Between these a number is told without a fraction."""
+EMPTY: tuple[Any, ...] = ("", [], {}, ())
 
 
 def fields(message: Mapping[str, Any]) -> str:
     """Return the fields of a message, such as `forward 2.61 m, charging yes`, and its age last, in parentheses."""
-    shown = [_field(name, value) for name, value in message.items() if name != "age_s"]
+    shown = [_field(name, value) for name, value in message.items() if name != "age_s" and value not in EMPTY]
     age = message.get("age_s")
     old = f"  ({_number(age)} s old)" if isinstance(age, int | float) and not isinstance(age, bool) else ""
-    return f"{', '.join(shown)}{old}"
+    return f"{', '.join(shown) or 'nothing'}{old}"
 
 
 def _field(name: str, value: Any) -> str:
     words, _, suffix = name.rpartition("_")
     unit = UNITS.get(suffix, "") if words else ""
-    return f"{(words if unit else name).replace('_', ' ')} {_value(value, unit) or 'none'}"
+    return f"{(words if unit else name).replace('_', ' ')} {_value(value, unit)}"
 
 
 def _value(value: Any, unit: str) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, Mapping):
-        inner = ", ".join(f"{name} {_value(one, unit)}" if unit else _field(name, one) for name, one in value.items())
-        return _bounded(f"({inner})" if inner else "none", value)
+        told = {name: one for name, one in value.items() if one not in EMPTY}
+        inner = (f"{name} {_value(one, unit)}" if unit else _field(name, one) for name, one in told.items())
+        return _bounded(f"({', '.join(inner)})", value)
     if isinstance(value, Sequence):
         if value and all(isinstance(one, int | float) for one in value):
             return _bounded(_with(f"[{' '.join(map(_number, value))}]", unit), value)
@@ -51,7 +55,9 @@ def _with(text: str, unit: str) -> str:
 
 
 def _number(value: float) -> str:
-    return str(value) if isinstance(value, int) else f"{value or 0.0:.3g}"
+    if isinstance(value, int):
+        return str(value)
+    return f"{value:.0f}" if WHOLE[0] <= abs(value) < WHOLE[1] else f"{value or 0.0:.3g}"
 
 
 def _bounded(text: str, value: Sequence[Any] | Mapping[str, Any]) -> str:
