@@ -297,6 +297,7 @@ def test_with_nothing_wrong_it_says_so_and_shows_the_chain_with_ages(robots, rob
 
 
 ROWS: dict[str, tuple[str, str, str, dict, tuple[str, str, str]]] = {
+    "what others need, of the whole robot": ("capabilities", "drive", "", {"enabled": False}, ("row", "drive", "off")),
     "drive": ("capabilities", "drive", "drive", {"enabled": False}, ("row", "drive", "off")),
     "motors": ("capabilities", "motors", "drive", {"enabled": False}, ("row", "motors", "off")),
     "ranges": ("capabilities", "ranges", "drive", {"enabled": False}, ("row", "ranges", "off")),

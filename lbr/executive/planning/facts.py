@@ -75,7 +75,7 @@ def _part(row: CapabilityRow, kind: Kind, plan: Plan) -> Part:
         runs=unit is not None,
         moves=kind.moves,
         device=str(getattr(settings, "device", "")) if kind.device else "",
-        needs=unit.needs if unit is not None else row.needs,
+        needs=tuple(dict.fromkeys((*row.needs, *(unit.needs if unit is not None else ())))),
         inputs=_types(kind.inputs),
         setpoints=_types(kind.setpoints),
         outputs=_types(kind.outputs),
