@@ -76,8 +76,9 @@ def test_telemetry_has_every_stream_that_speaks_and_fetches_no_picture(reports, 
 def test_telemetry_is_told_part_by_part(reports):
     _, text = reports.make("telemetry")
     lines = text.splitlines()
-    assert lines[0].startswith("battery: age_s 0.2, voltage_v 12.6, charge 0.9")
-    assert any(line.startswith("drive/state: moving False") for line in lines)
+    assert lines[0].startswith("battery: voltage 12.6 V, charge 0.9")
+    assert lines[0].endswith("(0.2 s old)")
+    assert any(line.startswith("drive/state: moving no") for line in lines)
     assert not any("telemetry/package" in line for line in lines)
 
 
