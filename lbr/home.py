@@ -2,10 +2,8 @@
 
 import fcntl
 import os
-import struct
 import tempfile
 import time
-import zlib
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from hashlib import blake2b
@@ -169,18 +167,10 @@ def running() -> list[Running]:
     return found
 
 
-CLAIMS = 1 << 61
-"""In a database file, far behind all that SQLite writes and locks."""
-FLOCK = "hhqqi4x"
-"""The kernel's `struct flock`."""
-
-
 class RunLock:
     """One `lbr run` per robot and home: held by the kernel for as long as the process lives, however it ends."""
 
     def __init__(self, robot: str) -> None:
-        self._robot = robot
-        self._claim = -1
         self._record = directory("run") / f"{robot}.json"
         self._fd = os.open(self._record.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         if not _locked_within(self._fd, LOOKERS_S):
@@ -189,23 +179,6 @@ class RunLock:
                 f"robot '{robot}' already runs here; 'lbr status' shows it and 'lbr stop' ends it"
             )
         live_in()
-
-    def claim(self, database: Path) -> None:
-        """Have this robot's rows for this run alone: another home may name the same file. AlreadyRunningError if one has.
-
-        Locks a byte that SQLite does not use, and that the kernel gives up with the process. The descriptor stays open
-        until then: closing one takes away the locks that SQLite has.
-        """
-        self._claim = os.open(database, os.O_RDWR | os.O_CLOEXEC)
-        byte = CLAIMS + zlib.crc32(self._robot.encode())
-        try:
-            fcntl.fcntl(self._claim, fcntl.F_OFD_SETLK, struct.pack(FLOCK, fcntl.F_WRLCK, os.SEEK_SET, byte, 1, 0))
-        except (BlockingIOError, PermissionError) as err:
-            raise AlreadyRunningError(
-                f"robot '{self._robot}' already runs from {database}, in another home: end it there, or run from a copy"
-            ) from err
-        except OSError:
-            return  # a file system that cannot lock
 
     def publish(self, record: Running) -> None:
         """Say how to reach the robot; readable by the owner alone. InputError says why that cannot be."""
@@ -220,8 +193,6 @@ class RunLock:
     def release(self) -> None:
         """Release the lock."""
         self._record.unlink(missing_ok=True)
-        if self._claim >= 0:
-            os.close(self._claim)
         os.close(self._fd)
 
 

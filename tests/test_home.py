@@ -1,12 +1,10 @@
 """The home and its keys: what others could change is refused, in a sentence with the command that mends it."""
 
 import os
-import sqlite3
 import ssl
 import subprocess
 import sys
 import tempfile
-from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -20,7 +18,7 @@ from lbr.capability import lifeline
 from lbr.commands import checks
 from lbr.console import token_store
 from lbr.database.store import create
-from lbr.errors import AlreadyRunningError, InputError
+from lbr.errors import InputError
 from lbr.executive.planning import credentials
 from lbr.executive.service.latch import UNREADABLE, Latch
 from tests.support import programs
@@ -222,28 +220,6 @@ def test_a_record_that_is_no_file_says_nothing_and_keeps_nobody_waiting(monkeypa
     assert home.running() == []
     os.mkfifo(home.directory("run") / "lbr.estop")
     assert Latch(home.directory("run") / "lbr.estop").reason() == UNREADABLE
-
-
-def test_the_rows_of_a_robot_are_run_from_one_home_alone(tmp_path, monkeypatch):
-    def in_home(name: str, robot: str) -> home.RunLock:
-        monkeypatch.setenv("LBR_HOME", str(tmp_path / name))
-        return home.RunLock(robot)
-
-    database = tmp_path / "robot.db"
-    with closing(sqlite3.connect(database)) as connection:
-        connection.execute("PRAGMA journal_mode = WAL")
-        connection.execute("CREATE TABLE row (a)")
-        first, second, other = in_home("one", "lbr"), in_home("two", "lbr"), in_home("two", "bioloid")
-        first.claim(database)
-        with pytest.raises(AlreadyRunningError, match=f"'lbr' already runs from {database}, in another home"):
-            second.claim(database)
-        other.claim(database)
-        connection.execute("INSERT INTO row VALUES (1)")
-        connection.commit()
-        first.release()
-        second.claim(database)
-        second.release()
-        other.release()
 
 
 def test_a_robot_that_runs_makes_no_second_home_where_its_own_was(tmp_path):

@@ -51,8 +51,8 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
 
     surroundings.forget_runtime()
     from lbr.console.outlet import unhurried  # noqa: PLC0415
-    from lbr.executive.executive import run  # noqa: PLC0415
     from lbr.executive.lastresort import leave_for_certain  # noqa: PLC0415
+    from lbr.executive.start import run  # noqa: PLC0415
 
     surroundings.bound_heaps()
     surroundings.need_room_for_a_robot()

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from lbr.database import claims
 from lbr.database.connection import Connection, pragma, transaction
 from lbr.errors import RowError
 
@@ -12,11 +13,17 @@ MIGRATIONS = Path(__file__).with_name("migrations")
 
 
 def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
-    """Upgrade an older database and return its backup, if there was something to do; refuse an unknown one."""
+    """Upgrade an older database and return its backup, if there was something to do.
+
+    RowError: its schema is unknown, or a robot of an older version runs from it, which could not read it any more.
+    """
     stamp = _stamp(connection)
     if stamp == HEAD:
         return None
     _refuse_unknown(stamp, path)
+    if claims.any_robot(path):
+        text = f"database {path} has the schema '{stamp}', and a robot of the older lbr that made it runs from it"
+        raise RowError((f"{text}: end that first (`lbr stop`, or `systemctl stop`), then it is brought to '{HEAD}'",))
     kept = backup(connection, path, stamp)
     pragma(connection, "foreign_keys = OFF")  # or the rebuilding of a table would delete what refers to it
     try:

@@ -9,7 +9,6 @@ import math
 import os
 import secrets
 import signal
-import sys
 import time
 from collections.abc import Set as AbstractSet
 from contextlib import closing
@@ -23,19 +22,17 @@ from msgspec.structs import replace
 from lbr import home
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS
-from lbr.capability.confine import OWNER_ONLY
 from lbr.console.outlet import say
 from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
-from lbr.database import copies, store
+from lbr.database import store
 from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
 from lbr.errors import LbrError
 from lbr.executive.lastresort import SIGNALS, LastResort
 from lbr.executive.notify import Notifier
-from lbr.executive.planning import joining, machine, planner, trials, wiring
+from lbr.executive.planning import machine, planner, wiring
 from lbr.executive.planning import plan as plans
-from lbr.executive.planning import profile as profiles
 from lbr.executive.planning.credentials import bus_certificate, token_key
 from lbr.executive.planning.last_good_copy import LastGoodCopy
 from lbr.executive.planning.live_rows import LiveRows
@@ -44,7 +41,6 @@ from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.watch import RowWatch
-from lbr.executive.processes import scheduling
 from lbr.executive.processes.child import Child, awaited
 from lbr.executive.processes.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
 from lbr.executive.processes.external import ExternalCommands
@@ -75,41 +71,7 @@ LOOK_AT_ROWS_S = 0.2
 LOOK_SHARE = 5.0
 """Rows that are slow to read are looked at less often: they get a fifth of the main thread's time."""
 STATUS_S = 1.0
-NO_THREAD = "can't start new thread"
-"""As Python words it."""
 NO_REAPER = "if the executive were killed now, frozen processes would be left; the one that ends them cannot be started"
-
-
-def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...] = (), *, console: bool = True) -> int:
-    """Run a robot until it is told to shut down; return the exit code. Errors people can mend are LbrErrors."""
-    profile = profiles.load(profile_name)
-    lock = home.RunLock(profile.robot)
-    scheduling.rank(os.getpid(), scheduling.MOTION)  # it carries the router, and has no other thread yet
-    os.umask(OWNER_ONLY)
-    machine.raise_limits()
-    try:
-        path = database or home.default_database()
-        if database is None and not path.exists():
-            copies.refuse_if_lost(path)
-            _tell(*joining.create(path))
-        with store.Database.open(path, program="executive") as opened:
-            lock.claim(path)
-            _tell(joining.join(opened, profile.robot), trials.go_back(opened, profile.robot))
-            opened.bound()
-            executive = Executive(profile, profile_name, opened, lock, listen)
-            return executive.run(console=console)
-    except RuntimeError as err:
-        if NO_THREAD not in str(err):
-            raise
-        raise LbrError(f"{err}: free some memory, or have the limits raised ('ulimit -v', 'ulimit -u')") from err
-    finally:
-        lock.release()
-
-
-def _tell(*texts: str) -> None:
-    """Say on standard error what was done, or left out, before anything runs: standard output is for programs."""
-    for text in filter(None, texts):
-        print(f"lbr: {text}", file=sys.stderr, flush=True)
 
 
 class Executive:

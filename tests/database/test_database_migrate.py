@@ -11,6 +11,7 @@ import pytest
 from alembic.script import ScriptDirectory
 
 from lbr.database import migrate
+from lbr.database.claims import Claim
 from lbr.database.store import Database, create
 from lbr.errors import LbrError, RowError
 from lbr.resources import robot_db_sql
@@ -96,6 +97,18 @@ def test_an_older_database_is_backed_up_and_upgraded(path, newer):
     assert database.backup.stat().st_mode & 0o777 == 0o600
     with Database.open(path) as database:
         assert database.backup is None
+
+
+def test_a_database_that_a_robot_of_an_older_version_runs_from_stays_as_it_is(path, newer):
+    claim = Claim("lbr")
+    claim.take(path)
+    newer()
+    with pytest.raises(RowError, match="a robot of the older lbr that made it runs from it: end that first"):
+        Database.open(path)
+    assert stamp(path) == [(NOW,)]
+    claim.release()
+    with Database.open(path) as database:
+        assert database.backup is not None
 
 
 def test_a_backup_is_a_whole_database(path, newer, monkeypatch):

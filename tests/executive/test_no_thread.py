@@ -3,7 +3,7 @@
 import pytest
 
 from lbr.errors import LbrError
-from lbr.executive import executive
+from lbr.executive import start
 
 
 def test_a_thread_that_cannot_be_started_is_one_sentence_with_its_cure(tmp_path, monkeypatch):
@@ -12,6 +12,6 @@ def test_a_thread_that_cannot_be_started_is_one_sentence_with_its_cure(tmp_path,
 
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
     tmp_path.chmod(0o700)
-    monkeypatch.setattr(executive, "Executive", no_thread)
+    monkeypatch.setattr(start, "Executive", no_thread)
     with pytest.raises(LbrError, match="free some memory, or have the limits raised"):
-        executive.run("lbr-sim", console=False)
+        start.run("lbr-sim", console=False)

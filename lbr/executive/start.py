@@ -1,0 +1,51 @@
+"""Begins a run: takes the robot for itself, makes and upgrades its database, and hands both to an executive."""
+
+import os
+import sys
+from pathlib import Path
+
+from lbr import home
+from lbr.capability.confine import OWNER_ONLY
+from lbr.database import copies, store
+from lbr.database.claims import Claim
+from lbr.errors import LbrError
+from lbr.executive.executive import Executive
+from lbr.executive.planning import joining, machine, trials
+from lbr.executive.planning import profile as profiles
+from lbr.executive.processes import scheduling
+
+NO_THREAD = "can't start new thread"
+"""As Python words it."""
+
+
+def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...] = (), *, console: bool = True) -> int:
+    """Run a robot until it is told to shut down; return the exit code. Errors people can mend are LbrErrors."""
+    profile = profiles.load(profile_name)
+    lock, claim = home.RunLock(profile.robot), Claim(profile.robot)
+    scheduling.rank(os.getpid(), scheduling.MOTION)  # it carries the router, and has no other thread yet
+    os.umask(OWNER_ONLY)
+    machine.raise_limits()
+    try:
+        path = database or home.default_database()
+        if database is None and not path.exists():
+            copies.refuse_if_lost(path)
+            _tell(*joining.create(path))
+        with store.Database.open(path, program="executive") as opened:
+            claim.take(path)
+            _tell(joining.join(opened, profile.robot), trials.go_back(opened, profile.robot))
+            opened.bound()
+            executive = Executive(profile, profile_name, opened, lock, listen)
+            return executive.run(console=console)
+    except RuntimeError as err:
+        if NO_THREAD not in str(err):
+            raise
+        raise LbrError(f"{err}: free some memory, or have the limits raised ('ulimit -v', 'ulimit -u')") from err
+    finally:
+        claim.release()
+        lock.release()
+
+
+def _tell(*texts: str) -> None:
+    """Say on standard error what was done, or left out, before anything runs: standard output is for programs."""
+    for text in filter(None, texts):
+        print(f"lbr: {text}", file=sys.stderr, flush=True)
