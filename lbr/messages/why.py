@@ -31,6 +31,7 @@ LinkName = Literal[
     "rate",
     "motor",
     "last",
+    "refused",
 ]
 """Where in a chain a link is. `line`, `fault` and `motor` are the robot's hardware, all others are not."""
 HARDWARE: frozenset[LinkName] = frozenset({"line", "fault", "motor"})

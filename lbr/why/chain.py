@@ -14,15 +14,17 @@ from lbr.why.snapshot import Facts, Part, Snapshot
 from lbr.why.walk import Walk, enable
 
 CAMERA = "camera_"
-PAST, WELL = 3, 6
-"""Ranks: of what is over the newest is told; of what is well nothing."""
+ORDER = ("held", "doubt", "refused", "beside", "reading", "rows", "past", "machine", "unknown", "ok")
+"""What is told first. A command that was just refused comes before what a sensor reads, which may hold another way than
+the one that was asked for; a machine that is too busy after all that is known."""
 
 
 def explain(now: Snapshot, part: str = "") -> Chain:
     """Return why a part stands still, or all that moves; raise InputError if there is nothing of that name."""
-    wanted = part.strip()
-    links = tuple(_links(now, wanted))
-    first = _first(links)
+    wanted, walk = part.strip(), Walk(now)
+    holding = tuple(_links(now, walk, wanted))
+    links = holding if wanted else (*holding, *_beside(now, walk))
+    first = _first(links, len(holding))
     source: Literal["bus", "rows"] = "bus" if now.executive == "up" else "rows"
     told = wanted or now.facts.robot
     if first is None:
@@ -43,20 +45,25 @@ def explain(now: Snapshot, part: str = "") -> Chain:
     )
 
 
-def _first(links: tuple[Link, ...]) -> int | None:
-    """Return the place of the link that is told: what holds, then what may, then what was last; what is not known is last.
+def _first(links: tuple[Link, ...], holding: int) -> int | None:
+    """Return the place of the link that is told; of those that are over the newest, of those that are well none.
 
-    An edit that was refused comes after what may hold, and a machine that is too busy after all that is known.
+    Links from `holding` on are beside what moves, and hold none of that.
     """
-    ranks = [(_rank(one), inf if one.since_s is None else one.since_s, index) for index, one in enumerate(links)]
-    told = [(rank, since_s if rank == PAST else 0.0, index) for rank, since_s, index in ranks if rank < WELL]
+    ranks = [max(ORDER.index(_sort(one)), 0 if at < holding else ORDER.index("beside")) for at, one in enumerate(links)]
+    told = [
+        (rank, inf if links[at].since_s is None else links[at].since_s, at)
+        if ORDER[rank] == "past"
+        else (rank, 0.0, at)
+        for at, rank in enumerate(ranks)
+        if ORDER[rank] != "ok"
+    ]
     return min(told)[2] if told else None
 
 
-def _rank(link: Link) -> int:
-    if link.state == "doubt":
-        return {"rows": 2, "machine": 4}.get(link.name, 1)
-    return {"held": 0, "past": PAST, "unknown": 5, "ok": WELL}[link.state]
+def _sort(link: Link) -> str:
+    doubtful = link.state == "doubt" and link.name in {"reading", "rows", "machine"}
+    return link.name if doubtful or link.name == "refused" else link.state
 
 
 def names(facts: Facts) -> list[str]:
@@ -64,8 +71,8 @@ def names(facts: Facts) -> list[str]:
     return sorted({*facts.parts, *(one.name for one in facts.joints), *facts.devices, *facts.programs})
 
 
-def _links(now: Snapshot, part: str) -> Iterator[Link]:
-    facts, walk = now.facts, Walk(now)
+def _links(now: Snapshot, walk: Walk, part: str) -> Iterator[Link]:
+    facts = now.facts
     yield from walk.executive()
     if not part:
         yield from _whole(now, walk)
@@ -86,12 +93,16 @@ def _links(now: Snapshot, part: str) -> Iterator[Link]:
 
 
 def _whole(now: Snapshot, walk: Walk) -> Iterator[Link]:
-    """Yield the links of all that moves, and then of what is not as it should be."""
+    """Yield the links of all that moves."""
     parts = now.facts.parts.values()
     movers = [one for one in parts if one.moves and one.enabled and one.family == "operation"]
     for mover in movers or [one for one in parts if one.moves and one.enabled]:
         yield from (_away_from_dock(now.facts, link) for link in walk.of(mover.name))
-    for one in parts:
+
+
+def _beside(now: Snapshot, walk: Walk) -> Iterator[Link]:
+    """Yield what is not as it should be of all else."""
+    for one in now.facts.parts.values():
         if one.enabled and one.runs:
             yield from (
                 link for link in walk.of(one.name) if link.name in {"process", "line", "fault"} and link.state != "ok"

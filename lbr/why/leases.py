@@ -9,6 +9,10 @@ PLANNED = frozenset(
     {"", "done", "idle", "stopped", "time_over", "superseded", "taken_over", "cancelled", "estop", "off_goal"}
 )
 """Codes of motion that came to an end as it was meant to, or by what another link tells."""
+REFUSED_S = 60.0
+"""What was refused within a minute is still what its sender asks about."""
+RENEWALS = frozenset({"dead_lease", "late", "repeated"})
+"""Codes with which what goes on after its motion's end is refused: that is no wish of anyone's."""
 ENDED = ("lapsed", "fault", "stopped", "reached", "interval", "superseded", "holder")
 
 
@@ -66,3 +70,24 @@ def last(now: Snapshot, part: Part, by: str | None, code: str, reason: str, topi
         evidence=topic,
         do="say again what it shall do" if mishap else "",
     )
+
+
+def refusal(now: Snapshot, part: Part) -> Iterator[Link]:
+    """Yield what a part refused last, and why, unless it took another command since."""
+    for event in now.newest(part.name):
+        ago_s = now.ago_s(event)
+        if event.kind == "holder" or ago_s is None or ago_s > REFUSED_S:
+            return
+        if event.kind == "refused" and event.about and event.code not in RENEWALS:
+            why = event.text.removeprefix(f"{event.about}: ")
+            yield Link(
+                name="refused",
+                about=part.name,
+                state="past",
+                text=f"'{part.name}' refused what {event.about} asked last: {why}",
+                code=event.code,
+                since_s=ago_s,
+                evidence="event refused",
+                do="mend that, and say it again",
+            )
+            return

@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from lbr.messages.system import RANKS, CapabilityStatus
 from lbr.messages.why import Link
-from lbr.why import said
+from lbr.why import leases, said
 from lbr.why.snapshot import Part, Snapshot
 
 FRESH_S = 3.0
@@ -55,6 +55,8 @@ class Walk:
             yield from self._sender(part, port)
         yield from self._silence(part)
         yield from said.links(self.now, part)
+        if part.moves:
+            yield from leases.refusal(self.now, part)
         yield from self._targets(part, asked=asked)
 
     def executive(self) -> Iterator[Link]:

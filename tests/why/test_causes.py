@@ -7,6 +7,7 @@ from msgspec.structs import replace
 
 from lbr.errors import InputError
 from lbr.messages.codes import MEANINGS
+from lbr.messages.system import Event
 from lbr.messages.why import HARDWARE
 from lbr.why import telling
 from lbr.why.chain import explain
@@ -389,6 +390,34 @@ def test_an_edit_that_was_refused_is_told_before_what_is_over(robots):
     again = with_unit(robots["lbr"], "world", uptime_s=4.0, last_end="crashed: killed by signal 9", end_code="failed")
     refused = replace(again.status, problems=("capability lbr/drive: bad",), problem_codes=("bad_value",))
     assert told(replace(again, status=refused), "drive")[0] == "rows"
+
+
+def with_refusal(now: Snapshot, ago_s: float, code: str = "stale_sensor", kind: str = "refused") -> Snapshot:
+    wall_ns = now.wall_ns - int(ago_s * 1e9)
+    text = "phone: bow forward reading is invalid"
+    event = Event(kind=kind, subject="drive", text=text, code=code, about="phone", wall_ns=wall_ns)
+    return replace(now, events=(*now.events, event))
+
+
+def test_what_was_refused_last_is_told_before_what_holds_another_way_and_after_what_holds(robots):
+    near = with_said(robots["lbr"], "ranges/readings", right_m=0.1)
+    assert told(near, "drive")[0] == "reading"
+    refused = with_refusal(near, 20.0)
+    assert told(refused, "drive") == ("refused", "drive", "stale_sensor")
+    assert explain(refused, "drive").text == "'drive' refused what phone asked last: bow forward reading is invalid"
+    busy = with_event(with_refusal(robots["lbr"], 20.0), "too_busy", "machine", 5.0)
+    assert told(busy, "drive")[0] == "refused"
+    assert told(with_estop(refused, reason="dog"), "drive")[0] == "estop"
+    assert told(down("drive", "crashed")(refused), "drive")[0] == "process"
+
+
+def test_what_was_refused_long_ago_or_before_another_command_or_as_a_renewal_is_not_told(robots):
+    for now in (
+        with_refusal(robots["lbr"], 61.0),
+        with_refusal(with_refusal(robots["lbr"], 9.0), 3.0, kind="holder", code=""),
+        with_refusal(robots["lbr"], 3.0, code="dead_lease"),
+    ):
+        assert explain(now, "drive").state == "ok"
 
 
 def test_what_runs_and_does_not_answer_is_told(robots):
