@@ -1,15 +1,21 @@
-"""Anybody's robot is a package: installed, it runs by its name; what is wrong with it is told, and keeps out no other."""
+"""Anybody's robot is a package: installed, it runs by its name; what is wrong with it is told, and keeps out no other.
+
+Commands run in this process, which finds the package for as long as each takes, unless the test is of a whole robot.
+"""
 
 import json
 import sqlite3
 import sys
 import zipfile
+from subprocess import CompletedProcess
 
 import pytest
 
+from lbr import cli
 from tests.support import programs
-from tests.support.packages import CRAWLER, DECLARED, PROFILES, on_path, package, robot_package
-from tests.support.robot import lbr, running, until
+from tests.support import robot as whole
+from tests.support.packages import CRAWLER, DECLARED, PROFILES, imported_from, on_path, package, robot_package
+from tests.support.robot import running, until
 
 
 @pytest.fixture
@@ -23,6 +29,24 @@ def site(tmp_path):
     return tmp_path / "site"
 
 
+@pytest.fixture
+def lbr(site, home, capfd, monkeypatch):
+    """Run a command as one that starts after the package was installed."""
+    monkeypatch.setenv("LBR_HOME", str(home))
+
+    def run(*arguments):
+        with imported_from(site):
+            code = cli.main(list(arguments))
+        return CompletedProcess(arguments, code, *capfd.readouterr())
+
+    return run
+
+
+@pytest.fixture
+def robots(lbr):
+    return lambda: {row["name"]: row for row in json.loads(lbr("robots", "--json").stdout)}
+
+
 def looked(home, sql):
     with sqlite3.connect(home / "robot.db") as database:
         found = database.execute(sql).fetchall()
@@ -30,15 +54,11 @@ def looked(home, sql):
     return found
 
 
-def robots(home):
-    return {row["name"]: row for row in json.loads(lbr(home, "robots", "--json").stdout)}
-
-
 @pytest.mark.slow_start
 @pytest.mark.timeout(30)
 def test_a_robot_that_was_installed_runs_with_nothing_else_and_can_be_driven(site, home):
     """Its database is older than it is."""
-    assert lbr(home, "db", "init").returncode == 0
+    assert whole.lbr(home, "db", "init").returncode == 0
     robot_package(site)
     with running(home, profile="crawler-sim") as robot:
         until(lambda: robot.capability("drive")["phase"] == "ready", limit_s=9.0)
@@ -50,38 +70,38 @@ def test_a_robot_that_was_installed_runs_with_nothing_else_and_can_be_driven(sit
     assert "the rows of robot 'crawler' (package 'my-crawler 0.1') are in" in (home / "stderr.txt").read_text()
 
 
-def test_a_new_database_has_all_robots_that_there_are_and_begins_at_no_revision(site, home):
+def test_a_new_database_has_all_robots_that_there_are_and_begins_at_no_revision(site, home, lbr):
     robot_package(site)
-    done = lbr(home, "db", "init")
+    done = lbr("db", "init")
     assert (done.returncode, done.stderr) == (0, "")
     assert looked(home, "SELECT name FROM robot ORDER BY name") == [("bioloid",), ("crawler",), ("lbr",), ("uxa90",)]
     assert looked(home, "SELECT count(*) FROM revision") == [(0,)]
-    assert lbr(home, "db", "check").returncode == 0
-    assert lbr(home, "db", "diff").stdout == "the rows are as shipped\n"
+    assert lbr("db", "check").returncode == 0
+    assert lbr("db", "diff").stdout == "the rows are as shipped\n"
 
 
-def test_it_is_listed_and_named_where_another_is_asked_for(site, home):
+def test_it_is_listed_and_named_where_another_is_asked_for(site, lbr, robots):
     robot_package(site, profiles={"{name}-sim": PROFILES["{name}-sim"]})
-    assert robots(home)["crawler"] == {
+    assert robots()["crawler"] == {
         "name": "crawler",
         "package": "my-crawler 0.1",
         "summary": "a robot on tracks",
         "profiles": ["crawler", "crawler-sim"],
         "fault": "",
     }
-    assert "  lbr run crawler-sim\n" in lbr(home, "robots").stdout
-    assert "crawler-sim" in lbr(home, "run", "crowler", "--no-console").stderr
-    assert "crawler" in lbr(home, "db", "init").stdout or lbr(home, "db", "add", "c3po").stderr.count("crawler")
+    assert "  lbr run crawler-sim\n" in lbr("robots").stdout
+    assert "crawler-sim" in lbr("run", "crowler", "--no-console").stderr
+    assert "crawler" in lbr("db", "init").stdout or lbr("db", "add", "c3po").stderr.count("crawler")
 
 
-def test_rows_that_are_there_stay_and_those_that_are_not_are_added_by_command(site, home):
+def test_rows_that_are_there_stay_and_those_that_are_not_are_added_by_command(site, home, lbr):
     robot_package(site)
-    lbr(home, "db", "init")
+    lbr("db", "init")
     with sqlite3.connect(home / "robot.db") as database:
         database.execute("UPDATE capability SET help = 'mine' WHERE robot = 'crawler' AND name = 'drive'")
         database.execute("DELETE FROM channel WHERE robot = 'crawler' AND target = 'drive.ranges'")
     database.close()
-    assert json.loads(lbr(home, "db", "add", "crawler", "--json").stdout) == {"channel": 1}
+    assert json.loads(lbr("db", "add", "crawler", "--json").stdout) == {"channel": 1}
     assert looked(home, "SELECT help FROM capability WHERE robot = 'crawler' AND name = 'drive'") == [("mine",)]
 
 
@@ -124,17 +144,19 @@ BAD_ROWS = {
 
 
 @pytest.mark.parametrize(("rows", "why"), BAD_ROWS.values(), ids=BAD_ROWS)
-def test_rows_that_do_not_validate_are_refused_with_package_and_row_and_all_others_are_there(site, home, rows, why):
+def test_rows_that_do_not_validate_are_refused_with_package_and_row_and_all_others_are_there(
+    site, home, lbr, robots, rows, why
+):
     robot_package(site, rows=rows)
-    done = lbr(home, "db", "init")
+    done = lbr("db", "init")
     assert done.returncode == 0
     assert "robot 'crawler' of package 'my-crawler 0.1'" in done.stderr
     assert why in done.stderr
     assert looked(home, "SELECT name FROM robot ORDER BY name") == [("bioloid",), ("lbr",), ("uxa90",)]
-    refused = lbr(home, "run", "crawler-sim", "--no-console")
+    refused = lbr("run", "crawler-sim", "--no-console")
     assert refused.returncode == 2
     assert why in refused.stderr
-    assert why in robots(home)["crawler"]["fault"]
+    assert why in robots()["crawler"]["fault"]
     assert looked(home, "SELECT count(*) FROM revision") == [(0,)]
 
 
@@ -152,16 +174,16 @@ DECLARATIONS = {
 
 
 @pytest.mark.parametrize(("declared", "why"), DECLARATIONS.values(), ids=DECLARATIONS)
-def test_a_robot_that_cannot_be_used_is_told_with_its_package_and_all_others_run(site, home, declared, why):
+def test_a_robot_that_cannot_be_used_is_told_with_its_package_and_all_others_run(site, lbr, robots, declared, why):
     robot_package(site, declared=f"print('noise')\n{declared}")
-    found = robots(home)
+    found = robots()
     assert "robot 'crawler' of package 'my-crawler 0.1'" in found["crawler"]["fault"]
     assert why in found["crawler"]["fault"]
     assert [name for name, one in found.items() if not one["fault"]] == ["bioloid", "lbr", "uxa90"]
-    done = lbr(home, "run", "crawler-sim", "--no-console")
+    done = lbr("run", "crawler-sim", "--no-console")
     assert (done.returncode, done.stdout) == (2, "")
     assert why in done.stderr
-    assert lbr(home, "db", "init").returncode == 0
+    assert lbr("db", "init").returncode == 0
 
 
 @pytest.mark.parametrize(
@@ -172,22 +194,22 @@ def test_a_robot_that_cannot_be_used_is_told_with_its_package_and_all_others_run
         (("lbr ~~ 1",), "which cannot be read"),
     ],
 )
-def test_a_package_for_another_version_of_lbr_is_refused(site, home, requires, why):
+def test_a_package_for_another_version_of_lbr_is_refused(site, lbr, robots, requires, why):
     robot_package(site, requires=requires)
-    assert why in robots(home)["crawler"]["fault"]
-    assert why in lbr(home, "run", "crawler", "--no-console").stderr
+    assert why in robots()["crawler"]["fault"]
+    assert why in lbr("run", "crawler", "--no-console").stderr
 
 
-def test_a_package_for_this_version_and_one_that_asks_only_elsewhere_are_taken(site, home):
+def test_a_package_for_this_version_and_one_that_asks_only_elsewhere_are_taken(site, robots):
     robot_package(site, requires=("lbr>=0.1,<99", "lbr-client>=99", 'lbr>=99; python_version < "3"'))
-    assert robots(home)["crawler"]["fault"] == ""
+    assert robots()["crawler"]["fault"] == ""
 
 
-def test_a_name_of_lbrs_stays_its_own_and_of_several_others_none_has_it(site, home):
+def test_a_name_of_lbrs_stays_its_own_and_of_several_others_none_has_it(site, lbr):
     robot_package(site, "bioloid", distribution="their-bioloid")
     robot_package(site, "crawler", distribution="a-crawler")
     robot_package(site, "crawler", distribution="b-crawler")
-    found = json.loads(lbr(home, "robots", "--json").stdout)
+    found = json.loads(lbr("robots", "--json").stdout)
     assert [(one["name"], one["package"]) for one in found if not one["fault"]] == [
         ("bioloid", "lbr"),
         ("lbr", "lbr"),
@@ -200,13 +222,13 @@ def test_a_name_of_lbrs_stays_its_own_and_of_several_others_none_has_it(site, ho
         f"robot 'crawler' of package 'a-crawler 0.1' (lbr.robots): {both}",
         f"robot 'crawler' of package 'b-crawler 0.1' (lbr.robots): {both}",
     ]
-    assert both in lbr(home, "run", "crawler", "--no-console").stderr
-    assert lbr(home, "db", "init").stderr.count("left out: ") == 3
+    assert both in lbr("run", "crawler", "--no-console").stderr
+    assert lbr("db", "init").stderr.count("left out: ") == 3
 
 
-def test_a_profile_that_another_robot_has_is_not_taken_from_it(site, home):
+def test_a_profile_that_another_robot_has_is_not_taken_from_it(site, robots):
     robot_package(site, "bioloid_two")
-    fault = robots(home)["bioloid_two"]["fault"]
+    fault = robots()["bioloid_two"]["fault"]
     assert "robot 'bioloid' of package 'lbr' has a launch profile 'bioloid-two' already" in fault
 
 
@@ -217,19 +239,19 @@ def test_a_profile_that_another_robot_has_is_not_taken_from_it(site, home):
         ("lbr", 'robot = "lbr"', "must be called crawler.toml, or crawler-….toml"),
     ],
 )
-def test_a_profile_is_called_as_its_robot(site, home, name, text, why):
+def test_a_profile_is_called_as_its_robot(site, robots, name, text, why):
     robot_package(site, profiles={**PROFILES, name: text})
-    assert why in robots(home)["crawler"]["fault"]
+    assert why in robots()["crawler"]["fault"]
 
 
-def test_a_profile_of_a_package_starts_its_own_robot(site, home):
+def test_a_profile_of_a_package_starts_its_own_robot(site, lbr):
     robot_package(site, profiles={"{name}": 'robot = "lbr"\n'})
-    done = lbr(home, "run", "crawler", "--no-console")
+    done = lbr("run", "crawler", "--no-console")
     assert done.returncode == 2
     assert "of package 'my-crawler 0.1': its robot must be 'crawler'" in done.stderr
 
 
-def test_a_wheel_that_pip_installs_is_enough(site, home, tmp_path):
+def test_a_wheel_that_pip_installs_is_enough(site, lbr, robots, tmp_path):
     built = tmp_path / "built"
     robot_package(built)
     wheel = tmp_path / "my_crawler-0.1-py3-none-any.whl"
@@ -242,12 +264,12 @@ def test_a_wheel_that_pip_installs_is_enough(site, home, tmp_path):
             archive.write(path, path.relative_to(built))
     pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--disable-pip-version-check"]
     programs.run([*pip, "--target", site, wheel], check=True, env={"PATH": "/usr/bin:/bin", "HOME": str(tmp_path)})
-    assert robots(home)["crawler"]["profiles"] == ["crawler", "crawler-sim"]
-    assert lbr(home, "db", "init").returncode == 0
-    assert json.loads(lbr(home, "db", "check", "--robot", "crawler", "--json").stdout)[0]["problems"] == []
+    assert robots()["crawler"]["profiles"] == ["crawler", "crawler-sim"]
+    assert lbr("db", "init").returncode == 0
+    assert json.loads(lbr("db", "check", "--robot", "crawler", "--json").stdout)[0]["problems"] == []
 
 
-def test_a_kind_whose_name_is_taken_stays_with_lbr_and_its_words_are_checked(site, home):
+def test_a_kind_whose_name_is_taken_stays_with_lbr_and_its_words_are_checked(site, home, lbr):
     kind = "from lbr.capability import Capability, Kind, Word\nclass C(Capability):\n    pass\n"
     package(
         site,
@@ -262,13 +284,13 @@ def test_a_kind_whose_name_is_taken_stays_with_lbr_and_its_words_are_checked(sit
             + "WORSE = Kind(name='worse', summary='', family='app', entry=C, words=('x',))\n"
         },
     )
-    lbr(home, "db", "init")
+    lbr("db", "init")
     for name, why in (("bad", "which asks for 'fly', none of its commands"), ("worse", "must be a tuple of Word")):
         with sqlite3.connect(home / "robot.db") as database:
             database.execute("DELETE FROM capability WHERE name = 'new'")
             database.execute("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'new', ?)", (name,))
         database.close()
-        told = lbr(home, "db", "check", "--robot", "lbr").stderr
+        told = lbr("db", "check", "--robot", "lbr").stderr
         assert f"capability 'lbr/new', kind: the installed kind '{name}' of package 'their-kinds 0.1'" in told
         assert why in told
         assert "drive" not in told
