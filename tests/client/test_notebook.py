@@ -1,5 +1,6 @@
 """The notebook of the examples runs in a kernel of Jupyter's, and a kernel that is killed leaves the robot standing."""
 
+import importlib
 import json
 import os
 import signal
@@ -8,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from lbr.client import Picture, notebook
+from lbr.client import Picture
 from tests.client.wheels import turning, wheels
 from tests.support import programs
 from tests.support import robot as robots
@@ -25,6 +26,12 @@ Path("pid").write_text(str(os.getpid()))
 with client.connect() as robot, robot.drive(0.15, 180, at_most_s=20):
     time.sleep(20)
 """
+
+
+@pytest.fixture
+def notebook():
+    """Load it with matplotlib here: where only other tests run, a second and a half would be for nothing."""
+    return importlib.import_module("lbr.client.notebook")
 
 
 @pytest.fixture
@@ -69,13 +76,13 @@ def test_a_killed_kernel_leaves_the_robot_standing(execute, home, running):
     until(lambda: wheels(running) == (0.0, 0.0))
 
 
-def test_a_picture_shows_itself_and_a_number_is_plotted(robot):
+def test_a_picture_shows_itself_and_a_number_is_plotted(notebook, robot):
     samples = notebook.plot(robot, "motors/state.left", for_s=0.3)
     assert samples["motors/state.left"][0][1] == 0.0
     assert Picture(b"\xff\xd8")._repr_jpeg_() == b"\xff\xd8"
 
 
 @pytest.mark.parametrize("fields", [(), ("motors/state.reason",)])
-def test_what_is_no_number_is_refused_in_words(robot, fields):
+def test_what_is_no_number_is_refused_in_words(notebook, robot, fields):
     with pytest.raises(Exception, match=r"drive/state\.power"):
         notebook.plot(robot, *fields, for_s=0.1)
