@@ -115,11 +115,11 @@ class Process:
         while not self._stopping:
             period = 1.0 / capability.rate_hz
             now = time.monotonic()
-            due = min(due, now + period)  # its rate may rise, as when it begins something
             ctx.on_tick = now >= due
             if ctx.on_tick:
                 due = due + period if now < due + period else now + period
             self._round(ctx, capability)
+            due = min(due, now + 1.0 / capability.rate_hz)  # its rate may have risen, as when it begins something
             self._wake.wait(min(due - time.monotonic(), BEAT_S))
 
     def _round(self, ctx: ProcessContext, capability: Capability[Any]) -> None:

@@ -5,6 +5,7 @@ from math import pi
 from msgspec import Struct
 
 from lbr.capability.context import Context
+from lbr.messages.imu import ImuSample
 from lbr.messages.units import Vector
 
 STANDARD_GRAVITY_MPS2 = 9.80665
@@ -20,6 +21,32 @@ def scaled(counts: Counts, unit: float) -> Vector | None:
     if LOWEST in counts or HIGHEST in counts:
         return None
     return (x * unit, y * unit, z * unit)
+
+
+QUIET_S = 2.0
+QUIET_RPS = 0.02
+QUIET_MPS2 = 0.5
+"""Ten times the noise of the units that there are, and less than any motion that a wheel or a hand begins."""
+QUIET_HZ = 25.0
+"""How often one that lies still is asked. What it says first of a motion is 40 ms old at most, in which a base that
+starts as fast as it may turns by half a degree, and the mean of two samples counts most of that."""
+
+
+class Quiet:
+    """Tells whether a unit has lain still for a while, so that fewer samples say as much."""
+
+    def __init__(self) -> None:
+        self._like: ImuSample | None = None
+        self._last: ImuSample | None = None
+
+    def look(self, sample: ImuSample) -> bool:
+        """Say so after each sample; what is not measured or repeats itself is a reason to look more often."""
+        last, self._last = self._last, sample
+        if not _near(sample, self._like) or (last is not None and _same(sample, last)):
+            self._like = sample if _measured(sample) else None
+            return False
+        assert self._like is not None
+        return sample.time_s - self._like.time_s >= QUIET_S
 
 
 class LifeSigns:
@@ -56,3 +83,25 @@ class Notices:
         if now - self._told.get(kind, -REPORT_PERIOD_S) >= REPORT_PERIOD_S:
             self._told[kind] = now
             self._ctx.event(kind, text, level="warning")
+
+
+def _measured(sample: ImuSample) -> bool:
+    return sample.valid and sample.gyro_rps is not None and sample.accel_mps2 is not None
+
+
+def _same(one: ImuSample, other: ImuSample) -> bool:
+    return one.gyro_rps == other.gyro_rps and one.accel_mps2 == other.accel_mps2
+
+
+def _near(sample: ImuSample, like: ImuSample | None) -> bool:
+    if like is None or not sample.valid:
+        return False
+    return _differ_less(sample.gyro_rps, like.gyro_rps, QUIET_RPS) and _differ_less(
+        sample.accel_mps2, like.accel_mps2, QUIET_MPS2
+    )
+
+
+def _differ_less(one: Vector | None, other: Vector | None, by: float) -> bool:
+    if one is None or other is None:
+        return False
+    return all(abs(a - b) < by for a, b in zip(one, other, strict=True))

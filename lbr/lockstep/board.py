@@ -243,6 +243,7 @@ class Member:
         for call in calls:
             self.capability.command(call)
         self.capability.step()
+        self.due_s = min(self.due_s, now + 1.0 / self.capability.rate_hz)  # it may have begun something
 
 
 class Board:

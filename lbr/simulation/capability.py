@@ -10,7 +10,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.sensing import Ranges, RangeStatus, ranges
-from lbr.messages.simulation import WorldBox, WorldScene
+from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.engine import Engine, body_of
 from lbr.simulation.loop import SWITCH_S, WorldLoop
@@ -31,6 +31,8 @@ from lbr.simulation.twins import Surroundings
 from lbr.simulation.wheeled import WheeledPhysics
 
 _TRAIL_EVERY_M = 0.03
+SAME_POSE_S = 0.5
+"""How often a robot that stands still is told of."""
 
 
 class World(Capability[WorldSettings]):
@@ -47,7 +49,8 @@ class World(Capability[WorldSettings]):
         self._plugged: Plugged | None = None
         self._painter = Painter()
         self._scene: WorldScene | None = None
-        self._scene_at = self._pose_at = 0.0
+        self._scene_at = self._pose_at = self._posed_at = 0.0
+        self._still: WorldPose | None = None
         self._trail: deque[tuple[float, float]] = deque(maxlen=5000)
         self._switch_s = sys.getswitchinterval()
 
@@ -81,8 +84,12 @@ class World(Capability[WorldSettings]):
         now, period_s = self.ctx.clock(), 1 / self.ctx.settings.pose_hz
         if now >= self._pose_at - period_s / 4:
             self._pose_at = max(self._pose_at + period_s, now)
-            self.ctx.publish("pose", physics.pose)
-            self._remember((physics.pose.x_m, physics.pose.y_m))
+            pose = physics.pose
+            still = msgspec.structs.replace(pose, battery_v=0.0)  # which always sinks a little
+            if still != self._still or now - self._posed_at >= SAME_POSE_S:
+                self._still, self._posed_at = still, now
+                self.ctx.publish("pose", pose)
+                self._remember((pose.x_m, pose.y_m))
         if now >= self._scene_at:
             self._scene_at = now + self.ctx.settings.scene_every_s
             self.ctx.publish("scene", scene)

@@ -1,9 +1,12 @@
-"""The MPU-9150 as a capability: one sample at each tick, an invalid one where nothing was measured."""
+"""The MPU-9150 as a capability: one sample at each tick, an invalid one where nothing was measured.
+
+While it lies still there are fewer ticks; a sample that says otherwise brings all of them back.
+"""
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
 from lbr.drivers.i2c import open_bus
-from lbr.drivers.inertial import LifeSigns, Notices
+from lbr.drivers.inertial import QUIET_HZ, LifeSigns, Notices, Quiet
 from lbr.drivers.mpu9150 import Mpu9150Settings
 from lbr.drivers.mpu9150.controller import InertialUnit
 from lbr.drivers.mpu9150.registers import ADDRESS
@@ -21,6 +24,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
         self.rate_hz = ctx.settings.rate_hz
         self._notices = Notices(ctx)
         self._signs = LifeSigns(MOST_ALIKE)
+        self._quiet = Quiet()
         self._unit: InertialUnit | None = None
         self._compass_trouble = ""
 
@@ -41,7 +45,10 @@ class Mpu9150(Capability[Mpu9150Settings]):
         assert unit is not None
         if not self.ctx.on_tick:
             return
-        self.ctx.publish("sample", unit.sample())
+        sample = unit.sample()
+        self.ctx.publish("sample", sample)
+        full_hz = self.ctx.settings.rate_hz
+        self.rate_hz = min(full_hz, QUIET_HZ) if self._quiet.look(sample) else full_hz
         if unit.compass_trouble != self._compass_trouble:
             self._compass_trouble = unit.compass_trouble
             if self._compass_trouble:

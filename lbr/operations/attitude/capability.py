@@ -1,5 +1,7 @@
 """Attitude as a capability: every sample goes through the fusion, at a fixed rate its state is told."""
 
+from math import inf
+
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.messages.attitude import AttitudeState
@@ -12,6 +14,8 @@ from lbr.operations.attitude.turns import Turns
 
 TELL_S = 0.5
 """How long nothing may be known before the capability calls itself degraded."""
+STILL_S = 0.07
+"""How often a body that turns about no axis is told of: at every second tick as the row comes."""
 FIRST_S = 2.0
 """The same at the start, when the gyro's zero has to be learnt first."""
 
@@ -29,6 +33,7 @@ class Attitude(Capability[AttitudeSettings]):
         self._calibration = Calibration(ctx, self._fusion)
         self._known_s = ctx.clock() + FIRST_S - TELL_S
         self._warned = ""
+        self._told_s = -inf
 
     def open(self) -> None:
         """Say so if the calibration that there is cannot be used."""
@@ -45,7 +50,9 @@ class Attitude(Capability[AttitudeSettings]):
         if self.ctx.on_tick:
             now = self.ctx.clock()
             state = self._fusion.state(now)
-            self.ctx.publish("state", state)
+            if not (state.valid and state.still) or now - self._told_s >= STILL_S:
+                self._told_s = now
+                self.ctx.publish("state", state)
             self._calibration.published(state)
             for told in self._turns.look(state, now):
                 self.ctx.event(told.kind, told.text, data=dict(told.data))

@@ -1,0 +1,70 @@
+"""When an inertial unit counts as lying still, and is asked less often."""
+
+import random
+
+import pytest
+
+from lbr.drivers.inertial import QUIET_S, Quiet
+from lbr.messages.imu import ImuSample
+
+GYRO_ZERO = (0.3, -0.2, 0.1)
+"""What a cheap unit says at rest."""
+
+
+class Unit:
+    """A unit with a cheap one's noise, asked every 10 ms."""
+
+    def __init__(self):
+        self.quiet = Quiet()
+        self.now = 0.0
+        self._dice = random.Random(7)
+
+    def say(self, seconds=0.01, turn_rps=0.0, push_mps2=0.0, **more):
+        said = False
+        for _ in range(round(seconds / 0.01)):
+            self.now += 0.01
+            x, y, z = (zero + self._dice.gauss(0.0, 0.0015) for zero in GYRO_ZERO)
+            a, b, c = (self._dice.gauss(0.0, 0.04) for _ in range(3))
+            seen = {"gyro_rps": (x, y, z + turn_rps), "accel_mps2": (a + push_mps2, b, c + 9.81), "valid": True} | more
+            said = self.quiet.look(ImuSample(time_s=self.now, **seen))
+        return said
+
+
+@pytest.fixture
+def unit():
+    unit = Unit()
+    assert not unit.say(QUIET_S)
+    assert unit.say(0.1)
+    return unit
+
+
+def test_one_that_lies_still_stays_quiet_whatever_its_zero(unit):
+    assert all(unit.say() for _ in range(6000))
+
+
+@pytest.mark.parametrize("motion", [{"turn_rps": 0.05}, {"turn_rps": -0.05}, {"push_mps2": 0.8}])
+def test_the_first_sample_of_a_motion_ends_it(unit, motion):
+    assert not unit.say(**motion)
+
+
+@pytest.mark.parametrize(
+    "missing",
+    [{"valid": False, "reason": "i2c"}, {"gyro_rps": None}, {"accel_mps2": None}],
+    ids=["all", "gyro", "accel"],
+)
+def test_what_is_not_measured_ends_it_and_is_not_what_later_samples_are_like(unit, missing):
+    assert not unit.say(**missing)
+    assert not unit.say(QUIET_S / 2)
+    assert unit.say(QUIET_S / 2 + 0.1)
+
+
+def test_one_that_repeats_itself_is_asked_as_often_as_ever(unit):
+    same = {"gyro_rps": GYRO_ZERO, "accel_mps2": (0.0, 0.0, 9.81)}
+    unit.say(**same)
+    assert not unit.say(**same)
+
+
+def test_a_turn_at_an_even_rate_becomes_quiet_and_its_end_is_seen_at_once(unit):
+    unit.say(QUIET_S + 0.1, turn_rps=1.0)
+    assert unit.say(turn_rps=1.0)
+    assert not unit.say(turn_rps=0.9)
