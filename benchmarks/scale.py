@@ -33,8 +33,8 @@ from tests.support.robot import Robot, start
 SMOKE = "--capabilities 0,2 --seconds 0.5 --words 50 --channels 20 --clients 2"
 
 PROMISES = {
-    "ready": Promise(what="80 trivial capabilities: `lbr run` to ready", unit="s", hard=15.0),
-    "word": Promise(what="80 trivial capabilities: row edit to effect", unit="s", hard=5.0),
+    "ready": Promise(what="80 trivial capabilities: `lbr run` to ready", unit="s", target=5.0, hard=60.0),
+    "word": Promise(what="80 trivial capabilities: row edit to effect", unit="s", target=1.0, hard=10.0),
 }
 LARGEST = 80
 LONGEST_S = 60.0
