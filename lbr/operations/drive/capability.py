@@ -30,8 +30,8 @@ from lbr.operations.drive.state import (
 from lbr.operations.leasing.process import Answers, LeasingCapability, new_goal, said_by
 
 STATE_PERIOD_S = 0.1
-REST_HZ = 25.0
-"""A setpoint is valid for 0.1 s, so one of two may be late or lost."""
+REST_HZ = 33.0
+"""A setpoint is valid for 0.1 s, so two of three may be late or lost; on a machine that is full some are."""
 MOTIONS = frozenset({"command", "turn", "heading", "twist"})
 NO_ANSWERS: Mapping[str, Any] = {}
 UNANSWERED: Mapping[str, Any] = {"(none in time)": None}
