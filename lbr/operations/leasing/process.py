@@ -191,9 +191,12 @@ class LeasingCapability(Capability[S], Generic[S, L]):
             waiting.then(answers)
 
     def happen(self, event: Any, call: Call | None = None) -> None:
-        """Have an event decided, and pass on what follows; `call` is the command that this answers."""
+        """Have an event decided, and pass on what follows, setpoints before all that is told of them.
+
+        `call` is the command that this answers.
+        """
         self._state, outputs = self.decide(event, self.ctx.clock())
-        for output in outputs:
+        for output in sorted(outputs, key=_is_told):
             self.pass_on(output, call)
 
     def pass_on(self, output: Any, call: Call | None) -> None:
@@ -228,6 +231,10 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         if holder and holder == self._alive_holder and not alive:
             self.happen(self.holder_gone(holder))
         self._alive_holder = holder if alive else ""
+
+
+def _is_told(output: Any) -> bool:
+    return not isinstance(output, Setpoint)
 
 
 def said_by(call: Call) -> dict[str, Any]:

@@ -420,3 +420,18 @@ def test_a_robot_without_rows_of_sensors_goes_by_a_ring():
     drive = KIND.load()(ctx)
     drive.open()
     assert drive._state.sensors.singles == ("forward", "back", "left", "right", "bottom")
+
+
+def test_the_motors_hear_of_a_command_before_its_sender_does(robot, monkeypatch):
+    robot.send(call := robot.ctx.command(0.5))
+    robot.run(0.1)
+    said, publish = [], robot.ctx.publish
+    monkeypatch.setattr(
+        robot.ctx, "publish", lambda output, *more, **named: (said.append(output), publish(output, *more))
+    )
+    changed = robot.ctx.command(0.2, lease=call.answer.lease)
+    reply = changed.reply
+    monkeypatch.setattr(changed, "reply", lambda *answer, **named: (said.append("answer"), reply(*answer, **named)))
+    robot.send(changed)
+    assert changed.answer.accepted
+    assert said[:2] == ["setpoint", "answer"]
