@@ -39,7 +39,7 @@ from tests.support.bench import prepare
 from tests.support.figures import percentile
 from tests.support.robot import start
 
-SMOKE = "--n 8 --seconds 1"
+SMOKE = "--n 8 --seconds 3"
 MOST, STEP = 400, 10
 PERIOD_S = 0.05
 GIVE_UP_S = 0.5
