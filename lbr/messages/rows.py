@@ -148,4 +148,6 @@ def _by_key(rows: RowSet) -> dict[tuple[Any, ...], dict[str, Any]]:
 def shown(value: object) -> str:
     """Return a value as one short printable line."""
     text = value.decode(errors="replace") if isinstance(value, bytes) else str(value)
+    if len(text) <= 60 and text.isprintable():  # as nearly all are that rows are called by
+        return text
     return "".join(c if c.isprintable() else "?" for c in text[:60]) + ("…" if len(text) > 60 else "")
