@@ -19,10 +19,25 @@ NEAR_LIMIT_RAD = 0.02
 def joints(now: Snapshot, part: Part, said: JointsState, topic: str, age_s: float | None) -> Iterator[Link]:
     """Yield who holds the joints, which have no torque or have latched, and how the last motion ended."""
     yield from leases.holder(now, part, said.holder, topic, age_s, moving=said.moving)
+    recover = now.facts.say(f"{part.name}.recover", "/recover")
+    on = now.facts.say(f"{part.name}.torque", "/torque/on", on=True)
+    latched = [f"{name} ({', '.join(one.latched)})" for name, one in said.joints.items() if one.latched]
+    if latched:
+        yield Link(
+            name="fault",
+            about=part.name,
+            state="doubt",
+            text=f"latched, and without torque until recovered: {_some(latched)}",
+            code="latched",
+            age_s=age_s,
+            evidence=topic,
+            do=f"remove the cause, then {recover}, then {on}",
+        )
     without = [name for name, one in said.joints.items() if one.torque == 0.0]
-    if without:
+    loose = [name for name in without if not said.joints[name].latched]
+    if loose:
         every = len(without) == len(said.joints)
-        named = "no joint has torque" if every else f"{_some(without)} without torque"
+        named = "no joint has torque" if every else f"{_some(loose)} without torque"
         yield Link(
             name="torque",
             about=part.name,
@@ -32,19 +47,7 @@ def joints(now: Snapshot, part: Part, said: JointsState, topic: str, age_s: floa
             since_s=now.since_s(part.name, ("torque", "let_go")),
             age_s=age_s,
             evidence=topic,
-            do=now.facts.say(f"{part.name}.torque", "/torque/on", on=True),
-        )
-    latched = [f"{name} ({', '.join(one.latched)})" for name, one in said.joints.items() if one.latched]
-    if latched:
-        yield Link(
-            name="fault",
-            about=part.name,
-            state="doubt",
-            text=f"latched: {_some(latched)}",
-            code="latched",
-            age_s=age_s,
-            evidence=topic,
-            do="remove the cause, then " + now.facts.say(f"{part.name}.recover", "/recover"),
+            do=on,
         )
     if said.phase in LOST and without != list(said.joints):
         yield Link(
@@ -58,7 +61,7 @@ def joints(now: Snapshot, part: Part, said: JointsState, topic: str, age_s: floa
             evidence=topic,
             do="move them again, or /torque/on to keep them",
         )
-    yield leases.last(now, part, said.holder, said.code, said.reason, topic, age_s)
+    yield leases.last(now, part, said.holder, said.code, said.reason, topic, age_s, stopped_by=said.stopped_by)
 
 
 def joint(now: Snapshot, part: Part, name: str) -> Iterator[Link]:

@@ -8,9 +8,10 @@ from typing import Literal
 from msgspec.structs import replace
 
 from lbr.errors import InputError
-from lbr.messages.why import Chain, Link
+from lbr.messages.why import Chain, Link, LinkName
 from lbr.why import bodies
 from lbr.why.snapshot import Facts, Part, Snapshot
+from lbr.why.telling import ago
 from lbr.why.walk import Walk, enable
 
 CAMERA = "camera_"
@@ -18,23 +19,31 @@ ORDER = ("held", "doubt", "refused", "beside", "reading", "rows", "past", "machi
 """What is told first. A command that was just refused comes before what a sensor reads, which may hold another way than
 the one that was asked for; a machine that is too busy after all that is known."""
 
+UNEXPLAINED: frozenset[LinkName] = frozenset({"last", "refused", "machine"})
+"""Links that tell what was seen and not by what it came about: an edit of the rows before that is told with them."""
+
 
 def explain(now: Snapshot, part: str = "") -> Chain:
     """Return why a part stands still, or all that moves; raise InputError if there is nothing of that name."""
     wanted, walk = part.strip(), Walk(now)
     holding = tuple(_links(now, walk, wanted))
-    links = holding if wanted else (*holding, *_beside(now, walk))
+    beside = () if wanted else tuple(_beside(now, walk))
+    edits = tuple(walk.edited())
+    links = (*holding, *beside, *edits)
     first = _first(links, len(holding))
+    since = _since(edits)
     source: Literal["bus", "rows"] = "bus" if now.executive == "up" else "rows"
     told = wanted or now.facts.robot
     if first is None:
-        return Chain(robot=now.facts.robot, part=told, state="ok", text=_well(told, links), source=source, links=links)
+        return Chain(
+            robot=now.facts.robot, part=told, state="ok", text=_well(told, links) + since, source=source, links=links
+        )
     one = links[first]
     return Chain(
         robot=now.facts.robot,
         part=told,
         state=one.state,
-        text=one.text,
+        text=one.text + (since if one.name in UNEXPLAINED else ""),
         code=one.code,
         since_s=one.since_s,
         evidence=one.evidence,
@@ -43,6 +52,11 @@ def explain(now: Snapshot, part: str = "") -> Chain:
         source=source,
         links=links,
     )
+
+
+def _since(edits: tuple[Link, ...]) -> str:
+    """Return what to add of an edit that came before."""
+    return "".join(f"; {ago(one.since_s or 0.0)} ago {one.text}" for one in edits)
 
 
 def _first(links: tuple[Link, ...], holding: int) -> int | None:

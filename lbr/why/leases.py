@@ -54,11 +54,22 @@ def holder(
         )
 
 
-def last(now: Snapshot, part: Part, by: str | None, code: str, reason: str, topic: str, age_s: float | None) -> Link:
-    """Return how the last motion ended: a mishap is told, what was planned only mentioned."""
-    mishap = by is None and code not in PLANNED
+def last(
+    now: Snapshot,
+    part: Part,
+    by: str | None,
+    code: str,
+    reason: str,
+    topic: str,
+    age_s: float | None,
+    *,
+    stopped_by: str = "",
+) -> Link:
+    """Return how the last motion ended: a mishap, or a stop by another, is told, what was planned only mentioned."""
+    stopped = _stopped(now, part, stopped_by) if by is None and code == "stopped" else ""
+    mishap = by is None and (code not in PLANNED or bool(stopped))
     ended = reason and code != "idle"
-    text = f"its last motion ended: {reason}" if ended else "nothing is asked of it"
+    text = stopped or (f"its last motion ended: {reason}" if ended else "nothing is asked of it")
     return Link(
         name="last",
         about=part.name,
@@ -68,8 +79,22 @@ def last(now: Snapshot, part: Part, by: str | None, code: str, reason: str, topi
         since_s=now.since_s(part.name, ENDED),
         age_s=age_s,
         evidence=topic,
-        do="say again what it shall do" if mishap else "",
+        do=f"see what {stopped_by} is, then say again what it shall do"
+        if stopped
+        else "say again what it shall do"
+        if mishap
+        else "",
     )
+
+
+def _stopped(now: Snapshot, part: Part, by: str) -> str:
+    """Return whose motion another than its sender stopped last, and how often it did of late; empty if that was no other."""
+    said = [one for one in now.newest(part.name) if one.kind == "stopped" and one.about]
+    if not by or by == now.asker or not said or said[0].about == by:
+        return ""
+    often = sum(f"stopped by {by}" in one.text and (now.ago_s(one) or 0.0) <= REFUSED_S for one in said)
+    again = f", which did so {often} times within a minute" if often > 1 else ""
+    return f"the motion of {said[0].about} was stopped by {by}{again}"
 
 
 def refusal(now: Snapshot, part: Part) -> Iterator[Link]:

@@ -52,7 +52,7 @@ def _drive(now: Snapshot, part: Part, said: DriveState, topic: str, age_s: float
             evidence=topic,
             do="move away from it, or see what the sensor sees: lbr topic echo ranges/readings",
         )
-    yield leases.last(now, part, said.holder, said.code, said.reason, topic, age_s)
+    yield leases.last(now, part, said.holder, said.code, said.reason, topic, age_s, stopped_by=said.stopped_by)
 
 
 def _motors(now: Snapshot, part: Part, said: MotorsState, topic: str, age_s: float | None) -> Iterator[Link]:
@@ -126,7 +126,7 @@ def _rate(now: Snapshot, part: Part, said: CameraState, topic: str, age_s: float
     rate = unit.rates_hz.get("frame", 0.0) if unit is not None else (said.fps or 0.0)
     young = unit is not None and (unit.uptime_s or 0.0) < 5.0
     size = f"{said.width_px} x {said.height_px}" if said.width_px else ""
-    if rate >= SLOW * wanted or young:
+    if rate >= SLOW * wanted or young or (said.rests and rate > 0.0):
         yield Link(
             name="rate",
             about=part.name,
@@ -188,6 +188,18 @@ def _ranges(now: Snapshot, part: Part, said: Ranges, topic: str, age_s: float | 
 def _rules(part: Part) -> list[dict[str, Any]]:
     found = part.settings.get("rules", []) if "DriveState" in part.outputs.values() else []
     return [one for one in found if isinstance(one, dict) and {"sensor", "direction", "stop_m"} <= one.keys()]
+
+
+def oldest_s(part: Part, message: str) -> float | None:
+    """Return how old what a drive hears may be by its settings, before it moves no more by it; None if nothing says."""
+    if "DriveState" not in part.outputs.values():
+        return None
+    if message == "Ranges":
+        return min((float(one["max_age_s"]) for one in _rules(part) if "max_age_s" in one), default=None)
+    found = part.settings.get(
+        {"AttitudeState": "attitude_max_age_s", "MotorsState": "motors_max_age_s"}.get(message, "")
+    )
+    return float(found) if isinstance(found, int | float) else None
 
 
 def _attitude(now: Snapshot, part: Part, said: AttitudeState, topic: str, age_s: float | None) -> Iterator[Link]:

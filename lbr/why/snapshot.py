@@ -35,11 +35,12 @@ class Part(Struct, frozen=True, kw_only=True):
 
 
 class Channel(Struct, frozen=True, kw_only=True):
-    """A channel: from `capability.port` to `capability.port`."""
+    """A channel: from `capability.port` to `capability.port`, at most `rate_hz` (None: every message)."""
 
     source: str
     target: str
     enabled: bool = True
+    rate_hz: float | None = None
 
     @property
     def source_part(self) -> str:

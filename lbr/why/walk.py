@@ -7,13 +7,16 @@ from msgspec.structs import replace
 from lbr.messages.system import RANKS, CapabilityStatus
 from lbr.messages.why import Link
 from lbr.why import leases, said
-from lbr.why.snapshot import Part, Snapshot
+from lbr.why.snapshot import Channel, Part, Snapshot
 
 FRESH_S = 3.0
 """What a driver measures comes ten times a second and more, a supply's values once: older than this, it has ceased."""
 RECENT_S = 60.0
 """After a minute of health the executive forgets how a process ended."""
 ENDS = ("crashed", "hung", "ended", "failed", "stopped")
+UNASKED = ("crashed", "hung", "ended")
+OFTEN = 3
+"""A process that ends so often within `RECENT_S` will again: more than one mishap, fewer than have it given up."""
 REFUSED = ("rights", "busy")
 """Codes of a device that is there, and that this machine does not give."""
 
@@ -67,6 +70,24 @@ class Walk:
             return
         yield from self._machine()
         yield from self._rows()
+
+    def edited(self) -> Iterator[Link]:
+        """Yield the last edit of the rows that touched a part on the way, or only words, which are no process."""
+        for event in reversed(self.now.events):
+            touched = event.data.get("touched")
+            if event.kind != "rows_changed" or not isinstance(touched, list):
+                continue
+            if not touched or self._seen.intersection(touched):
+                yield Link(
+                    name="rows",
+                    about="rows",
+                    state="ok",
+                    text=f"the rows were changed: {event.text}",
+                    since_s=self.now.ago_s(event),
+                    evidence="event rows_changed",
+                    do="lbr db history tells what was changed; lbr db undo takes it back",
+                )
+                return
 
     def asker(self, part: Part) -> Iterator[Link]:
         """Yield whether who asks may move this part."""
@@ -222,6 +243,20 @@ class Walk:
     def _ready(self, part: Part, unit: CapabilityStatus) -> Link:
         lately = unit.last_end and (unit.uptime_s or 0.0) < RECENT_S
         text = f"its process is {unit.phase}, pid {unit.pid}"
+        often = sum(
+            one.kind in UNASKED and (self.now.ago_s(one) or 0.0) <= RECENT_S for one in self.now.newest(part.name)
+        )
+        if lately and often >= OFTEN:
+            return Link(
+                name="process",
+                about=part.name,
+                state="doubt",
+                text=f"'{part.name}' ends again and again, {often} times within a minute: {unit.last_end}",
+                code=unit.end_code or "failed",
+                since_s=unit.uptime_s,
+                evidence=f"@status: {unit.restarts} restarts; events {' or '.join(UNASKED)}",
+                do=f"read logs/{self.facts.robot}-{part.name}.log, and see what ends it",
+            )
         if lately:
             text = f"'{part.name}' was started again, what it did is over: {unit.last_end}"
         return Link(
@@ -308,12 +343,30 @@ class Walk:
             if not live and wires:
                 yield self._cut(part, port, wires[0].source, wires[0].source_part in part.needs)
             for wire in live:
+                yield from self._thinned(part, port, wire)
                 source = self.facts.parts.get(wire.source_part)
                 if source is None or wire.source_part in self._fed(part):
                     continue
                 needed = wire.source_part in part.needs
                 links = [*self.of(source.name, asked=False), *self._coming(part, wire.source, source)]
                 yield from links if needed else doubted(links)
+
+    def _thinned(self, part: Part, port: str, wire: Channel) -> Iterator[Link]:
+        """Yield that a channel lets less through than the part may do without."""
+        oldest_s = said.oldest_s(part, part.inputs[port])
+        if oldest_s is None or wire.rate_hz is None or 1.0 / wire.rate_hz < oldest_s:
+            return
+        row = f"robot = '{self.facts.robot}' AND source = '{wire.source}' AND target = '{wire.target}'"
+        yield Link(
+            name="wire",
+            about=part.name,
+            state="doubt",
+            text=f"the channel from {wire.source} to {wire.target} lets {wire.rate_hz:g} messages a second through by its"
+            f" row, and '{part.name}' goes by none that is older than {oldest_s:g} s",
+            code="wiring",
+            evidence=f"row channel {wire.source} -> {wire.target}: rate_hz",
+            do=f'sqlite3 ~/.lbr/robot.db "UPDATE channel SET rate_hz = NULL WHERE {row}"',  # noqa: S608 - told to people
+        )
 
     def _coming(self, part: Part, end: str, source: Part) -> Iterator[Link]:
         """Yield whether a driver's stream still comes."""

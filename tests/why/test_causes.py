@@ -309,12 +309,18 @@ ROWS: dict[str, tuple[str, str, str, dict, tuple[str, str, str]]] = {
     "readings": (
         "channels", "ranges.readings > drive.ranges", "drive", {"enabled": False}, ("wire", "drive", "wiring"),
     ),
+    "readings seldom": (
+        "channels", "ranges.readings > drive.ranges", "drive", {"rate_hz": 2.0}, ("wire", "drive", "wiring"),
+    ),
+    "attitude seldom": (
+        "channels", "attitude.state > drive.attitude", "drive", {"rate_hz": 4.0}, ("wire", "drive", "wiring"),
+    ),
     "a program": ("external_commands", "autodock", "autodock", {"enabled": False}, ("row", "autodock", "off")),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("cause", ROWS)
-def test_a_row_that_is_switched_off_is_named_and_how_to_switch_it_on(all_rows, cause):
+def test_a_row_that_holds_is_named_and_how_to_correct_it(all_rows, cause):
     table, row, part, change, expected = ROWS[cause]
     now = healthy.snapshot(healthy.facts_of(edited(all_rows["lbr"], table, row, **change)))
     assert told(now, part) == expected
@@ -386,6 +392,77 @@ def test_of_what_is_over_the_newest_is_told(robots):
     assert told(with_event(lapsed, "lapsed", "drive", 2.0), "drive") == ("last", "drive", "lapsed")
 
 
+def stopped(now: Snapshot, by: str, times: int = 1) -> Snapshot:
+    for ago_s in range(times, 0, -1):
+        text = f"phone: stopped by {by}"
+        event = Event(
+            kind="stopped",
+            subject="drive",
+            text=text,
+            code="stopped",
+            about="phone",
+            wall_ns=now.wall_ns - ago_s * 10**9,
+        )
+        now = replace(now, events=(*now.events, event))
+    return with_said(now, "drive/state", code="stopped", reason=f"stopped by {by}", stopped_by=by)
+
+
+def test_a_stop_by_another_than_the_sender_is_told_with_how_often_it_came(robots):
+    busy = with_event(robots["lbr"], "too_busy", "machine", 5.0, "this machine is too busy")
+    once = explain(stopped(busy, "remote_control"), "drive")
+    assert (once.state, once.code) == ("past", "stopped")
+    assert once.text == "'drive': the motion of phone was stopped by remote_control"
+    assert "3 times within a minute" in explain(stopped(busy, "remote_control", times=3), "drive").text
+    for own in ("phone", robots["lbr"].asker):
+        assert explain(stopped(robots["lbr"], own), "drive").state == "ok"
+
+
+def test_what_ends_again_and_again_is_told_before_what_was_refused_for_want_of_it(robots):
+    lately = with_unit(
+        robots["lbr"], "attitude", uptime_s=2.0, last_end="crashed: killed by SIGKILL", end_code="failed"
+    )
+    refused = with_refusal(lately, 1.0)
+    for ago_s in (50.0, 20.0):
+        refused = with_event(refused, "crashed", "attitude", ago_s)
+    assert told(refused, "drive")[0] == "refused"
+    often = with_event(refused, "crashed", "attitude", 2.0)
+    assert told(often, "drive") == ("process", "attitude", "failed")
+    assert "3 times within a minute" in explain(often, "drive").text
+
+
+def rows_changed(now: Snapshot, *touched: str) -> Snapshot:
+    text = "update capability 'motors': restart motors"
+    data = {"revision": 3, "touched": list(touched)}
+    event = Event(kind="rows_changed", subject="executive", text=text, data=data, wall_ns=now.wall_ns - 46 * 10**9)
+    return replace(now, events=(*now.events, event))
+
+
+def test_an_edit_of_a_part_on_the_way_is_told_with_what_it_may_have_led_to(robots):
+    since = "; 46 s ago the rows were changed: update capability 'motors': restart motors"
+    edited_now = rows_changed(robots["lbr"], "motors")
+    well = explain(edited_now, "drive")
+    assert (well.state, well.text) == ("ok", f"nothing holds 'drive' still; nothing is asked of it{since}")
+    stuck = explain(with_said(edited_now, "drive/state", code="stuck", reason="the base does not turn"), "drive")
+    assert (stuck.code, stuck.text) == ("stuck", f"'drive': its last motion ended: the base does not turn{since}")
+    busy = explain(with_event(edited_now, "too_busy", "machine", 5.0, "this machine is too busy"), "drive")
+    assert busy.text == f"this machine is too busy{since}"
+    assert "rows were changed" not in explain(with_estop(edited_now, reason="dog"), "drive").text
+
+
+def test_an_edit_is_told_of_words_that_no_process_has_and_not_of_other_parts(robots):
+    assert "rows were changed" in explain(rows_changed(robots["lbr"]), "drive").text
+    assert "rows were changed" not in explain(rows_changed(robots["lbr"], "speech"), "drive").text
+
+
+def test_a_joint_that_has_latched_is_told_before_torque_which_it_refuses_until_recovered(robots):
+    now = with_joint(robots["bioloid"], "left_knee", torque=0.0, latched=["overload"])
+    assert told(now, "joints") == ("fault", "joints", "latched")
+    assert told(now, "motions") == ("fault", "joints", "latched")
+    assert explain(now, "joints").do == "remove the cause, then recover, then /torque/on"
+    loose = with_joint(now, "right_knee", torque=0.0)
+    assert any(one.text == "right_knee without torque" for one in explain(loose, "joints").links)
+
+
 def test_an_edit_that_was_refused_is_told_before_what_is_over(robots):
     again = with_unit(robots["lbr"], "world", uptime_s=4.0, last_end="crashed: killed by signal 9", end_code="failed")
     refused = replace(again.status, problems=("capability lbr/drive: bad",), problem_codes=("bad_value",))
@@ -418,6 +495,14 @@ def test_what_was_refused_long_ago_or_before_another_command_or_as_a_renewal_is_
         with_refusal(robots["lbr"], 3.0, code="dead_lease"),
     ):
         assert explain(now, "drive").state == "ok"
+
+
+def test_a_camera_that_rests_without_a_viewer_is_not_told_as_slow(robots):
+    resting = with_said(
+        with_unit(robots["lbr"], "camera_front", rates_hz={"frame": 2.0}), "camera_front/state", rests=True
+    )
+    assert explain(resting, "camera_front").state == "ok"
+    assert told(with_unit(resting, "camera_front", rates_hz={"frame": 0.0}), "camera_front")[0] == "rate"
 
 
 def test_what_runs_and_does_not_answer_is_told(robots):

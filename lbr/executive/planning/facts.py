@@ -28,7 +28,10 @@ def facts(plan: Plan, profile: str = "") -> Facts:
         profile=profile,
         parts={row.name: _part(row, plan.kinds[row.name], plan) for row in rows.capabilities if row.name in plan.kinds},
         channels=(
-            *(Channel(source=one.source, target=one.target, enabled=one.enabled) for one in rows.channels),
+            *(
+                Channel(source=one.source, target=one.target, enabled=one.enabled, rate_hz=one.rate_hz)
+                for one in rows.channels
+            ),
             *made,
         ),
         devices={row.name: row.address for row in rows.devices}

@@ -177,7 +177,9 @@ class LiveRows:
             ("tell of its rows", change.follow),
         )
         done = "; ".join(f"{what} {', '.join(names)}" for what, names in steps if names)
-        self._happened("rows_changed", "executive", f"{edited}: {done or 'no process is touched'}", data=self.adopted())
+        touched = list(dict.fromkeys(name for _, names in steps for name in names))
+        text = f"{edited}: {done or 'no process is touched'}"
+        self._happened("rows_changed", "executive", text, data={**self.adopted(), "touched": touched})
         self._trials.touching(change)
         self._take_over(change)
         for name in change.plug:
