@@ -92,8 +92,8 @@ def _stopped(now: Snapshot, part: Part, by: str) -> str:
     said = [one for one in now.newest(part.name) if one.kind == "stopped" and one.about]
     if not by or by == now.asker or not said or said[0].about == by:
         return ""
-    often = sum(f"stopped by {by}" in one.text and (now.ago_s(one) or 0.0) <= REFUSED_S for one in said)
-    again = f", which did so {often} times within a minute" if often > 1 else ""
+    often = sum((now.ago_s(one) or 0.0) <= REFUSED_S for one in said)
+    again = f", the last of {often} stops within a minute" if often > 1 else ""
     return f"the motion of {said[0].about} was stopped by {by}{again}"
 
 
@@ -104,12 +104,11 @@ def refusal(now: Snapshot, part: Part) -> Iterator[Link]:
         if event.kind == "holder" or ago_s is None or ago_s > REFUSED_S:
             return
         if event.kind == "refused" and event.about and event.code not in RENEWALS:
-            why = event.text.removeprefix(f"{event.about}: ")
             yield Link(
                 name="refused",
                 about=part.name,
                 state="past",
-                text=f"'{part.name}' refused what {event.about} asked last: {why}",
+                text=f"'{part.name}' refused what was asked last, by {event.text}",
                 code=event.code,
                 since_s=ago_s,
                 evidence="event refused",

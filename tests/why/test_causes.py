@@ -412,7 +412,7 @@ def test_a_stop_by_another_than_the_sender_is_told_with_how_often_it_came(robots
     once = explain(stopped(busy, "remote_control"), "drive")
     assert (once.state, once.code) == ("past", "stopped")
     assert once.text == "'drive': the motion of phone was stopped by remote_control"
-    assert "3 times within a minute" in explain(stopped(busy, "remote_control", times=3), "drive").text
+    assert "the last of 3 stops within a minute" in explain(stopped(busy, "remote_control", times=3), "drive").text
     for own in ("phone", robots["lbr"].asker):
         assert explain(stopped(robots["lbr"], own), "drive").state == "ok"
 
@@ -481,7 +481,10 @@ def test_what_was_refused_last_is_told_before_what_holds_another_way_and_after_w
     assert told(near, "drive")[0] == "reading"
     refused = with_refusal(near, 20.0)
     assert told(refused, "drive") == ("refused", "drive", "stale_sensor")
-    assert explain(refused, "drive").text == "'drive' refused what phone asked last: bow forward reading is invalid"
+    assert (
+        explain(refused, "drive").text
+        == "'drive' refused what was asked last, by phone: bow forward reading is invalid"
+    )
     busy = with_event(with_refusal(robots["lbr"], 20.0), "too_busy", "machine", 5.0)
     assert told(busy, "drive")[0] == "refused"
     assert told(with_estop(refused, reason="dog"), "drive")[0] == "estop"
