@@ -272,6 +272,11 @@ def test_a_picture_is_sent_while_it_is_new_and_as_often_as_the_row_says(broker, 
 
 
 def test_a_token_that_is_revoked_and_a_row_without_a_broker_ask_for_nothing(robot, person):
+    since = len(person.heard)
+    person.say(f"{TOPIC}/ask/slowly", "PRESS")
+    until(lambda: answers(person, since), what="its answer")
+    robot.line("stop")
+    rests(robot)
     assert lbr(robot.home, "token", "revoke", "home").returncode == 0
     since = len(person.heard)
 
@@ -281,7 +286,9 @@ def test_a_token_that_is_revoked_and_a_row_without_a_broker_ask_for_nothing(robo
 
     until(refused, limit_s=10.0, what="the refusal")
     rests(robot)
-    assert f"'go' was asked for on {TOPIC}/ask/go" in lbr(robot.home, "db", "audit", "-n", "500", "--json").stdout
+    assert (
+        f"'slowly' was asked for on {TOPIC}/ask/slowly" in lbr(robot.home, "db", "audit", "-n", "500", "--json").stdout
+    )
     robot.edit("UPDATE capability SET settings = '{}' WHERE robot = 'lbr' AND name = 'mqtt'")
     told = until(
         lambda: "no broker is named" in robot.capability("mqtt")["reason"] and robot.capability("mqtt"), limit_s=8.0
