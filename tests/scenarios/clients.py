@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from tests.support import programs
-from tests.support.bench import ANGLES, Bench, bench
+from tests.support.bench import ANGLES, Bench, NoMotionError, bench
 from tests.support.clients import plain
 from tests.support.clients.terminal import OnTerminal
 from tests.support.figures import Results
@@ -106,7 +106,11 @@ def clients_gone(results: Results, n: int) -> None:
 
 
 def _gone(under_test: Bench, figure: str, leave: Callable[[], int]) -> None:
-    under_test.wait_for_motion()
+    try:
+        under_test.wait_for_motion()
+    except NoMotionError:
+        leave()
+        raise
     fault_ns = leave()
     zero = under_test.stopped_after(figure, fault_ns)
     under_test.pass_time(AFTERMATH_S)

@@ -18,8 +18,6 @@ from lbr.messages.kinematics import TWO, Kinematics, Wheel, base_of
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState, MotorState
 
-RATE_HZ, REST_HZ = 50.0, 25.0
-"""Of its loop, while something moves or is to stop, and otherwise; a setpoint wakes it at once in both cases."""
 PUBLISH_PERIOD_S = 0.05
 RESEND_S = 0.015
 IDLE_QUERY_S = 0.04
@@ -41,7 +39,7 @@ class Wheels(Capability[S], ABC):
     A driver adds `connect`. Setpoints, arming, the emergency stop, the guard and the telemetry are the same for all.
     """
 
-    rate_hz = RATE_HZ
+    rate_hz = 50.0
     motors: Sequence[str] = TWO
     """The names of its motors, as rows of `wheel` and setpoints say them, in the controller's order."""
 
@@ -98,7 +96,6 @@ class Wheels(Capability[S], ABC):
         self._ask(controller)
         self._report(controller)
         self._publish_when_due(controller)
-        self.rate_hz = REST_HZ if self._at_rest(controller) else RATE_HZ
 
     def command(self, call: Call) -> None:
         """Switch execution on or off; on waits for a zero setpoint."""
@@ -219,15 +216,10 @@ class Wheels(Capability[S], ABC):
         if not state.moving and not controller.resting and not held:
             controller.stop()
         elif state.armed:
-            again_s = self.ctx.settings.watchdog_ms / 4000.0 if self._at_rest(controller) else RESEND_S
-            if state.applied != controller.asked or not controller.fed_s_ago < again_s:
+            if state.applied != controller.asked or not controller.fed_s_ago < RESEND_S:
                 controller.drive(*state.applied)
         elif not held and not controller.fed_s_ago < self.ctx.settings.watchdog_ms / 2000.0:
             controller.stop()  # fed with zero, the controller does not turn to another source of commands
-
-    def _at_rest(self, controller: WheelController) -> bool:
-        """Say that all stand, by the controller's own word, and nothing is to be done about it."""
-        return controller.resting and not self._arming.moving and not self._latched
 
     def _ask(self, controller: WheelController) -> None:
         now = self.ctx.clock()

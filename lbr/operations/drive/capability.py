@@ -30,8 +30,6 @@ from lbr.operations.drive.state import (
 from lbr.operations.leasing.process import Answers, LeasingCapability, new_goal, said_by
 
 STATE_PERIOD_S = 0.1
-REST_HZ = 33.0
-"""A setpoint is valid for 0.1 s, so two of three may be late or lost; on a machine that is full some are."""
 MOTIONS = frozenset({"command", "turn", "heading", "twist"})
 NO_ANSWERS: Mapping[str, Any] = {}
 UNANSWERED: Mapping[str, Any] = {"(none in time)": None}
@@ -72,10 +70,6 @@ class Drive(LeasingCapability[DriveSettings, State]):
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
         """Return what the kernel makes of an event."""
         return decide(self._state, event, now)
-
-    def wanted_hz(self) -> float:
-        """Return how often setpoints are told: while nobody has the base and it stands, just enough of them to stay armed."""
-        return REST_HZ if self.idle and not any(self._state.sides) else self.ctx.settings.rate_hz
 
     def driver_seen(self, received: Received) -> MotorsSeen:
         """Return what the motor driver says."""

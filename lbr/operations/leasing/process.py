@@ -97,32 +97,16 @@ class LeasingCapability(Capability[S], Generic[S, L]):
     def begin(self) -> None:
         """Begin with nothing lent."""
         self._state = self.first()
-        self._loop = None
+        self._beat, self._meter, self._loop = Beat(self.rate_hz), LoopMeter(self.rate_hz), None
         self._waiting: deque[WaitingCommand] = deque()
-        self._keep_to(self.wanted_hz(), anew=True)
         self._driver_at, self._driver_alive = -inf, False
         self._alive_holder = ""
-
-    def wanted_hz(self) -> float:
-        """Return how often time is to go by, as things are now; when that rises, it does so in the same round."""
-        return self.rate_hz
-
-    @property
-    def idle(self) -> bool:
-        """Say whether nobody has what is lent, nor waits for it."""
-        return self._state.leases.live is None and not self._waiting
-
-    def _keep_to(self, rate_hz: float, *, anew: bool = False) -> None:
-        if anew or rate_hz != self.rate_hz:
-            self.rate_hz = rate_hz
-            self._beat, self._meter = Beat(rate_hz), LoopMeter(rate_hz)
 
     def step(self) -> None:
         """Take in what arrived; at the loop's rate have time go by."""
         self.listen()
         self.settle()
         now = self.ctx.clock()
-        self._keep_to(self.wanted_hz())
         if self._beat.due(now):
             self._loop = self._meter.round(now) or self._loop
             self.happen(self.tick)

@@ -2,14 +2,12 @@
 
 import msgspec
 import pytest
-from msgspec.structs import fields
 
-from lbr.drivers.wheels import WheelsSettings
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.drive import CheckVerdict
 from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import KIND
-from lbr.operations.drive.capability import REST_HZ, Drive
+from lbr.operations.drive.capability import Drive
 from tests.operations.drive.drive_context import DriveContext
 
 
@@ -73,54 +71,23 @@ def test_a_bad_row_is_refused_naming_the_field(row, complaint):
         KIND.parse(row)
 
 
-def test_zero_is_published_from_the_start_often_enough_to_stay_armed(robot):
+def test_zero_is_published_from_the_start_at_the_rate_of_the_loop(robot):
     robot.run(1.0)
     setpoints = robot.ctx.said("setpoint")
-    assert len(setpoints) == pytest.approx(REST_HZ, abs=9)  # the test's loop has 50 rounds a second
-    valid_s = next(field.default for field in fields(WheelsSettings) if field.name == "setpoint_valid_s")
-    assert valid_s > 3 / REST_HZ  # two of three may be lost
+    assert 50 <= len(setpoints) <= 52
     assert {(each.left, each.right) for each in setpoints} == {(0.0, 0.0)}
 
 
 def test_the_loop_keeps_its_rate_however_often_it_is_woken(robot):
-    call = robot.send(robot.ctx.command(0.5))
     robot.ctx.published.clear()
-    for step in range(1000):
+    for _ in range(1000):
         robot.ctx.now += 0.002
-        if step % 50 == 0:
-            robot.ctx.hear()
-            robot.send(robot.ctx.command(0.5, lease=call.answer.lease))
         robot.drive.step()
     assert len(robot.ctx.said("setpoint")) == pytest.approx(100, abs=2)
 
 
-def test_a_faster_rate_is_a_setting_for_while_somebody_drives():
-    robot = Robot(rate_hz=100)
-    robot.run(0.1)
-    assert robot.drive.rate_hz == REST_HZ
-    robot.send(robot.ctx.command(0.5))
-    robot.drive.step()
-    assert robot.drive.rate_hz == 100
-
-
-def test_the_setpoint_of_a_command_to_a_base_at_rest_leaves_in_the_same_round(robot):
-    robot.run(1.0)
-    robot.ctx.now += 0.001
-    before = len(robot.ctx.said("setpoint"))
-    robot.send(robot.ctx.command(0.5))
-    robot.drive.step()
-    assert len(robot.ctx.said("setpoint")) > before
-    assert robot.wheels > (0.0, 0.0)
-
-
-def test_a_base_that_came_to_rest_is_told_of_less_often_again(robot):
-    call = robot.send(robot.ctx.command(0.5))
-    robot.run(0.5, renewing(robot, call))
-    robot.run(1.0)
-    assert robot.wheels == (0.0, 0.0)
-    robot.ctx.published.clear()
-    robot.run(1.0)
-    assert len(robot.ctx.said("setpoint")) == pytest.approx(REST_HZ, abs=9)
+def test_a_faster_rate_is_a_setting():
+    assert Robot(rate_hz=100).drive.rate_hz == 100
 
 
 def test_a_command_moves_the_base_until_it_is_no_longer_renewed(robot):
@@ -280,10 +247,9 @@ def test_the_state_comes_ten_times_a_second_and_at_once_on_change(robot):
 
 
 def test_the_state_carries_the_loops_statistics(robot):
-    call = robot.send(robot.ctx.command(0.5))
-    robot.run(0.5, renewing(robot, call))
+    robot.run(0.5)
     assert robot.ctx.said("state")[-1].loop is None
-    robot.run(1.0, renewing(robot, call))
+    robot.run(1.0)
     loop = robot.ctx.said("state")[-1].loop
     assert loop.rate_hz == pytest.approx(50, abs=1)
     assert loop.period_p99_ms == pytest.approx(20, abs=0.1)
