@@ -78,6 +78,8 @@ class Camera(Function):
 
     def _brightness(self, request: int, data: bytes) -> bytes | None:
         if request == SET_CUR:
+            if len(data) != 2:
+                return None
             (self.brightness,) = struct.unpack("<h", data)
             return b""
         found = {GET_CUR: self.brightness, GET_MIN: -64, GET_MAX: 64, GET_RES: 1, GET_DEF: 0, GET_LEN: 2}

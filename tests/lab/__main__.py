@@ -1,0 +1,90 @@
+"""`python -m tests.lab`: build the machine, run the tests of tests/kernel in it, show what came of them."""
+
+import argparse
+import io
+import subprocess
+import sys
+import tarfile
+import time
+from pathlib import Path
+
+from tests.lab import __doc__ as about
+from tests.lab import image, table
+from tests.lab.machine import SNAPSHOT, Machine
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "build" / "lab"
+SENT = ("tests/__init__.py", "tests/conftest.py", "tests/support", "tests/kernel", "pyproject.toml", "robot.db.sql")
+"""What of the source is wanted beside the wheel that is in it."""
+BATTERY_S = 7200.0
+PYTEST = "/opt/lbr/bin/python -m pytest -p no:cacheprovider -o faulthandler_timeout=3000 --junitxml=/tmp/battery.xml"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.lab", description=about, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("what", choices=("build", "run", "table", "shell"))
+    parser.add_argument("tests", nargs="*", default=["tests/kernel"], help="for run: which of them; all if left out")
+    parser.add_argument("--folder", type=Path, default=FOLDER, help="where the machine's files are (build/lab)")
+    wanted = parser.parse_args()
+    if wanted.what == "table":
+        print(table.of((wanted.folder / "battery.xml").read_text()))
+        return 0
+    if why := image.why_not():
+        print(f"no machine here: {why}", file=sys.stderr)
+        return 2
+    return {"build": _build, "run": _run, "shell": _shell}[wanted.what](wanted)
+
+
+def _build(wanted: argparse.Namespace) -> int:
+    began = time.monotonic()
+    image.build(wanted.folder)
+    built = time.monotonic()
+    machine = Machine(wanted.folder)
+    try:
+        machine.start(snapshot=False)
+        machine.run("/opt/lbr/bin/lbr service install lbr --power-off && modprobe vhci-hcd")
+        machine.monitor(f"savevm {SNAPSHOT}")
+    finally:
+        machine.cut()
+    print(f"built in {built - began:.0f} s, first start {time.monotonic() - built:.0f} s: {wanted.folder}")
+    return 0
+
+
+def _run(wanted: argparse.Namespace) -> int:
+    machine = Machine(wanted.folder)
+    try:
+        back_s = machine.start(snapshot=True)
+        machine.run("mkdir -p /opt/lab && tar -C /opt/lab -xzf -", data=_packed())
+        began = time.monotonic()
+        words = f"cd /opt/lab && {PYTEST} {' '.join(wanted.tests)}"
+        done = machine.run(words, check=False, limit_s=BATTERY_S, show=True)
+        xml = machine.run("cat /tmp/battery.xml").stdout
+    finally:
+        machine.cut()
+    (wanted.folder / "battery.xml").write_bytes(xml)
+    print(table.of(xml.decode()))
+    print(f"from the snapshot in {back_s:.0f} s, battery in {time.monotonic() - began:.0f} s of this machine's time")
+    return done.returncode
+
+
+def _shell(wanted: argparse.Namespace) -> int:
+    machine = Machine(wanted.folder)
+    try:
+        machine.start(snapshot=True)
+        return subprocess.run([*machine.ssh(), "-t"], check=False).returncode
+    finally:
+        machine.cut()
+
+
+def _packed() -> bytes:
+    found = io.BytesIO()
+    with tarfile.open(fileobj=found, mode="w:gz", compresslevel=1) as tar:
+        for name in SENT:
+            tar.add(ROOT / name, name, filter=lambda one: None if "__pycache__" in one.name else one)
+    return found.getvalue()
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,113 @@
+"""Builds the machine's files: Debian by mmdebstrap, the project's wheel with its locked dependencies, and no compiler."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SUITE = "bookworm"
+PROGRAMS = ("mmdebstrap", "qemu-system-x86_64", "qemu-img", "mke2fs", "ssh", "ssh-keygen")
+PACKAGES = (
+    "systemd-sysv", "dbus", "polkitd", "udev", "kmod", "iproute2", "openssh-server", "procps", "psmisc", "python3-venv",
+    "ca-certificates", "alsa-utils", "espeak-ng", "ir-keytable", "i2c-tools", "initramfs-tools", "zstd", "linux-image-amd64",
+)  # fmt: skip
+FOR_TESTS = ("linuxpy", "pytest", "pytest-timeout", "hypothesis")
+LEFT_OUT = ("man", "doc", "locale", "info")
+DISK = "3G"
+MASKED = (
+    "systemd-networkd-wait-online", "systemd-timesyncd", "apt-daily.timer", "apt-daily-upgrade.timer", "dpkg-db-backup.timer",
+    "e2scrub_all.timer", "e2scrub_reap",
+)  # fmt: skip
+FILES = {
+    "etc/initramfs-tools/conf.d/lab": "MODULES=list\nRESUME=none\n",
+    "etc/initramfs-tools/modules": "virtio_pci\nvirtio_blk\next4\ncrc32c_generic\n",
+    "etc/hostname": "lab\n",
+    "etc/hosts": "127.0.0.1 localhost lab\n",
+    "etc/fstab": "/dev/vda / ext4 errors=remount-ro 0 1\n",
+    "etc/ssh/sshd_config.d/lab.conf": "UseDNS no\nUsePAM no\nLoginGraceTime 900\n",
+    "etc/systemd/journald.conf.d/lab.conf": "[Journal]\nStorage=persistent\n",
+    "etc/systemd/system/lab-network.service": """[Unit]
+DefaultDependencies=no
+Before=network.target ssh.service
+Wants=network.target
+[Service]
+Type=oneshot
+RemainAfterExit=yes
+ExecStart=/bin/sh -c 'until ip link show eth0; do sleep 1; done; ip link set lo up; ip address add 10.0.2.15/24 dev eth0; ip link set eth0 up; ip route add default via 10.0.2.2'
+[Install]
+WantedBy=multi-user.target
+""",
+}
+"""An address that is known from the start: nothing waits for a network to be configured."""
+
+
+def why_not() -> str:
+    """Return why no machine can be built here; nothing if one can."""
+    if os.geteuid() != 0:
+        return "only root may build a root file system"
+    missing = [name for name in PROGRAMS if shutil.which(name) is None]
+    return f"missing here: {', '.join(missing)}; docs/lab.md names their packages" if missing else ""
+
+
+def build(folder: Path) -> None:
+    """Make `disk.qcow2`, `vmlinuz`, `initrd.img` and `key` in a folder."""
+    root, wheels = folder / "root", folder / "wheels"
+    for place in (root, wheels):
+        shutil.rmtree(place, ignore_errors=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    wheels.mkdir()
+    _collect(wheels)
+    if not (folder / "key").exists():
+        _do("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(folder / "key"))
+    _do(
+        "mmdebstrap", "--mode=root", "--variant=minbase", "--quiet", "--format=directory",
+        f"--include={','.join(PACKAGES)}",
+        *(f"--dpkgopt=path-exclude=/usr/share/{name}/*" for name in LEFT_OUT),
+        f"--essential-hook=cp -r {_laid_out(folder)}/. $1/",
+        f"--customize-hook=mkdir -p $1/opt/wheels && cp {wheels}/* $1/opt/wheels/",
+        "--customize-hook=chroot $1 python3 -m venv /opt/lbr",
+        "--customize-hook=chroot $1 env -u PIP_FIND_LINKS -u PIP_INDEX_URL /opt/lbr/bin/pip install -q --no-index "
+        f"--find-links /opt/wheels 'lbr[sim]' {' '.join(FOR_TESTS)}",
+        "--customize-hook=rm -r $1/opt/wheels",
+        "--customize-hook=chroot $1 systemctl -q enable lab-network ssh",
+        f"--customize-hook=chroot $1 systemctl -q mask {' '.join(MASKED)}",
+        SUITE, str(root),
+    )  # fmt: skip
+    for name in ("vmlinuz", "initrd.img"):
+        shutil.copy(next((root / "boot").glob(f"{name}-*")), folder / name)
+    raw = folder / "disk.raw"
+    raw.unlink(missing_ok=True)
+    _do("mke2fs", "-q", "-t", "ext4", "-d", str(root), str(raw), DISK)
+    _do("qemu-img", "convert", "-f", "raw", "-O", "qcow2", str(raw), str(folder / "disk.qcow2"))
+    raw.unlink()
+    shutil.rmtree(root)
+    shutil.rmtree(wheels)
+
+
+def _collect(wheels: Path) -> None:
+    """Gather the project's wheel, what it depends on as the lock has it, and what the tests need besides."""
+    pip = (sys.executable, "-m", "pip")
+    _do(*pip, "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(wheels), str(ROOT))
+    lock = ROOT / "requirements" / "lock.txt"
+    download = (*pip, "download", "-q", "--only-binary", ":all:", "-d", str(wheels))
+    _do(*download, "--require-hashes", "-r", str(lock))
+    _do(*download, *FOR_TESTS)
+
+
+def _laid_out(folder: Path) -> Path:
+    """Write the machine's own files, and the key that opens it, as they will lie in it."""
+    place = folder / "files"
+    shutil.rmtree(place, ignore_errors=True)
+    for name, text in FILES.items():
+        (place / name).parent.mkdir(parents=True, exist_ok=True)
+        (place / name).write_text(text)
+    (place / "root/.ssh").mkdir(parents=True, mode=0o700)
+    shutil.copy(folder / "key.pub", place / "root/.ssh/authorized_keys")
+    (place / "root").chmod(0o700)
+    return place
+
+
+def _do(*words: str) -> None:
+    subprocess.run(["nice", "-n", "19", *words], check=True)

@@ -1,0 +1,104 @@
+"""The machine itself: QEMU without acceleration, its monitor, and commands in it by ssh."""
+
+import shlex
+import socket
+import subprocess
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from tests.support.robot import free_port
+
+SNAPSHOT = "started"
+START_S = 1800.0
+"""On a machine that has much else to do; alone it takes half a minute."""
+ANSWER_S = 900.0
+INSTRUCTIONS = "shift=0"
+"""One instruction a nanosecond of its own clock: a processor of 1 GIPS, which waits for nothing of the host's, so that
+deadlines mean the same however busy the host is."""
+
+
+class Machine:
+    """A machine whose files are in a folder: `disk.qcow2`, `vmlinuz`, `initrd.img` and the key for its root."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._port = free_port()
+        self._monitor = folder / "monitor"
+        self._qemu: subprocess.Popen[bytes] | None = None
+
+    def start(self, *, snapshot: bool) -> float:
+        """Switch it on, or go back to the snapshot; return after how long it answers."""
+        began = time.monotonic()
+        (self.folder / "ssh").unlink(missing_ok=True)
+        self._qemu = subprocess.Popen(self._command(snapshot=snapshot), stdin=subprocess.DEVNULL)
+        while self.run("true", check=False).returncode:
+            if self._qemu.poll() is not None:
+                raise RuntimeError("QEMU has ended; its words are above")
+            if time.monotonic() > began + START_S:
+                raise RuntimeError(f"the machine does not answer: see {self.folder / 'serial.log'}")
+            time.sleep(1.0)
+        self.run(f"date -s @{int(time.time())} >/dev/null")
+        return time.monotonic() - began
+
+    def run(
+        self,
+        command: str,
+        *,
+        check: bool = True,
+        data: bytes | None = None,
+        limit_s: float = ANSWER_S,
+        show: bool = False,
+    ) -> "subprocess.CompletedProcess[bytes]":
+        """Run a command of the shell as root; its output is returned, or shown as it comes."""
+        return subprocess.run([*self.ssh(), command], input=data, capture_output=not show, timeout=limit_s, check=check)
+
+    def ssh(self) -> list[str]:
+        """Return the command that leads into it; one connection is kept for all."""
+        words = f"""-q -i {shlex.quote(str(self.folder / "key"))} -p {self._port} -o StrictHostKeyChecking=no
+            -o UserKnownHostsFile=/dev/null -o ConnectTimeout=60 -o ControlMaster=auto -o ControlPersist=600
+            -o ControlPath={shlex.quote(str(self.folder / "ssh"))} root@127.0.0.1"""
+        return ["ssh", *shlex.split(words)]
+
+    def monitor(self, line: str) -> str:
+        """Say a line to QEMU's monitor; return what it says."""
+        with socket.socket(socket.AF_UNIX) as link:
+            link.settimeout(ANSWER_S)
+            link.connect(str(self._monitor))
+            _until_prompt(link)
+            link.sendall(line.encode() + b"\n")
+            return _until_prompt(link)
+
+    def ended(self, within_s: float) -> bool:
+        """Wait for it to be off; say whether it is."""
+        assert self._qemu is not None
+        with suppress(subprocess.TimeoutExpired):
+            self._qemu.wait(within_s)
+        return self._qemu.poll() is not None
+
+    def cut(self) -> None:
+        """Take its power away: QEMU is killed, and what the guest had not handed to its disk is lost."""
+        if self._qemu is not None:
+            self._qemu.kill()
+            self._qemu.wait()
+
+    def _command(self, *, snapshot: bool) -> Sequence[str]:
+        f = self.folder
+        words = f"""nice -n 19 qemu-system-x86_64 -accel tcg,tb-size=512 -icount {INSTRUCTIONS} -rtc clock=vm -cpu max
+            -smp 1 -m 2048 -display none -no-reboot -kernel {f}/vmlinuz -initrd {f}/initrd.img
+            -drive file={f}/disk.qcow2,if=virtio,cache=writeback -device virtio-rng-pci
+            -nic user,model=virtio-net-pci,restrict=on,hostfwd=tcp:127.0.0.1:{self._port}-:22
+            -serial file:{f}/serial.log -monitor unix:{self._monitor},server=on,wait=off"""
+        kernel = "root=/dev/vda rw console=ttyS0 net.ifnames=0 mitigations=off quiet fsck.mode=auto"
+        return [*words.split(), "-append", kernel, *(("-loadvm", SNAPSHOT) if snapshot else ())]
+
+
+def _until_prompt(link: socket.socket) -> str:
+    heard = b""
+    while not heard.endswith(b"(qemu) "):
+        data = link.recv(4096)
+        if not data:
+            break
+        heard += data
+    return heard.decode(errors="replace")

@@ -1,0 +1,32 @@
+"""What came of the battery, as a table: out of the report that pytest writes."""
+
+from xml.etree import ElementTree as ET
+
+
+def of(xml: str) -> str:
+    """Return a row for each test: what it was, whether it passed, what it measured, how long it took by the machine's clock."""
+    rows = ["| test | | seen | s |", "|---|---|---|---|"]
+    cases = list(ET.fromstring(xml).iter("testcase"))
+    for case in cases:
+        seen = "; ".join(f"{one.get('name')} {one.get('value')}" for one in case.iter("property"))
+        name = f"{case.get('classname', '').rpartition('.')[2].removeprefix('test_')}: {_words(case.get('name', ''))}"
+        rows.append(f"| {name} | {_outcome(case)} | {seen or _why(case)} | {float(case.get('time', 0)):.1f} |")
+    passed = sum(_outcome(case) == "passed" for case in cases)
+    return "\n".join([*rows, "", f"{passed} of {len(cases)} passed"])
+
+
+def _outcome(case: ET.Element) -> str:
+    for tag, said in (("failure", "**failed**"), ("error", "**failed**"), ("skipped", "skipped")):
+        if case.find(tag) is not None:
+            return said
+    return "passed"
+
+
+def _why(case: ET.Element) -> str:
+    found = next((one for tag in ("failure", "error", "skipped") if (one := case.find(tag)) is not None), None)
+    text = "" if found is None else found.get("message", "")
+    return text.partition("\n")[0].replace("|", "/")[:120]
+
+
+def _words(name: str) -> str:
+    return name.removeprefix("test_").replace("_", " ")
