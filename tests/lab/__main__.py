@@ -17,7 +17,7 @@ FOLDER = ROOT / "build" / "lab"
 SENT = ("tests/__init__.py", "tests/conftest.py", "tests/support", "tests/kernel", "pyproject.toml", "robot.db.sql")
 """What of the source is wanted beside the wheel that is in it."""
 BATTERY_S = 7200.0
-PYTEST = "/opt/lbr/bin/python -m pytest -p no:cacheprovider -o faulthandler_timeout=3000 --junitxml=/tmp/battery.xml"
+PYTEST = "/opt/lbr/bin/python -m pytest -p no:cacheprovider -o faulthandler_timeout=3000 -o junit_family=xunit1 --junitxml=/tmp/battery.xml"
 
 
 def main() -> int:
