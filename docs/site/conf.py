@@ -51,6 +51,7 @@ PAGES = {
     "Run it for good": [
         "docs/service",
         "docs/containers",
+        "docs/lab",
         "docs/two_machines",
         "docs/power",
         "docs/safety",
