@@ -2,7 +2,6 @@
 
 import argparse
 import io
-import subprocess
 import sys
 import tarfile
 import time
@@ -11,6 +10,7 @@ from pathlib import Path
 from tests.lab import __doc__ as about
 from tests.lab import image, table
 from tests.lab.machine import SNAPSHOT, Machine
+from tests.support import programs
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "lab"
@@ -73,7 +73,7 @@ def _shell(wanted: argparse.Namespace) -> int:
     machine = Machine(wanted.folder)
     try:
         machine.start(snapshot=True)
-        return subprocess.run([*machine.ssh(), "-t"], check=False).returncode
+        return programs.run([*machine.ssh(), "-t"], check=False).returncode
     finally:
         machine.cut()
 

@@ -2,9 +2,10 @@
 
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
+
+from tests.support import programs
 
 ROOT = Path(__file__).resolve().parents[2]
 SUITE = "bookworm"
@@ -110,4 +111,4 @@ def _laid_out(folder: Path) -> Path:
 
 
 def _do(*words: str) -> None:
-    subprocess.run(["nice", "-n", "19", *words], check=True)
+    programs.run(["nice", "-n", "19", *words], check=True)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from tests.support import programs
 from tests.support.robot import free_port
 
 SNAPSHOT = "started"
@@ -32,7 +33,7 @@ class Machine:
         """Switch it on, or go back to the snapshot; return after how long it answers."""
         began = time.monotonic()
         (self.folder / "ssh").unlink(missing_ok=True)
-        self._qemu = subprocess.Popen(self._command(snapshot=snapshot), stdin=subprocess.DEVNULL)
+        self._qemu = programs.start(self._command(snapshot=snapshot), stdin=subprocess.DEVNULL)
         while self.run("true", check=False).returncode:
             if self._qemu.poll() is not None:
                 raise RuntimeError("QEMU has ended; its words are above")
@@ -52,7 +53,7 @@ class Machine:
         show: bool = False,
     ) -> "subprocess.CompletedProcess[bytes]":
         """Run a command of the shell as root; its output is returned, or shown as it comes."""
-        return subprocess.run([*self.ssh(), command], input=data, capture_output=not show, timeout=limit_s, check=check)
+        return programs.run([*self.ssh(), command], input=data, capture_output=not show, timeout=limit_s, check=check)
 
     def ssh(self) -> list[str]:
         """Return the command that leads into it; one connection is kept for all."""

@@ -2,8 +2,9 @@
 
 import os
 import socket
-import subprocess
 from pathlib import Path
+
+from tests.support import programs
 
 CONTROLLER = Path("/sys/devices/platform/vhci_hcd.0")
 FULL_SPEED, HIGH_SPEED = 2, 3
@@ -22,7 +23,7 @@ def why_no_module(name: str, *options: str, there: Path | None = None) -> str:
     if there is not None and there.exists():
         return ""
     try:
-        done = subprocess.run(["modprobe", name, *options], capture_output=True, text=True, timeout=60, check=False)
+        done = programs.run(["modprobe", name, *options], capture_output=True, text=True, timeout=60, check=False)
     except FileNotFoundError:
         return f"no modprobe here, and so no {name}"
     if done.returncode:
