@@ -283,6 +283,7 @@ def test_what_holds_the_base_still_is_the_robots_own_answer(opened, robot):
     page.get_by_role("button", name="Why?").click()
     expect(page.locator(".drive-because")).to_have_count(0)
     robot.estop = "the dog" + ", and all that it had with it" * 12
+    expect(page.get_by_role("alert")).to_contain_text("the dog")
     page.get_by_role("button", name="Why?").click()
     expect(page.locator(".drive-because")).to_contain_text("latched by console@kitchen:812: the dog")
     expect(page.locator(".drive-because code")).to_have_text("reset, once nothing is in danger")

@@ -101,7 +101,7 @@ function Alarms() {
       {engaged && (
         <div class="alarm alarm-stop" role="alert">
           <Icon name="stop" />
-          <p><strong>{told ? t("stop.engaged") : t("stop.engaging")}</strong>{told && [source, reason].filter(Boolean).join(": ")}</p>
+          <p class="alarm-said" tabIndex={0}><strong>{told ? t("stop.engaged") : t("stop.engaging")}</strong>{told && [source, reason].filter(Boolean).join(": ")}</p>
           {told && <Button onClick={() => ask(true)}>{t("stop.reset")}</Button>}
         </div>
       )}
