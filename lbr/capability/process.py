@@ -24,7 +24,7 @@ from lbr.capability import lifeline, registry
 from lbr.capability.base import Capability
 from lbr.capability.config import ProcessConfig
 from lbr.capability.confine import confine
-from lbr.capability.reporter import BEAT_S, HEARTBEAT_VARIABLE, Reporter
+from lbr.capability.reporter import BEAT_S, HEARTBEAT_VARIABLE, Reporter, Said
 from lbr.capability.runtime import ProcessContext
 from lbr.errors import DeviceError
 from lbr.messages.codes import Reason
@@ -89,12 +89,12 @@ class Process:
             gc.disable()  # collected at moments of our choice, so that no round takes longer than the others
         retry_s, opened = RETRY_FIRST_S, time.monotonic()
         while not self._stopping:
+            said = self._reporter.said
             try:
                 capability.open()
-                ctx.ready()
                 self._settle()
                 opened = time.monotonic()
-                self._loop(ctx, capability)
+                self._loop(ctx, capability, said)
             except DeviceError as err:
                 capability.close()
                 if time.monotonic() - opened > STEADY_S:
@@ -110,8 +110,9 @@ class Process:
         if self._capability is not None:
             self._capability.close()
 
-    def _loop(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
-        due = time.monotonic()
+    def _loop(self, ctx: ProcessContext, capability: Capability[Any], said: Said) -> None:
+        """Step until asked to stop; ready is who has stepped once and has not said what it waits for."""
+        due, begins = time.monotonic(), True
         while not self._stopping:
             period = 1.0 / capability.rate_hz
             now = time.monotonic()
@@ -119,6 +120,9 @@ class Process:
             if ctx.on_tick:
                 due = due + period if now < due + period else now + period
             self._round(ctx, capability)
+            if begins and self._reporter.said is said:
+                ctx.ready()
+            begins = False
             due = min(due, now + 1.0 / capability.rate_hz)  # its rate may have risen, as when it begins something
             self._wake.wait(min(due - time.monotonic(), BEAT_S))
 

@@ -10,6 +10,9 @@ import msgspec
 from lbr.capability.config import Report
 from lbr.messages.codes import Code, ReasonCode
 
+Said = tuple[str, str, ReasonCode]
+"""A phase, its reason and its code."""
+
 BEAT_S = 0.2
 COUNTS_S = 1.0
 HEARTBEAT_VARIABLE = "LBR_HEARTBEAT_FD"
@@ -21,19 +24,19 @@ def final_report(phase: str, reason: str, code: Code) -> tuple[int, bytes]:
 
 
 class Reporter:
-    """Writes reports to the pipe that the executive gave; one line each."""
+    """Writes reports to the pipe that the executive gave; one line each. `said` is the phase that it reported last."""
 
     def __init__(self, fd: int) -> None:
         self._fd = fd
         self._beat_at = 0.0
         self._counts_at = 0.0
-        self._said = ("", "", "")
+        self.said: Said = ("", "", "")
         os.set_blocking(fd, False)
 
     def phase(self, phase: str, reason: str = "", code: ReasonCode = "") -> None:
         """Report a change of phase or reason."""
-        if (phase, reason, code) != self._said:
-            self._said = (phase, reason, code)
+        if (phase, reason, code) != self.said:
+            self.said = (phase, reason, code)
             self._write(_encode(Report(phase=phase, reason=reason[:500], code=code)))
 
     def learnt(self, rows: dict[str, msgspec.Raw]) -> None:

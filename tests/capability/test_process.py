@@ -37,6 +37,7 @@ PROBE = """
 
     class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         device_there: str = ""
+        steps_first: int = 0
 
 
     class Count(Struct, frozen=True):
@@ -55,8 +56,14 @@ PROBE = """
                 raise DeviceError("device 'x' is missing; plug it in")
             self.n = 0
             self.heard = []
+            self.steps = 0
 
         def step(self):
+            self.steps += 1
+            if self.steps == 1 and self.ctx.settings.steps_first:
+                self.ctx.warn("has not stepped enough", "not_ready")
+            elif self.steps == self.ctx.settings.steps_first:
+                self.ctx.ready()
             for received in self.ctx.take("setpoint"):
                 self.n += round(received.message.left * 10)
             self.ctx.publish("count", Count(self.n))
@@ -307,6 +314,11 @@ def test_a_missing_device_makes_it_degraded_and_its_return_ready(stage):
     assert "missing" in stage.ask("r/probe/do", {"what": "nothing"})["reason"]
     device.touch()
     stage.ready()
+
+
+def test_who_has_just_begun_and_says_what_it_waits_for_is_not_called_ready_before(stage):
+    stage.start(settings=json.dumps({"steps_first": 5})).ready()
+    assert [report.phase for report in stage.said if report.phase in {"ready", "degraded"}] == ["degraded", "ready"]
 
 
 def test_the_emergency_stop_latches_is_acknowledged_and_only_a_sealed_release_lets_go(stage):

@@ -383,6 +383,15 @@ def test_a_degraded_capability_gets_a_moment_before_the_robot_counts_as_ready():
     assert stage.supervisor.settled()
 
 
+def test_who_says_that_it_has_just_begun_gets_as_long_as_its_first_troubles_are_not_told():
+    stage = Stage(unit("attitude"))
+    stage.says("attitude", "degraded", "the gyro's zero is not known yet", "not_ready")
+    stage.passes(SETTLING_S - 0.2, beating=["attitude"])
+    assert not stage.supervisor.settled()
+    stage.passes(0.4, beating=["attitude"])
+    assert stage.supervisor.settled()
+
+
 def test_few_start_at_a_time_and_what_moves_or_has_a_device_waits_for_none_of_them():
     many = [unit(f"app{n}") for n in range(6)]
     stage = Stage(*many, unit("motors", family="driver"), unit("drive", moves=True, family="operation"), at_once=2)

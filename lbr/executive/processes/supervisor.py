@@ -104,11 +104,15 @@ class Supervisor:
         return [(slot, slot.child) for slot in slots.values() if slot.child is not None]
 
     def settled(self) -> bool:
-        """Say whether everything that should run does, or has given up; what is degraded gets a moment to recover."""
+        """Say whether everything that should run does, or has given up; what is degraded gets a moment to recover.
+
+        Who says that it has just begun gets as long as its first troubles are not told.
+        """
         return not self._leaving and all(self._is_settled(slot) for slot in self.slots.values())
 
     def _is_settled(self, slot: ManagedProcess) -> bool:
-        patience_over = self._clock() - slot.started_at > DEGRADED_PATIENCE_S
+        begins = slot.code == "not_ready"
+        patience_over = self._clock() > (slot.settled_at if begins else slot.started_at + DEGRADED_PATIENCE_S)
         return slot.phase in HELD | {"ready"} or (slot.phase == "degraded" and patience_over) or self._held_up(slot)
 
     def _held_up(self, slot: ManagedProcess) -> bool:

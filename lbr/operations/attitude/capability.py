@@ -1,6 +1,6 @@
 """Attitude as a capability: every sample goes through the fusion, at a fixed rate its state is told."""
 
-from math import inf
+from math import inf, isfinite
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
@@ -16,8 +16,6 @@ TELL_S = 0.5
 """How long nothing may be known before the capability calls itself degraded."""
 STILL_S = 0.07
 """How often a body that turns about no axis is told of: at every second tick as the row comes."""
-FIRST_S = 2.0
-"""The same at the start, when the gyro's zero has to be learnt first."""
 
 
 class Attitude(Capability[AttitudeSettings]):
@@ -31,9 +29,10 @@ class Attitude(Capability[AttitudeSettings]):
         self._fusion = Fusion(ctx.settings, values(ctx.rows(CalibrationValue)), f"{ctx.name}-{ctx.clock():.3f}")
         self._turns = Turns(ctx.settings.observe_s)
         self._calibration = Calibration(ctx, self._fusion)
-        self._known_s = ctx.clock() + FIRST_S - TELL_S
+        self._known_s = -inf
         self._warned = ""
         self._told_s = -inf
+        self._rests = False
 
     def open(self) -> None:
         """Say so if the calibration that there is cannot be used."""
@@ -50,8 +49,8 @@ class Attitude(Capability[AttitudeSettings]):
         if self.ctx.on_tick:
             now = self.ctx.clock()
             state = self._fusion.state(now)
-            if not (state.valid and state.still) or now - self._told_s >= STILL_S:
-                self._told_s = now
+            if not (self._rests and state.valid and state.still) or now - self._told_s >= STILL_S:
+                self._told_s, self._rests = now, state.valid and state.still
                 self.ctx.publish("state", state)
             self._calibration.published(state)
             for told in self._turns.look(state, now):
@@ -91,7 +90,7 @@ class Attitude(Capability[AttitudeSettings]):
                 self.ctx.ready()
         elif now - self._known_s > TELL_S and _gist(state.reason) != _gist(self._warned):
             self._warned = state.reason
-            self.ctx.warn(state.reason, "stale_sensor")
+            self.ctx.warn(state.reason, "stale_sensor" if isfinite(self._known_s) else "not_ready")
 
 
 def _gist(reason: str) -> str:

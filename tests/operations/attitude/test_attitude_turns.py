@@ -63,7 +63,10 @@ def test_the_state_is_published_with_reason_and_health_follows(bench):
     bench.deaf = True
     bench.run(1.5)
     assert not bench.state().valid
-    assert len(bench.health) == 1
+    assert len(bench.health) == 3
+    assert "zero is not known yet" in bench.health[0]
+    assert bench.health[1] == "ready"
+    assert "no sample" in bench.health[2]
     bench.deaf = False
     bench.run(2.0)
     assert bench.health[-1] == "ready"
