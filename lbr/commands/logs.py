@@ -74,7 +74,7 @@ def _names(folder: Path, robot: str | None) -> dict[str, Path]:
     found = {}
     for path in sorted(folder.glob("*.log")):
         owner, dash, part = path.stem.rpartition("-")
-        if path.name.endswith(".old.log") or (robot is not None and dash and owner != robot):
+        if not path.is_file() or path.name.endswith(".old.log") or (robot is not None and dash and owner != robot):
             continue
         found[f"{owner}/{part}" if dash else part] = path
     return found

@@ -34,7 +34,7 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
     Its black box writes it, so it goes on when this command is killed; then `/record/end` ends it.
     """
     from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
-    from lbr.messages.box import EndRecording, RecordCommand  # noqa: PLC0415
+    from lbr.messages.box import FILE_STEM, EndRecording, RecordCommand  # noqa: PLC0415
 
     found = target.find(*whom)
     target.need(found, "operate")
@@ -46,8 +46,8 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
             asked = msgspec.convert(
                 {"seconds": seconds or 0.0, "cameras": "cameras" in also, "lines": lines, "name": name}, RecordCommand
             )
-        except msgspec.ValidationError as err:
-            raise InputError(f"--name: {err}") from None
+        except msgspec.ValidationError:
+            raise InputError(f"--name: {name[:80]!r} cannot be a file's name here: {FILE_STEM}") from None
         begun = _ask(bus, found, f"{box}/record", asked)
         if not as_json:
             click.echo(begun.reason, err=True)

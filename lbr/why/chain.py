@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from lbr.errors import InputError
 from lbr.messages.why import Chain, Link, LinkName
 from lbr.why import bodies
-from lbr.why.snapshot import Facts, Part, Snapshot
+from lbr.why.snapshot import ITSELF, Facts, Part, Saying, Snapshot
 from lbr.why.telling import ago
 from lbr.why.walk import Walk, enable
 
@@ -81,8 +81,9 @@ def _sort(link: Link) -> str:
 
 
 def names(facts: Facts) -> list[str]:
-    """Return what can be asked about: capabilities, joints, devices, external commands."""
-    return sorted({*facts.parts, *(one.name for one in facts.joints), *facts.devices, *facts.programs})
+    """Return what can be asked about: capabilities, joints, devices, external commands, words of the console."""
+    words = (one.word for one in facts.sayings)
+    return sorted({*facts.parts, *(one.name for one in facts.joints), *facts.devices, *facts.programs, *words})
 
 
 def _links(now: Snapshot, walk: Walk, part: str) -> Iterator[Link]:
@@ -102,6 +103,8 @@ def _links(now: Snapshot, walk: Walk, part: str) -> Iterator[Link]:
             yield from walk.of(owner.name)
     elif part in facts.programs:
         yield _program(facts, part)
+    elif said := [one for one in facts.sayings if one.word == _word(part)]:
+        yield from _saying(walk, facts, said)
     elif now.executive == "up" or facts.parts:
         raise _unknown(part, facts)
 
@@ -154,6 +157,23 @@ def _program(facts: Facts, name: str) -> Link:
     do = enable("external_command", f"name = '{name}'", facts.robot)
     text = f"'{name}' is switched off by its row: enabled is 0"
     return Link(name="row", about=name, state="held", text=text, code="off", evidence=row, do=do)
+
+
+def _word(line: str) -> str:
+    """Return the word of a line of the console, or of its beginning."""
+    return line.removeprefix("/").partition("/")[0]
+
+
+def _saying(walk: Walk, facts: Facts, said: list[Saying]) -> Iterator[Link]:
+    """Yield the links of what lines with one word ask."""
+    for owner in dict.fromkeys(one.target_part for one in said):
+        asked = "the robot itself" if owner == ITSELF else f"'{owner}'"
+        text, row = f"'{said[0].word}' asks {asked}", f"row verb.{said[0].word}"
+        yield Link(name="row", about=said[0].word, state="ok", text=text, evidence=row)
+        if owner in facts.parts:
+            yield from walk.asker(facts.parts[owner])
+        if owner != ITSELF:
+            yield from walk.of(owner)
 
 
 def _unknown(part: str, facts: Facts) -> InputError:

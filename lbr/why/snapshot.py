@@ -11,6 +11,8 @@ from msgspec import Struct
 from lbr.messages.system import CapabilityStatus, Event, Role, Status
 
 T = TypeVar("T", bound=Struct)
+ITSELF = "executive"
+"""What stands in place of a capability for what the robot itself does."""
 
 
 class Part(Struct, frozen=True, kw_only=True):
@@ -68,6 +70,16 @@ class Saying(Struct, frozen=True, kw_only=True):
     pattern: str
     target: str
     payload: dict[str, Any] = {}
+
+    @property
+    def word(self) -> str:
+        """Return the word that the line begins with."""
+        return self.pattern.removeprefix("/").partition("/")[0]
+
+    @property
+    def target_part(self) -> str:
+        """Return the capability that it asks, or `ITSELF`."""
+        return self.target.partition(".")[0]
 
 
 class Facts(Struct, frozen=True, kw_only=True):

@@ -132,6 +132,8 @@ def test_a_recording_on_purpose_is_a_file_of_its_own(robot):
     path = Path(robot.home) / "recordings" / "lbr" / "walk.mcap"
     found = {one.topic for one in selection.messages([path])}
     assert {"drive/state", "@rows", "@status"} <= found
+    odd = lbr(robot.home, "record", "--name", "a/b", limit_s=20)
+    assert (odd.returncode, "'a/b' cannot be a file's name here: letters" in odd.stderr) == (2, True)
     again = lbr(robot.home, "record", "--seconds", "1", "--name", "walk", limit_s=20)
     assert again.returncode == 1
     assert "is there already" in again.stderr

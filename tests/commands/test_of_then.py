@@ -1,5 +1,6 @@
 """`lbr at`, `lbr plot` and `lbr logs`: what was, what is over time, and what was written."""
 
+import os
 import subprocess
 import time
 from datetime import datetime
@@ -77,6 +78,8 @@ def test_a_log_is_followed_also_after_it_was_cut(robot):
     log.write_text("one\ntwo\nthree\n")
     assert asked(robot, "logs", "drive", "-n", "2").splitlines() == ["two", "three"]
     assert "lbr/drive" in asked(robot, "logs")
+    os.mkfifo(robot.home / "logs" / "lbr-pipe.log")
+    assert "there is no log 'pipe'" in asked(robot, "logs", "pipe", code=2)
     assert "there is no log 'nix'" in asked(robot, "logs", "nix", code=2)
     popen = programs.start(
         [*LBR, "logs", "drive", "-f", "-n", "1"], env=environment(robot.home), stdout=subprocess.PIPE, text=True

@@ -333,6 +333,17 @@ def test_a_part_that_is_missing_in_the_rows_is_told_with_what_may_be_meant(robot
     assert err.value.code == "unknown_name"
 
 
+@pytest.mark.parametrize("word", ["t", "/t/30", "/twist/0.1/0/0"])
+def test_a_word_of_the_console_is_explained_by_what_it_asks(robots, word):
+    now = with_said(robots["lbr"], "drive/state", holder="page", code="held", reason="page drives")
+    assert explain(now, word).links[1].text == f"'{word.strip('/').partition('/')[0]}' asks 'drive'"
+    assert told(now, word) == told(now, "drive")
+
+
+def test_a_word_that_the_robot_itself_answers_holds_nothing(robots):
+    assert explain(robots["lbr"], "pair").state == "ok"
+
+
 def test_rows_that_make_no_robot_are_told_when_nothing_runs():
     now = Snapshot(facts=Facts(robot="lbr", problems=("capability lbr/drive: kind",)), executive="down")
     chain = explain(now, "")
