@@ -23,8 +23,12 @@ ENCODINGS = (
     zenoh.Encoding.APPLICATION_JSON, zenoh.Encoding.IMAGE_JPEG, zenoh.Encoding.ZENOH_BYTES, zenoh.Encoding.TEXT_PLAIN,
     zenoh.Encoding("application/json;charset=utf-16"), zenoh.Encoding("x" * 200), zenoh.Encoding("\u202e\x00"),
 )  # fmt: skip
-_STILL = {"power": 0.0, "angle_deg": 0}
-"""The only drive command with sense: what is thrown may be taken, and must never be why a motor turns."""
+_STILL: dict[str, dict[str, float]] = {
+    "command": {"power": 0.0, "angle_deg": 0},
+    "twist": {"vx_mps": 0.0, "vy_mps": 0.0, "wz_rps": 0.0},
+}
+"""The only drive commands with sense: what is thrown may be taken, and must never be why a motor turns."""
+_ASKING = ("power", "vx_mps", "vy_mps", "wz_rps")
 
 
 def messages(results: Results, n: int, dice: random.Random) -> None:
@@ -95,13 +99,17 @@ class Thrower:
         if "@estop/reset" in key or "@console" in key:
             return mutated(dice, b"stop", SPLINTERS)
         schema = self._schemas.get(key.replace(self._robot, f"{self._robot}/@schema", 1), {})
-        body = self._message(schema) if key != f"{self._robot}/drive/command" else dict(_STILL)
+        body = self._still(key) or self._message(schema)
         text = json.dumps(body).encode()
         return text if dice.random() < 0.3 and "/world/" not in key else self._spoiled(key, text)
 
     def _spoiled(self, key: str, text: bytes) -> bytes:
         worse = mutated(self._dice, text, SPLINTERS + NASTY + (b"{", b"[", b"[" * 2000, b'"', b":", b"1e999"), 3)
-        return worse if key != f"{self._robot}/drive/command" or not _drives(worse) else text
+        return worse if not self._still(key) or not _drives(worse) else text
+
+    def _still(self, key: str) -> dict[str, float]:
+        """Return the message by which a key of the drive moves nothing; empty for all other keys."""
+        return _STILL.get(key.removeprefix(f"{self._robot}/drive/"), {})
 
     def _message(self, schema: dict[str, object]) -> dict[str, object]:
         definitions = schema.get("$defs", {})
@@ -136,10 +144,10 @@ def _free_port() -> int:
 
 
 def _drives(payload: bytes) -> bool:
-    """Say whether a drive command still asks for power; whatever cannot be read asks for none."""
+    """Say whether a drive command still asks for motion; whatever cannot be read asks for none."""
     try:
         command = json.loads(payload)
-        return not isinstance(command, dict) or command.get("power", 1) != 0
+        return not isinstance(command, dict) or any(command.get(name, 0) != 0 for name in _ASKING)
     except (ValueError, RecursionError):
         return False
 
@@ -170,7 +178,7 @@ def _still_works(under_test: Bench) -> None:
     for line in ("reset", "enable", "s"):
         under_test.until(lambda line=line: robot.line(line)["code"] == 0, 5.0, line, every_s=0.1)
     under_test.all_ready()
-    robot.ask("drive/command", dict(_STILL))
+    robot.ask("drive/command", _STILL["command"])
     under_test.pass_time(0.6)
     moved = under_test.drive()
     moved.cease()

@@ -22,6 +22,7 @@ RECORDED_S = 0.3
 REST_S = 0.3
 HOUR_NS = 3_600_000_000_000
 AGES_NS = (0, 1, 1_000_000, 1_000_000_000, HOUR_NS)
+"""As far as the machine has run for so long: its clock begins at zero, and what is below is no date."""
 NUMBERS = (0, 1, 2**31, 2**32 + 1, 2**63 - 1)
 NO_NUMBERS = (-1, 2**63, 10**30, 1.5, None, "7", True)
 COMMAND = {"power": POWER, "angle_deg": ANGLES[0]}
@@ -68,7 +69,7 @@ def numbered(under_test: Bench) -> None:
     robot.ask("drive/stop", {}, source="numbers")
     under_test.pass_time(REST_S)
     with _nothing_turns(under_test, "F3", "an old command"):
-        old = _stamp(dice.choice(NUMBERS), before_ns - dice.choice(AGES_NS))
+        old = _stamp(dice.choice(NUMBERS), max(0, before_ns - dice.choice(AGES_NS)))
         _refused(under_test, "F3", "one from before the stop", _query(robot.bus, Message(key, payload, old)))
         robot.bus.put(key, payload, attachment=old)
     _query(robot.bus, Message(key, payload, _stamp(dice.choice(NO_NUMBERS))))  # is no stamp: new, and nobody's
