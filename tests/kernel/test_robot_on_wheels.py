@@ -8,11 +8,6 @@ from tests.support.mover import Mover
 from tests.support.usb import robots
 from tests.support.usb.rig import ARDUINO, ROBOTEQ, CdcAcm, by_id, on_line, until
 
-EDITS = (
-    f"UPDATE device SET address = 'usb:2341:0043:{ARDUINO.serial}' WHERE robot = 'lbr' AND name = 'range_board'",
-    "UPDATE capability SET settings = json_set(settings, '$.reply_timeout_s', 0.1) WHERE name = 'motors'",
-)
-"""The controller gets longer for its answers than a row allows by itself, since it is emulated beside the robot."""
 STILL_S = 2.0
 
 
@@ -27,12 +22,12 @@ def devices(service, place):
 
 @pytest.fixture(scope="module")
 def robot(service, place, devices):
-    with robots.running(service, place / "h", "motors", "ranges", "drive", edits=EDITS) as found:
+    with robots.running(service, place / "h", *robots.ON_WHEELS, edits=robots.ON_WHEELS_EDITS) as found:
         yield found
 
 
 def test_motors_and_ranges_are_ready_at_their_names(robot, record_property):
-    for name in ("motors", "ranges", "drive"):
+    for name in robots.ON_WHEELS:
         record_property(f"{name} ready after s", round(robots.ready(robot, name), 1))
 
 

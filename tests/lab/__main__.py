@@ -1,4 +1,4 @@
-"""`python -m tests.lab`: build the machine, run the tests of tests/kernel in it, show what came of them."""
+"""`python -m tests.lab`: build the machine, run the tests and the service in it, show what came of them."""
 
 import argparse
 import io
@@ -8,13 +8,21 @@ import time
 from pathlib import Path
 
 from tests.lab import __doc__ as about
-from tests.lab import image, table
+from tests.lab import image, service, table
 from tests.lab.machine import SNAPSHOT, Machine
 from tests.support import programs
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "lab"
-SENT = ("tests/__init__.py", "tests/conftest.py", "tests/support", "tests/kernel", "pyproject.toml", "robot.db.sql")
+SENT = (
+    "tests/__init__.py",
+    "tests/conftest.py",
+    "tests/support",
+    "tests/kernel",
+    "tests/lab",
+    "pyproject.toml",
+    "robot.db.sql",
+)
 """What of the source is wanted beside the wheel that is in it."""
 BATTERY_S = 7200.0
 PYTEST = "/opt/lbr/bin/python -m pytest -p no:cacheprovider -o faulthandler_timeout=3000 -o junit_family=xunit1 --junitxml=/tmp/battery.xml"
@@ -24,17 +32,19 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         prog="python -m tests.lab", description=about, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("what", choices=("build", "run", "table", "shell"))
+    parser.add_argument("what", choices=("build", "run", "service", "table", "shell"))
     parser.add_argument("tests", nargs="*", default=["tests/kernel"], help="for run: which of them; all if left out")
+    parser.add_argument("--cuts", type=int, default=50, help="for service: how often its power is cut (50)")
     parser.add_argument("--folder", type=Path, default=FOLDER, help="where the machine's files are (build/lab)")
     wanted = parser.parse_args()
     if wanted.what == "table":
         print(table.of((wanted.folder / "battery.xml").read_text()))
+        print(table.of_service(service.kept(wanted.folder)))
         return 0
     if why := image.why_not():
         print(f"no machine here: {why}", file=sys.stderr)
         return 2
-    return {"build": _build, "run": _run, "shell": _shell}[wanted.what](wanted)
+    return {"build": _build, "run": _run, "service": _service, "shell": _shell}[wanted.what](wanted)
 
 
 def _build(wanted: argparse.Namespace) -> int:
@@ -56,7 +66,7 @@ def _run(wanted: argparse.Namespace) -> int:
     machine = Machine(wanted.folder)
     try:
         back_s = machine.start(snapshot=True)
-        machine.run("mkdir -p /opt/lab && tar -C /opt/lab -xzf -", data=_packed())
+        _send(machine)
         began = time.monotonic()
         words = f"cd /opt/lab && {PYTEST} {' '.join(wanted.tests)}"
         done = machine.run(words, check=False, limit_s=BATTERY_S, show=True)
@@ -67,6 +77,29 @@ def _run(wanted: argparse.Namespace) -> int:
     print(table.of(xml.decode()))
     print(f"from the snapshot in {back_s:.0f} s, battery in {time.monotonic() - began:.0f} s of this machine's time")
     return done.returncode
+
+
+def _service(wanted: argparse.Namespace) -> int:
+    began = time.monotonic()
+    machine = Machine(wanted.folder)
+    scenes = []
+    try:
+        machine.start(snapshot=True)
+        for scene in service.play(machine, _send, wanted.cuts):
+            print(
+                f"{time.monotonic() - began:6.0f} s  {'passed' if scene.passed else 'FAILED'}  {scene.what}: {scene.seen}"
+            )
+            scenes.append(scene)
+            service.keep(wanted.folder, scenes)
+    finally:
+        machine.cut()
+    print(table.of_service(scenes))
+    return 0 if all(scene.passed for scene in scenes) else 1
+
+
+def _send(machine: Machine) -> None:
+    """Put the tests into the machine as they are here, beside the wheel that it has."""
+    machine.run("mkdir -p /opt/lab && tar -C /opt/lab -xzf -", data=_packed())
 
 
 def _shell(wanted: argparse.Namespace) -> int:

@@ -1,6 +1,9 @@
 """What came of the battery, as a table: out of the report that pytest writes."""
 
+from collections.abc import Sequence
 from xml.etree import ElementTree as ET
+
+from tests.lab.service import Scene
 
 
 def of(xml: str) -> str:
@@ -13,6 +16,13 @@ def of(xml: str) -> str:
         rows.append(f"| {name} | {_outcome(case)} | {seen or _why(case)} | {float(case.get('time', 0)):.1f} |")
     passed = sum(_outcome(case) == "passed" for case in cases)
     return "\n".join([*rows, "", f"{passed} of {len(cases)} passed"])
+
+
+def of_service(scenes: Sequence[Scene]) -> str:
+    """Return a row for each scene: what it was, whether it passed, what was seen."""
+    rows = ["| the service | | seen |", "|---|---|---|"]
+    rows += [f"| {one.what} | {'passed' if one.passed else '**failed**'} | {one.seen} |" for one in scenes]
+    return "\n".join([*rows, "", f"{sum(one.passed for one in scenes)} of {len(scenes)} passed"])
 
 
 def _outcome(case: ET.Element) -> str:

@@ -7,11 +7,17 @@ from pathlib import Path
 
 from tests.support import robot as robots
 from tests.support.robot import Robot, only
-from tests.support.usb.rig import Rig, as_user, given_to, until
+from tests.support.usb.rig import ARDUINO, Rig, as_user, given_to, until
 
 START_S = 300.0
 """On an emulated processor; a real one takes two seconds."""
 READY_S = 60.0
+ON_WHEELS = ("motors", "ranges", "drive")
+ON_WHEELS_EDITS = (
+    f"UPDATE device SET address = 'usb:2341:0043:{ARDUINO.serial}' WHERE robot = 'lbr' AND name = 'range_board'",
+    "UPDATE capability SET settings = json_set(settings, '$.reply_timeout_s', 0.1) WHERE name = 'motors'",
+)
+"""The controller gets longer for its answers than a row allows by itself, since it is emulated beside the robot."""
 
 
 @contextmanager
