@@ -11,15 +11,18 @@ from typing import Any, Generic, TypeVar
 from lbr.testing.device import Plugged, plugged
 from tests.support.usb.descriptors import Identity
 from tests.support.usb.device import Function, Played
+from tests.support.usb.i2c_function import TinyI2c
 from tests.support.usb.serial_function import CdcAcm, Ftdi, SerialFunction
 
 BY_ID = Path("/dev/serial/by-id")
+ADAPTORS = Path("/sys/class/i2c-adapter")
 NAMED_S = 60.0
 """The kernel asks a new device a dozen times before udev names it: a second, and much longer on an emulated processor."""
 F = TypeVar("F", bound=Function)
 
 ROBOTEQ = Identity(0x20D2, 0x1000, "Roboteq", "Motor Controller", device_class=(2, 0, 0))
 ARDUINO = Identity(0x2341, 0x0043, "Arduino (www.arduino.cc)", "", "75433313637351E0A1B2", 0x0001, (2, 0, 0))
+USB2AX = Identity(0x16D0, 0x06A7, "Xevelabs", "USB2AX", "64138323832351A0E061", device_class=(2, 0, 0))
 FT232R = Identity(0x0403, 0x6001, "FTDI", "FT232R USB UART", "A50285BI", 0x0600)
 
 
@@ -47,6 +50,25 @@ def on_line(
                 yield Rig(twin, function, cable)
         finally:
             function.finish()
+
+
+@contextmanager
+def adaptor(folder: Path, type_: str) -> Iterator[tuple[int, TinyI2c, Played]]:
+    """Plug in an I2C adaptor with an emulated device on its bus; give its number, its function and its cable."""
+    before = _adaptors()
+    with plugged(type_, folder, name=type_, scheme="unix:"):
+        bus = folder / type_
+        until(bus.exists, "the emulated bus")
+        function = TinyI2c(bus)
+        with Played(function) as cable:
+            until(lambda: _adaptors() - before, "an adaptor", NAMED_S)
+            (name,) = _adaptors() - before
+            until(lambda: Path(f"/dev/{name}").exists(), "its node", NAMED_S)
+            yield int(name.removeprefix("i2c-")), function, cable
+
+
+def _adaptors() -> set[str]:
+    return {one.name for one in ADAPTORS.iterdir()} if ADAPTORS.exists() else set()
 
 
 def by_id(identity: Identity) -> Path:
@@ -96,9 +118,11 @@ __all__ = [
     "ARDUINO",
     "FT232R",
     "ROBOTEQ",
+    "USB2AX",
     "CdcAcm",
     "Ftdi",
     "Rig",
+    "adaptor",
     "as_user",
     "by_id",
     "given_to",

@@ -1,0 +1,82 @@
+"""The humanoids as they ship, on servo buses of the kernel: every servo answers, a joint moves, a cable is pulled under way."""
+
+import time
+
+import pytest
+
+from tests.support.usb import robots
+from tests.support.usb.rig import FT232R, USB2AX, CdcAcm, Ftdi, by_id, on_line, until
+
+NEEDED = ("servos", "joints")
+JOINT = "left_shoulder_pitch"
+STILL_S = 1.0
+ANSWER_S = 20.0
+
+
+@pytest.fixture(scope="module", params=["bioloid", "uxa90"])
+def on_its_bus(request, service, place):
+    """A robot, the rig of its bus, the name that the kernel gives it, and how many servos it has."""
+    name = request.param
+    type_, made, identity = {
+        "bioloid": ("dynamixel", CdcAcm, USB2AX),
+        "uxa90": ("uxa90", Ftdi, FT232R),
+    }[name]
+    with (
+        on_line(type_, place, made, identity) as rig,
+        robots.running(service, place / name, *NEEDED, robot=name) as robot,
+    ):
+        yield robot, rig, by_id(identity)
+
+
+def joints(robot):
+    found = robot.ask("joints/state", timeout_s=ANSWER_S)
+    assert found is not None
+    return found
+
+
+def moved(robot, angle_deg):
+    """Move the joint and wait until it is there."""
+    said = robot.move(f"/j/{JOINT}/{angle_deg}", within_s=60.0)
+    assert said["cause"] == "done", said
+    return joints(robot)["joints"][JOINT]["position_rad"]
+
+
+def test_every_servo_answers_at_the_address_of_the_shipped_row(on_its_bus, record_property):
+    robot, _, _ = on_its_bus
+    robots.ready(robot, "servos")
+    until(
+        lambda: all(one["position_rad"] is not None for one in joints(robot)["joints"].values()), "all measured", 60.0
+    )
+    record_property("servos that answer", len(joints(robot)["joints"]))
+
+
+def test_a_joint_goes_where_it_is_told_to(on_its_bus, record_property):
+    robot, _, _ = on_its_bus
+    until(lambda: robot.say("/torque/on")["code"] == 0, "torque", 60.0)
+    before = moved(robot, 0)
+    after = moved(robot, 20)
+    record_property("measured way in rad", round(after - before, 2))
+    assert abs(after - before) == pytest.approx(0.349, abs=0.06)
+
+
+def test_a_cable_pulled_on_the_way_is_told_and_nothing_goes_on_when_it_is_back(on_its_bus, record_property):
+    robot, rig, name = on_its_bus
+    moved(robot, 0)
+    robot.say(f"/j/{JOINT}/60/10")
+    until(lambda: joints(robot)["moving"], "it moves", 20.0)
+    pulled = rig.cable.unplug()
+    _, reason = robots.degraded(robot, "servos")
+    record_property("told after s", round(time.monotonic() - pulled, 2))
+    assert "missing" in reason or "went away" in reason
+    until(lambda: not name.exists(), "its name gone", 60.0)
+    plugged = time.monotonic()
+    rig.cable.plug()
+    robots.ready(robot, "servos")
+    record_property("back after s", round(time.monotonic() - plugged, 2))
+    until(lambda: joints(robot)["joints"][JOINT]["position_rad"] is not None, "measured again", 60.0)
+    rests = joints(robot)["joints"][JOINT]["position_rad"]
+    end = time.monotonic() + STILL_S
+    while time.monotonic() < end:
+        state = joints(robot)
+        assert not state["moving"]
+        assert state["joints"][JOINT]["position_rad"] == pytest.approx(rests, abs=0.03), "the old motion goes on"
