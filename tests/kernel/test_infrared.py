@@ -1,16 +1,19 @@
 """The dock's beams by the kernel's own decoders: a loop-back receiver that hears what is sent, and one whose decoder is off."""
 
+import fcntl
 import json
+import os
+import struct
 from pathlib import Path
 
 import pytest
 
-from tests.support import programs
 from tests.support.usb import robots, vhci
 from tests.support.usb.rig import until
 
 RECEIVERS = Path("/sys/class/rc")
 CODES = {"left": 0x400021, "right": 0x400022, "power": 0x400024}
+SET_SEND_MODE, MODE_SCANCODE, SONY15 = 0x40046911, 8, 7
 EDIT = "UPDATE device SET address = '/dev/{}' WHERE robot = 'lbr' AND name = 'dock_receiver'"
 
 
@@ -40,7 +43,13 @@ def robot(loopback, service, place):
 
 
 def send(node: str, code: int) -> None:
-    programs.run(["ir-ctl", "-d", f"/dev/{node}", "-S", f"sony15:{code:#x}"], check=True, capture_output=True)
+    """Have the kernel send a scancode as pulses (linux/lirc.h)."""
+    sender = os.open(f"/dev/{node}", os.O_WRONLY)
+    try:
+        fcntl.ioctl(sender, SET_SEND_MODE, struct.pack("I", MODE_SCANCODE))
+        os.write(sender, struct.pack("=QHHIQ", 0, 0, SONY15, 0, code))
+    finally:
+        os.close(sender)
 
 
 def test_each_beam_is_seen_and_no_other(robot, loopback, record_property):

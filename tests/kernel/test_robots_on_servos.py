@@ -34,8 +34,15 @@ def joints(robot):
     return found
 
 
+def holds(robot):
+    """Say whether its joints have torque by now; asks for it."""
+    robot.say("/torque/on")
+    return joints(robot)["phase"] in {"holding", "following"}
+
+
 def moved(robot, angle_deg):
     """Move the joint and wait until it is there."""
+    until(lambda: holds(robot), f"torque; {joints(robot)['reason']}", 60.0, every_s=0.2)
     said = robot.move(f"/j/{JOINT}/{angle_deg}", within_s=60.0)
     assert said["cause"] == "done", said
     return joints(robot)["joints"][JOINT]["position_rad"]
@@ -52,7 +59,6 @@ def test_every_servo_answers_at_the_address_of_the_shipped_row(on_its_bus, recor
 
 def test_a_joint_goes_where_it_is_told_to(on_its_bus, record_property):
     robot, _, _ = on_its_bus
-    until(lambda: robot.say("/torque/on")["code"] == 0, "torque", 60.0)
     before = moved(robot, 0)
     after = moved(robot, 20)
     record_property("measured way in rad", round(after - before, 2))

@@ -6,6 +6,7 @@ Run from outside, because the machine goes off in between. What its motors get i
 import json
 import random
 import re
+import shlex
 import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -31,7 +32,7 @@ WantedBy=multi-user.target
 """
 UNIT = "lbr@lbr.service"
 AS_SERVICE = "cd / && LBR_HOME=/var/lib/lbr setpriv --reuid=lbr --regid=lbr --init-groups -- /opt/lbr/bin/lbr"
-DRIVES = f"{AS_SERVICE} send --hold 30 /r/0.3/90 >/tmp/drives 2>&1 </dev/null &"
+DRIVES = f"({AS_SERVICE} send --hold 30 /r/0.3/90) >/tmp/drives 2>&1 </dev/null &"
 WAIT_S = 1200.0
 OFF_S = 900.0
 STILL_S = 3.0
@@ -113,7 +114,7 @@ class Stage:
     def killed(self) -> str:
         """Kill the executive in motion."""
         self._in_motion()
-        at = self._now("kill -KILL $(systemctl show -P MainPID lbr@lbr)")
+        at = self._now(f"kill -KILL {self._property('MainPID')}")
         zero_s = self._zero_after(at)
         self._ready()
         self._still()
@@ -137,7 +138,7 @@ class Stage:
         self._in_motion()
         at = self._now(f"systemctl stop {UNIT}")
         zero_s = self._zero_after(at)
-        left = self.machine.run("pgrep -c -u lbr", check=False).stdout.decode().strip()
+        left = self.machine.run("pgrep -c -u lbr -f 'lbr run|lbr.capability'", check=False).stdout.decode().strip()
         if left != "0":
             raise SceneError(f"{left} processes of the robot are left")
         self._within(zero_s, ZERO_S)
@@ -199,6 +200,7 @@ class Stage:
             editing.stdout.close()
             self._whole(number, last)
             told += last
+            print(f"cut {number + 1} of {cuts}: {last} edits were told, all there", flush=True)
         return f"{cuts} cuts, seed {SEED}: {told} edits told as written, all there; every database whole"
 
     # -- what scenes are made of --------------------------------------------------------------------------------
@@ -266,8 +268,8 @@ class Stage:
 
     def _now(self, then: str = "true") -> float:
         """Return the machine's time since its start, right before it did something."""
-        read = "python3 -c 'import time; print(time.monotonic())'"
-        return float(self.machine.run(f"{read}; {then}", limit_s=WAIT_S).stdout.split()[0])
+        words = f"import os, time; print(time.monotonic(), flush=True); os.execlp('sh', 'sh', '-c', {then!r})"
+        return float(self.machine.run(f"python3 -c {shlex.quote(words)}", limit_s=WAIT_S).stdout.split()[0])
 
     def _property(self, name: str) -> str:
         return self.machine.run(f"systemctl show -P {name} {UNIT}").stdout.decode().strip()
