@@ -50,6 +50,8 @@ def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
     """Return what a copy holds, and whether it is good; without its digest, unless that is wanted."""
     at = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(path.stat().st_mtime))
     copy = Copy(number=number, path=str(path), kept_at=at)
+    if not path.is_file():  # a pipe without a writer would be waited for
+        return Copy(number=number, path=str(path), kept_at=at, fault=f"{path} is not a file")
     try:
         with sentences(path), closing(connect(path, changing=False)) as connection:
             if pragma(connection, "application_id") != APPLICATION_ID:

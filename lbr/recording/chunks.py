@@ -150,6 +150,11 @@ def head(data: Any, at: int, size: int) -> Span | None:
     start_ns, end_ns, plain, _crc, name = _CHUNK_HEAD.unpack_from(data, at + _RECORD.size)
     if length < _CHUNK_HEAD.size + 8 or at + _RECORD.size + length > size or plain > MOST_BYTES or name > 8:
         return None
+    if at + HEAD_BYTES + name + 8 > size:
+        return None
+    (packed,) = struct.unpack_from("<Q", data, at + HEAD_BYTES + name)
+    if length != _CHUNK_HEAD.size + name + 8 + packed:  # a damaged length would lead into the next chunk
+        return None
     return Span(at, _RECORD.size + length, start_ns, end_ns)
 
 

@@ -2,6 +2,7 @@
 
 import mmap
 import os
+import stat
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -174,6 +175,8 @@ class Recording:
 def opened(path: Path) -> Iterator[Recording]:
     """Open a recording for the time of a `with`; InputError if it cannot be read at all."""
     try:
+        if not stat.S_ISREG(path.stat().st_mode):  # a pipe without a writer would be waited for
+            raise InputError(f"{path} cannot be read: it is not a file")
         with path.open("rb") as file:
             if os.fstat(file.fileno()).st_size == 0:
                 yield Recording(path, b"")

@@ -1,5 +1,6 @@
 """The last good copies: kept when rows have run, put back on demand, and nothing is lost by either."""
 
+import os
 import sqlite3
 import subprocess
 import sys
@@ -127,6 +128,13 @@ def test_the_newest_copy_that_is_good_is_taken(damaged):
     assert copies.kept(damaged)[0].fault
     assert restore(damaged)[0] == damaged.with_name("robot.db.good-2")
     assert owner(damaged) == "somebody"
+
+
+def test_a_pipe_in_a_copys_place_keeps_nobody_waiting(damaged):
+    damaged.with_name("robot.db.good-1").replace(damaged.with_name("robot.db.good-2"))
+    os.mkfifo(damaged.with_name("robot.db.good-1"))
+    assert "is not a file" in copies.kept(damaged)[0].fault
+    assert restore(damaged)[0] == damaged.with_name("robot.db.good-2")
 
 
 def test_a_named_backup_is_put_back(path, tmp_path):

@@ -1,5 +1,6 @@
 """A recording that was cut anywhere, or whose bytes were flipped, gives all that is in its other chunks."""
 
+import os
 import random
 
 import pytest
@@ -72,6 +73,17 @@ def test_a_recording_cut_anywhere_keeps_every_chunk_before_the_cut(whole, tmp_pa
     found, damage = numbers_of(path)
     assert found == list(range(1, sum(end <= cut for end in ends) * PER_CHUNK + 1))
     assert damage.whole == (cut == len(content))
+
+
+def test_a_chunk_whose_length_is_wrong_takes_none_of_the_next(whole, tmp_path):
+    ends, content = whole
+    place = ends[2] + 1  # the lowest byte of the fourth chunk's length
+    for wrong in range(256):
+        hurt = bytearray(content)
+        hurt[place] = wrong
+        (tmp_path / "wrong.mcap").write_bytes(bytes(hurt))
+        found, _damage = numbers_of(tmp_path / "wrong.mcap")
+        assert set(range(1, 81)) - set(range(31, 41)) <= set(found), f"length {wrong}"
 
 
 @settings(max_examples=200, deadline=None)
@@ -169,3 +181,10 @@ def test_a_file_is_in_use_while_it_is_written(tmp_path):
     assert in_use(path)
     segment.finish()
     assert not in_use(path)
+
+
+def test_a_pipe_in_a_recordings_place_keeps_nobody_waiting(tmp_path):
+    os.mkfifo(tmp_path / "pipe.mcap")
+    damage = selection.Damage()
+    assert list(selection.messages([tmp_path / "pipe.mcap"], damage=damage)) == []
+    assert "it is not a file" in damage.files[0]
