@@ -158,7 +158,7 @@ def pub(topic: str, message: str, whom: Whom, rate: float, count: int) -> int:
 
     try:
         payload = msgspec.json.decode(message)
-    except msgspec.DecodeError as err:
+    except (msgspec.DecodeError, UnicodeError) as err:
         raise InputError(f"the message is not JSON: {err}") from None
     found = target.find(*whom)
     name, source = found.robot, target.source("lbr topic")

@@ -84,12 +84,11 @@ def _heard(found: "Target", part: str) -> "Chain | None":
 
     from lbr.bus import keys, wire  # noqa: PLC0415
     from lbr.console import target  # noqa: PLC0415
+    from lbr.console.printable import clean  # noqa: PLC0415
     from lbr.messages.system import ConsoleResult  # noqa: PLC0415
     from lbr.messages.why import Chain  # noqa: PLC0415
 
-    if "/" in part or "\n" in part:
-        raise InputError(f"'{part}' is not a part; a part is a name such as drive", "unknown_name")
-    line, source, answered = f"/why/{part}" if part else "why", target.source("lbr why"), threading.Event()
+    line, source, answered = clean(f"why {part}"), target.source("lbr why"), threading.Event()
     with target.connected(found) as bus:
         question = wire.PendingQuery(
             bus,

@@ -97,6 +97,8 @@ def certificate_at(endpoint: str) -> bytes:
         raise AbsentError(f"no robot answers at {shown(endpoint)} within {HANDSHAKE_S:g} s") from err
     except socket.gaierror as err:
         raise AbsentError(f"there is no machine '{shown(host)}' ({err.strerror})") from err
+    except UnicodeError as err:  # an empty or too long part between dots, bytes that are no text
+        raise InputError(f"'{shown(host)}' is no name or address of a machine") from err
     except OSError as err:
         raise AbsentError(f"nothing listens at {shown(endpoint)} ({err.strerror or err})") from err
 

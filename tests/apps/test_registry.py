@@ -107,6 +107,25 @@ def test_a_list_is_for_those_with_a_token_and_a_forged_service_gets_none(tmp_pat
         asking.ask("http://localhost:1", token, "GET")
 
 
+@pytest.mark.parametrize(
+    "url",
+    [
+        "https://[::1",
+        "https://x:99999",
+        "https://x:y",
+        "https://a b/",
+        "https://192.168..5",
+        "https://.a",
+        "https://\udcff",
+        f"https://{'a' * 80}.b",
+        "https://",
+    ],
+)
+def test_what_is_no_address_is_told_as_that(url):
+    with pytest.raises(InputError, match=r"is no (name or )?address of a"):
+        asking.ask(url, tokens.parse(f"me.{'x' * 43}.{'y' * 22}"), "GET")
+
+
 @given(st.binary(max_size=300))
 def test_whatever_a_service_answers_is_a_sentence(answer):
     """What it says is never trusted: a list that is none, a reason that moves the cursor."""

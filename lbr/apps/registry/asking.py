@@ -25,10 +25,14 @@ def ask(
     url: str, token: Token, method: Literal["GET", "POST", "DELETE"], body: bytes = b"", *, within_s: float = ANSWER_S
 ) -> bytes:
     """Return what the service answers; NotTakenError if it says no, BusError if it is not there or is another."""
-    where = urlsplit(url)
-    if where.scheme != "https" or not where.hostname:
+    try:
+        where = urlsplit(url)
+        scheme, host, port = where.scheme, where.hostname, where.port or 443
+        connection = http.client.HTTPSConnection(host or "", port, timeout=within_s, context=_whichever())
+    except (ValueError, http.client.InvalidURL):
+        scheme, host = "", None
+    if scheme != "https" or not host:
         raise InputError(f"'{url[:80]}' is no address of a registry; addresses look like https://HOST:9147")
-    connection = http.client.HTTPSConnection(where.hostname, where.port or 443, timeout=within_s, context=_whichever())
     try:
         connection.connect()
         _check(connection, url, token)
@@ -36,6 +40,8 @@ def ask(
         connection.request(method, PATH, body=body or None, headers=headers)
         answer = connection.getresponse()
         said = answer.read(LARGEST_BYTES)
+    except UnicodeError as err:  # an empty or too long part between dots, bytes that are no text
+        raise InputError(f"'{host[:80]}' is no name or address of a machine") from err
     except (OSError, http.client.HTTPException) as err:
         raise BusError(f"the registry at {url} cannot be reached ({err or type(err).__name__})") from err
     finally:
