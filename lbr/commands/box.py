@@ -169,11 +169,13 @@ def delete(what: tuple[str, ...], robot: str | None) -> int:
     from lbr.recording import selection  # noqa: PLC0415
 
     _name, place = of_robot(robot)
+    if "" in what:  # as an unset variable of a shell is: it means the box where something is shown
+        raise InputError("nothing is named that is to be deleted; 'lbr box list' shows what there is")
     chosen = [(one, selection.choose(place, one)) for one in what]
+    folders = {one.path.name: one.path for one in place.kept()}
     code = 0
     for name, one in chosen:
-        kept = place.kept_folder / name
-        own = [kept] if name and kept.is_dir() else list(one.files)
+        own = [folders[name]] if name in folders else list(one.files)
         if any(place.box not in path.parents and place.recordings_folder not in path.parents for path in own):
             raise InputError(f"'{name}' is a file of another; delete it yourself")
         left = [path for path in own if not place.delete(path)]

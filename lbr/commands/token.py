@@ -5,8 +5,10 @@ import json
 import os
 import re
 import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 import click
 
@@ -73,17 +75,15 @@ def add(name: str, role: str, good_for: str, expires: str | None, path: Path | N
         what = "a host" if role == "host" else "--file"
         raise InputError(f"{what} comes in by the bus, and this token would be good for the web alone: --for both")
     ends = _end(expires) if expires is not None else None
-    if path is not None and path.exists():
-        raise InputError(f"{path} exists already; name another file, or remove it")
-    with _opened(database) as rows:
+    with _opened(database) as rows, _new_file(path) as file:
         door = msgspec.convert(good_for, GoodFor)
         token = credentials.new_token(rows, name, msgspec.convert(role, TokenRole), good_for=door, ends=ends).token
         listen = _listens(rows)
-    endpoints = _endpoints(listen)
-    click.echo(str(token))
-    if path is not None:
-        _write_configuration(path, token, endpoints)
-        click.echo(f"{path} lets a Zenoh client in; it is as secret as the token", err=True)
+        endpoints = _endpoints(listen)
+        click.echo(str(token))
+        if file is not None:
+            _write_configuration(file, token, endpoints)
+            click.echo(f"{path} lets a Zenoh client in; it is as secret as the token", err=True)
     if good_for == "web":
         return 0
     _tell_how(endpoints, f"agent {name}" if role == "host" else "console", on=bool(listen))
@@ -187,7 +187,27 @@ def _addresses() -> list[str]:
     return [address for address in every if not address.startswith("127.")] or ["127.0.0.1"]
 
 
-def _write_configuration(path: Path, token: "Token", endpoints: list[str]) -> None:
+@contextmanager
+def _new_file(path: Path | None) -> Iterator[TextIO | None]:
+    """Open a file that is not there yet, before anything is made that it is for; it is gone again if that fails."""
+    if path is None:
+        yield None
+        return
+    try:
+        opened = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+    except FileExistsError:
+        raise InputError(f"{path} exists already; name another file, or remove it") from None
+    except OSError as err:
+        raise InputError(f"{path} cannot be written ({err.strerror}): name another file") from err
+    try:
+        with os.fdopen(opened, "w") as file:
+            yield file
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
+
+
+def _write_configuration(file: TextIO, token: "Token", endpoints: list[str]) -> None:
     from lbr.bus.session import client_settings  # noqa: PLC0415
     from lbr.executive.planning import credentials  # noqa: PLC0415
 
@@ -195,8 +215,7 @@ def _write_configuration(path: Path, token: "Token", endpoints: list[str]) -> No
     pem = certificate.read_text(encoding="ascii")
     # each address once: a time to go on trying would all be spent on the first, which may lead nowhere from there
     settings = client_settings(endpoints, token.credentials, certificate=pem, timeout_s=0.0)
-    with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), "w") as file:
-        json.dump(settings, file, indent=2)
+    json.dump(settings, file, indent=2)
 
 
 def _tell_how(endpoints: list[str], what: str, *, on: bool) -> None:

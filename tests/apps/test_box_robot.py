@@ -148,6 +148,9 @@ def test_what_it_holds_is_written_and_deleted_by_name(robot):
     assert lbr(robot.home, "box", "export", "walk", "--mcap", str(out / "walk.mcap")).returncode == 0
     assert lbr(robot.home, "box", "delete", "walk").returncode == 0
     assert lbr(robot.home, "box", "show", "walk").returncode == 2
+    files = len(shelf(robot).files())
+    unset = lbr(robot.home, "box", "delete", "")
+    assert (unset.returncode, "nothing is named" in unset.stderr, len(shelf(robot).files()) >= files) == (2, True, True)
     done = lbr(robot.home, "box", "delete", "box")
     assert done.returncode == 0
     assert len(shelf(robot).files()) == 1, "the one that is being written stays"

@@ -111,6 +111,7 @@ def test_an_end_beyond_all_dates_makes_no_token(lbr, ends):
         (("--for", "web", "--role", "host"), "a host comes in by the bus"),
         (("--for", "web", "--file", "phone.json5"), "--file comes in by the bus"),
         (("--file", "{home}/robot.db"), "robot.db exists already; name another file"),
+        (("--file", "{home}/none/phone.json5"), "none/phone.json5 cannot be written (No such file or directory)"),
     ],
 )
 def test_what_goes_together_in_no_token_is_refused_before_one_is_made(lbr, tmp_path, words, why):
