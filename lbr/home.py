@@ -160,7 +160,7 @@ def running() -> list[Running]:
     for path in filter(Path.is_file, sorted(run.glob("*.json"))):
         try:
             robot = msgspec.json.decode(path.read_bytes(), type=Running)
-        except (OSError, msgspec.DecodeError):
+        except (OSError, msgspec.DecodeError, UnicodeDecodeError):
             continue
         if _is_locked(path.with_suffix(".lock")):
             found.append(robot)

@@ -397,6 +397,41 @@ def test_the_server_for_people_says_lines_on_keys_of_its_own():
     assert not wrong, f"{', '.join(wrong)}: use keys.console_of_pages, here and in its rights"
 
 
+def blind_to_bytes(source: str) -> list[int]:
+    """Return the lines that await what msgspec says of JSON, and not what it says of bytes that are no text."""
+    awaited = {"msgspec.DecodeError", "msgspec.MsgspecError"}
+    enough = {"UnicodeDecodeError", "UnicodeError", "ValueError", "Exception"}
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Try):
+            types = [one for handler in node.handlers if handler.type is not None for one in flat(handler.type)]
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("suppress"):
+            types = node.args
+        else:
+            continue
+        names = {ast.unparse(one) for one in types}
+        if names & awaited and not names & enough:
+            found.append(node.lineno)
+    return found
+
+
+def flat(node: ast.expr) -> list[ast.expr]:
+    return node.elts if isinstance(node, ast.Tuple) else [node]
+
+
+@pytest.mark.parametrize("paths", by_package(MODULES))
+def test_who_reads_json_awaits_bytes_that_are_no_text(paths):
+    """Within a string msgspec lets Python's own error for them through, which is none of its own."""
+    wrong = [f"{dotted(path)}:{line}" for path in paths for line in blind_to_bytes(text(path))]
+    assert not wrong, f"{', '.join(wrong)}: name UnicodeDecodeError besides"
+
+
+def test_the_check_sees_who_does_not_await_them():
+    assert blind_to_bytes("try:\n    f()\nexcept (OSError, msgspec.DecodeError):\n    pass") == [1]
+    assert blind_to_bytes("with suppress(msgspec.MsgspecError):\n    f()") == [1]
+    assert not blind_to_bytes("try:\n    f()\nexcept (msgspec.DecodeError, UnicodeDecodeError):\n    pass")
+
+
 def loaded_after(*modules: str) -> list[str]:
     script = "import sys, json, importlib\nfor name in json.loads(sys.argv[1]): importlib.import_module(name)\n"
     script += "print(json.dumps(sorted({name.split('.')[0] for name in sys.modules})))"

@@ -218,6 +218,8 @@ def test_a_record_that_is_no_file_says_nothing_and_keeps_nobody_waiting(monkeypa
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
     os.mkfifo(home.directory("run") / "lbr.json")
     assert home.running() == []
+    (home.directory("run") / "bioloid.json").write_bytes(b'{"robot": "\xff"}')
+    assert home.running() == []
     os.mkfifo(home.directory("run") / "lbr.estop")
     assert Latch(home.directory("run") / "lbr.estop").reason() == UNREADABLE
 

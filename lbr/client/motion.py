@@ -105,7 +105,7 @@ class Motion:
 
     def _hear(self) -> None:
         for raw in self._results.take():
-            with suppress(msgspec.DecodeError):
+            with suppress(msgspec.DecodeError, UnicodeDecodeError):
                 self._client.hear(msgspec.json.decode(raw.payload, type=GoalResult))
         self._client.step()
 

@@ -64,7 +64,7 @@ def snapshot(found: "Moment") -> "Snapshot":
         raise InputError("the rows of then are not in the recording, and without them nothing can be explained")
     try:
         facts = msgspec.json.decode(found.rows.facts, type=Facts)
-    except msgspec.DecodeError as err:
+    except (msgspec.DecodeError, UnicodeDecodeError) as err:
         raise InputError(f"the rows of then are of another version: {err}") from None
     return Snapshot(
         facts=facts,

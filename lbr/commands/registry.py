@@ -94,7 +94,7 @@ def list_robots(url: str, token_file: Path | None, as_json: bool) -> int:
     said = asking.ask(url, _token(token_file), "GET")
     try:
         found = msgspec.json.decode(said, type=tuple[Listed, ...])
-    except msgspec.DecodeError as err:
+    except (msgspec.DecodeError, UnicodeDecodeError) as err:
         raise InputError(f"{url} does not answer as a registry does ({err})", "malformed") from err
     if as_json:
         print_json(found)

@@ -150,7 +150,7 @@ class Stage:
         try:
             said = msgspec.json.decode(one.data)
             return msgspec.json.encode(said | {"robot": self._robot})
-        except (msgspec.DecodeError, TypeError):
+        except (msgspec.DecodeError, UnicodeDecodeError, TypeError):
             return one.data
 
     def _describe(self, channel: "Channel") -> None:

@@ -31,7 +31,7 @@ def ports(robot: str, rows: Iterable[CapabilityRow]) -> Iterator[Finding]:
         if row.kind == KIND and row.enabled:
             try:
                 place = msgspec.json.decode(row.settings, type=Place)
-            except msgspec.DecodeError as err:
+            except (msgspec.DecodeError, UnicodeDecodeError) as err:
                 text = f"the row's settings say no host and port to listen at: {err}"
                 yield Finding(about=f"port of '{row.name}'", level="bad", text=text, do="lbr db check")
             else:

@@ -54,7 +54,7 @@ def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> Edit:
             raise InputError(f"rows of '{shown(table)}' are not for it to write; it may {_listed(tables)}", "denied")
         try:
             rows += msgspec.json.decode(found, type=list[tables[table]])  # type: ignore[valid-type]
-        except msgspec.MsgspecError as err:
+        except (msgspec.MsgspecError, UnicodeDecodeError) as err:
             raise InputError(f"malformed edit: {table}: {err}", "malformed") from err
     return Edit(rows=tuple(rows), create=command.create, revision=command.revision, by=command.by)
 

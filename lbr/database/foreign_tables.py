@@ -53,6 +53,8 @@ def of_database(content: bytes) -> ForeignTables:
 
 def of_sql(text: str) -> ForeignTables:
     """Return the rows of every table that a dump makes; InputError says what it asks for that is not done."""
+    if "\0" in text:
+        raise InputError("it is no SQL that could be read: it has a NUL character in it")
     with _memory("it is no SQL that could be read") as connection:
         connection.set_authorizer(_Making())
         connection.executescript(text)

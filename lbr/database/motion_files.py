@@ -65,7 +65,7 @@ def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
         return reader(content)
     try:
         return msgspec.json.decode(content, type=MotionFile)
-    except (msgspec.DecodeError, RecursionError) as err:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as err:
         others = "".join(f", {suffix} ({one.summary})" for suffix, one in sorted(registry.motion_formats().items()))
         raise InputError(f"it is not a motion: {err}. Motions are in JSON{others}") from err
 

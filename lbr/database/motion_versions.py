@@ -73,7 +73,7 @@ def _motion(values: Mapping[tuple[str, ...], dict[str, Any]], name: str) -> Moti
     try:
         rows = [_row(value, MotionRow) for (table, *_), value in values.items() if table == MotionRow.TABLE]
         steps = [_row(value, MotionStep) for (table, *_), value in values.items() if table == MotionStep.TABLE]
-    except (msgspec.ValidationError, msgspec.DecodeError):
+    except (msgspec.ValidationError, msgspec.DecodeError, UnicodeDecodeError):
         return None
     found = motions_of(rows, sorted(steps, key=lambda step: step.step))
     return next((one for one in found if one.name == name), None)

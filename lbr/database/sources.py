@@ -57,6 +57,8 @@ def wanted(source: Path, database: Path, robot: str | None = None) -> past.Wante
         raise InputError(
             f"{source} is neither SQL nor a robot's database, but other bytes: at byte {err.start}"
         ) from err
+    if "\0" in script:
+        raise InputError(f"{source} is neither SQL nor a robot's database: it has a NUL character in it")
 
     def by_sql(tables: RawTables, schema: Schema, _at: past.At) -> tuple[past.Step, ...]:
         return past.steps(tables, _run(source, script, database), schema, robot)

@@ -73,9 +73,12 @@ def account() -> str:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as err:
         raise InputError(f"{path} is no SQL, but bytes that are no text: {err.reason} at byte {err.start}") from err
+    if "\0" in text:
+        raise InputError(f"{path} is no SQL: it has a NUL character in it")
+    return text
 
 
 def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ()) -> tuple[str, ...]:

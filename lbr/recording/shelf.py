@@ -164,7 +164,7 @@ def size_of(files: Iterable[Path]) -> int:
 def _incident(folder: Path) -> Incident | None:
     try:
         return msgspec.json.decode((folder / INCIDENT).read_bytes(), type=Incident)
-    except (OSError, msgspec.DecodeError):
+    except (OSError, msgspec.DecodeError, UnicodeDecodeError):
         return None
 
 

@@ -328,12 +328,26 @@ def test_a_reader_that_is_gone_ends_it_quietly(home, arguments):
 
 
 @pytest.mark.parametrize("arguments", [("run", "{file}", "--no-console"), ("db", "init", "--sql", "{file}")], ids=named)
-def test_a_file_of_bytes_that_are_no_text_is_named(lbr, tmp_path, arguments):
+@pytest.mark.parametrize("content", [b"robot = '\xbf\xff'", b"SELECT 1;\0"])
+def test_a_file_of_bytes_that_are_no_text_is_named(lbr, tmp_path, arguments, content):
     file = tmp_path / "robot-sim.toml"
-    file.write_bytes(b"robot = '\xbf\xff'")
+    file.write_bytes(content)
     code, _, err = lbr(*(one.format(file=file) for one in arguments))
     assert code == 2
     assert str(file) in err
+
+
+@pytest.mark.parametrize("host", ["192.168..5", ".a", f"{'a' * 80}.b", "\udcff"])
+def test_a_name_that_no_machine_can_have_is_told_as_that(lbr, host):
+    code, _, err = lbr("send", "help", "--connect", f"tls/{host}:7447")
+    assert code == 2
+    assert "is no name or address of a machine" in err
+
+
+def test_a_message_of_bytes_that_are_no_text_is_told(lbr):
+    code, _, err = lbr("topic", "pub", "drive/command", '{"power": "\udcff"}')
+    assert code == 2
+    assert "the message is not JSON" in err
 
 
 def test_a_database_whose_name_leaves_no_room_for_one_beside_it_is_told(lbr, tmp_path):

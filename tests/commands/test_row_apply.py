@@ -89,6 +89,7 @@ def test_apply_writes_all_in_one_change_that_says_who_and_from_what(path, sql):
         ("BEGIN; DELETE FROM phrase;", "its transaction has no end"),
         ("DELETE FROM phr", "line 1: no such table: phr"),
         ("\udcff", "neither SQL nor a robot's database"),
+        ("DELETE FROM channel;\0", "neither SQL nor a robot's database: it has a NUL character in it"),
         (
             "PRAGMA foreign_keys = OFF; INSERT INTO channel (robot, source, target) VALUES ('none', 'a.b', 'c.d')",
             "a row of channel would refer to a row of robot that is not there",

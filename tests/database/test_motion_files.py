@@ -175,6 +175,7 @@ def test_what_was_exported_is_read_back(rows):
         ),
         (b'{"format": "lbr-motion", "robot": "uxa90", "more": 1}', "more"),
         (b"{" * 5000, "it is not a motion"),
+        (b'{"format": "lbr-motion", "robot": "\xff"}', "it is not a motion"),
         (b"{" + b" " * LARGEST_BYTES, "bytes"),
     ],
 )

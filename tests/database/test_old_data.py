@@ -123,6 +123,11 @@ def test_a_dump_only_makes_tables_and_fills_them_with_what_it_says(more):
         foreign_tables.of_sql(f"CREATE TABLE a (x); INSERT INTO a VALUES {rows}; {more}")
 
 
+def test_a_dump_with_a_nul_in_it_is_refused():
+    with pytest.raises(InputError, match="NUL"):
+        foreign_tables.of_sql("CREATE TABLE a (x);\0")
+
+
 def test_a_dump_has_no_more_than_a_moment_and_a_little_room(monkeypatch):
     begun = "CREATE TABLE a (x);"
     one = f"INSERT INTO a VALUES (replace('{'a' * 1000}', 'a', '{'b' * 900}'));"

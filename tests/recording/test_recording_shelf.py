@@ -67,6 +67,6 @@ def test_a_file_that_is_being_written_is_not_deleted(tmp_path):
 def test_why_something_was_kept_may_be_unreadable(tmp_path):
     place = Shelf(tmp_path, "lbr")
     place.keep("one", WHY, filled(place, 1))
-    (place.kept_folder / "one" / "incident.json").write_bytes(b"\xff")
+    (place.kept_folder / "one" / "incident.json").write_bytes(b'{"text": "\xff"}')
     assert place.kept()[0].why is None
     assert place.prune_kept(0, 0.0, 0.0) == []

@@ -64,7 +64,7 @@ def test_another_token_knows_no_session_and_the_file_is_no_way_in(path, clock):
         assert not knows(Sessions(path, KEY, clock), mark)
 
 
-@pytest.mark.parametrize("content", [b"", b"{", b"[]", b'{"x": "y"}', b'{"x": 9e999}', b"\xff"])
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b'{"x": "y"}', b'{"x": 9e999}', b"\xff", b'{"\xff": 1}'])
 def test_a_file_that_is_broken_holds_no_session(path, clock, content):
     path.write_bytes(content)
     sessions = Sessions(path, KEY, clock)

@@ -512,7 +512,7 @@ def _edited(row: type[R], before: Iterable[R], message: RowsChanged) -> list[R]:
         gone = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[Any, ...]]))
         told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[Any])
         new = [msgspec.convert(one, row) for one in told]
-    except (msgspec.MsgspecError, TypeError) as err:
+    except (msgspec.MsgspecError, UnicodeDecodeError, TypeError) as err:
         raise InputError(f"rows of {row.TABLE} cannot be read: {err}", "malformed") from err
     found = {one.key: one for one in before if one.key not in gone}
     return list((found | {one.key: one for one in new}).values())

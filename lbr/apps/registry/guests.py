@@ -78,7 +78,7 @@ class Guests:
             ownership.refuse(ownership.faults(self.path, secret=True))
             try:
                 self._known = msgspec.json.decode(self.path.read_bytes(), type=dict[str, Guest])
-            except (OSError, msgspec.DecodeError) as err:
+            except (OSError, msgspec.DecodeError, UnicodeDecodeError) as err:
                 raise InputError(f"{self.path} cannot be read ({err}): remove it, and give new tokens") from err
             self._read = (found.st_mtime_ns, found.st_ino)
         return self._known

@@ -85,7 +85,7 @@ class Sessions:
     def _read(self) -> dict[str, float]:
         try:
             self._ends = msgspec.json.decode(self._path.read_bytes(), type=dict[str, float])
-        except (OSError, msgspec.DecodeError):
+        except (OSError, msgspec.DecodeError, UnicodeDecodeError):
             return {}
         return self._living()
 

@@ -141,7 +141,7 @@ class LiveRows:
                 if read.row in kind.learns and read.row.TABLE in told:
                     rows = _whole(read.row, told[read.row.TABLE], known)
                     found += read_by(read, kind.parse(bytes(config.settings)), rows)
-        except msgspec.MsgspecError as err:
+        except (msgspec.MsgspecError, UnicodeDecodeError) as err:
             self._happened("refused", name, f"what it has learnt cannot be written down: {err}", "warning")
             return ()
         return tuple(found)

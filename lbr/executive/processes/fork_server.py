@@ -155,7 +155,7 @@ class ForkServer:
         try:
             content = self._link.recv(LARGEST)
             said = msgspec.json.decode(content, type=Said) if content else None
-        except (OSError, msgspec.MsgspecError):
+        except (OSError, msgspec.MsgspecError, UnicodeDecodeError):
             said = None
         if said is None:
             self._end()

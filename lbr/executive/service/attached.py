@@ -24,6 +24,6 @@ def look(robot: str, database: Path) -> Any:
         raise InputError(f"'lbr devices' cannot be started: {err.strerror}", "failed") from err
     try:
         return msgspec.json.decode(done.stdout)
-    except msgspec.DecodeError:
+    except (msgspec.DecodeError, UnicodeDecodeError):
         why = " ".join(done.stderr.decode(errors="replace").split())[-LONGEST_TEXT:]
         raise InputError(f"'lbr devices' failed: {why or f'exit code {done.returncode}'}", "failed") from None

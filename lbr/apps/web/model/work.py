@@ -78,7 +78,7 @@ class Work:
     def _hear(self, line: bytes) -> None:
         try:
             said = msgspec.json.decode(line, type=Said)
-        except msgspec.DecodeError as err:
+        except (msgspec.DecodeError, UnicodeDecodeError) as err:
             said = NotDone(reason=f"what the process said cannot be read: {err}")
         if isinstance(said, Progress):
             self.part = said.part

@@ -80,7 +80,7 @@ def build(place: Traversable | None = None) -> str:
     kept = (place or resources.files(__package__) / "dist") / MANIFEST
     try:
         return msgspec.json.decode(kept.read_bytes(), type=_Manifest).sources[:16]
-    except (OSError, msgspec.MsgspecError):
+    except (OSError, msgspec.MsgspecError, UnicodeDecodeError):
         return ""
 
 
