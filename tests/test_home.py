@@ -95,6 +95,13 @@ def test_a_folder_for_sockets_that_a_stranger_made_first_is_refused(place, share
         home.socket_path("lbr")
 
 
+@pytest.mark.parametrize("content", [b"\xff\xfe", b"-----BEGIN CERTIFICATE-----\n\xff\n-----END CERTIFICATE-----\n"])
+def test_a_certificate_that_is_damaged_is_told(place, content):
+    (place / "credentials" / "bus.crt").write_bytes(content)
+    with pytest.raises(InputError, match=r"bus\.crt has no certificate in it"):
+        credentials.certificate_der()
+
+
 @pytest.mark.parametrize(
     ("name", "use"),
     [

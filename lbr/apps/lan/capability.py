@@ -1,7 +1,6 @@
 """The door as a process: opens its router, sees that it routes, and tells who comes and goes."""
 
 import secrets
-import ssl
 import time
 from collections import deque
 from pathlib import Path
@@ -12,7 +11,7 @@ from lbr.apps.lan import LanSettings, rights
 from lbr.apps.lan.doorman import Doorman
 from lbr.apps.lan.passage import Passage, Standstill
 from lbr.apps.lan.relay import Relay
-from lbr.bus import keys, session, tokens, wire
+from lbr.bus import certificates, keys, session, tokens, wire
 from lbr.bus.access import Credentials
 from lbr.bus.door import LanConfig, LanUser
 from lbr.bus.library_log import ACCEPTED, LibraryLog
@@ -170,8 +169,7 @@ class Lan(Capability[LanSettings]):
     def _certified(self) -> str:
         if not any(endpoint.startswith("tls/") for endpoint in self._lan.listen):
             return ""
-        der = ssl.PEM_cert_to_DER_cert(Path(self._lan.certificate).read_text(encoding="ascii"))
-        return f" with certificate {tokens.fingerprint(der)}"
+        return f" with certificate {tokens.fingerprint(certificates.first_der(Path(self._lan.certificate)))}"
 
     def _tell_unproven(self) -> None:
         for user in self._lan.users:

@@ -12,7 +12,6 @@ import unicodedata
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
-from ssl import PEM_cert_to_DER_cert
 
 from msgspec import Struct
 
@@ -51,7 +50,7 @@ def bus_certificate() -> tuple[Path, Path]:
 
 def certificate_der() -> bytes:
     """Return the certificate of the bus, which is the web server's as well unless the owner gave it one."""
-    return PEM_cert_to_DER_cert(bus_certificate()[1].read_text(encoding="ascii"))
+    return certificates.first_der(bus_certificate()[1])
 
 
 def fingerprint_shown() -> str:
