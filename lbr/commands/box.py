@@ -167,6 +167,7 @@ def export(
 def delete(what: tuple[str, ...], robot: str | None) -> int:
     """Delete WHAT: what the box kept or a recording, by name; box for all of its own files but the one it writes."""
     from lbr.recording import selection  # noqa: PLC0415
+    from lbr.recording.segments import in_use  # noqa: PLC0415
 
     _name, place = of_robot(robot)
     if "" in what:  # as an unset variable of a shell is: it means the box where something is shown
@@ -179,10 +180,19 @@ def delete(what: tuple[str, ...], robot: str | None) -> int:
         if any(place.box not in path.parents and place.recordings_folder not in path.parents for path in own):
             raise InputError(f"'{name}' is a file of another; delete it yourself")
         left = [path for path in own if not place.delete(path)]
+        written = [path for path in left if path.is_file() and in_use(path)]
         for path in left:
-            click.echo(f"{path.name} is being written, and stays", err=True)
-        code = code or (1 if left and one.name != selection.BOX else 0)
-        click.echo(f"deleted {one.name}" if len(left) < len(own) or not own else f"{one.name}: nothing to delete")
+            why = (
+                "is being written, and stays"
+                if path in written
+                else "cannot be deleted: look at the disk and its rights"
+            )
+            click.echo(f"{path.name} {why}", err=True)
+        code = code or (1 if left and (one.name != selection.BOX or left != written) else 0)
+        if len(left) < len(own) or not own:
+            click.echo(f"deleted {one.name}")
+        elif left == written:
+            click.echo(f"{one.name}: nothing to delete")
     return code
 
 

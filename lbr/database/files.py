@@ -55,6 +55,10 @@ def _refuse(path: Path, faults: Iterable[Fault]) -> None:
 
 
 def _unwritable(path: Path, found: os.stat_result) -> str:
+    if os.statvfs(path).f_flag & os.ST_RDONLY:  # as Linux makes it when the disk or card fails
+        return (
+            "is on a file system that is read-only: `dmesg` tells why, `mount -o remount,rw` undoes it on a sound disk"
+        )
     if not found.st_mode & 0o200 or not os.access(path, os.R_OK | os.W_OK):
         return f"is read-only for you (mode {found.st_mode & 0o777:04o}): `chmod u+rw` it"
     if not os.access(path.absolute().parent, os.W_OK | os.X_OK):

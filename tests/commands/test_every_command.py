@@ -3,6 +3,7 @@
 They run in this process, as `lbr` runs them, unless their standard streams matter.
 """
 
+import errno
 import json
 import os
 from contextlib import closing
@@ -361,3 +362,18 @@ def test_what_was_typed_moves_no_cursor_when_it_is_repeated(lbr):
     assert "'?[2J? name'" in err or "'?[2J?" in err
     assert err.isascii()
     assert all(c.isprintable() or c == "\n" for c in err)
+
+
+def test_a_recording_that_cannot_be_deleted_is_not_called_written(capfd, home, monkeypatch):
+    place = home / "recordings" / "lbr"
+    place.mkdir(parents=True)
+    (place / "walk.mcap").write_bytes(b"x")
+    monkeypatch.setattr(Path, "unlink", refuse)
+    assert cli.main(["box", "delete", "walk"]) == 1
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err == "walk.mcap cannot be deleted: look at the disk and its rights\n"
+
+
+def refuse(_path: Path, missing_ok: bool = False) -> None:
+    raise OSError(errno.EROFS, "Read-only file system")

@@ -199,6 +199,16 @@ def test_a_file_that_is_read_only(path):
     assert "is read-only for you (mode 0400): `chmod u+rw`" in refusal(path)
 
 
+def test_a_file_on_a_disk_that_is_read_only_is_not_blamed_on_its_mode(path, monkeypatch):
+    mounted = os.statvfs(path)
+    values = [*mounted]
+    values[8] |= os.ST_RDONLY
+    monkeypatch.setattr(os, "statvfs", lambda _path: os.statvfs_result(values))
+    said = refusal(path)
+    assert "is on a file system that is read-only" in said
+    assert "chmod" not in said
+
+
 def test_an_empty_file(tmp_path):
     path = tmp_path / "robot.db"
     path.touch(0o600)

@@ -188,3 +188,4 @@ def test_a_pipe_in_a_recordings_place_keeps_nobody_waiting(tmp_path):
     damage = selection.Damage()
     assert list(selection.messages([tmp_path / "pipe.mcap"], damage=damage)) == []
     assert "it is not a file" in damage.files[0]
+    assert not in_use(tmp_path / "pipe.mcap")
