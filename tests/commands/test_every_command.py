@@ -338,6 +338,14 @@ def test_a_file_of_bytes_that_are_no_text_is_named(lbr, tmp_path, arguments, con
     assert str(file) in err
 
 
+def test_a_launch_profile_without_an_end_of_brackets_is_told(lbr, tmp_path):
+    file = tmp_path / "deep.toml"
+    file.write_text(f"robot = {'[' * 5000}")
+    code, _, err = lbr("run", str(file), "--no-console")
+    assert code == 2
+    assert f"launch profile {file}" in err
+
+
 @pytest.mark.parametrize("host", ["192.168..5", ".a", f"{'a' * 80}.b", "\udcff"])
 def test_a_name_that_no_machine_can_have_is_told_as_that(lbr, host):
     code, _, err = lbr("send", "help", "--connect", f"tls/{host}:7447")

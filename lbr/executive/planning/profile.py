@@ -80,5 +80,5 @@ def _read(path: Path) -> Profile:
         return msgspec.toml.decode(given_files.read(path, LARGEST_BYTES), type=Profile)
     except InputError as err:
         raise InputError(f"launch profile {err}") from err
-    except (msgspec.DecodeError, UnicodeDecodeError) as err:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as err:
         raise InputError(f"launch profile {path}: {err}") from err
