@@ -99,7 +99,10 @@ def cli() -> None:
 def main(arguments: list[str] | None = None) -> int:
     """Run `lbr`; return its exit code."""
     surroundings.plug_streams()
-    code = _run(arguments)
+    try:
+        code = _run(arguments)
+    except KeyboardInterrupt:  # while what went wrong was told
+        code = INTERRUPTED
     if code == INTERRUPTED:
         surroundings.drop_output()
     elif why := surroundings.output_failure():

@@ -1,6 +1,9 @@
 """`lbr record`."""
 
+import signal
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -48,12 +51,13 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
             )
         except msgspec.ValidationError:
             raise InputError(f"--name: {name[:80]!r} cannot be a file's name here: {FILE_STEM}") from None
-        begun = _ask(bus, found, f"{box}/record", asked)
-        if not as_json:
-            click.echo(begun.reason, err=True)
-        if not begun.accepted:
-            return 1
         try:
+            with _interrupted_afterwards():
+                begun = _ask(bus, found, f"{box}/record", asked)
+                if not as_json:
+                    click.echo(begun.reason, err=True)
+            if not begun.accepted:
+                return 1
             _wait(bus, found, box, seconds)
         except KeyboardInterrupt:
             click.echo(err=True)
@@ -63,6 +67,19 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
     else:
         click.echo(ended.reason if ended.accepted else begun.path)
     return 0
+
+
+@contextmanager
+def _interrupted_afterwards() -> Iterator[None]:
+    """Have Ctrl-C count once this is done: what was begun meanwhile would go on with nobody to end it."""
+    pressed: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if pressed:
+        raise KeyboardInterrupt
 
 
 def _wait(bus: "Session", found: "Target", box: str, seconds: float | None) -> None:
