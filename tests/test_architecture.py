@@ -61,7 +61,7 @@ FLOORS = {
     "rerun": CAPABILITY | {"database", "drivers", "home", "recording", "rerun", "simulation"},
     "executive": CAPABILITY | ROBOTS | {"executive", "console", "database", "home", "qr", "why"},
 }
-TOP = {"cli", "commands", "gym"}
+TOP = {"cli", "commands", "gym", "start"}
 """What people start: may import everything below."""
 
 OWNERS = {
