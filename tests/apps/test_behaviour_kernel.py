@@ -163,6 +163,26 @@ def test_a_state_that_asks_for_the_result_takes_a_failure_in_hand():
     assert stage.run.good
 
 
+@pytest.mark.parametrize(
+    ("outcomes", "said"),
+    [
+        ([FAILED], "ended in 'G', after turn by 90°: a wall is in the way"),
+        ([FAILED, DONE], "ended in 'G'"),
+        ([], "ended in 'G'"),
+    ],
+)
+def test_a_failure_that_the_table_goes_to_by_itself_tells_the_command_that_failed_last(outcomes, said):
+    text = (
+        "Type,Current State,Result,O:turn,Next State\nstart,A,,90,B\n"
+        ",B,obstacle,{turn},C\n,B,done,,C\n,C,known,,G\nend,Z,,,\nfail,F,,,\nfail,G,,,\n"
+    ).replace("{turn}", "-90" if len(outcomes) > 1 else "")
+    found = compile_table(BehaviourTable(name="t"), files.read(text.encode(), "t", json=False).rows).table
+    stage = Stage(found)
+    stage.outcomes = list(outcomes)
+    stage.play(5.0)
+    assert (stage.run.good, str(stage.run.over)) == (False, said)
+
+
 def test_a_command_is_tried_again_as_often_as_its_row_says():
     text = "Type,Current State,O:turn,O:retry,Next State\nstart,A,90,2,Z\nend,Z,,,\nfail,F,,,\n"
     found = compile_table(BehaviourTable(name="t"), files.read(text.encode(), "t", json=False).rows).table

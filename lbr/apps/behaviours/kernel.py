@@ -94,6 +94,7 @@ class Run:
         self._one_step = False
         self._wait_until = self._settled_at = self._ordered_at = self._again_at = -inf
         self._failing: Reason | None = None
+        self._missed = ""
         self._frames = [_Frame(table, now, self._chance())]
         self._begin_state(now)
 
@@ -179,6 +180,8 @@ class Run:
         if not isinstance(order, Wait | SayCommand):
             self.result = outcome.why.code
             self._settled_at = self._at(now) + SETTLE_S
+            if not frame.ending:
+                self._missed = "" if outcome.good else f", after {told(order)}: {outcome.why.text}"
         if outcome.good or frame.ending:
             self.order = None
             if isinstance(order, DriveCommand) and not bounded(order) and outcome.good:
@@ -372,7 +375,7 @@ class Run:
         frame = self._frames[-1]
         why = self._failing if self._failing is not None and not good else None
         if len(self._frames) == 1:
-            at = Reason("done" if good else "failed", f"ended in '{frame.state.name}'")
+            at = Reason("done" if good else "failed", f"ended in '{frame.state.name}'{'' if good else self._missed}")
             self._end(good=good, why=why or at)
             return
         self._frames.pop()
