@@ -89,16 +89,18 @@ def test_the_columns_are_listed(capsys):
     assert "O:level" in said
 
 
-def test_the_shipped_behaviours_have_no_faults_and_are_those_in_the_examples(home, capsys):
-    assert main(["behaviour", "list"]) == 0
+@pytest.mark.parametrize("robot", ["lbr", "bioloid", "uxa90"])
+def test_the_shipped_behaviours_have_no_faults_and_are_those_in_the_examples(home, capsys, robot):
+    folder = EXAMPLES if robot == "lbr" else EXAMPLES / robot
+    assert main(["behaviour", "list", "--robot", robot]) == 0
     assert "✗" not in capsys.readouterr().out
     rows, _ = shipped()
-    names = {row["name"] for row in rows["behaviour"]}
-    assert names == {path.stem for path in EXAMPLES.glob("*.csv")}
+    names = {row["name"] for row in rows["behaviour"] if row["robot"] == robot}
+    assert names == {path.stem for path in folder.glob("*.csv")}
     for name in sorted(names):
-        assert main(["behaviour", "export", name, "--json"]) == 0
+        assert main(["behaviour", "export", name, "--json", "--robot", robot]) == 0
         written = files.read(capsys.readouterr().out.encode(), name, json=True)
-        assert written.rows == files.read((EXAMPLES / f"{name}.csv").read_bytes(), name, json=False).rows, name
+        assert written.rows == files.read((folder / f"{name}.csv").read_bytes(), name, json=False).rows, name
 
 
 def test_a_file_may_be_checked_where_there_is_no_robot(tmp_path, monkeypatch):

@@ -17,6 +17,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The joints: who moves them, how far and how fast'),
     ('uxa90', 'motions', 'motions', '{}', '["joints"]',
      'The motions: the main board''s own, and those of key frames'),
+    ('uxa90', 'behaviour', 'behaviour', '{}', '["motions"]',
+     'The behaviours: state tables that anyone can write, such as greet; one at a time'),
     ('uxa90', 'camera_head', 'camera', '{"device": "head_camera", "width_px": 640, "height_px": 480, "on": true}', '[]',
      'The camera in the head'),
     ('uxa90', 'tracking', 'tracking', '{}', '["joints", "camera_head"]',
@@ -274,3 +276,32 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
      'Switch the camera in the head off'),
     ('uxa90', 'snapshot', 'snapshot', 'camera_head.snapshot', NULL, 'operate',
      'Save what the camera in the head sees as a picture, named after the time');
+
+-- Behaviours: docs/examples/behaviours/uxa90 has the same tables for a spreadsheet; `lbr behaviour export` writes yours.
+INSERT INTO behaviour (robot, name, help, max_s) VALUES
+    ('uxa90', 'greet', 'Stand up, say hello if it has a voice, and introduce itself', 120),
+    ('uxa90', 'show', 'Steps, turns and a kick, each once, in an order by chance, with pauses; then the dance. Hold the tether', 300);
+
+INSERT INTO behaviour_row (robot, behaviour, step, type, state, conditions, outputs, next_state, deadline_s) VALUES
+    ('uxa90', 'greet', 1, 'start', 'Looking', '{"joints.joints.left_knee.torque": "> 0", "joints.joints.left_knee.position_rad": "> -1.2"}', '{}', 'Standing', NULL),
+    ('uxa90', 'greet', 2, '', 'Looking', '{"Time": ">= 1"}', '{"motion": "reset"}', 'Standing', NULL),
+    ('uxa90', 'greet', 3, '', 'Standing', '{}', '{"motion": "demo_introduction", "speech": "Hello | Good day | Nice to see you"}', 'Greeted', NULL),
+    ('uxa90', 'greet', 4, 'end', 'Greeted', '{}', '{}', '', NULL),
+    ('uxa90', 'greet', 5, 'fail', 'Not greeted', '{}', '{}', '', NULL),
+    ('uxa90', 'show', 1, '#', 'Steps, turns and a kick, each once, in an order by chance; then the dance', '{}', '{}', '', NULL),
+    ('uxa90', 'show', 2, 'start', 'Looking', '{"joints.joints.left_knee.torque": "> 0", "joints.joints.left_knee.position_rad": "> -1.2"}', '{}', 'Choosing', NULL),
+    ('uxa90', 'show', 3, '', 'Looking', '{"Time": ">= 1"}', '{"motion": "reset"}', 'Choosing', NULL),
+    ('uxa90', 'show', 4, '', 'Choosing', '{"Chance": "< 20", "$left": "missing"}', '{"set": "left = 1", "motion": "walk_left", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 5, '', 'Choosing', '{"Chance": ">= 20 and < 40", "$right": "missing"}', '{"set": "right = 1", "motion": "walk_right", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 6, '', 'Choosing', '{"Chance": ">= 40 and < 60", "$turn_left": "missing"}', '{"set": "turn_left = 1", "motion": "turn_left", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 7, '', 'Choosing', '{"Chance": ">= 60 and < 80", "$turn_right": "missing"}', '{"set": "turn_right = 1", "motion": "turn_right", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 8, '', 'Choosing', '{"Chance": ">= 80", "$kick": "missing"}', '{"set": "kick = 1", "motion": "kick_right", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 9, '', 'Choosing', '{"$left": "missing"}', '{"set": "left = 1", "motion": "walk_left", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 10, '', 'Choosing', '{"$right": "missing"}', '{"set": "right = 1", "motion": "walk_right", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 11, '', 'Choosing', '{"$turn_left": "missing"}', '{"set": "turn_left = 1", "motion": "turn_left", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 12, '', 'Choosing', '{"$turn_right": "missing"}', '{"set": "turn_right = 1", "motion": "turn_right", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 13, '', 'Choosing', '{"$kick": "missing"}', '{"set": "kick = 1", "motion": "kick_right", "wait": "1 | 2 | 3"}', 'Choosing', NULL),
+    ('uxa90', 'show', 14, '', 'Choosing', '{}', '{"motion": "dance_gangnamstyle", "wait": "2", "speech": "And now I dance"}', 'Danced', NULL),
+    ('uxa90', 'show', 15, '', 'Danced', '{}', '{"motion": "reset", "speech": "Thank you"}', 'Over', NULL),
+    ('uxa90', 'show', 16, 'end', 'Over', '{}', '{}', '', NULL),
+    ('uxa90', 'show', 17, 'fail', 'Broken off', '{}', '{}', '', NULL);
