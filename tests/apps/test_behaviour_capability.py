@@ -19,6 +19,7 @@ from lbr.messages.behaviour import (
     WriteBehaviour,
 )
 from lbr.messages.drive import DriveCommand, DriveState, GoalResult, TurnCommand
+from lbr.messages.joints import JointsState, PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.rows import RowsChanged, changed, row_set
 from lbr.messages.sensing import Ranges
@@ -69,7 +70,7 @@ class Stage:
         self.behaviour.open()
 
     def _answer(self, request, message):
-        if request in {"move", "turn", "heading", "seek"}:
+        if request in {"move", "turn", "heading", "seek", "play"}:
             if not message.lease:
                 self.goals += 1
             bounded = request != "move" or message.range_cm or message.interval_s or message.distance_cm
@@ -155,6 +156,30 @@ def test_a_manoeuvre_of_the_beacon_is_borrowed_and_its_code_decides():
     stage.ctx.arrive("drive", drive_state(stopped_s=stage.ctx.now, stopped_by="seek"))
     stage.ends("fault", "lost", "the beams were lost")
     assert (stage.state.phase, stage.state.state, stage.state.good) == ("ended", "Home", True)
+
+
+PLAYS = """Type,Current State,Result,O:motion,Next State
+start,Playing,,walk,Played
+,Played,fallen,get_up,Up
+,Up,,,Home
+end,Home,,,
+fail,Lost,,,
+"""
+
+
+def joints_state(**given) -> JointsState:
+    return JointsState(sequence=1, measured_s=0.0, moving=False, phase="holding", joints={}, **given)
+
+
+@pytest.mark.parametrize(("who", "goes_on"), [("motions", True), ("console", False)])
+def test_a_motion_that_ends_by_itself_and_stops_its_joints_is_no_stop_by_another(who, goes_on):
+    stage = Stage(*rows(PLAYS), wired={"play": ("motions",), "play_halt": ("motions",), "joints": ("joints",)})
+    stage.run()
+    stage.play(0.5)
+    assert stage.asked(PlayCommand)[-1].motion == "walk"
+    stage.ctx.arrive("joints", joints_state(stopped_s=stage.ctx.now, stopped_by=who))
+    stage.ends("fault", "fallen", "the robot has fallen")
+    assert (stage.asked(PlayCommand)[-1].motion == "get_up", stage.state.phase == "running") == (goes_on, goes_on)
 
 
 def test_a_stop_stops_the_manoeuvre_too():

@@ -21,6 +21,13 @@ WALKS_FIRST = (
     " (outputs ->> 'set' IS NOT NULL AND outputs ->> 'motion' <> 'walk'))"
 )
 """Of the show's motions, which come in an order by chance, the walk alone."""
+STEPS = "INSERT INTO motion_step (robot, motion, step, duration_s, positions) VALUES ('bioloid', 'topple', "
+TOPPLES = (
+    "INSERT INTO motion (robot, name) VALUES ('bioloid', 'topple')",
+    STEPS + """1, 0.5, '{"left_ankle_pitch": 1.2, "right_ankle_pitch": 1.2}')""",
+    STEPS + """2, 9, '{"left_elbow": -0.5}')""",
+)
+"""A motion during which it falls on its face."""
 LEANS_AHEAD = {"left_ankle_pitch": 1.2, "right_ankle_pitch": 1.2}
 
 
@@ -28,7 +35,7 @@ LEANS_AHEAD = {"left_ankle_pitch": 1.2, "right_ankle_pitch": 1.2}
 def bioloid() -> Iterator[Robot]:
     """The simulated Bioloid."""
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
-        home = prepare(Path(place) / "h", edits=(only("bioloid", *NEEDED), WALKS_FIRST))
+        home = prepare(Path(place) / "h", edits=(only("bioloid", *NEEDED), WALKS_FIRST, *TOPPLES))
         with running(home, profile="bioloid-sim") as robot:
             told(robot, "behaviour/state")
             yield robot
@@ -38,22 +45,35 @@ def bioloid() -> Iterator[Robot]:
 def standing(bioloid: Robot) -> Robot:
     """The robot by itself on its feet, with torque, and moved by nobody."""
 
-    def stands() -> bool:
-        pose = told(bioloid, "world/pose")
-        if pose["held"] or not pose["stands"]:
-            bioloid.line("s")
-            if not pose["held"]:
-                bioloid.line("pick_up")
-        bioloid.line("/torque/on")
-        return bool(on_feet(bioloid)) and told(bioloid, "motions/state")["fallen"] == ""
+    if not told(bioloid, "world/pose")["stands"]:
+        bioloid.line("s")
+        bioloid.line("/torque/off/all")
+        until(lambda: limp(bioloid), what="it is limp")
+        bioloid.line("pick_up")
+        until(lambda: straight(bioloid), what="its servos are read where the hand has put them")
 
-    until(stands, limit_s=20.0, what="it stands by itself")
+    def stands() -> bool:
+        bioloid.line("/torque/on")  # a machine that held the joints up has had the servos let go
+        return on_feet(bioloid) and told(bioloid, "motions/state")["fallen"] == ""
+
+    until(stands, limit_s=15.0, what="it stands by itself")
     return bioloid
 
 
 def told(robot: Robot, key: str) -> dict[str, Any]:
     """What a capability says of itself."""
     return until(lambda: robot.ask(key), limit_s=12.0, what=f"{key} is told")
+
+
+def limp(robot: Robot) -> bool:
+    """Say whether no joint has torque, so that a hand can straighten them."""
+    return all(joint["torque"] == 0.0 for joint in told(robot, "joints/state")["joints"].values())
+
+
+def straight(robot: Robot) -> bool:
+    """Say whether all joints are measured at zero, more or less."""
+    measured = [joint["position_rad"] for joint in told(robot, "joints/state")["joints"].values()]
+    return all(angle is not None and abs(angle) < 0.1 for angle in measured)
 
 
 def on_feet(robot: Robot) -> bool:
@@ -131,6 +151,19 @@ def test_fallen_on_its_face_it_plays_what_gets_it_up_from_there(standing):
     until(lies, what="it lies on its face")
     rests(standing)
     plays(standing, "get_up", "get_up_face")
+
+
+def test_a_show_in_which_it_falls_gets_it_up(standing):
+    topples = (
+        "UPDATE behaviour_row SET outputs = json_set(outputs, '$.motion', ?)"
+        " WHERE robot = 'bioloid' AND behaviour = 'show' AND outputs ->> 'set' = 'walk = 1'"
+    )
+    standing.edit(topples, "topple")
+    until(lambda: "topple" in standing.line("/behaviour/show/show")["text"], what="the edit is known")
+    plays(standing, "show", "topple")
+    until(lambda: told(standing, "behaviour/state")["called"] == ["show"], limit_s=8.0, what="it runs get_up")
+    until(lambda: told(standing, "motions/state")["motion"] == "get_up_face", limit_s=8.0, what="it gets up")
+    standing.edit(topples, "walk")
 
 
 def test_a_killed_table_has_the_uxa90_stop_as_it_stands_up(tmp_path):
