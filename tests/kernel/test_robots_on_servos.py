@@ -9,8 +9,12 @@ from tests.support.usb.rig import FT232R, USB2AX, CdcAcm, Ftdi, by_id, on_line, 
 
 NEEDED = ("servos", "joints")
 JOINT = "left_shoulder_pitch"
-STILL_S = 1.0
+LOOKS = 30
 ANSWER_S = 20.0
+EDITS = (
+    "UPDATE capability SET settings = json_set(settings, '$.sweep_hz', 5) WHERE robot = 'uxa90' AND name = 'servos'",
+)
+"""Five rounds a second instead of 25: an emulated processor that is asked for more leaves the guard no time."""
 
 
 @pytest.fixture(scope="module", params=["bioloid", "uxa90"])
@@ -23,7 +27,7 @@ def on_its_bus(request, service, place):
     }[name]
     with (
         on_line(type_, place, made, identity) as rig,
-        robots.running(service, place / name, *NEEDED, robot=name) as robot,
+        robots.running(service, place / name, *NEEDED, robot=name, edits=EDITS) as robot,
     ):
         yield robot, rig, by_id(identity)
 
@@ -73,16 +77,20 @@ def test_a_cable_pulled_on_the_way_is_told_and_nothing_goes_on_when_it_is_back(o
     pulled = rig.cable.unplug()
     _, reason = robots.degraded(robot, "servos")
     record_property("told after s", round(time.monotonic() - pulled, 2))
-    assert "missing" in reason or "went away" in reason
+    assert any(words in reason for words in ("missing", "nothing matches", "went away")), reason
     until(lambda: not name.exists(), "its name gone", 60.0)
     plugged = time.monotonic()
     rig.cable.plug()
     robots.ready(robot, "servos")
     record_property("back after s", round(time.monotonic() - plugged, 2))
-    until(lambda: joints(robot)["joints"][JOINT]["position_rad"] is not None, "measured again", 60.0)
-    rests = joints(robot)["joints"][JOINT]["position_rad"]
-    end = time.monotonic() + STILL_S
-    while time.monotonic() < end:
+    seen = []
+
+    def measured():
         state = joints(robot)
         assert not state["moving"]
-        assert state["joints"][JOINT]["position_rad"] == pytest.approx(rests, abs=0.03), "the old motion goes on"
+        if (at := state["joints"][JOINT]["position_rad"]) is not None:
+            seen.append(at)
+        return len(seen) >= LOOKS
+
+    until(measured, "measured again", 60.0, every_s=0.02)
+    assert max(seen) - min(seen) < 0.03, "the old motion goes on"
