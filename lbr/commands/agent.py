@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from lbr.commands.options import FileName
+from lbr.errors import InputError
 
 
 @click.command("agent")
@@ -28,6 +29,8 @@ def command(host: str, connect: str, robot: str | None, token_file: Path | None)
     """
     from lbr import surroundings  # noqa: PLC0415 - the bus is for those who use it
 
+    if not host:
+        raise InputError("HOST is empty: give the name of this machine in the robot's launch profile")
     surroundings.forget_runtime()
     from lbr.console.outlet import unhurried  # noqa: PLC0415
     from lbr.executive.remote.agent import Agent  # noqa: PLC0415

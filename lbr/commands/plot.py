@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 FRAME_S = 0.2
 WAIT_S = 5.0
 MOST_POINTS = 4000
+MOST_COLUMNS, MOST_LINES = 1000, 300
 COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue", "white")
 EDGE = 16
 """Columns and lines that axes and legend take."""
@@ -74,7 +75,7 @@ def command(
             while time.monotonic() < until:
                 time.sleep(FRAME_S)
                 take()
-            click.echo(_drawn(series, time.monotonic(), seconds, *_size(), colours=sys.stdout.isatty()))
+            click.echo(_drawn(series, time.monotonic(), seconds, *size(), colours=sys.stdout.isatty()))
             return 0
         return _live(take, series, seconds)
 
@@ -157,7 +158,7 @@ def _live(take: Callable[[], Any], series: list[Series], seconds: float) -> int:
     with unhurried() as outlet, Live(Text(""), screen=True, auto_refresh=False) as live:
         while True:
             take()
-            text = _drawn(series, time.monotonic(), seconds, *_size(), colours=True)
+            text = _drawn(series, time.monotonic(), seconds, *size(), colours=True)
             if not outlet.waiting:  # else the terminal is not read, and would only fall behind
                 live.update(Text.from_ansi(text, no_wrap=True), refresh=True)
             time.sleep(FRAME_S)
@@ -187,13 +188,14 @@ def _recorded(series: list[Series], robot: str | None, begin: str | None, end: s
     now = time.time_ns()
     click.echo(f"{times.shown(int(min(points) * 1e9), now)} to {times.shown(int(max(points) * 1e9), now)}")
     length = max(0.001, max(points) - min(points))
-    click.echo(_drawn(series, max(points), length, *_size(), colours=sys.stdout.isatty()))
+    click.echo(_drawn(series, max(points), length, *size(), colours=sys.stdout.isatty()))
     return 0
 
 
-def _size() -> tuple[int, int]:
+def size() -> tuple[int, int]:
+    """Return how wide and high to draw; a terminal may be said to be as large as a number gets."""
     found = shutil.get_terminal_size()
-    return found.columns, found.lines
+    return min(found.columns, MOST_COLUMNS), min(found.lines, MOST_LINES)
 
 
 def _drawn(series: list[Series], now: float, seconds: float, width: int, height: int, *, colours: bool) -> str:

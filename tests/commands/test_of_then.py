@@ -7,7 +7,7 @@ from datetime import datetime
 
 import pytest
 
-from lbr.commands.plot import value_of
+from lbr.commands.plot import MOST_COLUMNS, size, value_of
 from lbr.recording import selection
 from lbr.recording.shelf import Shelf
 from tests.support import programs
@@ -118,3 +118,8 @@ def test_a_log_is_followed_also_after_it_was_cut(robot):
 def test_a_field_is_found_by_its_path(path, value):
     message = {"a": 1, "b": {"c": 0.5}, "d": [2, 3], "e": True, "f": "text", "g": None}
     assert value_of(message, path.split(".")) == value
+
+
+def test_a_terminal_that_is_said_to_be_without_end_is_drawn_for_in_time(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "99999999")
+    assert size()[0] == MOST_COLUMNS
