@@ -1,7 +1,7 @@
-"""In the machine: plays the devices of the robot lbr to its kernel, and says on the console what its motors get.
+"""In the machine: plays a robot's devices to its kernel, and says on the console what its motors get.
 
-python -m tests.lab.played prepare   the service's home, with rows for these devices
-python -m tests.lab.played           until it is told to end
+python -m tests.lab.played prepare ROBOT   the service's home, with rows for these devices
+python -m tests.lab.played play ROBOT      until it is told to end
 """
 
 import signal
@@ -9,46 +9,48 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from msgspec.structs import replace
 
-from lbr.simulation.twins import Twin
+from lbr.simulation.twins import ServoBus, Twin
 from lbr.testing.device import AT_REST, RANGES_M
 from tests.support import robot as robots
 from tests.support.usb import robots as usb_robots
-from tests.support.usb.rig import ARDUINO, ROBOTEQ, CdcAcm, given_to, on_line
+from tests.support.usb.rig import ARDUINO, ROBOTEQ, USB2AX, CdcAcm, adaptor, given_to, on_line
 
 HOME = Path("/var/lib/lbr")
 CONSOLE = Path("/dev/ttyS0")
+LOW = Path("/run/lab-low")
+"""While it is there, the supply's battery is empty."""
+FULL_V, EMPTY_V = 12.6, 9.5
 LOOK_S = 0.004
+ROWS = {
+    "lbr": (usb_robots.ON_WHEELS, usb_robots.ON_WHEELS_EDITS),
+    "bioloid": (("servos", "joints", "motions", "ups", "power"), ()),
+}
+Look = Callable[[], str]
 
 
 def main() -> None:
-    if sys.argv[1:] == ["prepare"]:
-        prepare()
+    what, robot = sys.argv[1:]
+    if what == "prepare":
+        names, edits = ROWS[robot]
+        robots.prepare(HOME, edits=(*edits, robots.only(robot, *names)), whole=True)
+        given_to("lbr", HOME)
         return
     over = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: over.set())
-    with (
-        tempfile.TemporaryDirectory(prefix="lab-") as name,
-        on_line("roboteq", Path(name), CdcAcm, ROBOTEQ) as motors,
-        on_line("ultrasonic_ring", Path(name), CdcAcm, ARDUINO, live=_in_a_room),
-    ):
-        outputs, last = usb_robots.Outputs(motors), None
+    with tempfile.TemporaryDirectory(prefix="lab-") as folder, DEVICES[robot](Path(folder)) as look:
+        last = ""
         say("devices are plugged in")
         while not over.wait(LOOK_S):
-            now = outputs.now
-            if now != last:
+            if (now := look()) != last:
                 last = now
-                say("outputs {:g} {:g}".format(*now))
+                say(now)
         say("devices are unplugged")
-
-
-def _in_a_room(twin: Twin, now: float) -> None:
-    """Measure walls a metre away; a reading that never changes is rightly taken for a frozen one."""
-    away_m = 1.0 + 0.02 * (int(now * 10) % 3)
-    twin.sense(replace(AT_REST, ranges_m=dict.fromkeys(RANGES_M, away_m)))
 
 
 def say(words: str) -> None:
@@ -57,11 +59,35 @@ def say(words: str) -> None:
         console.write(f"\r\n@{time.monotonic():.3f} {words}\r\n")
 
 
-def prepare() -> None:
-    """Make the service's home anew, for the capabilities that have a device here."""
-    robots.prepare(HOME, edits=(*usb_robots.ON_WHEELS_EDITS, robots.only("lbr", *usb_robots.ON_WHEELS)), whole=True)
-    given_to("lbr", HOME)
+@contextmanager
+def _on_wheels(folder: Path) -> Iterator[Look]:
+    with (
+        on_line("roboteq", folder, CdcAcm, ROBOTEQ) as motors,
+        on_line("ultrasonic_ring", folder, CdcAcm, ARDUINO, live=_in_a_room),
+    ):
+        outputs = usb_robots.Outputs(motors)
+        yield lambda: "outputs {:g} {:g}".format(*outputs.now)
 
+
+@contextmanager
+def _on_legs(folder: Path) -> Iterator[Look]:
+    with on_line("dynamixel", folder, CdcAcm, USB2AX) as bus, adaptor(folder, "pico", live=_on_a_battery):
+        servos = bus.twin.twin
+        assert isinstance(servos, ServoBus)
+        yield lambda: f"servos {sum(one.torque > 0 for one in servos.drives(time.monotonic()).values())}"
+
+
+def _in_a_room(twin: Twin, now: float) -> None:
+    """Measure walls a metre away; a reading that never changes is rightly taken for a frozen one."""
+    away_m = 1.0 + 0.02 * (int(now * 10) % 3)
+    twin.sense(replace(AT_REST, ranges_m=dict.fromkeys(RANGES_M, away_m)))
+
+
+def _on_a_battery(twin: Twin, _now: float) -> None:
+    twin.sense(replace(AT_REST, battery_v=EMPTY_V if LOW.exists() else FULL_V))
+
+
+DEVICES = {"lbr": _on_wheels, "bioloid": _on_legs}
 
 if __name__ == "__main__":
     main()

@@ -21,21 +21,23 @@ from tests.support import programs
 
 PLAYER = """[Unit]
 Description=devices played to the kernel
-Before=lbr@lbr.service
+Before=lbr@lbr.service lbr@bioloid.service
 [Service]
 WorkingDirectory=/opt/lab
 ExecStartPre=/sbin/modprobe vhci-hcd
-ExecStart=/opt/lbr/bin/python -m tests.lab.played
+ExecStart=/opt/lbr/bin/python -m tests.lab.played play {}
 TimeoutStopSec=60
 [Install]
 WantedBy=multi-user.target
 """
-UNIT = "lbr@lbr.service"
+UNIT, HUMANOID = "lbr@lbr.service", "lbr@bioloid.service"
 AS_SERVICE = "cd / && LBR_HOME=/var/lib/lbr setpriv --reuid=lbr --regid=lbr --init-groups -- /opt/lbr/bin/lbr"
 DRIVES = f"({AS_SERVICE} send --hold 30 /r/0.3/90) >/tmp/drives 2>&1 </dev/null &"
+PLAYED = "cd /opt/lab && /opt/lbr/bin/python -m tests.lab.played"
 WAIT_S = 1200.0
 OFF_S = 900.0
 STILL_S = 3.0
+SERVOS = 18
 ZERO_S = 0.3
 FROZEN_ZERO_S = 3.5
 """The watchdog of the unit is 2 s, and what it aborts has a second."""
@@ -67,6 +69,7 @@ def play(machine: Machine, send: Callable[[Machine], None], cuts: int) -> Iterat
         ("Shutdown is said: stays down until started again", stage.shut_down),
         ("the machine restarted in motion", stage.restarted_in_motion),
         ("the machine powered off in motion", stage.powered_off_in_motion),
+        ("a humanoid whose battery runs out: parks, lets its joints go, powers the machine off", stage.out_of_power),
         (f"{cuts} power cuts amid edits of rows", lambda: stage.cut(cuts)),
     ):
         yield stage.tell(what, scene)
@@ -91,10 +94,8 @@ class Stage:
 
     def boots(self) -> str:
         """Install what plays the devices and the robot's rows, enable both, restart, and wait until it is ready."""
-        self._send(self.machine)
-        self.machine.run("cat >/etc/systemd/system/lab-player.service", data=PLAYER.encode())
-        self.machine.run("cd /opt/lab && /opt/lbr/bin/python -m tests.lab.played prepare")
-        self.machine.run(f"systemctl daemon-reload && systemctl enable {UNIT} lab-player")
+        self._install("lbr")
+        self.machine.run(f"systemctl enable {UNIT} lab-player")
         self._off("systemctl reboot")
         self.machine.start(snapshot=False)
         self._ready()
@@ -174,6 +175,24 @@ class Stage:
         self._ready()
         return f"zero {zero_s:.2f} s after it was told to power off; it went off"
 
+    def out_of_power(self) -> str:
+        """Have a humanoid stand, and its battery run out."""
+        self.machine.cut()
+        self.machine.start(snapshot=True)
+        self._install("bioloid")
+        self.machine.run(f"systemctl start lab-player && systemctl start {HUMANOID}", limit_s=WAIT_S)
+        self._ready(HUMANOID)
+        self._until(lambda: self.machine.run(f"{AS_SERVICE} send /torque/on", check=False).returncode == 0, "torque")
+        self._until(lambda: self._servos()[-1][1] == SERVOS, "all joints hold")
+        self.machine.run(f"{AS_SERVICE} send arm")
+        at = self._now("touch /run/lab-low")
+        if not self.machine.ended(WAIT_S):
+            raise SceneError("the machine is not off")
+        let_go = [when for when, held in self._servos() if when > at and held == 0]
+        if not let_go:
+            raise SceneError("the joints were not let go before")
+        return f"its joints were let go {let_go[0] - at:.0f} s after the voltage fell, and the machine went off"
+
     def cut(self, cuts: int) -> str:
         """Edit rows and press the emergency stop without a pause, take the power away, and look at what is on the disk.
 
@@ -184,7 +203,7 @@ class Stage:
         for number in range(cuts):
             self.machine.start(snapshot=True)
             self._send(self.machine)
-            self.machine.run("cd /opt/lab && /opt/lbr/bin/python -m tests.lab.played prepare")
+            self.machine.run(f"{PLAYED} prepare lbr")
             editing = programs.start(
                 [*self.machine.ssh(), EDITING], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
             )
@@ -204,6 +223,13 @@ class Stage:
         return f"{cuts} cuts, seed {SEED}: {told} edits told as written, all there; every database whole"
 
     # -- what scenes are made of --------------------------------------------------------------------------------
+
+    def _install(self, robot: str) -> None:
+        """Put in what plays a robot's devices, and that robot's rows."""
+        self._send(self.machine)
+        unit = PLAYER.format(robot).encode()
+        self.machine.run("cat >/etc/systemd/system/lab-player.service && systemctl daemon-reload", data=unit)
+        self.machine.run(f"{PLAYED} prepare {robot}")
 
     def _whole(self, number: int, last: int) -> None:
         """Look at the database as the disk has it."""
@@ -241,9 +267,9 @@ class Stage:
             raise SceneError("the motors were not at zero when the machine went off")
         return zeros[0][0] - at
 
-    def _ready(self) -> None:
-        self._until(lambda: self._property("ActiveState") == "active", "the unit active")
-        self._until(lambda: re.search(r"\bready\b|\bdegraded\b", self._property("StatusText")), "ready")
+    def _ready(self, unit: str = UNIT) -> None:
+        self._until(lambda: self._property("ActiveState", unit) == "active", "the unit active")
+        self._until(lambda: re.search(r"\bready\b|\bdegraded\b", self._property("StatusText", unit)), "ready")
 
     def _phases(self) -> str:
         said = self.machine.run(f"{AS_SERVICE} status --json", limit_s=WAIT_S).stdout
@@ -271,8 +297,12 @@ class Stage:
         words = f"import os, time; print(time.monotonic(), flush=True); os.execlp('sh', 'sh', '-c', {then!r})"
         return float(self.machine.run(f"python3 -c {shlex.quote(words)}", limit_s=WAIT_S).stdout.split()[0])
 
-    def _property(self, name: str) -> str:
-        return self.machine.run(f"systemctl show -P {name} {UNIT}").stdout.decode().strip()
+    def _property(self, name: str, unit: str = UNIT) -> str:
+        return self.machine.run(f"systemctl show -P {name} {unit}").stdout.decode().strip()
+
+    def _servos(self) -> list[tuple[float, int]]:
+        found = re.findall(r"@([\d.]+) servos (\d+)", self._log.read_text(errors="replace"))
+        return [(float(at), int(held)) for at, held in found] or [(0.0, 0)]
 
     def _outputs(self) -> list[tuple[float, float, float]]:
         text = self._log.read_text(errors="replace")

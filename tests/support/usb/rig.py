@@ -53,10 +53,10 @@ def on_line(
 
 
 @contextmanager
-def adaptor(folder: Path, type_: str) -> Iterator[tuple[int, TinyI2c, Played]]:
+def adaptor(folder: Path, type_: str, **options: Any) -> Iterator[tuple[int, TinyI2c, Played]]:
     """Plug in an I2C adaptor with an emulated device on its bus; give its number, its function and its cable."""
     before = _adaptors()
-    with plugged(type_, folder, name=type_, scheme="unix:"):
+    with plugged(type_, folder, name=type_, scheme="unix:", **options):
         bus = folder / type_
         until(bus.exists, "the emulated bus")
         function = TinyI2c(bus)
