@@ -184,7 +184,7 @@ class Context(Protocol[S_co]):
         """
 
     def ready(self, reason: str = "") -> None:
-        """Say that this capability works (the runtime does so after `open`)."""
+        """Say that this capability works; the runtime does so after the first `step`, unless that has warned."""
 
     def warn(self, reason: str | Reason, code: Code = "failed") -> None:
         """Say that it works, but not as it should: degraded, with the reason and its code; a `Reason` brings its own."""

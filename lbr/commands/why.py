@@ -41,9 +41,9 @@ def complete_part(_context: click.Context, _parameter: click.Parameter, begun: s
 def command(part: str, whom: Whom, database: Path | None, as_json: bool) -> int:
     """Say what holds PART still: the first link from what was asked to what moves, and what to type.
 
-    PART is a capability, a joint, a camera or another device, or a word of the console; without one it is all that moves. A robot that does not
-    run or does not answer is explained by its rows. Exit code 0: it was answered, 1: there are
-    no rows to answer from, 2: bad input.
+    PART is a capability, a joint, a camera or another device, or a word of the console; without one it is all that
+    moves. A robot that does not run or does not answer is explained by its rows. Exit code 0: it was answered, 1: there
+    are no rows to answer from, 2: bad input.
     """
     from lbr.messages.plain import one_line  # noqa: PLC0415
     from lbr.why import telling  # noqa: PLC0415

@@ -70,7 +70,10 @@ def play(machine: Machine, send: Callable[[Machine], None], cuts: int) -> Iterat
         ("Shutdown is said: stays down until started again", stage.shut_down),
         ("the machine restarted in motion", stage.restarted_in_motion),
         ("the machine powered off in motion", stage.powered_off_in_motion),
-        ("a humanoid whose battery runs out: parks, lets its joints go, powers the machine off", stage.out_of_power),
+        (
+            "a humanoid whose battery runs out: its joints lose their torque, then the machine goes off",
+            stage.out_of_power,
+        ),
         (f"{cuts} power cuts amid edits of rows", lambda: stage.cut(cuts)),
     ):
         yield stage.tell(what, scene)
@@ -133,7 +136,10 @@ class Stage:
         self._ready()
         self._still()
         self._within(zero_s, FROZEN_ZERO_S)
-        return f"zero after {zero_s:.2f} s; result of the unit before: watchdog; ready again"
+        told = self.machine.run(f"journalctl -u {UNIT} --no-pager | grep -i 'watchdog timeout'", check=False).stdout
+        if not told:
+            raise SceneError("the journal tells of no watchdog")
+        return f"zero after {zero_s:.2f} s; the watchdog's time was over; ready again"
 
     def stopped(self) -> str:
         """Stop the service in motion."""

@@ -331,12 +331,8 @@ class Behaviours(Capability[BehaviourSettings]):
 
         Of all that came, not of the newest alone: a halt of the table's own comes right behind another's stop.
         """
-        own = {
-            "",
-            self.ctx.name,
-            *self.ctx.targets("seek"),
-            *self.ctx.targets("play"),
-        }  # what it has moved stops for it
+        moved = (*self.ctx.targets("seek"), *self.ctx.targets("play"))  # what it has moved stops for it, too
+        own = {"", self.ctx.name, *moved}
         for received in (one for stream in WATCHED for one in self._senses.came(stream)):
             state = received.message
             if state.estop and received.arrived > self._began:
