@@ -31,7 +31,7 @@ from lbr.operations.attitude.settings import AttitudeSettings
 from lbr.operations.attitude.stillness import Stillness
 from lbr.operations.attitude.suspicion import G_MPS2, Suspicion
 
-LEARNING = "the gyro's zero is not known yet; it is learnt in a second at rest"
+LEARNING = "the gyro's zero is not known yet; it is learnt in half a second at rest"
 NO_FIELD = "the inertial unit measures no magnetic field"
 NOT_MEASURED = "the compass has not measured yet"
 
@@ -232,7 +232,8 @@ class Fusion:
             return
         self._field_s = time_s
         if not self._aligned or since_s is None:
-            self._ahrs.set_heading(compass)
+            rested = self._stillness.compass_deg if since_s is None else None
+            self._ahrs.set_heading(compass if rested is None else rested)
             self._aligned = True
             return
         self._ahrs.set_sample_period(max(0.0, min(time_s - since_s, _LONGEST_PULL_S)))

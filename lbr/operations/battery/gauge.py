@@ -9,6 +9,8 @@ from lbr.messages.motors import MotorsState, MotorState
 from lbr.operations.battery import BatterySettings, charge_at
 
 MEDIAN_OF = 5
+MEDIAN_LEAST = 3
+"""So few already outvote a single wrong one; a start does not wait for more."""
 LEAST_V, MOST_V = 1.0, 100.0
 
 
@@ -41,7 +43,7 @@ class Gauge:
         load_a = max(0.0, self._current_a or 0.0) + settings.idle_a
         self._recent.append(voltage_v + load_a * settings.internal_ohm)
         self._terminal.take(voltage_v, now)
-        if len(self._recent) < MEDIAN_OF:
+        if len(self._recent) < MEDIAN_LEAST:
             return
         rest_v = self._rest.take(median(self._recent), now)
         self._charger.see(rest_v, moving=self._moved, now=now)
