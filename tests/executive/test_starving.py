@@ -32,6 +32,17 @@ def judged(silent_s: float, main_s: float = 0.0, others_s: float = 0.0, ran_s: f
     return verdict(silent_s, PATIENCE_S, Look(0.0, Thread(), {2: Thread()}), now)
 
 
+@given(st.floats(PATIENCE_S, 100.0, exclude_min=True), st.floats(0.0, 100.0))
+def test_who_starts_may_work_for_a_while_and_neither_sleep_nor_turn_in_circles_for_ever(
+    silent_s: float, work_s: float
+) -> None:
+    seen = silent_s - SUSPICIOUS_S
+    works = verdict(silent_s, PATIENCE_S, Look(0.0), Look(seen, Thread(seen, 0.0, runnable=True)), work_s=work_s)
+    if abs(silent_s - min(seen, work_s) - PATIENCE_S) > 1e-6:
+        assert (works == "hung") == (silent_s - min(seen, work_s) > PATIENCE_S)
+    assert verdict(silent_s, PATIENCE_S, Look(0.0), Look(seen, Thread()), work_s=work_s) == "hung"
+
+
 @given(seconds, seconds, seconds)
 def test_nothing_hangs_while_there_is_patience(silent_s: float, main_s: float, others_s: float) -> None:
     assert (judged(silent_s, main_s, others_s) == "fine") == (silent_s <= PATIENCE_S)

@@ -27,6 +27,8 @@ RUNS_SHARE = 0.25
 """A round of a capability that runs takes some milliseconds of the processor. One that has had a quarter of its
 patience, and is silent for longer than that, turns in circles, however long it waited; one that starts may have much to
 do."""
+STARTING_WORK_S = 60.0
+"""So long a start may work: an emulated 64-bit ARM processor needs 17 s for the import of MuJoCo alone."""
 
 
 class Thread(Struct, frozen=True):
@@ -56,12 +58,14 @@ def verdict(
     *,
     stretch: float = OTHERS_STRETCH,
     may_run_s: float = inf,
+    work_s: float = 0.0,
 ) -> Verdict:
     """Judge a silence that lasts `silent_s`, of which `first` was the first look and `now` is the latest.
 
     Nothing excuses what went before the first look, but it counts no longer than a look should have taken to come. Who
     ran for longer than `may_run_s` hangs. `stretch` is for how many times the patience threads beside the main one
-    excuse it. With patience left `fine`, also where it is only because the first look came late.
+    excuse it; running itself excuses it for `work_s`. With patience left `fine`, also where it is only because the first
+    look came late.
     """
     if not silent_s > patience_s:
         return "fine"
@@ -70,10 +74,11 @@ def verdict(
     main = _waited(first.main, now.main, first.at, now.at)
     both = first.others.keys() & now.others.keys()
     others = [_waited(first.others[one], now.others[one], first.at, now.at) for one in both]
-    if now.main.ran - first.main.ran > may_run_s:
+    ran = max(0.0, now.main.ran - first.main.ran)
+    if ran > may_run_s:
         return "hung"
     excused = max(main, *others, 0.0) if silent_s <= stretch * patience_s else main
-    if unseen + elapsed - excused > patience_s:
+    if unseen + elapsed - excused - min(ran, work_s) > patience_s:
         return "hung"
     return "starved" if excused > HARDLY_S else "fine"
 

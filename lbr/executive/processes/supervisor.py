@@ -19,7 +19,7 @@ from lbr.executive.processes.busy import Busy
 from lbr.executive.processes.managed_process import ManagedProcess, Started
 from lbr.executive.processes.restart import CODES, HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.processes.scheduling import BACKGROUND, MOTION, niceness
-from lbr.executive.processes.starvation import OTHERS_STRETCH, RUNS_SHARE, SUSPICIOUS_S, Look, verdict
+from lbr.executive.processes.starvation import OTHERS_STRETCH, RUNS_SHARE, STARTING_WORK_S, SUSPICIOUS_S, Look, verdict
 
 HANG_S = 1.2
 HANG_MOVER_S = 0.8
@@ -290,6 +290,7 @@ class Supervisor:
             slot.newest,
             stretch=inf if program else OTHERS_STRETCH,
             may_run_s=inf if program or slot.phase not in RUNNING else RUNS_SHARE * patience_s,
+            work_s=STARTING_WORK_S if slot.phase == "starting" and not program else 0.0,
         )
         if said == "starved":
             slot.look_at = now + LOOK_AGAIN_S
