@@ -27,6 +27,16 @@ HIDE = """() => {
   Object.defineProperty(document, "hidden", {value: true, configurable: true});
   document.dispatchEvent(new Event("visibilitychange"));
 }"""
+PAD = """
+  let pad = null;
+  navigator.getGamepads = () => [pad];
+  window.unplugged = () => { pad = null; };
+  window.lean = (x) => {
+    const anew = pad === null;
+    pad = { id: "pad", connected: true, axes: [x, 0, 0, 0], buttons: [] };
+    if (anew) dispatchEvent(new Event("gamepadconnected"));
+  };"""
+FRAMES = "async () => { for (let n = 0; n < 6; n++) await new Promise(requestAnimationFrame); }"
 UNNAMED = """() => [...document.querySelectorAll("button, a, input, select, [role=application]")]
   .filter((one) => one.offsetParent !== null || one.id === "stop")
   .filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim() || one.labels?.length))
@@ -153,6 +163,46 @@ def test_keys_drive_while_they_are_held(opened, robot):
     assert within(page, lambda: robot.held[-1]["message"]["angle_deg"] == 90)
     page.keyboard.up("d")
     assert within(page, lambda: not robot.moves)
+
+
+def test_a_key_or_gamepad_that_is_pushed_already_moves_nothing_until_it_was_at_rest(opened, robot):
+    page = opened.page()
+    page.add_init_script(PAD)
+    page.reload()
+    expect(page.locator(".drive-why")).to_contain_text("Ready")
+
+    def moves_nothing() -> None:
+        page.evaluate(FRAMES)
+        assert not robot.held
+
+    def drives_after_rest() -> None:
+        page.evaluate("lean(0)")
+        page.evaluate(FRAMES)
+        page.evaluate("lean(0.7)")
+        assert within(page, lambda: robot.moves)
+
+    page.evaluate("lean(0.7)")  # as one that is found pushed, or again after the page was loaded anew
+    moves_nothing()
+    drives_after_rest()
+    for loss in ("unplugged()", "dispatchEvent(new Event('blur'))"):
+        page.evaluate(loss)
+        assert within(page, lambda: not robot.moves), loss
+        robot.held.clear()
+        page.evaluate("lean(0.7)")
+        moves_nothing()
+        drives_after_rest()
+    page.evaluate("lean(0)")
+    assert within(page, lambda: not robot.moves)
+    page.keyboard.down("d")
+    assert within(page, lambda: robot.moves)
+    page.evaluate("dispatchEvent(new Event('blur'))")
+    assert within(page, lambda: not robot.moves)
+    robot.held.clear()
+    page.keyboard.down("d")  # a key that is down already repeats
+    moves_nothing()
+    page.keyboard.up("d")
+    page.keyboard.down("d")
+    assert within(page, lambda: robot.moves)
 
 
 @pytest.mark.parametrize(("size", "how"), [("phone", "close"), ("desk", "close"), ("phone", "hide"), ("phone", "leave"), ("desk", "blur")])  # fmt: skip

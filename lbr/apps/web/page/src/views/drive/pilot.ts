@@ -28,6 +28,8 @@ const sources = new Map<string, Push>();
 const held = new Set<string>();
 const driver = signal("");
 let slow = false;
+/** The gamepad's sticks were seen at rest since it came, or since the page had no hand on it. */
+let rested = false;
 let last: Aim | Twist | null = null;
 
 function update(): void {
@@ -73,6 +75,7 @@ function rest(): void {
   const pushed = sources.has("stick") || sources.has("turn");
   sources.clear();
   held.clear();
+  rested = false;
   update();
   refused.value = pushed;
 }
@@ -91,6 +94,8 @@ export function listenToHands(name: string): () => void {
     slow = event.shiftKey;
     if (!DRIVES.has(event.code) && !(sideways() && TURNS.has(event.code))) return update();
     event.preventDefault();
+    // A key that was pressed elsewhere, or before the window lost the focus, only repeats.
+    if (event.repeat && !held.has(event.code)) return;
     held.add(event.code);
     press();
   };
@@ -129,26 +134,36 @@ const B = 1;
 function listenToGamepads(): () => void {
   let frame = 0;
   let stopping = false;
+  rested = false;
   const poll = (): void => {
     frame = 0;
     const pad = navigator.getGamepads?.().find((one) => one?.connected) ?? null;
     gamepad.value = pad?.id ?? "";
-    if (!pad) return push("gamepad", 0, 0);
+    if (!pad) {
+      rested = false;
+      return push("gamepad", 0, 0);
+    }
     const [x = 0, y = 0, turn = 0] = pad.axes;
     const pushed = Math.hypot(x, y) > PAD_DEAD;
-    push("gamepad", pushed ? x : 0, pushed ? -y : 0, sideways() && Math.abs(turn) > PAD_DEAD ? turn : 0);
+    const turned = sideways() && Math.abs(turn) > PAD_DEAD;
+    rested ||= document.hasFocus() && !pushed && !turned;
+    push("gamepad", rested && pushed ? x : 0, rested && pushed ? -y : 0, rested && turned ? turn : 0);
     const b = pad.buttons[B]?.pressed ?? false;
     if (b && !stopping) void stop();
     stopping = b;
     frame = requestAnimationFrame(poll);
   };
   const wake = (): void => { if (!frame) frame = requestAnimationFrame(poll); };
-  window.addEventListener("gamepadconnected", wake);
-  window.addEventListener("gamepaddisconnected", wake);
+  const changed = (): void => {
+    rested = false;
+    wake();
+  };
+  window.addEventListener("gamepadconnected", changed);
+  window.addEventListener("gamepaddisconnected", changed);
   wake();
   return () => {
     cancelAnimationFrame(frame);
-    window.removeEventListener("gamepadconnected", wake);
-    window.removeEventListener("gamepaddisconnected", wake);
+    window.removeEventListener("gamepadconnected", changed);
+    window.removeEventListener("gamepaddisconnected", changed);
   };
 }
