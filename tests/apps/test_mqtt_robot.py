@@ -179,7 +179,15 @@ def test_lies_are_refused_by_their_topic(robot, person, topic, payload, code):
     told = until(lambda: answers(person, since), what="the refusal")[0]
     assert (told["state"], told["code"]) == ("refused", code)
     assert told["reason"].startswith(f"{topic}: ")
+    assert told["word"] == topic.removeprefix(f"{TOPIC}/ask/") or topic.endswith(("/ask", "/delta"))
     assert robot.capability("mqtt")["pid"] == pid
+
+
+def test_a_refusal_says_which_asking_it_answers(robot, person):
+    since = len(person.heard)
+    person.say(f"{TOPIC}/ask", json.dumps({"word": "go", "value": 1e6, "id": "17"}))
+    told = until(lambda: answers(person, since), what="the refusal")[0]
+    assert (told["word"], told["id"], told["state"]) == ("go", "17", "refused")
 
 
 def test_what_the_broker_has_kept_and_what_it_may_not_even_send_does_nothing(robot, person):

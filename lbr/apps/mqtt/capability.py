@@ -37,6 +37,7 @@ SETTLES_S = 1.2
 """What comes once a second has come by then: the first report is no empty one."""
 LARGEST_ASK = 2048
 LONGEST_REASON = 200
+LONGEST_WORD = 40
 OLD_PICTURE_S = 2.0
 MOST_ASKED = 4
 """Of a round, and of what waits for an answer: more at once is nobody who means it."""
@@ -206,16 +207,17 @@ class Mqtt(Capability[MqttSettings]):
 
     def _serve(self, message: Incoming) -> None:
         """Take a word that came on a topic of our own: named by it, or in the message."""
-        if message.retained:
-            raise InputError("it was kept by the broker, and nobody knows for how long: ask without 'retain'", "late")
-        if len(message.payload) > LARGEST_ASK:
-            raise InputError(f"it has {len(message.payload)} bytes, and {LARGEST_ASK} are the most", "malformed")
         name = message.topic.removeprefix(f"{self._topic}/ask").lstrip("/")
-        if name:
-            ask = _named(name, message.payload, self.ctx.settings.words.get(name))
-        else:
-            ask = words.read(_json(message.payload))
-        self._do(ask, message.topic)
+        ask = Ask(word=name[:LONGEST_WORD])
+        try:
+            _refuse_unfit(message)
+            if name:
+                ask = _named(name, message.payload, self.ctx.settings.words.get(name))
+            else:
+                ask = words.read(_json(message.payload))
+            self._do(ask, message.topic)
+        except InputError as err:
+            self._complain(message.topic, str(err), err.code, ask)
 
     def _desire(self, topic: str, asked: Asked) -> None:
         """Take what a shadow desires; it is answered whatever it is, so that it is not asked again."""
@@ -354,11 +356,19 @@ class Mqtt(Capability[MqttSettings]):
             self.ctx.publish("state", self._heard)
 
 
+def _refuse_unfit(message: Incoming) -> None:
+    """Refuse what is read no further: what is old, and what is too large."""
+    if message.retained:
+        raise InputError("it was kept by the broker, and nobody knows for how long: ask without 'retain'", "late")
+    if len(message.payload) > LARGEST_ASK:
+        raise InputError(f"it has {len(message.payload)} bytes, and {LARGEST_ASK} are the most", "malformed")
+
+
 def _named(name: str, payload: bytes, word: words.Word | None) -> Ask:
     """Return what a topic's own word asks for, with what comes in the message: a text, a number, or nothing to be read."""
     wanted = words.bounds(word) if word is not None else None
     if wanted is None:
-        return Ask(word=name[:40])
+        return Ask(word=name[:LONGEST_WORD])
     try:
         return Ask(word=name, value=payload.decode() if wanted.text else msgspec.json.decode(payload, type=float))
     except (UnicodeDecodeError, msgspec.DecodeError) as err:
