@@ -135,6 +135,18 @@ def test_a_run_borrows_motion_renews_it_and_follows_its_result():
     assert stage.ctx.told("behaviour_ended") == ["patrol ended in 'Home'"]
 
 
+@pytest.mark.parametrize(("held_up_s", "phase"), [(2.5, "running"), (3.5, "ended")])
+def test_a_run_that_was_frozen_with_its_robot_does_not_go_on_by_itself(held_up_s, phase):
+    stage = Stage()
+    stage.run()
+    stage.play(1.0)
+    before = len(stage.asked(DriveCommand))
+    stage.ctx.now += held_up_s
+    assert stage.play(1.0).phase == phase
+    assert (len(stage.asked(DriveCommand)) > before) == (phase == "running")
+    assert stage.say("run", RunBehaviour(name="patrol")).answer.accepted == (phase == "ended")
+
+
 SEEKS = """Type,Current State,Result,O:beacon,Next State
 start,Looking,,search,Found
 ,Found,done,follow,Found

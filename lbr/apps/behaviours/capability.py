@@ -51,6 +51,8 @@ STATE_EVERY_S, RESTING_EVERY_S = 0.25, 1.0
 SAY_S = 5.0
 BATTERY_S, DRIVE_S = 3.0, 1.0
 """What is older is not known: three periods of the battery, ten of the drive."""
+HELD_UP_S = 3.0
+"""Whoever began a table does not expect it to go on after it has rested for so long, frozen or with its machine."""
 MOST_SAID = 8
 MOST_FAULTS = 50
 """Of a table, told to a page; what is beyond them is seen once they are mended."""
@@ -88,6 +90,7 @@ class Behaviours(Capability[BehaviourSettings]):
         self._run: Run | None = None
         self._streams: frozenset[str] = frozenset()
         self._began = 0.0
+        self._stepped_at = ctx.clock()
         self._ticket = -1
         self._said: list[PendingReply] = []
         self._last = self._told = RESTING
@@ -104,7 +107,11 @@ class Behaviours(Capability[BehaviourSettings]):
         self._compile()
 
     def step(self) -> None:
-        """Go on with the run."""
+        """Go on with the run, unless it was held up for long: then what it was begun for is over."""
+        now = self.ctx.clock()
+        held_up_s, self._stepped_at = now - self._stepped_at, now
+        if held_up_s > HELD_UP_S:
+            self._stop(Reason("lapsed", f"it was held up for {held_up_s:.0f} s; begin it anew"))
         if self.ctx.estop.engaged:
             self._stop(Reason("estop", f"emergency stop: {self.ctx.estop.reason}"))
             self.ctx.estop.acknowledge(stopped=True)
