@@ -1,10 +1,13 @@
 """A robot that a program is connected to: it looks, says lines, borrows motion."""
 
+import atexit
 from collections.abc import Callable, Generator
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from threading import Event
 from typing import Any, NamedTuple, Self
+from weakref import ref
 
 import msgspec
 
@@ -45,6 +48,8 @@ class Robot:
         self.session = session.open_client(found.endpoints, found.credentials, certificate=found.certificate)
         self.operator = BusOperator(self.session, found.robot, source, role=found.role, proof=found.proof, listen=False)
         self._words: Words[Said] | None = None
+        self._leave = partial(_leave, ref(self))
+        atexit.register(self._leave)
 
     def __enter__(self) -> Self:
         return self
@@ -53,7 +58,8 @@ class Robot:
         self.close()
 
     def close(self) -> None:
-        """Stop what a line of ours moves, and disconnect."""
+        """Stop what a line of ours moves, and disconnect; it is done at the program's end where nobody has."""
+        atexit.unregister(self._leave)
         self.operator.close()
         self.session.close()
 
@@ -155,6 +161,13 @@ class Robot:
             raise BusError(f"nothing came on '{name}' for {within_s:g} s")
         finally:
             heard.close()
+
+
+def _leave(robot: "ref[Robot]") -> None:
+    """Close a robot that its program has left open, so that no thread is inside the bus library when the interpreter ends."""
+    found = robot()
+    if found is not None:
+        found.close()
 
 
 def connect(

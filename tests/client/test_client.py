@@ -169,3 +169,19 @@ def test_reading_a_stream_again_later_gives_the_newest_and_not_what_came_meanwhi
         next(found)
     assert time.monotonic() - began > 0.02
     found.close()
+
+
+LEFT_OPEN = """
+from lbr import client
+
+robot = client.connect()
+robot.do.status()
+close = robot.operator.close
+robot.operator.close = lambda: (close(), print("let go,", "closed" if robot.session.is_closed() else "connected"))
+"""
+
+
+def test_a_program_that_does_not_close_its_robot_leaves_the_bus_before_the_interpreter_ends(running, home):
+    env = {**os.environ, "LBR_HOME": str(home)}
+    done = programs.run([sys.executable, "-c", LEFT_OPEN], env=env, capture_output=True, text=True)
+    assert (done.stdout, done.stderr, done.returncode) == ("let go, connected\n", "", 0)
