@@ -64,6 +64,10 @@ def _place() -> Path:
         return _spoken(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute())
     except RuntimeError:  # neither HOME nor an account says where
         raise InputError("it is not known where your home directory is: set HOME, or LBR_HOME") from None
+    except FileNotFoundError:  # LBR_HOME is relative
+        raise InputError(
+            "the folder that you are in is gone, and LBR_HOME is no whole path: go to one that is there"
+        ) from None
 
 
 def _spoken(path: Path) -> Path:

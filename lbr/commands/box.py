@@ -141,6 +141,10 @@ def export(
         raise InputError("say where to: --mcap FILE, or --csv FOLDER")
     target = mcap or folder
     assert target is not None
+    if folder is not None and target.exists() and not target.is_dir():
+        raise InputError(f"{target} is no folder: --csv writes a table for each topic into one")
+    if mcap is not None and target.is_dir():
+        raise InputError(f"{target} is a folder: --mcap writes one file")
     if target.exists() and not force and (mcap is not None or any(target.iterdir())):
         raise InputError(f"{target} is there already; --force takes its place")
     chosen, start_ns, end_ns = selected(what, robot, begin, end, around)

@@ -52,11 +52,13 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
     surroundings.forget_runtime()
     from lbr.console.outlet import unhurried  # noqa: PLC0415
     from lbr.executive.lastresort import leave_for_certain  # noqa: PLC0415
+    from lbr.executive.planning import profile as profiles  # noqa: PLC0415
     from lbr.executive.start import run  # noqa: PLC0415
 
     surroundings.bound_heaps()
     surroundings.need_room_for_a_robot()
     if not no_console:
+        profiles.load(profile)  # a wrong one is told before what its console would lack
         surroundings.need_a_console()
     with unhurried():
         code = run(profile, database, listen, console=not no_console)

@@ -55,7 +55,7 @@ def find(robot: str | None, connect: str | None, token_file: Path | None = None)
         one = wanted[0]
         return _local_target(one)
     names = listed([one.robot for one in here], "and")
-    if robot:
+    if robot is not None:
         there = f"{names} run here" if here else "none runs here"
         raise BusError(f"robot '{shown(robot)}' does not run here ({there}); 'lbr run' starts one")
     if not here:

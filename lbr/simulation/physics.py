@@ -12,6 +12,8 @@ os.environ.pop("MUJOCO_GL", None)  # the choice of a renderer that is not instal
 try:
     mujoco: Any = importlib.import_module("mujoco")  # its bindings carry no types
 except ImportError as err:
+    if isinstance(err.__cause__, KeyboardInterrupt):  # the bindings were interrupted while they began
+        raise KeyboardInterrupt from None
     raise LbrError(f"the simulated world needs MuJoCo ({err}): pip install 'lbr[sim]'") from err
 
 _FILE = "model.mjb"

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lbr.database.store import Database
 from lbr.errors import InputError, LbrError
+from lbr.messages.plain import one_line
 from lbr.messages.system import EstopState
 
 LONGEST_REASON = 1000
@@ -28,7 +29,8 @@ class Latch:
         if self.path.exists() and not self.path.is_file():  # reading could wait for a writer
             return UNREADABLE
         try:
-            text = self.path.read_bytes()[: LONGEST_REASON * 4].decode(errors="replace").strip()
+            with self.path.open("rb") as file:
+                text = one_line(file.read(LONGEST_REASON * 4).decode(errors="replace"))[:LONGEST_REASON].strip()
         except FileNotFoundError:
             return None
         except OSError:
