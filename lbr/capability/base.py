@@ -39,5 +39,8 @@ class Capability(Generic[S]):
     def degraded(self, reason: str) -> None:
         """Tell the others that the device is away; called when it goes and every half second until it is back."""
 
+    def woke(self, slept_s: float) -> None:
+        """Called before the next step once the computer was suspended, while no deadline passed: end what moves."""
+
     def close(self) -> None:
         """Stop motion first, then close everything; called on every way out that allows it."""

@@ -26,6 +26,7 @@ from lbr.capability.config import ProcessConfig
 from lbr.capability.confine import confine
 from lbr.capability.reporter import BEAT_S, HEARTBEAT_VARIABLE, Reporter, Said
 from lbr.capability.runtime import ProcessContext
+from lbr.capability.suspended import Suspended
 from lbr.errors import DeviceError
 from lbr.messages.codes import Reason
 
@@ -70,6 +71,7 @@ class Process:
         self._wake = Wake()
         self._stopping = False
         self._capability: Capability[Any] | None = None
+        self._suspended = Suspended()
         self._tell_at = 0.0
         self._collect_at = 0.0
 
@@ -127,6 +129,8 @@ class Process:
             self._wake.wait(min(due - time.monotonic(), BEAT_S))
 
     def _round(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
+        if slept_s := self._suspended.for_s():
+            capability.woke(slept_s)
         for call in ctx.calls():
             capability.command(call)
         capability.step()

@@ -111,7 +111,7 @@ class Behaviours(Capability[BehaviourSettings]):
         now = self.ctx.clock()
         held_up_s, self._stepped_at = now - self._stepped_at, now
         if held_up_s > HELD_UP_S:
-            self._stop(Reason("lapsed", f"it was held up for {held_up_s:.0f} s; begin it anew"))
+            self._held_up(held_up_s)
         if self.ctx.estop.engaged:
             self._stop(Reason("estop", f"emergency stop: {self.ctx.estop.reason}"))
             self.ctx.estop.acknowledge(stopped=True)
@@ -364,6 +364,13 @@ class Behaviours(Capability[BehaviourSettings]):
         self._refuse_late(call)
         run.resume(now, one_step=what == "step")
         return f"{run.table} goes on from '{run.state}'" + (" up to the next state" if what == "step" else "")
+
+    def woke(self, slept_s: float) -> None:
+        """End the run: what it was begun for is over."""
+        self._held_up(slept_s)
+
+    def _held_up(self, seconds: float) -> None:
+        self._stop(Reason("lapsed", f"it was held up for {seconds:.0f} s; begin it anew"))
 
     def _stop(self, why: Reason) -> None:
         if self._run is not None:

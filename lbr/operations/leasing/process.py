@@ -134,6 +134,11 @@ class LeasingCapability(Capability[S], Generic[S, L]):
             self.lend(call)
         self.report()
 
+    def woke(self, slept_s: float) -> None:
+        """End what moved before the computer slept: nobody expects it to go on, and no lease has lapsed meanwhile."""
+        reason = f"this computer slept for {slept_s:.0f} s"
+        self.happen(Stop(source=self.ctx.name, received=self.ctx.clock(), reason=reason))
+
     def close(self) -> None:
         """Refuse what waits, and stop what goes on."""
         while self._waiting:

@@ -158,6 +158,21 @@ def test_the_death_of_a_capability_that_drives_ends_its_motion(robot):
     assert ("lapsed", "console: the process of console is gone") in robot.ctx.events
 
 
+def test_a_computer_that_slept_has_ended_every_motion_and_begins_none_from_before(robot):
+    call = robot.send(robot.ctx.command(0.5))
+    robot.run(0.5, renewing(robot, call))
+    assert robot.wheels != (0.0, 0.0)
+    sent_before = robot.ctx.command(0.5)
+    robot.ctx.now += 0.01
+    robot.drive.woke(3600.0)
+    robot.run(0.02)
+    assert robot.wheels == (0.0, 0.0)
+    assert "slept for 3600 s" in robot.ctx.said("state")[-1].reason
+    assert not robot.send(robot.ctx.command(0.5, lease=call.answer.lease)).answer.accepted
+    assert not robot.send(sent_before).answer.accepted
+    assert robot.send(robot.ctx.command(0.5)).answer.accepted
+
+
 def test_a_driver_that_is_back_can_be_driven_again(robot):
     robot.ctx.drivers_alive = False
     robot.run(0.1, hear=False)
