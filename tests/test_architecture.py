@@ -423,7 +423,7 @@ def flat(node: ast.expr) -> list[ast.expr]:
 def test_who_reads_json_awaits_bytes_that_are_no_text(paths):
     """Within a string msgspec lets Python's own error for them through, which is none of its own."""
     wrong = [f"{dotted(path)}:{line}" for path in paths for line in blind_to_bytes(text(path))]
-    assert not wrong, f"{', '.join(wrong)}: name UnicodeDecodeError besides"
+    assert not wrong, f"{', '.join(wrong)}: catch UNREADABLE of lbr.messages.unreadable"
 
 
 def test_the_check_sees_who_does_not_await_them():

@@ -7,6 +7,7 @@ import msgspec
 from lbr.bus import pictures
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
+from lbr.messages.unreadable import UNREADABLE
 
 T = TypeVar("T")
 
@@ -23,10 +24,10 @@ class Decoder(Generic[T]):
             return self._decoder.decode(data)
         except msgspec.ValidationError as err:
             raise MalformedError(str(err)) from err
-        except (msgspec.DecodeError, UnicodeDecodeError) as err:
-            raise MalformedError(f"not JSON: {err}") from err
         except (RecursionError, OverflowError) as err:
             raise MalformedError(f"not sensible: {err}") from err
+        except UNREADABLE as err:
+            raise MalformedError(f"not JSON: {err}") from err
 
 
 class PictureDecoder:

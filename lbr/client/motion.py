@@ -15,6 +15,7 @@ from lbr.bus.over_session import OverSession
 from lbr.bus.session import Session
 from lbr.errors import BusError, InputError, LbrError
 from lbr.messages.drive import GoalResult
+from lbr.messages.unreadable import UNREADABLE
 
 Message = dict[str, Any]
 """A message as JSON has it: the fields of its schema (`lbr topic`, docs/reference)."""
@@ -105,7 +106,7 @@ class Motion:
 
     def _hear(self) -> None:
         for raw in self._results.take():
-            with suppress(msgspec.DecodeError, UnicodeDecodeError):
+            with suppress(*UNREADABLE):
                 self._client.hear(msgspec.json.decode(raw.payload, type=GoalResult))
         self._client.step()
 

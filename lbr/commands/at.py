@@ -9,6 +9,7 @@ import click
 
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 if TYPE_CHECKING:
     from lbr.database.reading import RawTables
@@ -64,7 +65,7 @@ def snapshot(found: "Moment") -> "Snapshot":
         raise InputError("the rows of then are not in the recording, and without them nothing can be explained")
     try:
         facts = msgspec.json.decode(found.rows.facts, type=Facts)
-    except (msgspec.DecodeError, UnicodeDecodeError) as err:
+    except UNREADABLE as err:
         raise InputError(f"the rows of then are of another version: {err}") from None
     return Snapshot(
         facts=facts,

@@ -34,6 +34,7 @@ from lbr.messages.motion_work import (
     WriteJob,
     Written,
 )
+from lbr.messages.unreadable import UNREADABLE
 
 if TYPE_CHECKING:
     from lbr.messages.rows import Row
@@ -63,7 +64,7 @@ def main() -> int:
     except LbrError as err:
         last = NotDone(reason=str(err), code=err.code if isinstance(err, InputError) else "failed")
         _say(last)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError, MemoryError) as err:
+    except (MemoryError, *UNREADABLE) as err:
         last = NotDone(reason=f"this cannot be read: {err or type(err).__name__}", code="bad_value")
         _say(last)
     except BrokenPipeError:
@@ -135,7 +136,7 @@ def _world(job: CheckJob) -> "HumanoidWorldSettings":
     for settings in (*_settings_in(Path(job.database), job.robot), *_settings_of_package(job.robot)):
         try:
             return msgspec.json.decode(settings, type=HumanoidWorldSettings)
-        except (msgspec.DecodeError, UnicodeDecodeError):
+        except UNREADABLE:
             continue
     return HumanoidWorldSettings(model=job.robot)
 

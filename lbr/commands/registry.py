@@ -8,6 +8,7 @@ import click
 
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 if TYPE_CHECKING:
     from lbr.bus.tokens import Token
@@ -94,7 +95,7 @@ def list_robots(url: str, token_file: Path | None, as_json: bool) -> int:
     said = asking.ask(url, _token(token_file), "GET")
     try:
         found = msgspec.json.decode(said, type=tuple[Listed, ...])
-    except (msgspec.DecodeError, UnicodeDecodeError) as err:
+    except UNREADABLE as err:
         raise InputError(f"{url} does not answer as a registry does ({err})", "malformed") from err
     if as_json:
         print_json(found)

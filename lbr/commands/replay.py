@@ -17,6 +17,7 @@ from lbr.commands import box
 from lbr.commands.completing import complete_recording
 from lbr.commands.options import Number, json_option
 from lbr.errors import BusError, InputError
+from lbr.messages.unreadable import UNREADABLE
 from lbr.recording import lines
 
 if TYPE_CHECKING:
@@ -150,7 +151,7 @@ class Stage:
         try:
             said = msgspec.json.decode(one.data)
             return msgspec.json.encode(said | {"robot": self._robot})
-        except (msgspec.DecodeError, UnicodeDecodeError, TypeError):
+        except (TypeError, *UNREADABLE):
             return one.data
 
     def _describe(self, channel: "Channel") -> None:

@@ -13,6 +13,7 @@ from lbr import home
 from lbr.apps.http import listening
 from lbr.commands.finding import Finding
 from lbr.database.rows import CapabilityRow
+from lbr.messages.unreadable import UNREADABLE
 
 KIND = "web"
 
@@ -31,7 +32,7 @@ def ports(robot: str, rows: Iterable[CapabilityRow]) -> Iterator[Finding]:
         if row.kind == KIND and row.enabled:
             try:
                 place = msgspec.json.decode(row.settings, type=Place)
-            except (msgspec.DecodeError, UnicodeDecodeError) as err:
+            except UNREADABLE as err:
                 text = f"the row's settings say no host and port to listen at: {err}"
                 yield Finding(about=f"port of '{row.name}'", level="bad", text=text, do="lbr db check")
             else:

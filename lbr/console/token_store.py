@@ -13,6 +13,7 @@ from lbr import home, ownership
 from lbr.bus import tokens
 from lbr.bus.tokens import Token
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 VARIABLE = "LBR_TOKEN"
 SERVICE = "lbr-token"
@@ -70,7 +71,7 @@ def _saved() -> dict[str, str]:
         return {}
     try:
         return msgspec.json.decode(path.read_bytes(), type=dict[str, str])
-    except (OSError, msgspec.DecodeError, UnicodeDecodeError):
+    except (OSError, *UNREADABLE):
         return {}
 
 

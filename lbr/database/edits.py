@@ -13,6 +13,7 @@ from lbr.database.rows import RevisionRow
 from lbr.errors import InputError
 from lbr.messages.faces import EditCommand
 from lbr.messages.rows import Row, shown
+from lbr.messages.unreadable import UNREADABLE
 
 Key = tuple[str, ...]
 MAKE_PROCESSES = {ROBOT, "capability", "channel", "device", "verb", "external_command"}
@@ -54,7 +55,7 @@ def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> Edit:
             raise InputError(f"rows of '{shown(table)}' are not for it to write; it may {_listed(tables)}", "denied")
         try:
             rows += msgspec.json.decode(found, type=list[tables[table]])  # type: ignore[valid-type]
-        except (msgspec.MsgspecError, UnicodeDecodeError) as err:
+        except UNREADABLE as err:
             raise InputError(f"malformed edit: {table}: {err}", "malformed") from err
     return Edit(rows=tuple(rows), create=command.create, revision=command.revision, by=command.by)
 

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from lbr.errors import InputError
 from lbr.messages.joints import MAX_FRAMES, Joint, KeyFrame, Motion
+from lbr.messages.unreadable import UNREADABLE
 from lbr.robots import registry
 from lbr.robots.motion_file import LARGEST_BYTES, MakersMotion, ReadMotion, RobotRows, WriteMotion
 from lbr.robots.old_data import Note
@@ -65,7 +66,7 @@ def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
         return reader(content)
     try:
         return msgspec.json.decode(content, type=MotionFile)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as err:
+    except UNREADABLE as err:
         others = "".join(f", {suffix} ({one.summary})" for suffix, one in sorted(registry.motion_formats().items()))
         raise InputError(f"it is not a motion: {err}. Motions are in JSON{others}") from err
 

@@ -10,6 +10,7 @@ import msgspec
 from lbr.database.rows import RevisionRow
 from lbr.messages.joints import Motion, MotionRow, MotionStep, motions_of
 from lbr.messages.motion_work import MotionVersion
+from lbr.messages.unreadable import UNREADABLE
 
 MOST = 50
 TOGETHER_S = 1.0
@@ -73,7 +74,7 @@ def _motion(values: Mapping[tuple[str, ...], dict[str, Any]], name: str) -> Moti
     try:
         rows = [_row(value, MotionRow) for (table, *_), value in values.items() if table == MotionRow.TABLE]
         steps = [_row(value, MotionStep) for (table, *_), value in values.items() if table == MotionStep.TABLE]
-    except (msgspec.ValidationError, msgspec.DecodeError, UnicodeDecodeError):
+    except UNREADABLE:
         return None
     found = motions_of(rows, sorted(steps, key=lambda step: step.step))
     return next((one for one in found if one.name == name), None)

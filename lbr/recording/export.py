@@ -13,6 +13,7 @@ import msgspec
 from mcap.writer import CompressionType, Writer
 
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 from lbr.recording.chunks import Channel, Message
 
 Again = Callable[[], Iterable[Message]]
@@ -112,7 +113,7 @@ def decoded(one: Message) -> Any:
     """Return a message as plain data; what is no JSON as a text."""
     try:
         return msgspec.json.decode(one.data)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+    except UNREADABLE:
         return one.data.decode(errors="replace")
 
 

@@ -12,6 +12,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr.messages.taped import LineBytes, Taped, TapedCommand
+from lbr.messages.unreadable import UNREADABLE
 from lbr.recording.chunks import Message
 
 TAPED = "@taped/"
@@ -223,14 +224,14 @@ def is_opening(message: Message) -> bool:
 def _decoded(message: Message) -> Taped | None:
     try:
         return _taped.decode(message.data)
-    except (msgspec.DecodeError, UnicodeDecodeError):
+    except UNREADABLE:
         return None
 
 
 def _command(to: str, one: TapedCommand, later_ns: int) -> Command | None:
     try:
         reply = msgspec.json.decode(one.reply, type=dict[str, Any])
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+    except UNREADABLE:
         return None
     return Command(
         at_ns=one.at_ns + later_ns,

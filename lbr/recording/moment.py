@@ -9,6 +9,7 @@ from msgspec import Struct
 from lbr.errors import InputError
 from lbr.messages.recorded import RecordedRows
 from lbr.messages.system import Event, Status
+from lbr.messages.unreadable import UNREADABLE
 from lbr.recording import selection
 from lbr.recording.chunks import Message
 
@@ -61,5 +62,5 @@ def moment(files: tuple[Path, ...], at_ns: int) -> Moment:
 def _decoded(one: Message | None, kind: Any) -> Any:
     try:
         return msgspec.json.decode(one.data, type=kind) if one is not None else None
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+    except UNREADABLE:
         return None

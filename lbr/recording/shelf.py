@@ -17,6 +17,7 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
+from lbr.messages.unreadable import UNREADABLE
 from lbr.recording.segments import in_use, sync_folder
 
 SUFFIX = ".mcap"
@@ -164,7 +165,7 @@ def size_of(files: Iterable[Path]) -> int:
 def _incident(folder: Path) -> Incident | None:
     try:
         return msgspec.json.decode((folder / INCIDENT).read_bytes(), type=Incident)
-    except (OSError, msgspec.DecodeError, UnicodeDecodeError):
+    except (OSError, *UNREADABLE):
         return None
 
 

@@ -21,6 +21,7 @@ from lbr.bus.session import Session
 from lbr.errors import BusError, InputError
 from lbr.messages.recorded import RecordedRows
 from lbr.messages.system import Event
+from lbr.messages.unreadable import UNREADABLE
 from lbr.recording import lines, selection
 from lbr.recording.chunks import Message
 from lbr.rerun import alike, rows
@@ -313,5 +314,5 @@ def _record(made: rows.Place, robot: str) -> home.Running:
 def _decoded(data: bytes, kind: Any) -> Any:
     try:
         return msgspec.json.decode(data, type=kind)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+    except UNREADABLE:
         return None

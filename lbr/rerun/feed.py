@@ -13,6 +13,7 @@ from lbr.bus import keys, wire
 from lbr.bus.session import Session
 from lbr.errors import BusError
 from lbr.messages.system import EstopRequest
+from lbr.messages.unreadable import UNREADABLE
 from lbr.recording.lines import Command
 
 ANSWER_S = 3.0
@@ -174,12 +175,12 @@ class Feed:
     def _hear(self, now_ns: int) -> None:
         for stream in self._results:
             for raw in stream.take():
-                with contextlib.suppress(msgspec.DecodeError, UnicodeDecodeError):
+                with contextlib.suppress(*UNREADABLE):
                     self._over.add(msgspec.json.decode(raw.payload, type=_Result).goal)
         waiting = []
         for said, payload, query in self._waiting:
             if query.replies:
-                with contextlib.suppress(msgspec.DecodeError, UnicodeDecodeError):
+                with contextlib.suppress(*UNREADABLE):
                     said.reply = msgspec.json.decode(query.replies[0].payload)
                 self._answered(said, payload, now_ns)
             elif not query.done:
@@ -228,7 +229,7 @@ def _lease_of(payload: bytes) -> str:
     """Return the lease that a command quotes; empty: none, or it cannot be read."""
     try:
         found = msgspec.json.decode(payload)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+    except UNREADABLE:
         return ""
     lease = found.get("lease", "") if isinstance(found, dict) else ""
     return lease if isinstance(lease, str) else ""

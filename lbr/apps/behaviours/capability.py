@@ -45,6 +45,7 @@ from lbr.messages.leases import STOPPED_SINCE, CommandReply, StopCommand
 from lbr.messages.rows import Row, RowsChanged
 from lbr.messages.sensing import RING, RangeSensor
 from lbr.messages.speech import SayCommand
+from lbr.messages.unreadable import UNREADABLE
 
 R = TypeVar("R", bound=Row)
 STATE_EVERY_S, RESTING_EVERY_S = 0.25, 1.0
@@ -527,7 +528,7 @@ def _edited(row: type[R], before: Iterable[R], message: RowsChanged) -> list[R]:
         gone = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[Any, ...]]))
         told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[Any])
         new = [msgspec.convert(one, row) for one in told]
-    except (msgspec.MsgspecError, UnicodeDecodeError, TypeError) as err:
+    except (TypeError, *UNREADABLE) as err:
         raise InputError(f"rows of {row.TABLE} cannot be read: {err}", "malformed") from err
     found = {one.key: one for one in before if one.key not in gone}
     return list((found | {one.key: one for one in new}).values())

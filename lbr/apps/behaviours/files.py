@@ -11,6 +11,7 @@ import msgspec
 
 from lbr.apps.behaviours.table import DEADLINE, NEXT, STATE, TYPE
 from lbr.messages.behaviour import LONGEST_CELL, MOST_ROWS, BehaviourRow, RowType
+from lbr.messages.unreadable import UNREADABLE
 
 LARGEST_BYTES = 4_000_000
 OUTPUT = "O:"
@@ -230,7 +231,7 @@ def _delimiter(text: str) -> str:
 def _of_json(content: bytes, name: str) -> Read:
     try:
         found = msgspec.json.decode(content[3:] if content[:3] == b"\xef\xbb\xbf" else content)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as err:
+    except UNREADABLE as err:
         return _refused(f"it is no JSON: {err}")
     faults: list[FileFault] = []
     given = list(_json_rows(found, faults))

@@ -23,6 +23,7 @@ from lbr.errors import BusError, DeviceError
 from lbr.messages.box import BoxReply, BoxState, EndRecording, MarkCommand, RecordCommand
 from lbr.messages.recorded import RecordedRows, RecordedStreams
 from lbr.messages.system import Event
+from lbr.messages.unreadable import UNREADABLE
 from lbr.recording import chunks
 from lbr.recording.chunks import Channels
 from lbr.recording.shelf import SUFFIX, Shelf
@@ -255,7 +256,7 @@ class Box(Capability[BoxSettings]):
     def _happened(self, payload: bytes) -> None:
         try:
             event = _events.decode(payload)
-        except (msgspec.DecodeError, UnicodeDecodeError):
+        except UNREADABLE:
             return
         if event.subject == self.ctx.name:
             return
@@ -266,7 +267,7 @@ class Box(Capability[BoxSettings]):
     def _revise(self, payload: bytes) -> None:
         try:
             self._revision = _revisions.decode(payload).revision
-        except (msgspec.DecodeError, UnicodeDecodeError):
+        except UNREADABLE:
             return
 
     # -- what there is to hear ------------------------------------------------------------------------------------------
@@ -413,7 +414,7 @@ class Box(Capability[BoxSettings]):
 def _answer(query: wire.PendingQuery) -> Raw | None:
     try:
         found = _answers.decode(query.replies[0].payload) if query.replies else None
-    except (msgspec.DecodeError, UnicodeDecodeError):
+    except UNREADABLE:
         return None
     return found.data if found is not None and found.code == 0 else None
 
@@ -421,5 +422,5 @@ def _answer(query: wire.PendingQuery) -> Raw | None:
 def _decoded(data: Raw | None, kind: type[Any]) -> Any:
     try:
         return msgspec.json.decode(data, type=kind) if data is not None else None
-    except (msgspec.DecodeError, UnicodeDecodeError):
+    except UNREADABLE:
         return None

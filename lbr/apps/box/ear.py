@@ -15,6 +15,7 @@ from lbr.errors import BusError
 from lbr.messages.recorded import RecordedStream
 from lbr.messages.system import Event, Status
 from lbr.messages.taped import Taped
+from lbr.messages.unreadable import UNREADABLE
 from lbr.recording.chunks import Channel, Channels, flat_schema
 
 DEPTH = 512
@@ -225,7 +226,7 @@ def line(who: str, text: str, at_ns: int) -> bytes:
 def _stamp_of(attachment: bytes) -> _Stamp:
     try:
         return _stamps.decode(attachment)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+    except UNREADABLE:
         return _NO_STAMP
 
 

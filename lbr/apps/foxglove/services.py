@@ -8,6 +8,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 STOP, ESTOP = "stop", "estop"
 LONGEST_VALUE = 1000
@@ -81,7 +82,7 @@ def read(payload: bytes) -> dict[str, Any]:
     """Return the fields of a request; InputError says why there are none."""
     try:
         found = msgspec.json.decode(payload or b"{}")
-    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as err:
+    except UNREADABLE as err:
         raise InputError(f"the request is no JSON ({type(err).__name__})", "malformed") from None
     if not isinstance(found, dict):
         raise InputError("the request is no JSON object, such as {}", "malformed")

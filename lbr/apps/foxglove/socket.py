@@ -31,6 +31,7 @@ from lbr.apps.web.api.requests import source_of
 from lbr.apps.web.api.service import Api
 from lbr.apps.web.face import Client, Refused
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 STALLED_S = 5.0
 GOING_AWAY, STALLED, TALKS = 1001, 1013, 1008
@@ -217,7 +218,7 @@ class Viewer:
         at_ns = max(0, wall_ns - int(age_s * 1e9))
         try:
             payload = channels.payload(source, {key: one.text for key, one in heard.items()}, at_ns)
-        except (msgspec.MsgspecError, ValueError, ArithmeticError, UnicodeDecodeError) as err:
+        except (ValueError, ArithmeticError, *UNREADABLE) as err:
             text = f"{source.channel.topic} cannot be shown: {err}"
             self._news.append(protocol.status(protocol.WARNING, text[:300], source.channel.topic))
             return []

@@ -29,6 +29,7 @@ from lbr.messages.mqtt import MqttState
 from lbr.messages.plain import one_line
 from lbr.messages.speech import SayCommand
 from lbr.messages.system import Role
+from lbr.messages.unreadable import UNREADABLE
 
 ASK_S = 3.0
 TELL_S = 1.0
@@ -371,14 +372,14 @@ def _named(name: str, payload: bytes, word: words.Word | None) -> Ask:
         return Ask(word=name[:LONGEST_WORD])
     try:
         return Ask(word=name, value=payload.decode() if wanted.text else msgspec.json.decode(payload, type=float))
-    except (UnicodeDecodeError, msgspec.DecodeError) as err:
+    except UNREADABLE as err:
         raise InputError(f"a {'text' if wanted.text else 'number'} comes with '{name}' ({err})", "malformed") from err
 
 
 def _json(payload: bytes) -> Any:
     try:
         return msgspec.json.decode(payload)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as err:
+    except UNREADABLE as err:
         raise InputError(f"it is no JSON ({str(err)[:100]})", "malformed") from err
 
 

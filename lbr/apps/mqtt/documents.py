@@ -10,6 +10,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 LARGEST_BYTES = 64 * 1024
 """A document has 8 kB, and its metadata is some times as long."""
@@ -41,10 +42,10 @@ def read(payload: bytes) -> dict[str, Any]:
         raise InputError(f"it has {len(payload)} bytes, and a document {LARGEST_BYTES} at most", "malformed")
     try:
         found = msgspec.json.decode(payload)
-    except (msgspec.DecodeError, UnicodeDecodeError) as err:
-        raise InputError(f"it is no JSON ({err})", "malformed") from err
     except RecursionError as err:
         raise InputError("its JSON is too deep", "malformed") from err
+    except UNREADABLE as err:
+        raise InputError(f"it is no JSON ({err})", "malformed") from err
     return _object(found, "it")
 
 

@@ -11,6 +11,7 @@ import msgspec
 from lbr.bus import tokens
 from lbr.bus.tokens import Token
 from lbr.errors import BusError, InputError, LbrError
+from lbr.messages.unreadable import UNREADABLE
 
 ANSWER_S = 5.0
 LARGEST_BYTES = 1024 * 1024
@@ -72,6 +73,6 @@ def _reason(said: bytes) -> str:
     """Return the sentence of an answer, as one printable line."""
     try:
         text = str(msgspec.json.decode(said, type=dict[str, object]).get("reason", ""))
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+    except UNREADABLE:
         text = ""
     return "".join(one if one.isprintable() else " " for one in text)[:200] or "without a reason"

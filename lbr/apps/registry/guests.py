@@ -18,6 +18,7 @@ from lbr.apps.http import listening
 from lbr.bus import certificates, tokens
 from lbr.bus.tokens import Token
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 FOLDER, FILE = "registry", "tokens.json"
 
@@ -78,7 +79,7 @@ class Guests:
             ownership.refuse(ownership.faults(self.path, secret=True))
             try:
                 self._known = msgspec.json.decode(self.path.read_bytes(), type=dict[str, Guest])
-            except (OSError, msgspec.DecodeError, UnicodeDecodeError) as err:
+            except (OSError, *UNREADABLE) as err:
                 raise InputError(f"{self.path} cannot be read ({err}): remove it, and give new tokens") from err
             self._read = (found.st_mtime_ns, found.st_ino)
         return self._known

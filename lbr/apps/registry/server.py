@@ -19,6 +19,7 @@ from lbr.apps.registry.asking import PATH
 from lbr.apps.registry.book import MOST_ROBOTS, Book, Entry
 from lbr.apps.registry.guests import Guests
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 LARGEST_BYTES = 8192
 REQUESTS_PER_S = 100.0
@@ -65,7 +66,7 @@ class Service:
             return _said(413, "malformed", f"a robot tells {LARGEST_BYTES} bytes at most, not {len(body)}")
         try:
             entry = msgspec.json.decode(body, type=Entry)
-        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as err:
+        except UNREADABLE as err:
             return _said(400, "malformed", f"this registers no robot: {str(err)[:200]}")
         if not self._book.register(whose, address, entry, self._clock()):
             return _said(503, "limit", f"{MOST_ROBOTS} robots are listed, and there is no room for one more")

@@ -10,6 +10,7 @@ import msgspec
 
 from lbr.apps.speech.request import Answer, Request
 from lbr.capability.die_with_parent import dying_with_parent
+from lbr.messages.unreadable import UNREADABLE
 
 ENGINE = (sys.executable, "-P", "-m", "lbr.apps.speech.engine")
 START_S = 20.0
@@ -115,7 +116,7 @@ class Worker:
         self._heard = rest
         try:
             return msgspec.json.decode(line, type=Answer)
-        except (msgspec.DecodeError, UnicodeDecodeError):
+        except UNREADABLE:
             return Answer(reason="the speech engine said something that cannot be understood")
 
     def _take(self, answer: Answer) -> Answer | None:

@@ -17,6 +17,7 @@ from starlette.types import Receive, Scope, Send
 
 from lbr.apps.web.face import Refused, Route
 from lbr.messages.units import NAME_PATTERN
+from lbr.messages.unreadable import UNREADABLE
 
 MOST_PARAMETERS = 64
 _KEY = re.compile(r"\{([a-z_]+\*?)\}")
@@ -119,10 +120,10 @@ def decoded(body: bytes, kind: Any) -> Any:
         return msgspec.json.decode(body, type=kind)
     except msgspec.ValidationError as err:
         raise Refused(400, plain(err)) from None
-    except (msgspec.DecodeError, UnicodeDecodeError) as err:
-        raise Refused(400, f"the body is not JSON: {err}") from None
     except RecursionError:
         raise Refused(400, "the JSON is nested too deeply") from None
+    except UNREADABLE as err:
+        raise Refused(400, f"the body is not JSON: {err}") from None
 
 
 def plain(err: Exception) -> str:

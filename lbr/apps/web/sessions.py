@@ -16,6 +16,7 @@ import msgspec
 
 from lbr import home
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 LIFE_S = 30 * 24 * 3600
 MOST = 32
@@ -85,7 +86,7 @@ class Sessions:
     def _read(self) -> dict[str, float]:
         try:
             self._ends = msgspec.json.decode(self._path.read_bytes(), type=dict[str, float])
-        except (OSError, msgspec.DecodeError, UnicodeDecodeError):
+        except (OSError, *UNREADABLE):
             return {}
         return self._living()
 

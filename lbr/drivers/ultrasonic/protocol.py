@@ -13,6 +13,7 @@ from msgspec import Meta, Struct
 from lbr.drivers.lines import LineSplitter, RawLine
 from lbr.drivers.ultrasonic import SENSORS, Board, UltrasonicSettings
 from lbr.messages.sensing import Ranges, RangeStatus, ranges
+from lbr.messages.unreadable import UNREADABLE
 
 START = b"g\n"
 FINISH = b"s\n"
@@ -78,7 +79,7 @@ def parse_line(line: bytes) -> Frame | BadLine | None:
         told = {name.lower(): number for name, number in _decoder.decode(line).ranges.items()}
         known = {name: told.pop(name) for name in (*SENSORS, "deltat")}
         return Frame(**known, others=told)
-    except (KeyError, msgspec.DecodeError, UnicodeDecodeError, RecursionError, OverflowError):
+    except (KeyError, OverflowError, *UNREADABLE):
         return BadLine(RawLine(line, overlong=False).readable)
 
 

@@ -23,6 +23,7 @@ from lbr.executive.planning.wiring import least_roles
 from lbr.messages.codes import Code
 from lbr.messages.rows import Row, RowsChanged, by_table
 from lbr.messages.system import CapabilityStatus
+from lbr.messages.unreadable import UNREADABLE
 
 PROBLEMS_TOLD = 3
 """How many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
@@ -141,7 +142,7 @@ class LiveRows:
                 if read.row in kind.learns and read.row.TABLE in told:
                     rows = _whole(read.row, told[read.row.TABLE], known)
                     found += read_by(read, kind.parse(bytes(config.settings)), rows)
-        except (msgspec.MsgspecError, UnicodeDecodeError) as err:
+        except UNREADABLE as err:
             self._happened("refused", name, f"what it has learnt cannot be written down: {err}", "warning")
             return ()
         return tuple(found)

@@ -8,6 +8,7 @@ from msgspec import Struct
 
 from lbr.database import given_files
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 from lbr.robots import registry
 from lbr.robots.registry import Found
 
@@ -80,5 +81,5 @@ def _read(path: Path) -> Profile:
         return msgspec.toml.decode(given_files.read(path, LARGEST_BYTES), type=Profile)
     except InputError as err:
         raise InputError(f"launch profile {err}") from err
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as err:
+    except UNREADABLE as err:
         raise InputError(f"launch profile {path}: {err}") from err

@@ -23,6 +23,7 @@ from lbr.errors import LbrError
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Reaper
+from lbr.messages.unreadable import UNREADABLE
 
 BEGINS_WITHIN_S = 3.0
 """A few times what it takes beside four busy loops."""
@@ -155,7 +156,7 @@ class ForkServer:
         try:
             content = self._link.recv(LARGEST)
             said = msgspec.json.decode(content, type=Said) if content else None
-        except (OSError, msgspec.MsgspecError, UnicodeDecodeError):
+        except (OSError, *UNREADABLE):
             said = None
         if said is None:
             self._end()

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 
 WITHIN_S = 9.0
 LONGEST_TEXT = 300
@@ -24,6 +25,6 @@ def look(robot: str, database: Path) -> Any:
         raise InputError(f"'lbr devices' cannot be started: {err.strerror}", "failed") from err
     try:
         return msgspec.json.decode(done.stdout)
-    except (msgspec.DecodeError, UnicodeDecodeError):
+    except UNREADABLE:
         why = " ".join(done.stderr.decode(errors="replace").split())[-LONGEST_TEXT:]
         raise InputError(f"'lbr devices' failed: {why or f'exit code {done.returncode}'}", "failed") from None

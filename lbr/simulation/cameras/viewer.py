@@ -9,6 +9,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta, Struct
 
+from lbr.messages.unreadable import UNREADABLE
 from lbr.simulation.cameras.renderers import LARGEST_PX
 
 _RECORD = struct.Struct("<IQ")
@@ -82,7 +83,7 @@ class Viewer:
     def _obey(self, line: bytes, now: float) -> None:
         try:
             wanted = msgspec.json.decode(line, type=Wanted)
-        except (msgspec.DecodeError, UnicodeDecodeError):
+        except UNREADABLE:
             self.closed = True
             return
         self.width_px = wanted.width or self.width_px

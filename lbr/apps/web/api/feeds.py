@@ -17,6 +17,7 @@ from lbr.apps.web.api.robot_bus import Bus, Feed, Question
 from lbr.bus import stamp
 from lbr.bus.wire import RawMessage
 from lbr.errors import BusError
+from lbr.messages.unreadable import UNREADABLE
 
 KEPT_S = 5.0
 """A stream that no viewer wants any more is heard a little longer: a page that is loaded again finds it there."""
@@ -145,6 +146,6 @@ def sample_of(raw: RawMessage, number: int = 0) -> Sample | None:
     try:
         _whole.decode(raw.payload)
         raw.payload.decode()
-    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+    except UNREADABLE:
         return None
     return Sample(raw.payload, stamp.sent_s(stamp.read(raw.attachment), raw.arrived), number)

@@ -14,6 +14,7 @@ import msgspec
 
 from lbr.capability.die_with_parent import dying_with_parent
 from lbr.messages.motion_work import CheckJob, Job, NotDone, Progress, Said
+from lbr.messages.unreadable import UNREADABLE
 
 PROGRAM = "lbr.commands.motion_work"
 MOST_AT_ONCE = 2
@@ -78,7 +79,7 @@ class Work:
     def _hear(self, line: bytes) -> None:
         try:
             said = msgspec.json.decode(line, type=Said)
-        except (msgspec.DecodeError, UnicodeDecodeError) as err:
+        except UNREADABLE as err:
             said = NotDone(reason=f"what the process said cannot be read: {err}")
         if isinstance(said, Progress):
             self.part = said.part

@@ -15,6 +15,7 @@ from starlette.responses import Response
 
 from lbr.apps.web.face import HTML, Face, Refused, Request, Route
 from lbr.apps.web.guards import SECURITY
+from lbr.messages.unreadable import UNREADABLE
 
 FOREVER = "public, max-age=31536000, immutable"
 """For files whose names change with their content."""
@@ -80,7 +81,7 @@ def build(place: Traversable | None = None) -> str:
     kept = (place or resources.files(__package__) / "dist") / MANIFEST
     try:
         return msgspec.json.decode(kept.read_bytes(), type=_Manifest).sources[:16]
-    except (OSError, msgspec.MsgspecError, UnicodeDecodeError):
+    except (OSError, *UNREADABLE):
         return ""
 
 

@@ -15,6 +15,7 @@ from lbr.apps.web.uxa90.editing import Editor
 from lbr.apps.web.uxa90.jobs import JobReply, JobsReply
 from lbr.apps.web.uxa90.service import Service
 from lbr.messages.system import Role
+from lbr.messages.unreadable import UNREADABLE
 
 
 class Handlers:
@@ -117,5 +118,5 @@ def _body(request: Request) -> Any:
         raise web.Refused(400, f"the body must be application/json, not '{media[:60]}'")
     try:
         return msgspec.json.decode(request.body)
-    except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as err:
+    except UNREADABLE as err:
         raise web.Refused(400, f"the body is not JSON: {err}") from None
