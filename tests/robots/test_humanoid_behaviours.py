@@ -25,9 +25,9 @@ NO_TORQUE = Outcome(False, Reason("no_torque", "left_knee has no torque"))
 KNEE = "joints.joints.left_knee"
 PARTS = {
     "bioloid": Parts(frozenset({"joints", "motions", "attitude", "power"}), frozenset({"play"})),
-    "uxa90": Parts(frozenset({"joints", "motions", "tracking"}), frozenset({"play"})),
+    "uxa90": Parts(frozenset({"joints", "motions", "attitude", "tracking"}), frozenset({"play"})),
 }
-"""What each robot has as it comes: no voice, and the UXA-90 no inertial unit."""
+"""What each robot has as it comes: no voice."""
 STANDS = {
     "motions.fallen": "",
     "attitude.roll_rad": 0.0,

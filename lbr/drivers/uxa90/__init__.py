@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from msgspec import Meta, field
+from msgspec import Meta, Struct, field
 
 from lbr.capability.word import Word
 from lbr.drivers.servos import ServosSettings, servos_kind
@@ -13,9 +13,32 @@ from lbr.drivers.uxa90.messages import (
     InquireReply,
     TakeControlCommand,
 )
+from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply
 
 Slot = Annotated[int, Meta(ge=1, le=42)]
+
+
+class ImuSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the main board's inertial unit is asked, and what its six bytes mean, which nobody has verified on a robot."""
+
+    asked: Annotated[
+        Literal["never", "simulated", "always"],
+        Meta(description="whether it is asked all the time; `simulated`: not on hardware"),
+    ] = "never"
+    hz: Annotated[float, Meta(ge=1.0, le=20.0, description="how often, each time between two questions to servos")] = (
+        10.0
+    )
+    lsb_per_g: Annotated[
+        float, Meta(gt=0.0, le=1e6, description="what it counts at rest along the axis that is up")
+    ] = 256.0
+    gravity_sign: Annotated[
+        Literal[-1, 1], Meta(description="-1: it counts below zero along the axis that points up")
+    ] = 1
+    order: Annotated[Literal["big", "little"], Meta(description="which byte of a number comes first")] = "big"
+    sum: Annotated[
+        bool, Meta(description="whether the sum of its answer is right, and one with another is thrown away")
+    ] = True
 
 
 class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -45,6 +68,7 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
         dict[int, Annotated[int, Meta(ge=-60, le=60)]], Meta(description="counts added to each position of a servo")
     ] = field(default_factory=dict)
     maintenance: Annotated[bool, Meta(description="whether servos' registers may be written")] = False
+    imu: ImuSettings = ImuSettings()
 
 
 KIND = servos_kind(
@@ -53,7 +77,7 @@ KIND = servos_kind(
     "lbr.drivers.uxa90.capability:Uxa90",
     Uxa90Settings,
     recognised="lbr.drivers.uxa90.recognition:HANDSHAKE",
-    outputs={"controller": ControllerState},
+    outputs={"controller": ControllerState, "imu": ImuSample},
     commands={"take_control": TakeControlCommand, "inquire": InquireCommand, "configure": ConfigureCommand},
     replies={"take_control": CommandReply, "inquire": InquireReply, "configure": InquireReply},
     roles={"configure": "admin", "inquire": "view"},

@@ -8,7 +8,7 @@ for so long that none of the late ones can pass for another's.
 
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from math import inf
 from random import uniform
@@ -81,6 +81,7 @@ class Bus:
         clock: Callable[[], float] = time.monotonic,
         stop_waits: Callable[[], object] = lambda: False,
         write_waits: Callable[[], object] = lambda: False,
+        unsummed: Collection[int] = (),
     ) -> None:
         self.counts = Counts()
         self.heard: deque[Heard] = deque()
@@ -94,7 +95,7 @@ class Bus:
         self._clock = clock
         self._stop_waits = stop_waits
         self._write_waits = write_waits
-        self._parser = FrameParser()
+        self._parser = FrameParser(unsummed)
         self._doubtful: list[Heard] = []
         self._quiet_at = self._came_at = self._asked_at = clock()
         self._framed_at = -inf  # until then a frame may come that answers one, or nothing

@@ -3,6 +3,7 @@
 Eight bytes of preamble, type, platform, size (four bytes, big-endian), contents, and the XOR of the contents.
 """
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 from lbr.drivers.uxa90.packets import xor
@@ -54,7 +55,9 @@ def ask(what: str) -> bytes:
 class FrameParser:
     """Takes frames out of a stream; bytes that belong to none come back as they came. Holds a bounded number of bytes."""
 
-    def __init__(self) -> None:
+    def __init__(self, unsummed: Collection[int] = ()) -> None:
+        """`unsummed` are types whose sum nobody vouches for."""
+        self._unsummed = frozenset(unsummed)
         self.corrupt = 0
         self._held = bytearray()
 
@@ -106,7 +109,8 @@ class FrameParser:
             self.corrupt += 1
             return 0
         need = OVERHEAD_BYTES + size
-        if len(held) >= need and xor(held[14 : need - 1]) != held[need - 1]:
+        unsure = len(held) >= need and held[8] not in self._unsummed
+        if unsure and xor(held[14 : need - 1]) != held[need - 1]:
             self.corrupt += 1
             return 0
         return need

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from concurrent.futures import Future
+from math import inf
 
 from lbr.capability.context import Context, Device
 from lbr.drivers.guard import Guard
@@ -13,11 +14,13 @@ from lbr.drivers.servos.session import CLOSING_S, JUDGED_S, NOTABLE_BYTES, Guard
 from lbr.drivers.uxa90 import Uxa90Settings, frames
 from lbr.drivers.uxa90.bus import Bus
 from lbr.drivers.uxa90.controller import Controller
-from lbr.drivers.uxa90.frames import TAKE_CONTROL
+from lbr.drivers.uxa90.frames import IMU, TAKE_CONTROL
+from lbr.drivers.uxa90.inertial_unit import InertialUnit
 from lbr.drivers.uxa90.poller import Poller
 from lbr.drivers.uxa90.stored_motions import StoredMotions
 from lbr.drivers.uxa90.targets import ServoTargets
 from lbr.drivers.wire import Wire
+from lbr.messages.imu import ImuSample
 
 SILENT_S = 1.5
 IDENTITY = ("firmware", "serial")
@@ -43,8 +46,14 @@ class Session:
         self._ctx, self._servos, self._tell = ctx, servos, tell
         self.post = GuardPost(ctx, self._start_guard)
         self.bus = Bus(
-            self._line, settings.reply_s, clock=ctx.clock, stop_waits=self._stop_waits, write_waits=self._write_waits
+            self._line,
+            settings.reply_s,
+            clock=ctx.clock,
+            stop_waits=self._stop_waits,
+            write_waits=self._write_waits,
+            unsummed=() if settings.imu.sum else (IMU,),
         )
+        self.unit = InertialUnit(settings.imu, simulated=ctx.simulated)
         period_s = 1.0 / settings.sweep_hz if settings.sweep_hz else 0.0
         self.poller = Poller(
             servos, ctx.clock, period_s, settings.trust, settings.together, moving=self._moving, told=tell
@@ -63,8 +72,12 @@ class Session:
 
     def step(self) -> None:
         """Take in what the main board said; take control once it was asked who it is."""
+        now = self._ctx.clock()
         while self.bus.told:
-            self.controller.hear(self.bus.told.popleft())
+            frame = self.bus.told.popleft()
+            self.controller.hear(frame)
+            self._publish(self.unit.hear(frame, now))
+        self._publish(self.unit.missed(now))
         if self._identified.done() and self.controller.mode.name == "unknown":
             if not self._identified.cancelled() and self._identified.exception() is None:
                 self.identity = self._identified.result()
@@ -155,7 +168,14 @@ class Session:
         """Read on, unless the main board was given something to do just now."""
         if not self.targets.open:
             self.poller.reading = False
-        return self.poller.turn(bus)
+        unit_s = inf
+        if self.unit.asked and self.controller.mode.name in {"pc", "normal"}:
+            unit_s = self.unit.turn(bus, self._ctx.clock())
+        return min(unit_s, self.poller.turn(bus))
+
+    def _publish(self, sample: ImuSample | None) -> None:
+        if sample is not None:
+            self._ctx.publish("imu", sample)
 
     def _stop_waits(self) -> bool:
         return self.thread.urgent()

@@ -16,6 +16,7 @@ from lbr.operations.attitude import picture
 from lbr.operations.attitude.compass import MagCalibration
 from lbr.operations.attitude.fit import Fit, FitError, fit, level_part
 from lbr.operations.attitude.fusion import Fusion
+from lbr.operations.attitude.gravity import Gravity
 from lbr.operations.attitude.picture import Drawing, Points
 from lbr.operations.attitude.samples import FOLDER, MOST, Samples, load, save
 from lbr.operations.attitude.settings import AttitudeSettings
@@ -76,7 +77,7 @@ class Kept:
 class Calibration:
     """Takes commands and samples; asks for motion, keeps what it finds, and tells by `calibration` and events."""
 
-    def __init__(self, ctx: Context[AttitudeSettings], fusion: Fusion) -> None:
+    def __init__(self, ctx: Context[AttitudeSettings], fusion: Fusion | Gravity) -> None:
         self._ctx = ctx
         self._fusion = fusion
         self._collection: Collection | None = None

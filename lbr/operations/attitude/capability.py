@@ -9,6 +9,7 @@ from lbr.messages.calibration import CalibrationValue, values
 from lbr.messages.leases import CommandReply
 from lbr.operations.attitude.calibration import Calibration
 from lbr.operations.attitude.fusion import Fusion
+from lbr.operations.attitude.gravity import Gravity
 from lbr.operations.attitude.settings import AttitudeSettings
 from lbr.operations.attitude.turns import Turns
 
@@ -26,7 +27,10 @@ class Attitude(Capability[AttitudeSettings]):
     def __init__(self, ctx: Context[AttitudeSettings]) -> None:
         super().__init__(ctx)
         self.rate_hz = ctx.settings.publish_hz
-        self._fusion = Fusion(ctx.settings, values(ctx.rows(CalibrationValue)), f"{ctx.name}-{ctx.clock():.3f}")
+        kind = Fusion if ctx.settings.gyro else Gravity
+        self._fusion: Fusion | Gravity = kind(
+            ctx.settings, values(ctx.rows(CalibrationValue)), f"{ctx.name}-{ctx.clock():.3f}"
+        )
         self._turns = Turns(ctx.settings.observe_s)
         self._calibration = Calibration(ctx, self._fusion)
         self._known_s = -inf

@@ -47,6 +47,9 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """
 
     device: Name
+    gyro: Annotated[
+        bool, Meta(description="whether the unit has one; without, roll and pitch are told, by gravity, and no heading")
+    ] = True
     mounting: Mounting = Mounting()
     declination_deg: Annotated[
         float, Meta(ge=-180.0, le=180.0, description="how far magnetic north is east of true north")

@@ -11,7 +11,8 @@ INSERT INTO device (robot, name, type, address, settings) VALUES
     ('uxa90', 'speaker', 'speaker', 'alsa:default', '{}');
 
 INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
-    ('uxa90', 'servos', 'uxa90', '{"device": "main_board", "sweep_hz": 25}', '[]',
+    -- The inertial unit is asked in simulation alone: on a robot nobody has seen what it answers (docs/robots/uxa90.md).
+    ('uxa90', 'servos', 'uxa90', '{"device": "main_board", "sweep_hz": 25, "imu": {"asked": "simulated"}}', '[]',
      'The serial line: the main board with its motions, and the servos behind it'),
     ('uxa90', 'joints', 'joints', '{"open_loop": true}', '["servos"]',
      'The joints: who moves them, how far and how fast'),
@@ -19,6 +20,8 @@ INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
      'The motions: the main board''s own, and those of key frames'),
     ('uxa90', 'behaviour', 'behaviour', '{}', '["motions"]',
      'The behaviours: state tables that anyone can write, such as greet; one at a time'),
+    ('uxa90', 'attitude', 'attitude', '{"device": "main_board", "gyro": false, "stale_s": 0.5}', '["servos"]',
+     'The attitude: how the trunk lies, by the accelerations that the main board measures'),
     ('uxa90', 'camera_head', 'camera', '{"device": "head_camera", "width_px": 640, "height_px": 480, "on": true}', '[]',
      'The camera in the head'),
     ('uxa90', 'tracking', 'tracking', '{}', '["joints", "camera_head"]',
@@ -76,6 +79,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'joints.servos_recover', 'servos.recover', 1),
     ('uxa90', 'joints.state', 'motions.joints', 1),
     ('uxa90', 'joints.result', 'motions.ended', 4),
+    ('uxa90', 'servos.imu', 'attitude.samples', 8),
+    ('uxa90', 'attitude.state', 'motions.attitude', 1),
     ('uxa90', 'motions.move', 'joints.command', 1),
     ('uxa90', 'motions.halt', 'joints.stop', 1),
     ('uxa90', 'camera_head.frame', 'tracking.frame', 1),
