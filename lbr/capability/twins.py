@@ -9,6 +9,7 @@ Here nothing is imported before a device row of that type asks for it.
 
 import importlib
 from dataclasses import dataclass
+from typing import Any
 
 from msgspec import Struct
 
@@ -29,12 +30,21 @@ class DeviceTwin:
 
     `device` is the type that device rows name. `row` has a field `faults`: what can be made to go wrong. `entry` is a
     class, or `module:Class`, which is imported only where the world runs; it is made with a device and its
-    surroundings, see `lbr.simulation.twins.base.Twin`.
+    surroundings, see `lbr.simulation.twins.base.Twin`. `player` names, as module:Class, what plays motions that the device
+    keeps, for trials without its line: see `lbr.lockstep.body.Player`.
     """
 
     device: str
     row: type[Struct]
     entry: str | type
+    player: str = ""
+
+    def load_player(self) -> Any:
+        """Import and return what plays motions that the device keeps, or None."""
+        if not self.player:
+            return None
+        module, _, name = self.player.partition(":")
+        return getattr(importlib.import_module(module), name)()
 
     def load(self) -> type:
         """Import and return the class that emulates it."""

@@ -14,12 +14,14 @@ from lbr.errors import InputError
 
 if TYPE_CHECKING:
     from lbr.database.rows import RobotRows
-    from lbr.lockstep.trial import Outcome, Setup
+    from lbr.lockstep.trial import Begins, Outcome, Setup
     from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 
 LONGEST_S = 900.0
 WITHOUT_END_S = 180.0
 MOST_TOLD = 8
+GETS_UP = "get_up"
+"""A table that plays a motion whose name begins so is for a humanoid that has fallen."""
 
 
 OPTIONS = (
@@ -39,6 +41,11 @@ OPTIONS = (
         "--only", type=click.IntRange(0), metavar="NUMBER", help="One trial alone, with all that was told in it."
     ),
     click.option("--fault", metavar="NAME", help="What is wrong in the trial of --only."),
+    click.option(
+        "--begins",
+        type=click.Choice(["standing", "fallen"]),
+        help="How a humanoid begins; if left out it has fallen where the table itself gets it up, else it stands.",
+    ),
     click.option("--robot", metavar="NAME", help="Whose behaviours; the usual robot's if left out."),
     database_option,
     json_option,
@@ -62,7 +69,7 @@ def tries(
     **given: Any,
 ) -> int:
     """Try a table, and say what became of it; return the exit code."""
-    setup, seed = _setup(rows, table, of_table, given["max_s"]), given["seed"]
+    setup, seed = _setup(rows, table, of_table, given["max_s"], given["begins"]), given["seed"]
     if given["only"] is not None:
         return _one(setup, given["only"], given["fault"] or "", seed, as_json=as_json)
     if given["fault"]:
@@ -70,10 +77,10 @@ def tries(
     from rich.console import Console  # noqa: PLC0415 - kept out of `lbr --help`
     from rich.progress import Progress  # noqa: PLC0415
 
-    from lbr.lockstep.faults import ANY, DOCKING  # noqa: PLC0415
+    from lbr.lockstep.faults import ANY, BODY, DOCKING  # noqa: PLC0415
     from lbr.lockstep.trying import tried  # noqa: PLC0415
 
-    wrong = DOCKING if _docks(setup) else ANY
+    wrong = BODY if setup.humanoid is not None else DOCKING if _docks(setup) else ANY
     trials = [(number, "") for number in range(given["runs"])]
     trials += [(number, name) for name in wrong for number in range(given["faults"])]
     began = time.monotonic()
@@ -106,7 +113,10 @@ def report(what: str, table: str, found: "list[Outcome]", took_s: float, seed: i
             f"  good ones took {median(good):.1f} s, 95 % of them at most {late:.1f}, all at most {good[-1]:.1f}"
         )
     fastest = max((one.contact_mps for one in found), default=0.0)
-    lines.append(f"  came against nothing at more than {fastest:.2f} m/s" if fastest else "  touched nothing")
+    if any(one.began for one in found):
+        lines.append(_stances(plain))
+    else:
+        lines.append(f"  came against nothing at more than {fastest:.2f} m/s" if fastest else "  touched nothing")
     for name in dict.fromkeys(one.fault for one in faulty):
         of_fault = [one for one in faulty if one.fault == name]
         how = Counter(("good: " if one.good else "") + one.text for one in of_fault).most_common(3)
@@ -137,6 +147,15 @@ def _endings(found: "list[Outcome]") -> list[str]:
     if len(by_how) > MOST_TOLD:
         lines.append(f"         and {len(by_how) - MOST_TOLD} other ways; --json has them all")
     return lines
+
+
+def _stances(found: "list[Outcome]") -> str:
+    """Return how often a humanoid stood at the end, by how it began, and how often it fell."""
+    begun: dict[str, list[Outcome]] = {}
+    for one in found:
+        begun.setdefault(one.began, []).append(one)
+    stood = (f"{began}: {sum(one.stands for one in of)} of {len(of)}" for began, of in sorted(begun.items()))
+    return f"  stood at the end, having begun {'; '.join(stood)}; fell in {sum(one.falls > 0 for one in found)}"
 
 
 def _called(one: "Outcome") -> str:
@@ -178,7 +197,11 @@ def _docks(setup: "Setup") -> bool:
 
 
 def _setup(
-    rows: "RobotRows", table: "BehaviourTable", of_table: "tuple[BehaviourRow, ...]", max_s: float | None
+    rows: "RobotRows",
+    table: "BehaviourTable",
+    of_table: "tuple[BehaviourRow, ...]",
+    max_s: float | None,
+    begins: "Begins | None",
 ) -> "Setup":
     """Return what the trials need: the robot's processes as its rows plan them, with the table."""
     from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
@@ -186,15 +209,20 @@ def _setup(
     if find_spec("mujoco") is None:
         raise InputError("trials need the extra 'sim': pip install 'lbr[sim]'", "not_possible")
     longest_s = max_s or (table.max_s if 0.0 < table.max_s <= LONGEST_S else WITHOUT_END_S)
-    return setup_of(rows, table, of_table, longest_s, str(home.home()))
+    return setup_of(rows, table, of_table, longest_s, str(home.home()), begins)
 
 
 def setup_of(
-    rows: "RobotRows", table: "BehaviourTable", of_table: "tuple[BehaviourRow, ...]", max_s: float, home: str
+    rows: "RobotRows",
+    table: "BehaviourTable",
+    of_table: "tuple[BehaviourRow, ...]",
+    max_s: float,
+    home: str,
+    begins: "Begins | None" = None,
 ) -> "Setup":
     """Return what trials of a table by a robot of these rows need; InputError says why it cannot be tried."""
     from lbr.commands.rows import planned  # noqa: PLC0415
-    from lbr.lockstep.trial import RUNS, WORLD, Setup  # noqa: PLC0415
+    from lbr.lockstep.trial import HUMANOID, RUNS, WORLD, Setup  # noqa: PLC0415
     from lbr.messages.behaviour import BehaviourRow, BehaviourTable  # noqa: PLC0415
     from lbr.messages.rows import row_set  # noqa: PLC0415
 
@@ -205,9 +233,11 @@ def setup_of(
         )
     units = {name: one.config for name, one in plan.units.items() if one.program is None}
     by_kind = {one.kind: name for name, one in plan.units.items()}
-    if WORLD not in by_kind or "drive" not in by_kind:
+    walks = HUMANOID in by_kind and {"joints", "motions"} <= by_kind.keys()
+    if not walks and (WORLD not in by_kind or "drive" not in by_kind):
         raise InputError(
-            f"{rows.robot.name} cannot be tried: trials are of robots on wheels, with a row of kind 'world' and one of 'drive'",
+            f"{rows.robot.name} cannot be tried: trials are of robots on wheels, with a row of kind 'world' and one of 'drive', "
+            f"and of humanoids, with rows of the kinds '{HUMANOID}', 'joints' and 'motions'",
             "not_possible",
         )
     if RUNS not in by_kind:
@@ -220,6 +250,11 @@ def setup_of(
     }
     runs = units[by_kind[RUNS]]
     units[by_kind[RUNS]] = replace(runs, rows={**runs.rows, **sets})
-    units = {("world" if name == by_kind[WORLD] else name): unit for name, unit in units.items()}
-    world = plan.kinds[by_kind[WORLD]].parse(units["world"].settings)
-    return Setup(robot=rows.robot.name, table=table.name, world=world, units=units, home=home, max_s=max_s)
+    named = by_kind[HUMANOID if walks else WORLD]
+    units = {(WORLD if name == named else name): unit for name, unit in units.items()}
+    world = plan.kinds[named].parse(units[WORLD].settings)
+    setup = Setup(robot=rows.robot.name, table=table.name, units=units, home=home, max_s=max_s)
+    if not walks:
+        return replace(setup, world=world)
+    gets_up = any(str(row.outputs.get("motion", "")).startswith(GETS_UP) for row in of_table)
+    return replace(setup, humanoid=world, begins=begins or ("fallen" if gets_up else "standing"))

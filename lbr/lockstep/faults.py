@@ -17,7 +17,8 @@ class Faults(Struct, frozen=True, kw_only=True):
 
     `dock` is how the dock is changed, None: it is gone; `box` stands in the room as well. `deaf` are the beams that are not seen
     from `deaf_s` on. From `blind_s` on the ranges measure nothing, from `lost_s` on the attitude is silent. With `slip` the
-    wheels turn up to so much farther than the robot goes.
+    wheels turn up to so much farther than the robot goes. Of a humanoid, a servo has no torque from `dead_s` on, something knocks against
+    it at `pushed_s`, and its motors have this part of their `strength`.
     """
 
     dock: Mapping[str, float] | None = {}
@@ -27,6 +28,9 @@ class Faults(Struct, frozen=True, kw_only=True):
     blind_s: float = inf
     lost_s: float = inf
     slip: float = 0.0
+    dead_s: float = inf
+    pushed_s: float = inf
+    strength: float = 1.0
 
     def world(self, world: WorldSettings) -> WorldSettings:
         """Return the world as it then is."""
@@ -56,4 +60,12 @@ ANY: dict[str, Faults] = {
     name: DOCKING[name] for name in ("ranges dead on the way", "attitude lost on the way", "wheels slip")
 }
 """Of what any table reads."""
-EVERY: Mapping[str, Faults] = {**DOCKING, **ANY}
+BODY: dict[str, Faults] = {
+    "attitude lost in a motion": Faults(lost_s=5.0),
+    "a servo lets go": Faults(dead_s=6.0),
+    "pushed": Faults(pushed_s=6.0),
+    "motors weak": Faults(strength=0.6),
+}
+"""Of a humanoid."""
+ON_WHEELS: Mapping[str, Faults] = {**DOCKING, **ANY}
+EVERY: Mapping[str, Faults] = {**BODY, **ON_WHEELS}

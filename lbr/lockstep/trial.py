@@ -1,10 +1,11 @@
 """One trial of a table: a robot somewhere in its world, from the table's begin to its end and a little after."""
 
+from abc import ABC, abstractmethod
 from collections import deque
 from math import degrees, hypot
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import Any, Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -21,11 +22,13 @@ from lbr.messages.codes import Reason, ReasonCode, heard
 from lbr.messages.leases import StopCommand
 from lbr.messages.simulation import WorldPose
 from lbr.simulation.engine import Engine, body_of
+from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.settings import StartPose, Ultrasonic, WorldSettings
 
 AS_THEY_ARE = frozenset({"drive", "beacon", "behaviour", "battery", "odometry"})
 """Kinds that run here as they are; what others would tell, instruments tell, or nothing does."""
-RUNS, WORLD = "behaviour", "world"
+RUNS, WORLD, HUMANOID = "behaviour", "world", "humanoid_world"
+Begins = Literal["standing", "fallen"]
 BY = "trial"
 WARM_S, LAST_S = 2.0, 2.0
 """Before the table begins all streams are there; after its end the robot is looked on for a while, and stands by then."""
@@ -39,11 +42,16 @@ LOOK_S = 1.0
 
 
 class Setup(Struct, frozen=True, kw_only=True):
-    """What all trials of a table have in common: the robot's processes as its rows plan them, its world, and the table's name."""
+    """What all trials of a table have in common: the robot's processes as its rows plan them, its world, and the table's name.
+
+    `humanoid` is the world of one that walks, which `begins` so.
+    """
 
     robot: str
     table: str
-    world: WorldSettings
+    world: WorldSettings = WorldSettings()
+    humanoid: HumanoidWorldSettings | None = None
+    begins: Begins = "standing"
     units: dict[str, ProcessConfig]
     home: str
     max_s: float
@@ -57,11 +65,12 @@ class Outcome(Struct, frozen=True, kw_only=True):
     """How a trial ended.
 
     `good` by the table's own word, or for one that was still under way at the end of its time. `state` and `row` are where the
-    table was. `contact_mps` is how fast the robot came against anything, its dock too. `unsafe` says what must not be.
+    table was. `began` says how a humanoid did, `falls` how often it fell then, `stands` whether it stood at the end. `contact_mps` is how fast the robot came against anything, its dock too. `unsafe` says what must not be.
     """
 
     number: int
     start: StartPose
+    began: str = ""
     fault: str = ""
     good: bool
     code: ReasonCode
@@ -73,48 +82,28 @@ class Outcome(Struct, frozen=True, kw_only=True):
     moved_m: float = 0.0
     contact_mps: float = 0.0
     charging: bool = False
+    falls: int = 0
+    stands: bool = False
     unsafe: tuple[str, ...] = ()
 
     @property
     def place(self) -> str:
         """Return where it began, for people."""
+        if self.began:
+            return self.began
         return f"{self.start.x_m:.2f} {self.start.y_m:.2f} {degrees(self.start.yaw_rad):.0f} deg"
 
 
-class Trial:
-    """A robot at a place with something wrong, by dice that are always the same for a seed and a number."""
+class TableTrial(ABC):
+    """A robot on its board whose table is run once; what its world is, a trial of that world says."""
 
-    def __init__(
-        self, setup: Setup, number: int, start: StartPose, *, seed: int = 1, fault: str = "", faults: Faults = NONE
-    ):
-        self.number, self.start, self.fault = number, start, fault
-        random = Random(f"{seed}/{number}/{fault}")
+    _runs: str
+
+    def __init__(self, setup: Setup, board: Board) -> None:
         self._setup = setup
-        world = faults.world(replace(setup.world, start=start, seed=random.randrange(1 << 30)))
-        if world.ultrasonic == Ultrasonic():
-            world = replace(world, ultrasonic=NOISY)
-        kinds, units = setup.kinds(), setup.units
-        self.board = Board(setup.robot)
-        rows = BoardContext(self.board, units[WORLD], kinds[WORLD]).rows
-        sensors, wheels, rollers = body_of(world, rows)
-        self.engine = Engine(world, sensors, wheels, rollers=rollers)
-        for name, unit in units.items():
-            if kinds[name].name in AS_THEY_ARE:
-                capability: Any = self.board.add(unit, kinds[name], random.uniform(0.0, 0.02))
-                if kinds[name].name == RUNS:
-                    self._runs = name
-                    capability.dice.seed(random.randrange(1 << 30))
-        others = {name: (unit, kinds[name]) for name, unit in units.items() if name not in self.board.members}
-        error_deg = random.uniform(-COMPASS_DEG, COMPASS_DEG) if number else 0.0
-        self.instruments = Instruments(self.board, others, self.engine, random, faults, error_deg)
+        self.board = board
         self.state = BehaviourState(phase="resting")
-        self.contact_mps = self.moved_m = 0.0
-        self._against = False
-        self._speed_mps = 0.0
-        self._been: deque[tuple[float, float, int]] = deque(maxlen=round(STUCK_S / LOOK_S))
-        self._look_at_s = 0.0
-        self.board.listen(keys.port(setup.robot, self._runs, "state"), self._hear)
-        self.board.open()
+        self.moved_m = 0.0
 
     @property
     def told(self) -> list[Told]:
@@ -123,7 +112,7 @@ class Trial:
 
     def run(self) -> Outcome:
         """Run the table to its end, or for as long as a trial may last."""
-        self.rounds(WARM_S)
+        self.warm_up()
         asked = self.board.command(self._runs, "run", RunBehaviour(name=self._setup.table), BY)
         while (answers := asked.answers()) is None:
             self.round()
@@ -149,6 +138,10 @@ class Trial:
             return self._outcome(at, took_s, good=good, why=why)
         return self._outcome(at, took_s, good=bool(at.good), why=heard(at.code, at.reason))
 
+    def warm_up(self) -> None:
+        """Let time go by until all streams are there."""
+        self.rounds(WARM_S)
+
     def _phase(self) -> str:
         return self.state.phase
 
@@ -157,6 +150,54 @@ class Trial:
         until = self.board.now + seconds
         while self.board.now < until:
             self.round()
+
+    @abstractmethod
+    def round(self) -> None:
+        """Let one round go by, and watch the robot."""
+
+    def _hear(self, state: BehaviourState) -> None:
+        self.state = state
+
+    def _stuck(self) -> bool:
+        return False
+
+    @abstractmethod
+    def _outcome(self, at: BehaviourState, took_s: float, *, good: bool, why: Reason) -> Outcome:
+        """Return how it ended."""
+
+
+class Trial(TableTrial):
+    """A robot at a place with something wrong, by dice that are always the same for a seed and a number."""
+
+    def __init__(
+        self, setup: Setup, number: int, start: StartPose, *, seed: int = 1, fault: str = "", faults: Faults = NONE
+    ):
+        self.number, self.start, self.fault = number, start, fault
+        random = Random(f"{seed}/{number}/{fault}")
+        super().__init__(setup, Board(setup.robot))
+        world = faults.world(replace(setup.world, start=start, seed=random.randrange(1 << 30)))
+        if world.ultrasonic == Ultrasonic():
+            world = replace(world, ultrasonic=NOISY)
+        kinds, units = setup.kinds(), setup.units
+        rows = BoardContext(self.board, units[WORLD], kinds[WORLD]).rows
+        sensors, wheels, rollers = body_of(world, rows)
+        self.engine = Engine(world, sensors, wheels, rollers=rollers)
+        for name, unit in units.items():
+            if kinds[name].name in AS_THEY_ARE:
+                capability: Any = self.board.add(unit, kinds[name], random.uniform(0.0, 0.02))
+                if kinds[name].name == RUNS:
+                    self._runs = name
+                    capability.dice.seed(random.randrange(1 << 30))
+        others = {name: (unit, kinds[name]) for name, unit in units.items() if name not in self.board.members}
+        error_deg = random.uniform(-COMPASS_DEG, COMPASS_DEG) if number else 0.0
+        self.instruments = Instruments(self.board, others, self.engine, random, faults, error_deg)
+        self.contact_mps = 0.0
+        self._against = False
+        self._speed_mps = 0.0
+        self._been: deque[tuple[float, float, int]] = deque(maxlen=round(STUCK_S / LOOK_S))
+        self._look_at_s = 0.0
+        self.board.listen(keys.port(setup.robot, self._runs, "state"), self._hear)
+        self.board.open()
 
     def round(self) -> None:
         """Let one round go by, and watch the robot."""
@@ -171,9 +212,6 @@ class Trial:
         if self.board.now >= self._look_at_s:
             self._look_at_s = self.board.now + LOOK_S
             self._been.append((pose.x_m, pose.y_m, self.state.transitions))
-
-    def _hear(self, state: BehaviourState) -> None:
-        self.state = state
 
     def _stuck(self) -> bool:
         if len(self._been) < (self._been.maxlen or 0):

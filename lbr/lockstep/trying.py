@@ -8,8 +8,9 @@ from multiprocessing import get_context
 import msgspec
 
 from lbr.lockstep.faults import EVERY, NONE
+from lbr.lockstep.humanoid import HumanoidTrial
 from lbr.lockstep.places import starts
-from lbr.lockstep.trial import Outcome, Setup, Trial
+from lbr.lockstep.trial import Outcome, Setup, TableTrial, Trial
 
 _setup: list[Setup] = []
 
@@ -32,9 +33,11 @@ def tried(setup: Setup, trials: Sequence[tuple[int, str]], *, seed: int, jobs: i
         pool.shutdown(cancel_futures=True)
 
 
-def made(setup: Setup, number: int, fault: str, seed: int) -> Trial:
+def made(setup: Setup, number: int, fault: str, seed: int) -> TableTrial:
     """Return a trial: number 0 begins where the world puts the robot, the others anywhere."""
     faults = EVERY[fault] if fault else NONE
+    if setup.humanoid is not None:
+        return HumanoidTrial(setup, number, seed=seed, fault=fault, faults=faults)
     start = setup.world.start if number == 0 else starts(setup.world, 2, seed * 1_000_003 + number)[1]
     return Trial(setup, number, start, seed=seed, fault=fault, faults=faults)
 

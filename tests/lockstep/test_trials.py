@@ -138,7 +138,6 @@ def test_the_command_tries_a_file_and_says_what_became_of_it(home, tmp_path):
         (("nothing_of_the_kind",), "has no behaviour 'nothing_of_the_kind'"),
         (("pace", "--only", "0", "--fault", "bad weather"), "there is no fault 'bad weather'"),
         (("pace", "--fault", "wheels slip"), "--fault goes with --only"),
-        (("greet", "--robot", "bioloid"), "bioloid"),
     ],
 )
 def test_what_cannot_be_tried_says_why(home, words, says):

@@ -86,6 +86,20 @@ class HumanoidEngine:
         mujoco.mj_forward(self._model, data)
         self._imu.follow(data)
 
+    def turn(self, roll_rad: float, pitch_rad: float, yaw_rad: float, above_m: float) -> None:
+        """Turn it as it is, so that its lowest part is so far above the floor."""
+        data, quaternion = self._data, np.zeros(4)
+        mujoco.mju_euler2Quat(quaternion, np.array((yaw_rad, pitch_rad, roll_rad)), "zyx")
+        data.qpos[3:7] = quaternion
+        mujoco.mj_kinematics(self._model, data)
+        data.qpos[2] += above_m - self._lowest_m()
+        mujoco.mj_forward(self._model, data)
+        self._imu.follow(data)
+
+    def push(self, ahead_mps: float, left_mps: float) -> None:
+        """Have something knock against the trunk, so that all of it goes so much faster."""
+        self._data.qvel[:2] += (ahead_mps, left_mps)
+
     def pick_up(self) -> None:
         """Put it as it began where it is and as it looks: limp joints at zero, or as it rests.
 

@@ -75,4 +75,9 @@ class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     trace: bool = False
 
 
-TWIN = DeviceTwin(device="uxa90", row=Uxa90Row, entry="lbr.simulation.devices.uxa90.twin:Uxa90Twin")
+TWIN = DeviceTwin(
+    device="uxa90",
+    row=Uxa90Row,
+    entry="lbr.simulation.devices.uxa90.twin:Uxa90Twin",
+    player="lbr.simulation.devices.uxa90.board:MainBoard",
+)
