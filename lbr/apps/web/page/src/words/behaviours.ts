@@ -28,6 +28,7 @@ export const behaviours = {
   "behaviours.graph": ["States and what leads from one to the next", "Zustände und was von einem zum nächsten führt"],
   "behaviours.here": ["{state}, the robot is here", "{state}, hier ist der Roboter"],
   "behaviours.at.once": ["at once", "sofort"],
+  "behaviours.any": ["any of {count} rows", "eine von {count} Zeilen"],
   "behaviours.rows": ["Rows of the table", "Zeilen der Tabelle"],
   "behaviours.all": ["All rows", "Alle Zeilen"],
   "behaviours.of.state": ["Of “{state}”", "Von „{state}“"],

@@ -25,10 +25,12 @@ export function Graph({ rows, at, came, picked, onPick }: { rows: Step[]; at: st
         {drawing.ways.map((way) => {
           const taken = way.to === at && way.from === came && at !== "";
           const near = way.from === (at || picked);
+          const each = way.texts.map((text) => text || t("behaviours.at.once"));
+          const text = each.length > 1 ? t("behaviours.any", { count: each.length }) : way.texts[0]!;
           return (
-            <g key={way.step} class={`behaviours-way ${taken ? "behaviours-taken" : near ? "behaviours-near" : ""}`}>
-              <path d={way.path} marker-end="url(#behaviours-tip)"><title>{way.text || t("behaviours.at.once")}</title></path>
-              {near && way.text && <text class={way.beside ? "behaviours-beside" : ""} x={way.x} y={way.y + 4}>{short(way.text, WAY)}</text>}
+            <g key={`${way.from}\n${way.to}`} class={`behaviours-way ${taken ? "behaviours-taken" : near ? "behaviours-near" : ""}`}>
+              <path d={way.path} marker-end="url(#behaviours-tip)"><title>{each.join("\n")}</title></path>
+              {near && text && <text class={way.beside ? "behaviours-beside" : ""} x={way.x} y={way.y + 4}>{short(text, WAY)}<title>{each.join("\n")}</title></text>}
             </g>
           );
         })}

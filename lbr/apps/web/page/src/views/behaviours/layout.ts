@@ -2,7 +2,8 @@
 import type { Step } from "./data";
 
 export interface Box { state: string; kind: "" | "start" | "end" | "fail"; reached: boolean; x: number; y: number }
-export interface Way { from: string; to: string; step: number; path: string; x: number; y: number; beside: boolean; text: string }
+/** A way from a state to another: one curve, whose `texts` say what each row that leads there waits for. */
+export interface Way { from: string; to: string; path: string; x: number; y: number; beside: boolean; texts: string[] }
 export interface Drawing { width: number; height: number; boxes: Box[]; ways: Way[] }
 
 export const WIDE = 148, HIGH = 40;
@@ -29,13 +30,15 @@ export function draw(rows: Step[]): Drawing {
     x: middle + (at - (layer.length - 1) / 2) * (WIDE + ACROSS), y: EDGE + HIGH / 2 + row * (HIGH + DOWN),
   })));
   const places = new Map(boxes.map((box) => [box.state, box]));
-  const drawn = new Map<string, number>();
-  const ways = used.filter((row) => places.has(row.next_state) && row.type !== "end" && row.type !== "fail" && row.type !== "entry").map((row) => {
-    const pair = `${row.state}\n${row.next_state}`, number = drawn.get(pair) ?? 0;
-    drawn.set(pair, number + 1);
-    return { from: row.state, to: row.next_state, step: row.step, text: said(row), ...curve(places.get(row.state)!, places.get(row.next_state)!, number) };
-  });
-  return { width, height: full.length * (HIGH + DOWN) - DOWN + 2 * EDGE, boxes, ways };
+  const ways = new Map<string, Way>();
+  for (const row of used) {
+    const from = places.get(row.state), to = places.get(row.next_state), pair = `${row.state}\n${row.next_state}`;
+    if (!from || !to || row.type === "end" || row.type === "fail" || row.type === "entry") continue;
+    const way = ways.get(pair) ?? { from: row.state, to: row.next_state, texts: [], ...curve(from, to) };
+    way.texts.push(said(row));
+    ways.set(pair, way);
+  }
+  return { width, height: full.length * (HIGH + DOWN) - DOWN + 2 * EDGE, boxes, ways: [...ways.values()] };
 }
 
 function depths(used: Step[], order: string[], start: string | undefined): Map<string, number> {
@@ -53,19 +56,19 @@ function depths(used: Step[], order: string[], start: string | undefined): Map<s
 
 const isBelow = (depth: Map<string, number>, from: string, to: string): boolean => (depth.get(to) ?? 0) > (depth.get(from) ?? 0);
 
-/** Down a layer nearly straight; to itself as a loop; up, or past a layer, in a bow to the right. */
-function curve(a: Box, b: Box, number: number): Pick<Way, "path" | "x" | "y" | "beside"> {
+/** Down a layer nearly straight, its text above where it ends; to itself as a loop; up, or past a layer, in a bow to the right. */
+function curve(a: Box, b: Box): Pick<Way, "path" | "x" | "y" | "beside"> {
   const half = HIGH / 2;
   if (a.state === b.state) {
-    const x = a.x + WIDE / 2, out = BOW + 12 * number;
-    return { path: `M${x} ${a.y - 8} C${x + out} ${a.y - 24} ${x + out} ${a.y + 24} ${x} ${a.y + 8}`, x: x + BOW + 22, y: a.y - 12 + 14 * number, beside: true };
+    const x = a.x + WIDE / 2, out = x + BOW;
+    return { path: `M${x} ${a.y - 8} C${out} ${a.y - 24} ${out} ${a.y + 24} ${x} ${a.y + 8}`, x: out + 22, y: a.y - 12, beside: true };
   }
   if (b.y > a.y && b.y - a.y <= HIGH + DOWN) {
-    const shift = 18 * number * (number % 2 ? 1 : -1), y1 = a.y + half, y2 = b.y - half;
-    return { path: `M${a.x + shift} ${y1} C${a.x + shift} ${y1 + 30} ${b.x + shift} ${y2 - 30} ${b.x + shift} ${y2}`, x: (a.x + b.x) / 2, y: (y1 + y2) / 2 - 7 + 14 * number, beside: false };
+    const y1 = a.y + half, y2 = b.y - half;
+    return { path: `M${a.x} ${y1} C${a.x} ${y1 + 30} ${b.x} ${y2 - 30} ${b.x} ${y2}`, x: b.x, y: y2 - 19, beside: false };
   }
-  const x1 = a.x + WIDE / 2, x2 = b.x + WIDE / 2, far = Math.max(x1, x2) + BOW + 16 * number + Math.min(24, 0.06 * Math.abs(a.y - b.y));
-  return { path: `M${x1} ${a.y} C${far} ${a.y} ${far} ${b.y} ${x2} ${b.y}`, x: 0.25 * (x1 + x2) / 2 + 0.75 * far, y: (a.y + b.y) / 2 + 14 * number, beside: false };
+  const x1 = a.x + WIDE / 2, x2 = b.x + WIDE / 2, far = Math.max(x1, x2) + BOW + Math.min(24, 0.06 * Math.abs(a.y - b.y));
+  return { path: `M${x1} ${a.y} C${far} ${a.y} ${far} ${b.y} ${x2} ${b.y}`, x: 0.25 * (x1 + x2) / 2 + 0.75 * far, y: (a.y + b.y) / 2, beside: false };
 }
 
 export const said = (row: Step): string => Object.entries(row.conditions).filter(([, cell]) => cell.trim() !== "").map(([column, cell]) => `${column} ${cell}`).join(", ");
