@@ -1,6 +1,7 @@
 """Motion that a program borrows: kept by the program itself, or within a `with` for a bounded time."""
 
 import math
+import os
 import threading
 import time
 from collections.abc import Callable
@@ -36,11 +37,18 @@ class RefusalError(LbrError):
         self.code = code
 
 
+FORKED = "this process was forked from the one that is connected: connect here anew"
+"""None of the bus library's threads is here, and whatever asks would wait for ever."""
+
+
 class Lender(Protocol):
     """What a motion is borrowed over: a robot that is connected to."""
 
-    session: Session
     source: str
+
+    @property
+    def session(self) -> Session:
+        """Our session of the bus."""
 
     def key(self, name: str) -> str:
         """Return the whole key of a command."""
@@ -51,6 +59,7 @@ class Motion:
 
     def __init__(self, robot: Lender, key: str, first: Message) -> None:
         self.message = dict(first)
+        self._process = os.getpid()
         self._closed = False
         capability = key.partition("/")[0]
         ports = {"motion": robot.key(key), "halt": robot.key(f"{capability}/stop")}
@@ -95,7 +104,9 @@ class Motion:
             time.sleep(POLL_S)
 
     def release(self) -> None:
-        """Stop it, if it is still ours."""
+        """Stop it, if it is still ours; it is not in a process that was forked since."""
+        if not self._ours():
+            return
         asked = self._client.release(RELEASED)
         until = time.monotonic() + ANSWER_S
         while asked is not None and asked.answers() is None and time.monotonic() < until:
@@ -104,7 +115,12 @@ class Motion:
             self._closed = True
             self._results.close()
 
+    def _ours(self) -> bool:
+        return os.getpid() == self._process
+
     def _hear(self) -> None:
+        if not self._ours():
+            raise BusError(FORKED)
         for raw in self._results.take():
             with suppress(*UNREADABLE):
                 self._client.hear(msgspec.json.decode(raw.payload, type=GoalResult))

@@ -1,6 +1,7 @@
 """A robot that a program is connected to: it looks, says lines, borrows motion."""
 
 import atexit
+import os
 from collections.abc import Callable, Generator
 from contextlib import closing
 from functools import partial
@@ -11,8 +12,9 @@ from weakref import ref
 
 import msgspec
 
-from lbr.bus import session, wire
-from lbr.client.motion import AT_MOST_S, KeptMotion, Message, Motion, RefusalError
+from lbr.bus import wire
+from lbr.bus.session import Session, open_client
+from lbr.client.motion import AT_MOST_S, FORKED, KeptMotion, Message, Motion, RefusalError
 from lbr.client.words import Words
 from lbr.console import lines, target
 from lbr.console.operator import BusOperator
@@ -45,8 +47,11 @@ class Robot:
         self.name = found.robot
         self.role = found.role
         self.source = source
-        self.session = session.open_client(found.endpoints, found.credentials, certificate=found.certificate)
-        self.operator = BusOperator(self.session, found.robot, source, role=found.role, proof=found.proof, listen=False)
+        self._process = os.getpid()
+        self._session = open_client(found.endpoints, found.credentials, certificate=found.certificate)
+        self._operator = BusOperator(
+            self._session, found.robot, source, role=found.role, proof=found.proof, listen=False
+        )
         self._words: Words[Said] | None = None
         self._leave = partial(_leave, ref(self))
         atexit.register(self._leave)
@@ -60,8 +65,25 @@ class Robot:
     def close(self) -> None:
         """Stop what a line of ours moves, and disconnect; it is done at the program's end where nobody has."""
         atexit.unregister(self._leave)
-        self.operator.close()
-        self.session.close()
+        if os.getpid() == self._process:
+            self._operator.close()
+            self._session.close()
+
+    @property
+    def session(self) -> Session:
+        """Our session of the bus; BusError in a process that was forked since, where none of its threads is."""
+        self._need_own_process()
+        return self._session
+
+    @property
+    def operator(self) -> BusOperator:
+        """Who says our lines; BusError in a process that was forked since."""
+        self._need_own_process()
+        return self._operator
+
+    def _need_own_process(self) -> None:
+        if os.getpid() != self._process:
+            raise BusError(FORKED)
 
     def key(self, name: str) -> str:
         """Return the whole key of `drive/state`, `@status` and their like."""

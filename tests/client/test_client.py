@@ -185,3 +185,30 @@ def test_a_program_that_does_not_close_its_robot_leaves_the_bus_before_the_inter
     env = {**os.environ, "LBR_HOME": str(home)}
     done = programs.run([sys.executable, "-c", LEFT_OPEN], env=env, capture_output=True, text=True)
     assert (done.stdout, done.stderr, done.returncode) == ("let go, connected\n", "", 0)
+
+
+FORKED = """
+import os
+from lbr import client
+
+def said(do):
+    try:
+        return do()
+    except client.BusError as error:
+        return str(error)
+
+with client.connect() as robot, robot.drive(0.15, 180):
+    if child := os.fork():
+        _, code = os.waitpid(child, 0)
+        print(code, robot.latest("drive/state")["holder"] is not None)
+    else:
+        print(said(lambda: robot.say("status")), said(lambda: robot.latest("drive/state")), sep="; ", flush=True)
+"""
+
+
+def test_a_forked_process_is_told_to_connect_anew_and_leaves_its_parents_motion_alone(running, home):
+    env = {**os.environ, "LBR_HOME": str(home)}
+    done = programs.run([sys.executable, "-c", FORKED], env=env, capture_output=True, text=True)
+    told, parent = done.stdout.splitlines()
+    assert told.count("connect here anew") == 2
+    assert (parent, done.stderr, done.returncode) == ("0 True", "", 0)

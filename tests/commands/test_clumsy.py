@@ -2,20 +2,21 @@
 
 import importlib
 import runpy
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from lbr import home, surroundings
-from lbr.commands import box, run
+from lbr.cli import cli
 from lbr.console import target
 from lbr.errors import BusError, InputError
 from lbr.executive.service.latch import LONGEST_REASON, Latch
 
 
-def invoked(command: Any, *arguments: str) -> Any:
-    return command.main(args=list(arguments), standalone_mode=False)
+def invoked(*arguments: str) -> Any:
+    return cli.main(args=list(arguments), standalone_mode=False)
 
 
 def test_an_empty_name_is_a_name(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -33,7 +34,7 @@ def test_a_wrong_profile_is_told_before_the_console_that_it_would_lack(monkeypat
     monkeypatch.setattr(surroundings, "_at_end", lambda _fd: True)
     monkeypatch.setattr(surroundings, "can_write", lambda _fd: True)
     with pytest.raises(InputError, match="no launch profile 'nope'"):
-        invoked(run.command, "nope")
+        invoked("run", "nope")
 
 
 @pytest.mark.parametrize(("option", "of", "said"), [("--csv", "file", "no folder"), ("--mcap", "folder", "a folder")])
@@ -44,7 +45,7 @@ def test_a_file_is_no_folder_and_a_folder_no_file(
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match=f"is {said}"):
-        invoked(box.command, "export", option, str(tmp_path / of), *more)
+        invoked("box", "export", option, str(tmp_path / of), *more)
 
 
 def test_a_relative_home_in_a_folder_that_is_gone_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -61,6 +62,7 @@ def test_an_interrupt_while_mujoco_begins_is_an_interrupt(monkeypatch: pytest.Mo
         raise ImportError("initialization failed") from KeyboardInterrupt()
 
     monkeypatch.setattr(importlib, "import_module", interrupted)
+    monkeypatch.delitem(sys.modules, "lbr.simulation.physics", raising=False)
     with pytest.raises(KeyboardInterrupt):
         runpy.run_module("lbr.simulation.physics")
 
