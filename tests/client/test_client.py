@@ -188,7 +188,7 @@ def test_a_program_that_does_not_close_its_robot_leaves_the_bus_before_the_inter
 
 
 FORKED = """
-import os
+import multiprocessing
 from lbr import client
 
 def said(do):
@@ -197,12 +197,15 @@ def said(do):
     except client.BusError as error:
         return str(error)
 
+def child():
+    print(said(lambda: robot.say("status")), said(lambda: robot.latest("drive/state")), sep="; ", flush=True)
+    robot.close()
+
 with client.connect() as robot, robot.drive(0.15, 180):
-    if child := os.fork():
-        _, code = os.waitpid(child, 0)
-        print(code, robot.latest("drive/state")["holder"] is not None)
-    else:
-        print(said(lambda: robot.say("status")), said(lambda: robot.latest("drive/state")), sep="; ", flush=True)
+    forked = multiprocessing.get_context("fork").Process(target=child)
+    forked.start()
+    forked.join()
+    print(forked.exitcode, robot.latest("drive/state")["holder"] is not None)
 """
 
 
