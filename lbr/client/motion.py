@@ -37,7 +37,7 @@ class RefusalError(LbrError):
         self.code = code
 
 
-FORKED = "this process was forked from the one that is connected: connect here anew"
+FORKED = "this process was forked from the one that is connected: connect again here"
 """None of the bus library's threads is here, and whatever asks would wait for ever."""
 
 

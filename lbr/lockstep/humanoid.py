@@ -2,14 +2,13 @@
 
 from math import hypot, pi
 from random import Random
+from typing import Any
 
 from lbr.bus import keys
 from lbr.lockstep.board import Board, BoardContext
 from lbr.lockstep.body import BodyInstruments, standing_angles
 from lbr.lockstep.faults import NONE, Faults
-from lbr.lockstep.trial import BY, RUNS, WORLD, Outcome, Setup, TableTrial
-from lbr.messages.behaviour import BehaviourState
-from lbr.messages.codes import Reason
+from lbr.lockstep.trial import BY, RUNS, WORLD, Setup, TableTrial
 from lbr.messages.joints import Joint, TorqueCommand
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
@@ -70,25 +69,14 @@ class HumanoidTrial(TableTrial):
             self.falls += 1
         self._upright = pose.upright
 
-    def _outcome(self, at: BehaviourState, took_s: float, *, good: bool, why: Reason) -> Outcome:
+    def _seen(self) -> dict[str, Any]:
         fastest = self.instruments.fastest_rps()
-        return Outcome(
-            number=self.number,
-            start=self.start,
-            began=self.began,
-            fault=self.fault,
-            good=good,
-            code=why.code,
-            text=why.text,
-            table=at.table or self._setup.table,
-            state=at.state,
-            row=at.row,
-            took_s=round(took_s, 2),
-            moved_m=round(self.moved_m, 2),
-            falls=self.falls,
-            stands=self.instruments.pose.stands,
-            unsafe=(f"a joint moves on at {fastest:.1f} rad/s",) if fastest > MOVES_RPS else (),
-        )
+        return {
+            "began": self.began,
+            "falls": self.falls,
+            "stands": self.instruments.pose.stands,
+            "unsafe": (f"a joint moves on at {fastest:.1f} rad/s",) if fastest > MOVES_RPS else (),
+        }
 
 
 def _placed(engine: HumanoidEngine, begins: str, number: int, random: Random) -> str:

@@ -98,6 +98,9 @@ class TableTrial(ABC):
     """A robot on its board whose table is run once; what its world is, a trial of that world says."""
 
     _runs: str
+    number: int
+    start: StartPose
+    fault: str
 
     def __init__(self, setup: Setup, board: Board) -> None:
         self._setup = setup
@@ -161,9 +164,26 @@ class TableTrial(ABC):
     def _stuck(self) -> bool:
         return False
 
-    @abstractmethod
     def _outcome(self, at: BehaviourState, took_s: float, *, good: bool, why: Reason) -> Outcome:
         """Return how it ended."""
+        return Outcome(
+            number=self.number,
+            start=self.start,
+            fault=self.fault,
+            good=good,
+            code=why.code,
+            text=why.text,
+            table=at.table or self._setup.table,
+            state=at.state,
+            row=at.row,
+            took_s=round(took_s, 2),
+            moved_m=round(self.moved_m, 2),
+            **self._seen(),
+        )
+
+    @abstractmethod
+    def _seen(self) -> dict[str, Any]:
+        """Return what else the outcome says, of this world."""
 
 
 class Trial(TableTrial):
@@ -221,24 +241,13 @@ class Trial(TableTrial):
             hypot(one[0] - x, one[1] - y) < STUCK_M for one in self._been
         )
 
-    def _outcome(self, at: BehaviourState, took_s: float, *, good: bool, why: Reason) -> Outcome:
+    def _seen(self) -> dict[str, Any]:
         pose = self.instruments.pose
-        return Outcome(
-            number=self.number,
-            start=self.start,
-            fault=self.fault,
-            good=good,
-            code=why.code,
-            text=why.text,
-            table=at.table or self._setup.table,
-            state=at.state,
-            row=at.row,
-            took_s=round(took_s, 2),
-            moved_m=round(self.moved_m, 2),
-            contact_mps=round(self.contact_mps, 3),
-            charging=pose.charging,
-            unsafe=tuple(_unsafe(pose, self.contact_mps)),
-        )
+        return {
+            "contact_mps": round(self.contact_mps, 3),
+            "charging": pose.charging,
+            "unsafe": tuple(_unsafe(pose, self.contact_mps)),
+        }
 
 
 def _unsafe(pose: WorldPose, contact_mps: float) -> list[str]:

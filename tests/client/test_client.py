@@ -209,9 +209,9 @@ with client.connect() as robot, robot.drive(0.15, 180):
 """
 
 
-def test_a_forked_process_is_told_to_connect_anew_and_leaves_its_parents_motion_alone(running, home):
+def test_a_forked_process_is_told_to_connect_again_and_leaves_its_parents_motion_alone(running, home):
     env = {**os.environ, "LBR_HOME": str(home)}
     done = programs.run([sys.executable, "-c", FORKED], env=env, capture_output=True, text=True)
     told, parent = done.stdout.splitlines()
-    assert told.count("connect here anew") == 2
+    assert told.count("connect again here") == 2
     assert (parent, done.stderr, done.returncode) == ("0 True", "", 0)

@@ -53,7 +53,7 @@ SAY_S = 5.0
 BATTERY_S, DRIVE_S = 3.0, 1.0
 """What is older is not known: three periods of the battery, ten of the drive."""
 HELD_UP_S = 3.0
-"""Whoever began a table does not expect it to go on after it has rested for so long, frozen or with its machine."""
+"""After so long without a step, frozen or with the computer asleep, a table does not go on by itself."""
 MOST_SAID = 8
 MOST_FAULTS = 50
 """Of a table, told to a page; what is beyond them is seen once they are mended."""
@@ -371,7 +371,7 @@ class Behaviours(Capability[BehaviourSettings]):
         self._held_up(slept_s)
 
     def _held_up(self, seconds: float) -> None:
-        self._stop(Reason("lapsed", f"it was held up for {seconds:.0f} s; begin it anew"))
+        self._stop(Reason("lapsed", f"it was held up for {seconds:.0f} s; run it again"))
 
     def _stop(self, why: Reason) -> None:
         if self._run is not None:

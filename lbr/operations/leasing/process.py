@@ -135,7 +135,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self.report()
 
     def woke(self, slept_s: float) -> None:
-        """End what moved before the computer slept: nobody expects it to go on, and no lease has lapsed meanwhile."""
+        """End what moved before the computer slept: no lease lapsed meanwhile, since its clock stood still."""
         reason = f"this computer slept for {slept_s:.0f} s"
         self.happen(Stop(source=self.ctx.name, received=self.ctx.clock(), reason=reason))
 
