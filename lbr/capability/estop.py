@@ -4,8 +4,9 @@ import threading
 import time
 from collections.abc import Callable
 
-from lbr.bus import keys, session, stamp, wire
+from lbr.bus import keys, stamp, wire
 from lbr.bus.codec import Decoder
+from lbr.capability import way_in
 from lbr.capability.config import ProcessConfig
 from lbr.capability.send_times import SendTimes
 from lbr.errors import MalformedError
@@ -31,7 +32,7 @@ class EstopLatch:
         self._lock = threading.Lock()
         self._releases = SendTimes()
         self._pressed_ns = self._released_ns = time.monotonic_ns()
-        self._session = session.open_client(config.endpoints, config.credentials, certificate=config.certificate)
+        self._session = way_in.enter(config)
         self._ack_key = keys.estop_acknowledgement(config.robot, config.name)
         self._presses = wire.Subscription(self._session, keys.estop(config.robot), depth=8, wake=self._press)
         release = keys.estop_release(config.robot, config.name)

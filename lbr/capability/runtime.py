@@ -11,6 +11,7 @@ from msgspec import Struct
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder, PictureDecoder
+from lbr.capability import way_in
 from lbr.capability.calls import UNSTAMPED, Answers, BusCall
 from lbr.capability.config import InputWire, ProcessConfig
 from lbr.capability.context import Call, Device, EmergencyStop, Received
@@ -168,7 +169,7 @@ class ProcessContext:
         self._complained: dict[str, float] = {}
         self._throttle = Throttle()
         self._dropped: dict[str, int] = {}
-        self._bus = session.open_client(config.endpoints, config.credentials, certificate=config.certificate)
+        self._bus = way_in.enter(config)
         self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
         taps = {device.name: device.tap for device in self.devices} if self.device is not None else {}
         self._tape = Tape(self._bus, config.robot, config.name, taps)

@@ -15,8 +15,7 @@ from lbr.executive.planning.process_specs import ProcessSpec
 MOTION = -10
 USUAL = 0
 BACKGROUND = 10
-LAST = 15
-"""At 19 a machine that is quite full gives so little that what is asked of it is not answered within seconds."""
+"""At 15 a machine that is quite full gives so little that what is asked of the black box is not answered within seconds."""
 
 
 def niceness(unit: ProcessSpec) -> int:
@@ -26,8 +25,6 @@ def niceness(unit: ProcessSpec) -> int:
     """
     if unit.moves or unit.serves or unit.family in {"driver", "simulation"}:
         return MOTION
-    if unit.records:
-        return LAST
     return BACKGROUND if unit.family in {"app", "program"} else USUAL
 
 

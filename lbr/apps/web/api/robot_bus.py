@@ -3,10 +3,11 @@
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from lbr.bus import session, wire
+from lbr.bus import wire
 from lbr.bus.lease_client import Transport
 from lbr.bus.over_session import OverSession
 from lbr.bus.wire import RawMessage
+from lbr.capability import way_in
 from lbr.capability.config import ProcessConfig
 
 
@@ -57,7 +58,7 @@ class RobotBus:
     """A session to the robot's own router."""
 
     def __init__(self, config: ProcessConfig) -> None:
-        self._session = session.open_client(config.endpoints, config.credentials)
+        self._session = way_in.enter(config)
 
     def hear(self, key: str, *, depth: int = 1) -> Feed:
         """Hear the newest `depth` messages of a key, kept by the bus library until they are taken."""
