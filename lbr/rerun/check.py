@@ -38,6 +38,8 @@ REASON_NS = 1_000_000_000
 RENEWED_NS = 300_000_000
 """A goal that ends so much earlier or later ends as it did: leases are renewed ten times a second."""
 SETTLED_NS = 200_000_000
+LATE_S = 0.5
+"""What was said later than this is compared with so much around it that nothing would be found otherwise."""
 EXECUTIVE = "executive"
 ONE_IN = 50
 """Samples of which one may be another: a pulse of a turn's last, creeping steps."""
@@ -83,9 +85,16 @@ class Outcome(Struct, kw_only=True):
     asked: dict[str, Asked] = {}
 
     @property
+    def late(self) -> bool:
+        """Say whether this machine was too busy to say everything in its time: then nothing is shown."""
+        return self.late_s > LATE_S
+
+    @property
     def same(self) -> bool:
         """Say whether setpoints, answers and reasons were as recorded."""
-        return not (any(map(self.differs, self.setpoints)) or self.answered_otherwise or self.missing or self.new)
+        return not (
+            self.late or any(map(self.differs, self.setpoints)) or self.answered_otherwise or self.missing or self.new
+        )
 
     def differs(self, topic: str) -> bool:
         """Say whether a stream of setpoints was another, but for a sample in `ONE_IN`."""

@@ -3,6 +3,7 @@
 import json
 import signal
 import subprocess
+import threading
 from contextlib import closing
 
 import pytest
@@ -70,6 +71,16 @@ def test_rows_that_do_otherwise_are_found_out(home, monkeypatch):
     drive["settings"] = json.dumps({"max_power": 0.1})
     outcome = check.run(found, lambda _text: None)
     assert outcome.differs("motors/setpoint")
+    assert not outcome.same
+
+
+@pytest.mark.timeout(120)
+def test_a_run_that_was_held_up_shows_nothing(home, monkeypatch):
+    """What came late is compared with all around it, so it would be as recorded whatever the robot does."""
+    monkeypatch.setenv("LBR_HOME", str(home))
+    held_up = threading.Event()
+    outcome = check.run(recorded(home), lambda _text: held_up.wait(0.9) and None)
+    assert outcome.late_s > check.LATE_S
     assert not outcome.same
 
 
