@@ -326,6 +326,7 @@ def flood(client):
     for _ in range(5000):
         client.say(op="unsubscribe", subscriptionIds=[1])
         client.hear(0)
+    client.until(lambda: False, "the end of the connection")
 
 
 def test_too_much_is_cut_and_the_next_client_is_served(url):
