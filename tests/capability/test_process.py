@@ -17,9 +17,10 @@ from lbr.bus import keys, session, stamp, wire
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes.child import Child
-from lbr.executive.processes.fork_server import ANSWERS_WITHIN_S, LOST, ForkServer
+from lbr.executive.processes.fork_server import ANSWERS_WITHIN_S, ForkServer
 from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Reaper
+from lbr.executive.processes.restart import UNSEEN, ended_by
 from lbr.messages.system import EstopState
 from tests.support.machine import Stopwatch
 from tests.support.robot import until
@@ -227,7 +228,9 @@ def test_a_forked_process_outlives_its_fork_server_and_another_takes_its_place(s
     os.kill(process_of(stage).ppid(), signal.SIGKILL)
     assert stage.ask("r/probe/count") == {"n": 0}
     stage.child.kill()
-    assert stage.ended() in {-signal.SIGKILL, LOST}
+    code = stage.ended()
+    assert code in {-signal.SIGKILL, UNSEEN}
+    assert "exit code" not in ended_by(code, program=False)
     until(lambda: not own_forks.begins and own_forks.serves, limit_s=9.0, what="another fork server")
 
 

@@ -23,6 +23,7 @@ from lbr.errors import LbrError
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Reaper
+from lbr.executive.processes.restart import UNSEEN
 from lbr.messages.unreadable import UNREADABLE
 
 BEGINS_WITHIN_S = 3.0
@@ -30,8 +31,6 @@ BEGINS_WITHIN_S = 3.0
 ANSWERS_WITHIN_S = 0.3
 """A fork takes 2 ms; stops wait for whoever waits for it."""
 RETRY_S = 5.0
-LOST = 255
-"""The code of a process whose end nobody has seen, because the fork server had ended before."""
 
 
 class Forked:
@@ -55,7 +54,7 @@ class Forked:
         """Return how it ended, once it has."""
         _readable(self._fd, None)
         code = self.poll()
-        return LOST if code is None else code
+        return UNSEEN if code is None else code
 
     def close(self) -> None:
         """Free what is held for it; from then on its number may be another's."""
@@ -117,14 +116,14 @@ class ForkServer:
         return None
 
     def code_of(self, pid: int, generation: int) -> int:
-        """Return how a process ended that has; LOST if the server that forked it cannot tell any more."""
+        """Return how a process ended that has; UNSEEN if the server that forked it cannot tell any more."""
         until = time.monotonic() + ANSWERS_WITHIN_S
         while pid not in self._codes and self._tells_of(generation):
             if time.monotonic() > until:
                 self._end()
             else:
                 self._hear(until - time.monotonic())
-        return self._codes.pop(pid, LOST)
+        return self._codes.pop(pid, UNSEEN)
 
     def _tells_of(self, generation: int) -> bool:
         return self._state == "serves" and self._generation == generation

@@ -15,6 +15,8 @@ ATTEMPTS = 5
 HEALTHY_S = 60.0
 JITTER = 0.2
 NO_PROGRAM = 127
+UNSEEN = 256
+"""The code of a process whose end nobody has seen, because the fork server had ended before; none ends with it."""
 
 
 class End(Enum):
@@ -61,6 +63,8 @@ def ended_by(code: int, *, program: bool) -> str:
         return "told to end, but not by the robot"
     if code == NO_PROGRAM:
         return "there is no such program, or it may not be executed"
+    if code == UNSEEN:
+        return "ended, and nobody saw how: what had forked it was gone"
     return f"killed by {_signal(-code)}" if code < 0 else f"exit code {code}"
 
 
