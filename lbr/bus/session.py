@@ -35,8 +35,8 @@ HELD_MS = 3_600_000
 """The lease of links between sessions of one process: neither end can be gone without the other, and where both were
 held up together and then gave each other up, the router does not learn again who answers what."""
 MAX_MESSAGE_BYTES = 1 << 20
-DEAF_MS = 200
-"""Who comes from another machine and takes nothing that must be delivered is cut off then: all others wait for it."""
+DEAF_AWAY_MS, DEAF_HERE_MS = 200, 400
+"""Who takes nothing that must be delivered is cut off then, because all others wait for it; on this machine it may only be held up."""
 ACCEPT_MS, MOST_PENDING = 3000, 500
 """Connections that have greeted by TLS and say no more keep others out no longer than this, and only when there are
 many. What fails before that, the library answers with a pause of 0.1 s, which nothing can set."""
@@ -74,7 +74,6 @@ class Router(Struct, frozen=True, kw_only=True):
     never_waiting: tuple[str, ...] = ()
     urgent_waits: bool = False
     lease_ms: int = LINK_LEASE_MS
-    deaf_ms: int = LINK_LEASE_MS
 
 
 def open_router(router: Router) -> Session:
@@ -85,8 +84,9 @@ def open_router(router: Router) -> Session:
             "mode": "router",
             "listen": {"endpoints": list(router.listen), "exit_on_failure": True},
         }
+        deaf_ms = DEAF_HERE_MS if router.limits is None else DEAF_AWAY_MS
         settings["transport"]["link"]["tx"]["queue"] = {
-            "congestion_control": {"block": {"wait_before_close": router.deaf_ms * 1000}}
+            "congestion_control": {"block": {"wait_before_close": deaf_ms * 1000}}
         }
         if router.id:
             settings["id"] = router.id
