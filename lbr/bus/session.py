@@ -8,13 +8,17 @@ import resource
 from collections.abc import Sequence
 from typing import Any
 
-# Few runtime threads are enough for a leaf process and save it latency and CPU; a router collapses with them. What is
-# received has threads of its own: an answer given there waits for what is sent, and would wait for itself.
-LEAF_RUNTIME = "(rx: (worker_threads: 2), acc: (handover: app), tx: (handover: app), net: (handover: app))"
+# A socket is watched by the threads that opened it (app) or accepted it (acc). Were these others than those that read it (rx),
+# each message would wake two threads one after the other. What is sent has a thread of its own (tx): an answer given in a
+# callback waits for it, and would wait for itself. A leaf process does with few; a router collapses with so few.
+RUNTIME = "(app: (handover: rx), acc: (handover: rx))"
+LEAF_RUNTIME = (
+    "(rx: (worker_threads: 2), app: (handover: rx), acc: (handover: rx), net: (handover: rx), tx: (worker_threads: 1))"
+)
 RUNTIME_VARIABLE = "ZENOH_RUNTIME"
 
 if os.environ.get(RUNTIME_VARIABLE) != LEAF_RUNTIME:
-    os.environ.pop(RUNTIME_VARIABLE, None)  # a shell's own wish, which the library may not understand, and then panics
+    os.environ[RUNTIME_VARIABLE] = RUNTIME  # also instead of a shell's own wish, which the library may not understand
 
 import zenoh  # noqa: E402 - the runtime reads its environment when the library loads
 from msgspec import Struct  # noqa: E402
