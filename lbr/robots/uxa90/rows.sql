@@ -178,6 +178,63 @@ FROM motion JOIN motion_step AS stance ON stance.robot = 'uxa90' AND stance.moti
 WHERE motion.robot = 'uxa90' AND motion.name IN ('turn_left', 'walk_forward_short', 'turn_right', 'walk_left', 'walk_right',
                                                  'walk_forward_4step', 'walk_forward_6step', 'kick_right');
 
+-- Ours, found by experiment with the simulated body; nobody has tried it on a robot. The arms are turned so that the weak
+-- elbows cannot fold. In each of these frames the simulated body stays where it is when it is stopped there: on the ground,
+-- on hands and feet, or on its feet.
+INSERT INTO motion (robot, name, help) VALUES
+    ('uxa90', 'get_up_face', 'Get up after a fall, lying on its face: hands ahead, up on hands and feet, upright');
+
+INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions) VALUES
+    ('uxa90', 'get_up_face', 1, 1.000, 1,
+     '{"left_hip_pitch": 0, "right_hip_pitch": 0, "left_knee": 0, "right_knee": 0, "left_ankle_pitch": -0.6,
+      "right_ankle_pitch": -0.6, "left_shoulder_pitch": 0, "right_shoulder_pitch": 0, "left_shoulder_roll": 1.55,
+      "right_shoulder_roll": 1.55, "left_elbow": 0, "right_elbow": 0, "left_hip_roll": 0, "right_hip_roll": 0,
+      "left_hip_yaw": 0, "right_hip_yaw": 0, "left_ankle_roll": 0, "right_ankle_roll": 0, "left_shoulder_yaw": 0,
+      "right_shoulder_yaw": 0, "left_hand": 0, "right_hand": 0, "waist_yaw": 0, "neck_yaw": 0, "head_pitch": -0.8}'),
+    ('uxa90', 'get_up_face', 2, 1.200, 1,
+     '{"left_hip_pitch": 0, "right_hip_pitch": 0, "left_knee": 0, "right_knee": 0, "left_ankle_pitch": -0.6,
+      "right_ankle_pitch": -0.6, "left_shoulder_pitch": 3, "right_shoulder_pitch": 3, "left_shoulder_roll": 1.55,
+      "right_shoulder_roll": 1.55, "left_elbow": 0, "right_elbow": 0}'),
+    ('uxa90', 'get_up_face', 3, 1.000, 1,
+     '{"left_hip_pitch": 0, "right_hip_pitch": 0, "left_knee": 0, "right_knee": 0, "left_ankle_pitch": -0.3,
+      "right_ankle_pitch": -0.3, "left_shoulder_pitch": 3, "right_shoulder_pitch": 3, "left_shoulder_roll": 0.1,
+      "right_shoulder_roll": 0.1, "left_elbow": 0, "right_elbow": 0, "left_shoulder_yaw": 1.9,
+      "right_shoulder_yaw": 1.9}'),
+    ('uxa90', 'get_up_face', 4, 1.430, 1,
+     '{"left_hip_pitch": 0.93, "right_hip_pitch": 0.93, "left_knee": -0.5, "right_knee": -0.5,
+      "left_ankle_pitch": 0.88, "right_ankle_pitch": 0.88, "left_shoulder_pitch": 2.64, "right_shoulder_pitch": 2.64,
+      "left_shoulder_roll": 0.05, "right_shoulder_roll": 0.05, "left_elbow": 0.09, "right_elbow": 0.09}'),
+    ('uxa90', 'get_up_face', 5, 1.150, 1,
+     '{"left_hip_pitch": 1.68, "right_hip_pitch": 1.68, "left_knee": -0.28, "right_knee": -0.28,
+      "left_ankle_pitch": 0.68, "right_ankle_pitch": 0.68, "left_shoulder_pitch": 2.54, "right_shoulder_pitch": 2.54,
+      "left_shoulder_roll": 0.05, "right_shoulder_roll": 0.05, "left_elbow": 0.09, "right_elbow": 0.09}'),
+    ('uxa90', 'get_up_face', 6, 1.140, 1,
+     '{"left_hip_pitch": 1.76, "right_hip_pitch": 1.76, "left_knee": 0.05, "right_knee": 0.05,
+      "left_ankle_pitch": 0.27, "right_ankle_pitch": 0.27, "left_shoulder_pitch": 2.15, "right_shoulder_pitch": 2.15,
+      "left_shoulder_roll": 0.05, "right_shoulder_roll": 0.05, "left_elbow": 0.09, "right_elbow": 0.09}'),
+    ('uxa90', 'get_up_face', 7, 1.190, 1,
+     '{"left_hip_pitch": 1.66, "right_hip_pitch": 1.66, "left_knee": -0.05, "right_knee": -0.05,
+      "left_ankle_pitch": 0.25, "right_ankle_pitch": 0.25, "left_shoulder_pitch": 1.82, "right_shoulder_pitch": 1.82,
+      "left_shoulder_roll": 0.05, "right_shoulder_roll": 0.05, "left_elbow": 0.09, "right_elbow": 0.09}'),
+    ('uxa90', 'get_up_face', 8, 1.440, 1,
+     '{"left_hip_pitch": 1.78, "right_hip_pitch": 1.78, "left_knee": 0, "right_knee": 0, "left_ankle_pitch": 0.36,
+      "right_ankle_pitch": 0.36, "left_shoulder_pitch": 1.78, "right_shoulder_pitch": 1.78,
+      "left_shoulder_roll": 0.05, "right_shoulder_roll": 0.05, "left_elbow": 0.09, "right_elbow": 0.09}'),
+    ('uxa90', 'get_up_face', 9, 0.750, 1,
+     '{"left_hip_pitch": 1.78, "right_hip_pitch": 1.78, "left_knee": 0.06, "right_knee": 0.06,
+      "left_ankle_pitch": -0.17, "right_ankle_pitch": -0.17, "left_shoulder_pitch": 1.87,
+      "right_shoulder_pitch": 1.87, "left_shoulder_roll": 0.05, "right_shoulder_roll": 0.05, "left_elbow": 0.09,
+      "right_elbow": 0.09}'),
+    ('uxa90', 'get_up_face', 10, 0.620, 1,
+     '{"left_hip_pitch": 1.32, "right_hip_pitch": 1.32, "left_knee": 0.06, "right_knee": 0.06,
+      "left_ankle_pitch": -0.3, "right_ankle_pitch": -0.3, "left_shoulder_pitch": 1.33, "right_shoulder_pitch": 1.33,
+      "left_shoulder_roll": 0.1, "right_shoulder_roll": 0.1, "left_elbow": 0.09, "right_elbow": 0.09}'),
+    ('uxa90', 'get_up_face', 11, 1.500, 1,
+     '{"left_hip_pitch": 0, "right_hip_pitch": 0, "left_knee": 0, "right_knee": 0, "left_ankle_pitch": 0,
+      "right_ankle_pitch": 0, "left_shoulder_pitch": 0, "right_shoulder_pitch": 0, "left_shoulder_roll": 0.1,
+      "right_shoulder_roll": 0.1, "left_elbow": 0, "right_elbow": 0, "left_shoulder_yaw": 0, "right_shoulder_yaw": 0,
+      "head_pitch": 0}');
+
 -- Three tables of the servos. `api`: as phones and scripts have known them, with all that is wrong in it (knees and left
 -- shoulder are those of the other side). `factory`: what the factory's motions use. `safe`: what the joints allow.
 INSERT INTO motor (robot, layer, id, name, description, initial, lowest, highest, rest, inverted, builtin) VALUES
