@@ -14,10 +14,8 @@ from tests.support.figures import Promise, Results
 
 FALLS = {"face": ("y", 1.1), "back": ("y", -1.1), "right": ("x", 1.1), "left": ("x", -1.1)}
 """About which axis it leans, and by how much; more than any came back from."""
-WAYS = {
-    "bioloid": {"face": "get_up_face", "back": "get_up_back", "right": "get_up_side", "left": "get_up_side"},
-    "uxa90": {"face": "get_up_face"},
-}
+SIDES = {"face": "get_up_face", "back": "get_up_back", "right": "get_up_side", "left": "get_up_side"}
+WAYS = {"bioloid": SIDES, "uxa90": SIDES}
 LIES_S, STANDS_S = 1.5, 1.5
 DROP_M = 0.01
 

@@ -178,11 +178,13 @@ FROM motion JOIN motion_step AS stance ON stance.robot = 'uxa90' AND stance.moti
 WHERE motion.robot = 'uxa90' AND motion.name IN ('turn_left', 'walk_forward_short', 'turn_right', 'walk_left', 'walk_right',
                                                  'walk_forward_4step', 'walk_forward_6step', 'kick_right');
 
--- Ours, found by experiment with the simulated body; nobody has tried it on a robot. The arms are turned so that the weak
--- elbows cannot fold. In each of these frames the simulated body stays where it is when it is stopped there: on the ground,
--- on hands and feet, or on its feet.
-INSERT INTO motion (robot, name, help) VALUES
-    ('uxa90', 'get_up_face', 'Get up after a fall, lying on its face: hands ahead, up on hands and feet, upright');
+-- Ours, found by experiment with the simulated body; nobody has tried them on a robot. As it gets up, its arms are turned
+-- so that the weak elbows cannot fold. In each of these frames the simulated body stays where it is when it is stopped there:
+-- on the ground, on hands and feet, or on its feet.
+INSERT INTO motion (robot, name, help, lead_out) VALUES
+    ('uxa90', 'get_up_face', 'Get up after a fall, lying on its face: hands ahead, up on hands and feet, upright', ''),
+    ('uxa90', 'get_up_back', 'Get up after a fall, lying on its back: over its right side onto its face, and up', 'get_up_face'),
+    ('uxa90', 'get_up_side', 'Get up after a fall, lying on either side: over onto its face, and up', 'get_up_face');
 
 INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions) VALUES
     ('uxa90', 'get_up_face', 1, 1.000, 1,
@@ -233,7 +235,65 @@ INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions) VAL
      '{"left_hip_pitch": 0, "right_hip_pitch": 0, "left_knee": 0, "right_knee": 0, "left_ankle_pitch": 0,
       "right_ankle_pitch": 0, "left_shoulder_pitch": 0, "right_shoulder_pitch": 0, "left_shoulder_roll": 0.1,
       "right_shoulder_roll": 0.1, "left_elbow": 0, "right_elbow": 0, "left_shoulder_yaw": 0, "right_shoulder_yaw": 0,
-      "head_pitch": 0}');
+      "head_pitch": 0}'),
+    ('uxa90', 'get_up_back', 1, 1.600, 1,
+     '{"left_hip_pitch": 1.5, "right_hip_pitch": 1.5, "left_knee": -1.2, "right_knee": -1.2, "left_hip_yaw": 0,
+      "right_hip_yaw": 0, "left_hip_roll": 0, "right_hip_roll": 0, "left_shoulder_pitch": -0.54,
+      "left_shoulder_roll": 0.5, "right_shoulder_pitch": 3, "right_shoulder_roll": 0, "waist_yaw": 0,
+      "left_ankle_pitch": 0, "right_ankle_pitch": 0, "left_ankle_roll": 0, "right_ankle_roll": 0, "left_hand": 0,
+      "right_hand": 0, "neck_yaw": 0, "head_pitch": 0, "left_shoulder_yaw": 0, "right_shoulder_yaw": 0,
+      "left_elbow": 0, "right_elbow": 0}'),
+    ('uxa90', 'get_up_back', 2, 1.000, 1,
+     '{"left_hip_pitch": 1.5, "right_hip_pitch": 1.5, "left_knee": -1.2, "right_knee": -1.2, "left_hip_yaw": -0.35,
+      "right_hip_yaw": 0.35, "left_shoulder_pitch": -0.54, "left_shoulder_roll": 0.5, "waist_yaw": 0.77}'),
+    ('uxa90', 'get_up_back', 3, 1.000, 1,
+     '{"left_hip_pitch": 1.5, "right_hip_pitch": 1.5, "left_knee": -1.2, "right_knee": -1.2,
+      "left_shoulder_pitch": 1.6, "left_shoulder_roll": -0.2, "waist_yaw": 0.77}'),
+    ('uxa90', 'get_up_back', 4, 1.430, 1,
+     '{"left_hip_pitch": 1.2, "right_hip_pitch": 1.2, "left_knee": -0.6, "right_knee": -0.6, "left_hip_yaw": 0,
+      "right_hip_yaw": 0, "left_shoulder_pitch": 1.6, "left_shoulder_roll": -0.2, "waist_yaw": -0.66}'),
+    ('uxa90', 'get_up_back', 5, 1.100, 1,
+     '{"left_shoulder_pitch": 1.57, "left_shoulder_roll": -0.18, "left_hip_pitch": 1.13, "left_knee": -0.76,
+      "left_hip_roll": -0.16, "left_hip_yaw": -0.02, "right_shoulder_pitch": 3.08, "right_shoulder_roll": 0.01,
+      "right_hip_pitch": 0.02, "right_knee": -0.26, "right_hip_roll": 0.03, "right_hip_yaw": -0.08,
+      "waist_yaw": -0.51, "left_ankle_pitch": -0.8, "right_ankle_pitch": -0.8}'),
+    ('uxa90', 'get_up_back', 6, 1.090, 1,
+     '{"left_shoulder_pitch": 1.93, "left_shoulder_roll": -0.33, "left_hip_pitch": 1.64, "left_knee": -0.18,
+      "left_hip_roll": -0.16, "left_hip_yaw": -0.01, "right_shoulder_pitch": 3.06, "right_shoulder_roll": 0.11,
+      "right_hip_pitch": -0.22, "right_knee": 0.02, "right_hip_roll": 0.02, "right_hip_yaw": 0.04, "waist_yaw": -0.59,
+      "left_ankle_pitch": -0.8, "right_ankle_pitch": -0.8}'),
+    ('uxa90', 'get_up_back', 7, 1.160, 1,
+     '{"left_shoulder_pitch": 2.59, "left_shoulder_roll": 0.46, "left_hip_pitch": 0.46, "left_knee": -0.42,
+      "left_hip_roll": -0.16, "left_hip_yaw": -0.03, "right_shoulder_pitch": 3.03, "right_shoulder_roll": 0.34,
+      "right_hip_pitch": -0.14, "right_knee": -0.48, "right_hip_roll": 0.03, "right_hip_yaw": -0.04,
+      "waist_yaw": 0.03, "left_ankle_pitch": -0.8, "right_ankle_pitch": -0.8}'),
+    ('uxa90', 'get_up_back', 8, 1.400, 1,
+     '{"left_hip_pitch": 0, "right_hip_pitch": 0, "left_knee": 0, "right_knee": 0, "left_ankle_pitch": -0.6,
+      "right_ankle_pitch": -0.6, "left_shoulder_pitch": 2.9, "right_shoulder_pitch": 2.9, "left_shoulder_roll": 0.5,
+      "right_shoulder_roll": 0.5, "left_elbow": 0, "right_elbow": 0, "left_hip_roll": 0, "right_hip_roll": 0,
+      "waist_yaw": 0, "left_hip_yaw": 0, "right_hip_yaw": 0}'),
+    ('uxa90', 'get_up_side', 1, 0.740, 1,
+     '{"left_shoulder_pitch": -0.07, "right_shoulder_pitch": -0.07, "left_shoulder_roll": -0.45,
+      "right_shoulder_roll": -0.45, "left_elbow": -1.41, "right_elbow": -1.41, "left_hip_pitch": -0.26,
+      "right_hip_pitch": -0.26, "left_knee": -0.11, "right_knee": -0.11, "left_hip_roll": 0.03,
+      "right_hip_roll": 0.03, "left_shoulder_yaw": 0.24, "right_shoulder_yaw": 0.24, "left_hip_yaw": 0,
+      "right_hip_yaw": 0, "left_ankle_pitch": 0, "right_ankle_pitch": 0, "left_ankle_roll": 0, "right_ankle_roll": 0,
+      "left_hand": 0, "right_hand": 0, "waist_yaw": 0, "neck_yaw": 0, "head_pitch": 0}'),
+    ('uxa90', 'get_up_side', 2, 1.260, 1,
+     '{"left_shoulder_pitch": 1.91, "right_shoulder_pitch": 1.91, "left_shoulder_roll": -0.46,
+      "right_shoulder_roll": -0.46, "left_elbow": -0.25, "right_elbow": -0.25, "left_hip_pitch": -0.26,
+      "right_hip_pitch": -0.26, "left_knee": -1.47, "right_knee": -1.47, "left_hip_roll": 0.06,
+      "right_hip_roll": 0.06, "left_shoulder_yaw": -0.29, "right_shoulder_yaw": -0.29}'),
+    ('uxa90', 'get_up_side', 3, 0.930, 1,
+     '{"left_shoulder_pitch": -0.54, "right_shoulder_pitch": -0.54, "left_shoulder_roll": 0.08,
+      "right_shoulder_roll": 0.08, "left_elbow": -0.06, "right_elbow": -0.06, "left_hip_pitch": 0.81,
+      "right_hip_pitch": 0.81, "left_knee": -0.86, "right_knee": -0.86, "left_hip_roll": 0.44, "right_hip_roll": 0.44,
+      "left_shoulder_yaw": -0.23, "right_shoulder_yaw": -0.23}'),
+    ('uxa90', 'get_up_side', 4, 1.500, 1,
+     '{"left_hip_pitch": 0, "right_hip_pitch": 0, "left_knee": 0, "right_knee": 0, "left_ankle_pitch": -0.6,
+      "right_ankle_pitch": -0.6, "left_shoulder_pitch": 0, "right_shoulder_pitch": 0, "left_shoulder_roll": 1.55,
+      "right_shoulder_roll": 1.55, "left_elbow": 0, "right_elbow": 0, "left_shoulder_yaw": 0, "right_shoulder_yaw": 0,
+      "left_hip_roll": 0, "right_hip_roll": 0}');
 
 -- Three tables of the servos. `api`: as phones and scripts have known them, with all that is wrong in it (knees and left
 -- shoulder are those of the other side). `factory`: what the factory's motions use. `safe`: what the joints allow.
@@ -341,10 +401,24 @@ INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
 
 -- Behaviours: docs/examples/behaviours/uxa90 has the same tables for a spreadsheet; `lbr behaviour export` writes yours.
 INSERT INTO behaviour (robot, name, help, max_s) VALUES
+    ('uxa90', 'get_up', 'Get up after a fall: looks how it lies, plays the motion of that side, three times at most', 150),
     ('uxa90', 'greet', 'Stand up, say hello if it has a voice, and introduce itself', 120),
     ('uxa90', 'show', 'Steps, turns and a kick, each once, in an order by chance, with pauses; then the dance. Hold the tether', 300);
 
 INSERT INTO behaviour_row (robot, behaviour, step, type, state, conditions, outputs, next_state, deadline_s) VALUES
+    ('uxa90', 'get_up', 1, '#', 'Looks how it lies, plays the motion of that side, and looks again', '{}', '{}', '', NULL),
+    ('uxa90', 'get_up', 2, 'start', 'Looking', '{"attitude.roll_rad": "-0.5:0.5 for 1 s", "attitude.pitch_rad": "-0.5:0.5 for 1 s"}', '{}', 'Upright', NULL),
+    ('uxa90', 'get_up', 3, '', 'Looking', '{"Visits": "<= 3", "motions.fallen": "face for 1 s"}', '{"motion": "get_up_face"}', 'Rising', NULL),
+    ('uxa90', 'get_up', 4, '', 'Looking', '{"Visits": "<= 3", "motions.fallen": "side for 1 s"}', '{"motion": "get_up_side"}', 'Rising', NULL),
+    ('uxa90', 'get_up', 5, '', 'Looking', '{"Visits": "<= 3", "motions.fallen": "back for 1 s"}', '{"motion": "get_up_back"}', 'Rising', NULL),
+    ('uxa90', 'get_up', 6, '', 'Looking', '{"attitude.roll_rad": "missing for 3 s"}', '{}', 'Blind', NULL),
+    ('uxa90', 'get_up', 7, '', 'Looking', '{"Time": ">= 10"}', '{}', 'Not up', NULL),
+    ('uxa90', 'get_up', 8, '', 'Rising', '{"Result": "done or fallen"}', '{}', 'Looking', NULL),
+    ('uxa90', 'get_up', 9, '', 'Rising', '{}', '{}', 'Refused', NULL),
+    ('uxa90', 'get_up', 10, 'end', 'Upright', '{}', '{}', '', NULL),
+    ('uxa90', 'get_up', 11, 'fail', 'Not up', '{}', '{"speech": "I cannot get up. Please help me"}', '', NULL),
+    ('uxa90', 'get_up', 12, 'fail', 'Refused', '{}', '{}', '', NULL),
+    ('uxa90', 'get_up', 13, 'fail', 'Blind', '{}', '{}', '', NULL),
     ('uxa90', 'greet', 1, 'start', 'Looking', '{"joints.joints.left_knee.torque": "> 0", "joints.joints.left_knee.position_rad": "> -1.2"}', '{}', 'Standing', NULL),
     ('uxa90', 'greet', 2, '', 'Looking', '{"Time": ">= 1"}', '{"motion": "reset"}', 'Standing', NULL),
     ('uxa90', 'greet', 3, '', 'Standing', '{}', '{"motion": "demo_introduction", "speech": "Hello | Good day | Nice to see you"}', 'Greeted', NULL),
