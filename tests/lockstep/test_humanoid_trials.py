@@ -41,8 +41,9 @@ def played(motion):
     )
 
 
-def test_a_table_that_gets_it_up_begins_fallen_and_ends_on_its_feet(home):
-    of = setup(home, "bioloid", "get_up")
+@pytest.mark.parametrize("robot", ["bioloid", "uxa90"])
+def test_a_table_that_gets_it_up_begins_fallen_and_ends_on_its_feet(home, robot):
+    of = setup(home, robot, "get_up")
     outcome = made(of, 0, "", 1).run()
     assert (outcome.began, outcome.good, outcome.state) == ("lying on its face", True, "Upright")
     assert (outcome.stands, outcome.unsafe) == (True, ())

@@ -136,12 +136,14 @@ class Robot:
                 return str(reply.lease)
         raise AssertionError("there was no answer")
 
-    def play(self, frames: tuple[KeyFrame, ...], seconds: float, stored: StoredMotion | None = None) -> None:
+    def play(
+        self, frames: tuple[KeyFrame, ...], seconds: float, stored: StoredMotion | None = None, *, mirror: bool = False
+    ) -> None:
         """Play for a while, its lease renewed."""
         if not self.stepping:
             frames = tuple(replace(frame, stable=False) for frame in frames)
             stored = None if stored is None else replace(stored, stable=False)
-        lease = self.command(JointsCommand(frames=frames, stored=stored))
+        lease = self.command(JointsCommand(frames=frames, stored=stored, mirror=mirror))
         self.run(seconds, lease)
 
     def run(self, seconds: float, lease: str = "") -> None:

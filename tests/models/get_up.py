@@ -45,12 +45,12 @@ def frames(one: Robot, name: str) -> tuple[KeyFrame, ...]:
     return motion.frames + (one.motions[motion.lead_out].frames if motion.lead_out else ())
 
 
-def gets_up(robot: str, side: str, seed: int) -> bool:
+def gets_up(robot: str, side: str, seed: int, *, mirror: bool = False) -> bool:
     """Say whether it stands, on its feet alone, after it has fallen and played what gets it up."""
     one = fallen(robot, side, seed)
     assert not one.engine.pose().upright, "it has not fallen"
     way = frames(one, WAYS[robot][side])
-    one.play(way, sum(frame.duration_s for frame in way) + STANDS_S)
+    one.play(way, sum(frame.duration_s for frame in way) + STANDS_S, mirror=mirror)
     return one.on_feet and one.engine.pose().stands
 
 

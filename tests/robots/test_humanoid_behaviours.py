@@ -117,6 +117,7 @@ def rises_at(attempt: int) -> Callable[[str, dict[str, float | str]], Outcome]:
     return becomes
 
 
+@pytest.mark.parametrize("robot", ["bioloid", "uxa90"])
 @pytest.mark.parametrize(
     ("lies", "attempt", "motions", "end"),
     [
@@ -127,23 +128,28 @@ def rises_at(attempt: int) -> Callable[[str, dict[str, float | str]], Outcome]:
         ("back", 2, ["get_up_back", "get_up_face"], (True, "Upright")),
     ],
 )
-def test_it_gets_up_by_the_motion_of_the_side_on_which_it_lies_and_tries_three_times(lies, attempt, motions, end):
-    played = Played("bioloid", "get_up", FALLEN[lies], rises_at(attempt))
+def test_it_gets_up_by_the_motion_of_the_side_on_which_it_lies_and_tries_three_times(
+    robot, lies, attempt, motions, end
+):
+    played = Played(robot, "get_up", FALLEN[lies], rises_at(attempt))
     assert (played.motions, played.end) == (motions, end)
     assert bool(played.said) is (end[1] == "Not up")
 
 
-def test_one_that_stands_already_plays_nothing_to_get_up():
-    played = Played("bioloid", "get_up", {})
+@pytest.mark.parametrize("robot", ["bioloid", "uxa90"])
+def test_one_that_stands_already_plays_nothing_to_get_up(robot):
+    played = Played(robot, "get_up", {})
     assert (played.motions, played.end) == ([], (True, "Upright"))
 
 
-def test_without_an_attitude_it_says_that_it_is_blind_and_plays_nothing():
-    blind = Played("bioloid", "get_up", {"attitude.roll_rad": None, "attitude.pitch_rad": None})
+@pytest.mark.parametrize("robot", ["bioloid", "uxa90"])
+def test_without_an_attitude_it_says_that_it_is_blind_and_plays_nothing(robot):
+    blind = Played(robot, "get_up", {"attitude.roll_rad": None, "attitude.pitch_rad": None})
     assert (blind.motions, blind.end) == ([], (False, "Blind"))
 
 
-def test_it_falls_again_as_it_gets_up_and_tries_once_more():
+@pytest.mark.parametrize("robot", ["bioloid", "uxa90"])
+def test_it_falls_again_as_it_gets_up_and_tries_once_more(robot):
     outcomes = [FELL, DONE]
 
     def becomes(_motion, values):
@@ -151,7 +157,7 @@ def test_it_falls_again_as_it_gets_up_and_tries_once_more():
         values.update(FALLEN["side"] if outcome is FELL else STANDS)
         return outcome
 
-    played = Played("bioloid", "get_up", FALLEN["face"], becomes)
+    played = Played(robot, "get_up", FALLEN["face"], becomes)
     assert (played.motions, played.end) == (["get_up_face", "get_up_side"], (True, "Upright"))
 
 
@@ -161,6 +167,7 @@ def test_it_falls_again_as_it_gets_up_and_tries_once_more():
         ("bioloid", "get_up", FALLEN["face"], "Refused"),
         ("bioloid", "greet", {}, "Not greeted"),
         ("bioloid", "show", {}, "Broken off"),
+        ("uxa90", "get_up", FALLEN["back"], "Refused"),
         ("uxa90", "greet", {}, "Not greeted"),
         ("uxa90", "show", {}, "Broken off"),
     ],
