@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support import packages
 from tests.support.usb import rig, vhci
 
 LIMIT_S = 600.0
@@ -39,3 +40,11 @@ def place() -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="lbr-") as name:
         Path(name).chmod(0o755)
         yield Path(name)
+
+
+@pytest.fixture(scope="module")
+def outside(place: Path) -> Iterator[None]:
+    """The packages of drivers outside lbr, for this process and for what it starts."""
+    with packages.beside(place, "roboclaw", "so101") as path, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", path)
+        yield

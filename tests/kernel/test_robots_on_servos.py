@@ -1,14 +1,19 @@
-"""The humanoids as they ship, on servo buses of the kernel: every servo answers, a joint moves, a cable is pulled under way."""
+"""Humanoids and an arm as they ship, on servo buses of the kernel: every servo answers, a joint moves, a cable is pulled under way."""
 
 import time
 
 import pytest
 
 from tests.support.usb import robots
-from tests.support.usb.rig import FT232R, USB2AX, CdcAcm, Ftdi, by_id, on_line, until
+from tests.support.usb.rig import CH343, FT232R, USB2AX, CdcAcm, Ftdi, by_id, on_line, until
 
-NEEDED = ("servos", "joints")
-JOINT = "left_shoulder_pitch"
+SHOULDER = "left_shoulder_pitch"
+ROBOTS = {
+    "bioloid": ("dynamixel", CdcAcm, USB2AX, "servos", SHOULDER),
+    "uxa90": ("uxa90", Ftdi, FT232R, "servos", SHOULDER),
+    "so101": ("feetech", CdcAcm, CH343, "arm", "shoulder_pan"),
+}
+"""Of each the type of its bus, what that is plugged in by, the capability that drives it, and a joint."""
 LOOKS = 30
 TRIES = 3
 ANSWER_S = 20.0
@@ -18,19 +23,24 @@ EDITS = (
 """Five rounds a second instead of 25: an emulated processor that is asked for more leaves the guard no time."""
 
 
-@pytest.fixture(scope="module", params=["bioloid", "uxa90"])
-def on_its_bus(request, service, place):
-    """A robot, the rig of its bus, the name that the kernel gives it, and how many servos it has."""
+@pytest.fixture(scope="module", params=ROBOTS)
+def on_its_bus(request, service, place, outside):
+    """A robot, the rig of its bus, and the name that the kernel gives it."""
     name = request.param
-    type_, made, identity = {
-        "bioloid": ("dynamixel", CdcAcm, USB2AX),
-        "uxa90": ("uxa90", Ftdi, FT232R),
-    }[name]
+    type_, made, identity, servos, _ = ROBOTS[name]
     with (
         on_line(type_, place, made, identity) as rig,
-        robots.running(service, place / name, *NEEDED, robot=name, edits=EDITS) as robot,
+        robots.running(service, place / name, servos, "joints", robot=name, edits=EDITS) as robot,
     ):
         yield robot, rig, by_id(identity)
+
+
+def driver(robot):
+    return ROBOTS[robot.name][3]
+
+
+def joint(robot):
+    return ROBOTS[robot.name][4]
 
 
 def joints(robot):
@@ -60,15 +70,15 @@ def moved(robot, angle_deg):
     """
     for _ in range(TRIES):
         until(lambda: holds(robot), f"torque; {joints(robot)['reason']}", 60.0, every_s=0.2)
-        if (end := ended(robot, f"/j/{JOINT}/{angle_deg}")) == "done":
+        if (end := ended(robot, f"/j/{joint(robot)}/{angle_deg}")) == "done":
             break
     assert end == "done"
-    return joints(robot)["joints"][JOINT]["position_rad"]
+    return joints(robot)["joints"][joint(robot)]["position_rad"]
 
 
 def test_every_servo_answers_at_the_address_of_the_shipped_row(on_its_bus, record_property):
     robot, _, _ = on_its_bus
-    robots.ready(robot, "servos")
+    robots.ready(robot, driver(robot))
     until(
         lambda: all(one["position_rad"] is not None for one in joints(robot)["joints"].values()), "all measured", 60.0
     )
@@ -88,23 +98,23 @@ def test_a_joint_goes_where_it_is_told_to(on_its_bus, record_property):
 def test_a_cable_pulled_on_the_way_is_told_and_nothing_goes_on_when_it_is_back(on_its_bus, record_property):
     robot, rig, name = on_its_bus
     moved(robot, 0)
-    robot.say(f"/j/{JOINT}/60/10")
+    robot.say(f"/j/{joint(robot)}/60/10")
     until(lambda: joints(robot)["moving"], "it moves", 20.0)
     pulled = rig.cable.unplug()
-    _, reason = robots.degraded(robot, "servos")
+    _, reason = robots.degraded(robot, driver(robot))
     record_property("told after s", round(time.monotonic() - pulled, 2))
     assert any(words in reason for words in ("missing", "nothing matches", "went away")), reason
     until(lambda: not name.exists(), "its name gone", 60.0)
     plugged = time.monotonic()
     rig.cable.plug()
-    robots.ready(robot, "servos")
+    robots.ready(robot, driver(robot))
     record_property("back after s", round(time.monotonic() - plugged, 2))
     seen = []
 
     def measured():
         state = joints(robot)
         assert not state["moving"]
-        if (at := state["joints"][JOINT]["position_rad"]) is not None:
+        if (at := state["joints"][joint(robot)]["position_rad"]) is not None:
             seen.append(at)
         return len(seen) >= LOOKS
 

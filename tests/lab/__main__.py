@@ -20,6 +20,8 @@ SENT = (
     "tests/support",
     "tests/kernel",
     "tests/lab",
+    "examples/roboclaw",
+    "examples/so101",
     "pyproject.toml",
     "robot.db.sql",
 )

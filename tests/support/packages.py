@@ -4,11 +4,12 @@ import os
 import sys
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from lbr import plugins
 
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 CRAWLER = """
 INSERT INTO robot (name, model) VALUES ('crawler', 'two tracks');
 INSERT INTO device (robot, name, type, address) VALUES
@@ -101,6 +102,19 @@ def of_project(folder: Path, site: Path) -> str:
     needs = project["dependencies"]
     package(site, project["name"], version=project["version"], requires=needs, entry_points=groups, files={})
     return os.pathsep.join((str(folder), on_path(site)))
+
+
+@contextmanager
+def beside(folder: Path, *names: str) -> Iterator[str]:
+    """Have this process find packages of `examples/`, by their metadata in a folder; give the PYTHONPATH for others."""
+    path = [os.environ.get("PYTHONPATH", "")]
+    with ExitStack() as stack:
+        for name in names:
+            project, site = EXAMPLES / name, folder / f"site-{name}"
+            path.insert(0, of_project(project, site))
+            stack.enter_context(imported_from(project))
+            stack.enter_context(imported_from(site))
+        yield os.pathsep.join(filter(None, path))
 
 
 def on_path(site: Path) -> str:

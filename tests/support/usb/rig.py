@@ -23,6 +23,10 @@ F = TypeVar("F", bound=Function)
 ROBOTEQ = Identity(0x20D2, 0x1000, "Roboteq", "Motor Controller", device_class=(2, 0, 0))
 ARDUINO = Identity(0x2341, 0x0043, "Arduino (www.arduino.cc)", "", "75433313637351E0A1B2", 0x0001, (2, 0, 0))
 USB2AX = Identity(0x16D0, 0x06A7, "Xevelabs", "USB2AX", "64138323832351A0E061", device_class=(2, 0, 0))
+RIOX = Identity(0x20D2, 0x1216, "Roboteq", "RIOX", device_class=(2, 0, 0))
+ROBOCLAW = Identity(0x03EB, 0x2404, "Basicmicro", "USB Roboclaw 2x15A", device_class=(2, 0, 0))
+CH343 = Identity(0x1A86, 0x55D3, "1a86", "USB Single Serial", "FOLLOWER", device_class=(2, 0, 0))
+"""With the serial number that the SO-101's row has for an example."""
 FT232R = Identity(0x0403, 0x6001, "FTDI", "FT232R USB UART", "A50285BI", 0x0600)
 
 
@@ -116,7 +120,10 @@ def as_user(user: str) -> tuple[str, ...]:
 
 __all__ = [
     "ARDUINO",
+    "CH343",
     "FT232R",
+    "RIOX",
+    "ROBOCLAW",
     "ROBOTEQ",
     "USB2AX",
     "CdcAcm",
