@@ -1,4 +1,4 @@
-"""A camera of the kernel's `uvcvideo`: MJPEG as it is sent, brightness as it is set, and a cable pulled while it streams."""
+"""Cameras of the kernel: MJPEG of `uvcvideo` as it is sent, a cable pulled while it streams, and `vivid`, which has no MJPEG."""
 
 import io
 import time
@@ -10,6 +10,7 @@ from lbr.capability.context import Device
 from lbr.drivers.camera import CameraSettings
 from lbr.drivers.camera.v4l2 import V4l2Source
 from lbr.errors import DeviceError
+from tests.support import programs
 from tests.support.usb import vhci
 from tests.support.usb.descriptors import Identity
 from tests.support.usb.device import Played
@@ -18,6 +19,8 @@ from tests.support.usb.uvc_function import Camera
 
 WEBCAM = Identity(0x046D, 0x0825, "Example", "Webcam", "1234", device_class=(0xEF, 2, 1))
 NODE = Path("/dev/v4l/by-id/usb-Example_Webcam_1234-video-index0")
+VIDEO = Path("/sys/class/video4linux")
+ONE_THAT_CAPTURES = ("n_devs=1", "node_types=0x1")
 
 
 def picture(width, height, number):
@@ -49,3 +52,28 @@ def test_pictures_come_brightness_arrives_and_a_pulled_cable_is_told(played, rec
         with pytest.raises(DeviceError, match=r"went away|missing"):
             until(lambda: source.take() and False, "told", 30.0)
         source.close()
+
+
+@pytest.fixture
+def raw_camera():
+    """The node of a camera of the kernel's own that has raw formats alone."""
+
+    def nodes():
+        found = VIDEO.glob("video*/name") if VIDEO.exists() else ()
+        return [Path("/dev", one.parent.name) for one in found if one.read_text().startswith("vivid")]
+
+    if why := vhci.why_no_module("vivid", *ONE_THAT_CAPTURES):
+        pytest.skip(why)
+    try:
+        until(lambda: nodes() and nodes()[0].exists(), "a camera of vivid", 120.0)
+        yield nodes()[0]
+    finally:
+        programs.run(["modprobe", "-r", "vivid"], check=False)
+
+
+def test_a_camera_without_mjpeg_is_refused_with_what_it_sends(raw_camera, record_property):
+    pytest.importorskip("linuxpy")
+    row = Device("front_camera", "camera", str(raw_camera), {})
+    with pytest.raises(DeviceError, match=r"device 'front_camera' at /dev/video\d+ sends \w+ and no MJPG") as told:
+        V4l2Source(row, CameraSettings(device="front_camera"))
+    record_property("told", str(told.value))

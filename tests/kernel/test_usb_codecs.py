@@ -1,7 +1,9 @@
 """What the played USB devices say and hear, byte by byte: on any machine, whatever its kernel."""
 
 import errno
+import os
 import struct
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -11,7 +13,8 @@ from tests.support.usb import descriptors, usbip
 from tests.support.usb.descriptors import Identity
 from tests.support.usb.device import answer
 from tests.support.usb.i2c_function import TinyI2c
-from tests.support.usb.serial_function import divisor, rate
+from tests.support.usb.rig import FT232R
+from tests.support.usb.serial_function import Ftdi, divisor, rate
 from tests.support.usb.usbip import FramingError, Reader, Setup, Submit, Unlink
 from tests.support.usb.uvc_function import INTERVALS, SIZES, Camera, agreement, read_agreement
 
@@ -124,3 +127,17 @@ def test_a_picture_comes_in_payloads_with_one_end():
 def test_a_divisor_of_an_ftdi_means_the_rate_that_was_asked_for(baud):
     found = rate(*divisor(baud))
     assert abs(found - baud) <= max(1, baud * 0.032 if baud > 460_800 else baud * 0.011)
+
+
+def test_an_ftdi_forgets_what_came_before_it_was_opened():
+    device, line = os.openpty()
+    function = Ftdi(Path(os.ttyname(line)), FT232R)
+    try:
+        os.write(device, b"old")
+        function.control(Setup(0x40, 0, 0, 0, 0), b"")
+        os.write(device, b"new")
+        assert function.come(64) == Ftdi.STATUS + b"new"
+    finally:
+        function.finish()
+        for end in (device, line):
+            os.close(end)

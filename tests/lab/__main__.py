@@ -37,8 +37,10 @@ def main() -> int:
     parser.add_argument("what", choices=("build", "run", "service", "table", "shell"))
     parser.add_argument("tests", nargs="*", default=["tests/kernel"], help="for run: which of them; all if left out")
     parser.add_argument("--cuts", type=int, default=50, help="for service: how often its power is cut (50)")
-    parser.add_argument("--folder", type=Path, default=FOLDER, help="where the machine's files are (build/lab)")
+    parser.add_argument("--suite", choices=image.SUITES, default="bookworm", help="Debian's release (bookworm)")
+    parser.add_argument("--folder", type=Path, help="where the machine's files are (build/lab/SUITE)")
     wanted = parser.parse_args()
+    wanted.folder = wanted.folder or FOLDER / wanted.suite
     if wanted.what == "table":
         print(table.of((wanted.folder / "battery.xml").read_text()))
         print(table.of_service(service.kept(wanted.folder)))
@@ -51,7 +53,7 @@ def main() -> int:
 
 def _build(wanted: argparse.Namespace) -> int:
     began = time.monotonic()
-    image.build(wanted.folder)
+    image.build(wanted.folder, wanted.suite)
     built = time.monotonic()
     machine = Machine(wanted.folder)
     try:

@@ -8,7 +8,9 @@ from pathlib import Path
 from tests.support import programs
 
 ROOT = Path(__file__).resolve().parents[2]
-SUITE = "bookworm"
+SUITES = {"bookworm": "3.11", "trixie": "3.13"}
+"""Debian's releases, and the Python that each has."""
+WHEELS_FOR = ("manylinux2014_x86_64", "manylinux_2_28_x86_64")
 PROGRAMS = ("mmdebstrap", "qemu-system-x86_64", "qemu-img", "mke2fs", "ssh", "ssh-keygen")
 PACKAGES = (
     "systemd-sysv", "dbus", "polkitd", "udev", "kmod", "iproute2", "openssh-server", "procps", "psmisc", "python3-venv",
@@ -52,14 +54,14 @@ def why_not() -> str:
     return f"missing here: {', '.join(missing)}; docs/lab.md names their packages" if missing else ""
 
 
-def build(folder: Path) -> None:
+def build(folder: Path, suite: str) -> None:
     """Make `disk.qcow2`, `vmlinuz`, `initrd.img` and `key` in a folder."""
     root, wheels = folder / "root", folder / "wheels"
     for place in (root, wheels):
         shutil.rmtree(place, ignore_errors=True)
     folder.mkdir(parents=True, exist_ok=True)
     wheels.mkdir()
-    _collect(wheels)
+    _collect(wheels, SUITES[suite])
     if not (folder / "key").exists():
         _do("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(folder / "key"))
     _do(
@@ -74,7 +76,7 @@ def build(folder: Path) -> None:
         "--customize-hook=rm -r $1/opt/wheels",
         "--customize-hook=chroot $1 systemctl -q enable lab-network ssh",
         f"--customize-hook=chroot $1 systemctl -q mask {' '.join(MASKED)}",
-        SUITE, str(root),
+        suite, str(root),
     )  # fmt: skip
     for name in ("vmlinuz", "initrd.img"):
         shutil.copy(next((root / "boot").glob(f"{name}-*")), folder / name)
@@ -87,12 +89,14 @@ def build(folder: Path) -> None:
     shutil.rmtree(wheels)
 
 
-def _collect(wheels: Path) -> None:
+def _collect(wheels: Path, python: str) -> None:
     """Gather the project's wheel, what it depends on as the lock has it, and what the tests need besides."""
     pip = (sys.executable, "-m", "pip")
     _do(*pip, "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(wheels), str(ROOT))
     lock = ROOT / "requirements" / "lock.txt"
-    download = (*pip, "download", "-q", "--only-binary", ":all:", "-d", str(wheels))
+    platforms = (word for name in WHEELS_FOR for word in ("--platform", name))
+    meant_for = ("--implementation", "cp", "--python-version", python, *platforms)
+    download = (*pip, "download", "-q", "--only-binary", ":all:", *meant_for, "-d", str(wheels))
     _do(*download, "--require-hashes", "-r", str(lock))
     _do(*download, *FOR_TESTS)
 

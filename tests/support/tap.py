@@ -26,9 +26,9 @@ def tapped(type_: str, folder: Path, **options: Any) -> Iterator[tuple[Plugged, 
         yield found, heard
 
 
-def of(found: Plugged) -> list[bytes]:
-    """Return what comes to a twin from now on, as it grows."""
-    heard: list[bytes] = []
+def of(found: Plugged, heard: list[bytes] | None = None) -> list[bytes]:
+    """Return what comes to a twin from now on, as it grows: in a list of the caller's, if there is one."""
+    heard = [] if heard is None else heard
     port: Any = found.twin.port  # type: ignore[attr-defined]
     if hasattr(port, "receive"):
         receive = port.receive

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from lbr.testing.device import Plugged, plugged
+from tests.support import tap
 from tests.support.usb.descriptors import Identity
 from tests.support.usb.device import Function, Played
 from tests.support.usb.i2c_function import TinyI2c
@@ -57,10 +58,17 @@ def on_line(
 
 
 @contextmanager
-def adaptor(folder: Path, type_: str, **options: Any) -> Iterator[tuple[int, TinyI2c, Played]]:
-    """Plug in an I2C adaptor with an emulated device on its bus; give its number, its function and its cable."""
+def adaptor(
+    folder: Path, type_: str, *, heard: list[bytes] | None = None, **options: Any
+) -> Iterator[tuple[int, TinyI2c, Played]]:
+    """Plug in an I2C adaptor with an emulated device on its bus; give its number, its function and its cable.
+
+    `heard` takes the transactions that come to the device.
+    """
     before = _adaptors()
-    with plugged(type_, folder, name=type_, scheme="unix:", **options):
+    with plugged(type_, folder, name=type_, scheme="unix:", **options) as twin:
+        if heard is not None:
+            tap.of(twin, heard)
         bus = folder / type_
         until(bus.exists, "the emulated bus")
         function = TinyI2c(bus)

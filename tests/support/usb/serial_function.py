@@ -127,6 +127,8 @@ class Ftdi(SerialFunction):
 
     def control(self, setup: Setup, data: bytes) -> bytes | None:
         match setup.request:
+            case 0:  # RESET, at each opening: what came before is forgotten
+                termios.tcflush(self._tty, termios.TCIFLUSH)
             case 3:  # SET_BAUDRATE
                 self._set_baud(rate(setup.value, setup.index))
             case 5:  # GET_MODEM_STATUS
