@@ -65,14 +65,15 @@ def test_they_are_known_by_their_registers(bus):
 @pytest.mark.parametrize(
     ("name", "capability", "at", "told"),
     [
-        ("lbr", "imu", IMU, "reset"),
-        ("bioloid", "ups", STATUS, "counter"),
-        ("bioloid", "ups", NOBODY, "does not answer"),
+        ("lbr", "imu", IMU, "does not answer at 0x68 (Connection timed out)"),
+        ("bioloid", "ups", STATUS, "its running counter stands still"),
+        ("bioloid", "ups", NOBODY, "does not answer at 0x22 (No such device)"),
     ],
+    ids=["inertial unit", "supply", "nobody"],
 )
 def test_none_is_taken_for_live_and_that_is_told(service, place, bus, name, capability, at, told, record_property):
     edit = EDIT.format(bus, at, name, capability)
     home = place / f"{name}-{at:#x}"
     with robots.running(service, home, capability, robot=name, edits=(edit,)) as robot:
-        until(lambda: told in robot.capability(capability)["reason"], f"'{told}': {robot.capability(capability)}", 60.0)
+        until(lambda: told in robot.capability(capability)["reason"], f"told: {told}", 60.0)
         record_property("told", robot.capability(capability)["reason"][:160])

@@ -27,7 +27,7 @@ SENT = (
 )
 """What of the source is wanted beside the wheel that is in it."""
 BATTERY_S = 7200.0
-PYTEST = "/opt/lbr/bin/python -m pytest -p no:cacheprovider -o faulthandler_timeout=3000 -o junit_family=xunit1 --junitxml=/tmp/battery.xml"
+PYTEST = "/opt/lbr/bin/python -m pytest -p no:cacheprovider -o faulthandler_timeout=3000 -o junit_family=xunit1 -o junit_duration_report=call --junitxml=/tmp/battery.xml"
 
 
 def main() -> int:
