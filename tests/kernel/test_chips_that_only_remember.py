@@ -12,12 +12,11 @@ from lbr.drivers.i2c_socket import SocketBus
 from lbr.testing.device import plugged
 from tests.support import programs
 from tests.support.usb import robots, vhci
-from tests.support.usb.rig import until
+from tests.support.usb.rig import ADAPTORS, until
 
 IMU, STATUS, COMMANDS, NOBODY = 0x68, 0x69, 0x6B, 0x22
 WHO_AM_I = 0x75
 REGISTERS = 256
-ADAPTORS = Path("/sys/class/i2c-adapter")
 NAME = "SMBus stub driver"
 EDIT = "UPDATE device SET address = 'i2c:{}:{:#04x}' WHERE robot = '{}' AND name = '{}'"
 

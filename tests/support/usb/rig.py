@@ -16,7 +16,7 @@ from tests.support.usb.i2c_function import TinyI2c
 from tests.support.usb.serial_function import CdcAcm, Ftdi, SerialFunction
 
 BY_ID = Path("/dev/serial/by-id")
-ADAPTORS = Path("/sys/class/i2c-adapter")
+ADAPTORS = Path("/sys/class/i2c-dev")
 NAMED_S = 60.0
 """The kernel asks a new device a dozen times before udev names it: a second, and much longer on an emulated processor."""
 F = TypeVar("F", bound=Function)
