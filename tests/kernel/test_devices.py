@@ -64,6 +64,21 @@ def home(service, place, outside):
     return given_to(service, found)
 
 
+def line(type_, place):
+    """Plug in what is on a serial line. Servos are told nothing of a load: that takes an emulated processor's time."""
+    told = {"live": lambda *_: None} if type_ in SERVOS else {}
+    return on_line(type_, place, *LINES[type_], **told)
+
+
+@pytest.fixture
+def lines_of_lbr(service, place):
+    """What the robot lbr may have on serial lines, plugged in."""
+    with ExitStack() as stack:
+        for one in OF_LBR:
+            stack.enter_context(line(one, place))
+        yield
+
+
 @pytest.fixture(scope="module")
 def lines(service, place, outside):
     """All that is on a serial line, plugged in: the rig of each, and what comes to it.
@@ -71,7 +86,7 @@ def lines(service, place, outside):
     Until a line was opened once, the kernel may echo some of what a device says by itself: the one that does is opened before.
     """
     with ExitStack() as stack:
-        rigs = {one: stack.enter_context(on_line(one, place, *line)) for one, line in LINES.items()}
+        rigs = {one: stack.enter_context(line(one, place)) for one in LINES}
         open_line(Device("lidar", "ld06", str(by_id(LINES["ld06"][1])), {}), 230_400).close()
         yield rigs, {one: tap.of(rig.twin) for one, rig in rigs.items()}
 
@@ -114,6 +129,19 @@ def test_what_is_on_i2c_is_read_and_cameras_and_receivers_are_known_by_name(serv
     assert max(found[at]["took_s"] for at in addresses.values()) < WITHIN_S
 
 
+def test_rows_are_proposed_written_when_asked_and_then_known(service, home, lines_of_lbr, record_property):
+    ports = [word for address, one in AT.items() if one in OF_LBR for word in ("--port", address)]
+    told = looked(service, home, *ports, "--write")
+    offers = {AT[one["address"]]: one for one in told["proposals"]}
+    record_property("proposed", {one: offer["text"] for one, offer in offers.items()})
+    assert set(offers) == set(OF_LBR) - {"roboteq"}, "the motor controller has the name of the shipped row"
+    assert not any(offer["problems"] for offer in offers.values())
+    assert told["written"], told["problems"]
+    again = looked(service, home, *ports)
+    assert {AT[one["address"]]: one["row"] for one in again["devices"]} == OF_LBR
+    assert again["proposals"] == []
+
+
 def test_each_on_a_serial_line_is_asked_what_it_is_and_nothing_else(service, home, lines, record_property):
     rigs, heard = lines
     before = (home / "robot.db").read_bytes()
@@ -131,16 +159,3 @@ def test_each_on_a_serial_line_is_asked_what_it_is_and_nothing_else(service, hom
     assert not any(torques)
     assert (home / "robot.db").read_bytes() == before
     assert max(row["took_s"] for row in seen.values()) < WITHIN_S
-
-
-def test_rows_are_proposed_written_when_asked_and_then_known(service, home, lines, record_property):
-    ports = [word for address, one in AT.items() if one in OF_LBR for word in ("--port", address)]
-    told = looked(service, home, *ports, "--write")
-    offers = {AT[one["address"]]: one for one in told["proposals"]}
-    record_property("proposed", {one: offer["text"] for one, offer in offers.items()})
-    assert set(offers) == set(OF_LBR) - {"roboteq"}, "the motor controller has the name of the shipped row"
-    assert not any(offer["problems"] for offer in offers.values())
-    assert told["written"], told["problems"]
-    again = looked(service, home, *ports)
-    assert {AT[one["address"]]: one["row"] for one in again["devices"]} == OF_LBR
-    assert again["proposals"] == []
