@@ -14,6 +14,7 @@ Intent = Literal["stop", "renewal", "change", "offer", "begin"]
 LONGEST_TTL_S = 1.0
 STOP_CAME = Reason("stopped", "a stop came after this command")
 NOT_KNOWN = "it is not known here; ask for a new one without quoting a lease"
+FORGOTTEN = "it is not known any more, as after a restart of what carries it out"
 PERSISTENT_S = 0.25
 MOST_PERSISTENT = 64
 EVERYBODY = ""
@@ -76,7 +77,7 @@ def not_live(leases: LeaseTable[M], lease_id: str) -> Reason:
     """Return why a lease that is not live is refused, and how it ended."""
     ended = dict(leases.revoked).get(lease_id)
     if ended is None:
-        return Reason("dead_lease", f"lease is dead: {NOT_KNOWN}", note=NOT_KNOWN)
+        return Reason("dead_lease", f"lease is dead: {NOT_KNOWN}", note=FORGOTTEN)
     return Reason("dead_lease", f"lease is dead: {ended}", cause=ended.code, note=ended.text)
 
 

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from lbr.capability.halts import Halts
 from lbr.messages.codes import Reason
-from lbr.messages.leases import STOPPED_SINCE
+from lbr.messages.leases import STOPPED_SINCE, refused
 from lbr.operations.leasing import decide, ending, rules
 from lbr.operations.leasing.lease import (
     Ended,
@@ -103,6 +103,12 @@ def test_a_lease_that_is_not_renewed_lapses_a_little_early_and_is_dead(hand):
     assert not hand.motion
     assert hand.ends == [("wave", "lapsed", True)]
     assert hand.ask(lease="lease1") == "lease is dead: it lapsed, not renewed within 0.3 s"
+
+
+def test_who_had_a_lease_of_before_a_restart_hears_of_that_and_a_program_what_to_do():
+    reply = refused(rules.not_live(first(PHRASING, TTL_S, ahead_s=0.01), "lease1"))
+    assert reply.why == Reason("dead_lease", "it is not known any more, as after a restart of what carries it out")
+    assert reply.reason == "lease is dead: it is not known here; ask for a new one without quoting a lease"
 
 
 def test_the_same_again_renews_and_another_motion_changes_under_one_lease(hand):
