@@ -27,12 +27,13 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
     machine.raise_limits()
     try:
         path = database or home.default_database()
+        left_out: tuple[str, ...] = ()
         if database is None and not path.exists():
             copies.refuse_if_lost(path)
-            _tell(*joining.create(path))
+            left_out = joining.create(path)
         with store.Database.open(path, program="executive") as opened:
             claim.take(path)
-            _tell(joining.join(opened, profile.robot), trials.go_back(opened, profile.robot))
+            _tell(*left_out, joining.join(opened, profile.robot), trials.go_back(opened, profile.robot))
             opened.bound()
             executive = Executive(profile, profile_name, opened, lock, listen)
             return executive.run(console=console)

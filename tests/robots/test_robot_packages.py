@@ -244,11 +244,29 @@ def test_a_profile_is_called_as_its_robot(site, robots, name, text, why):
     assert why in robots()["crawler"]["fault"]
 
 
-def test_a_profile_of_a_package_starts_its_own_robot(site, lbr):
-    robot_package(site, profiles={"{name}": 'robot = "lbr"\n'})
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ('robot = "lbr"\n', "of package 'my-crawler 0.1': its robot must be 'crawler'"),
+        ('robot = "{name}"\nsimulated = true\n', "crawler.toml: Object contains unknown field `simulated`"),
+        ('robot = "{name}"\nonly = [\n', "crawler.toml: "),
+    ],
+)
+def test_a_profile_of_a_package_starts_its_own_robot_and_one_that_does_not_is_listed_with_the_reason(
+    site, lbr, robots, text, why
+):
+    robot_package(site, profiles={"{name}": text})
     done = lbr("run", "crawler", "--no-console")
     assert done.returncode == 2
-    assert "of package 'my-crawler 0.1': its robot must be 'crawler'" in done.stderr
+    assert why in done.stderr
+    assert why in robots()["crawler"]["fault"]
+
+
+def test_a_first_run_says_once_what_is_wrong_with_its_robot(site, lbr):
+    robot_package(site, rows=CRAWLER.replace("'drive', 'drive'", "'drive', 'hovercraft'"))
+    done = lbr("run", "crawler-sim", "--no-console")
+    assert done.returncode == 2
+    assert done.stderr.count("there is no kind 'hovercraft'") == 1
 
 
 def test_a_wheel_that_pip_installs_is_enough(site, lbr, robots, tmp_path):

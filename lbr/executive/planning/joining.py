@@ -8,7 +8,7 @@ from lbr.database import packaged, shipped, store
 from lbr.database.rows import RobotRows
 from lbr.database.store import Database
 from lbr.errors import RowError
-from lbr.executive.planning import planner
+from lbr.executive.planning import planner, profile
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.robots import registry
@@ -33,14 +33,16 @@ def add(database: Database, robot: str) -> dict[str, int]:
 
 
 def fault(found: Found) -> str:
-    """Return why a start would refuse the robot of a package, by what it declares or by its rows; empty if it would not."""
+    """Return why a start would refuse the robot of a package, by what it declares, its rows or its launch profiles; empty
+    if it would not."""
     if found.robot is None or found.robot.rows is None:
         return found.fault
+    problems: tuple[str, ...] = ()
     try:
         packaged.rows_of(found, judge)
     except RowError as err:
-        return "; ".join(err.problems)
-    return ""
+        problems = err.problems
+    return "; ".join((*problems, *profile.faults(found)))
 
 
 def join(database: Database, robot: str) -> str:

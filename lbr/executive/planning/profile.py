@@ -1,6 +1,7 @@
 """Launch profiles: which robot of the database runs, where its parts do, whether it is simulated, and on what devices."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
@@ -66,6 +67,15 @@ def load(name: str) -> Profile:
     raise InputError(
         f"there is no launch profile '{name}': {', '.join(names())}, or the path of a .toml file", "unknown_name"
     )
+
+
+def faults(found: Found) -> Iterator[str]:
+    """Yield why profiles that a robot brings are refused."""
+    for path in registry.profiles(found.robot).values() if found.robot is not None else ():
+        try:
+            _own(found, path)
+        except InputError as err:
+            yield str(err)
 
 
 def _own(found: Found, path: Path) -> Profile:
