@@ -2,7 +2,10 @@
 
 import time
 from concurrent.futures import Future
+from pathlib import Path
 from types import SimpleNamespace
+
+import pytest
 
 from lbr.drivers.dynamixel.bus import Bus
 from lbr.drivers.guard import Guard
@@ -116,6 +119,30 @@ def test_no_servo_gets_torque_before_the_guard_listens():
     bench.targets.guarded = True
     bench.step()
     assert bench.bus.torque
+
+
+@pytest.mark.parametrize("call", ["torque_on", "write_goals", "write_positions", "write_limits", "torque_off"])
+def test_what_a_driver_raises_while_it_tells_a_servo_something_is_not_passed_over(call):
+    bench = Bench()
+    if call != "torque_on":
+        bench.on()
+    assert bench.targets.broken is None
+    setattr(bench.bus, call, lambda *_: (513).to_bytes(1, "little"))
+    with pytest.raises(OverflowError):  # noqa: PT012 - which of the steps says it differs
+        for _ in range(12):
+            bench.step(strength=0.5)
+        bench.targets.hold(bench.step(works=False))
+        bench.targets.release("over")
+        bench.line.work(bench.bus)
+    assert isinstance(bench.targets.broken, OverflowError)
+
+
+def test_a_lost_line_is_no_fault_of_what_was_told():
+    bench = Bench()
+    bench.bus.torque_on = lambda *_: Path("/nowhere").read_bytes()
+    with pytest.raises(OSError, match="nowhere"):
+        bench.step()
+    assert bench.targets.broken is None
 
 
 def test_a_servo_that_is_just_getting_torque_has_not_confirmed_a_stop():

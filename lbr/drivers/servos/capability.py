@@ -194,7 +194,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         if isinstance(failure, DeviceError):
             raise failure
         if failure is not None:
-            raise RuntimeError("the bus's thread ended") from failure
+            raise RuntimeError(f"the servos' bus: {type(failure).__name__}: {failure}") from failure
         if session.guard is not None and not session.guard.standing:
             raise DeviceError(f"device '{self.ctx.settings.device}': its guard process died or hangs; reopening")
         if session.guard is not None and session.guard.woken():

@@ -88,8 +88,8 @@ class ServoSession(Generic[S, B]):
 
     @property
     def failure(self) -> Exception | None:
-        """Return what ended the bus's thread."""
-        return self.thread.failure
+        """Return what ended the bus's thread, or kept it from telling a servo something."""
+        return self.thread.failure or self.targets.broken
 
     def beat(self) -> None:
         """Feed the guard, which is there as soon as a servo was heard."""

@@ -7,13 +7,14 @@ from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from math import inf
-from typing import Generic
+from typing import Generic, TypeVar
 
 from lbr.drivers.servos.bus_thread import STOP, WRITE, BusThread
 from lbr.drivers.servos.contract import B, Motion, Seen, ServoBus, ServoModel, Snapshot, Tell
 from lbr.drivers.servos.gate import ServoGate
 from lbr.messages.servos import ServoGoal
 
+R = TypeVar("R")
 MEASURED_S = 0.25
 """A position older than this is not where the servo is, and a servo that was not heard for this long is told no goals.
 """
@@ -81,6 +82,8 @@ class ServoTargets(Generic[B]):
         self._faded_at = -inf
         self.guarded = True
         """Whether a guard would release the servos if this driver died; before, none gets torque."""
+        self.broken: Exception | None = None
+        """What a job raised that is no matter of the line: a servo was not told what it should be."""
 
     def apply(self, gate: ServoGate, strength: float, snapshot: Snapshot) -> None:
         """Do what follows from the gate's state and from what the servos said last."""
@@ -233,7 +236,7 @@ class ServoTargets(Generic[B]):
             self._faded_at = now
             for servo, limit in limits.items():
                 self.servos[servo].limit = limit
-            self._thread.submit(lambda bus: bus.write_limits(limits), WRITE)
+            self._queue(lambda bus: bus.write_limits(limits), WRITE)
 
     def _full(self, out: TargetState, goal: ServoGoal) -> int:
         return min(self._model.torque_raw(goal.torque), self._model.most_torque(out.id)) or 1
@@ -249,7 +252,7 @@ class ServoTargets(Generic[B]):
                 out.full = out.limit = self._full(out, goal)
                 out.speed = self._model.speed_raw(goal.speed_rps)
                 out.settled = inf
-                out.switching = self._thread.submit(_switching(out.id, out.speed, out.limit), WRITE)
+                out.switching = self._queue(_switching(out.id, out.speed, out.limit), WRITE)
 
     def _switched(self, out: TargetState) -> None:
         """See what became of switching a servo on."""
@@ -321,7 +324,18 @@ class ServoTargets(Generic[B]):
             note(self._clock())
 
         note(inf)
-        return self._thread.submit(job, priority, key)
+        return self._queue(job, priority, key)
+
+    def _queue(self, job: Callable[[B], R], priority: int, key: object = None) -> "Future[R]":
+        def watched(bus: B) -> R:
+            try:
+                return job(bus)
+            except Exception as err:
+                if not isinstance(err, OSError):
+                    self.broken = err
+                raise
+
+        return self._thread.submit(watched, priority, key)
 
 
 def _switching(servo: int, speed: int, limit: int) -> "Callable[[ServoBus], int | str]":
