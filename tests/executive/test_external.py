@@ -29,6 +29,13 @@ def test_python_is_the_interpreter_that_the_robot_runs_on(commands):
     assert said(commands, "python", "-c", script, arguments=("left",)) == (0, f"{sys.executable} ['left']")
 
 
+def test_what_a_blocking_program_said_before_it_took_too_long_is_shown(commands, monkeypatch):
+    monkeypatch.setattr(external, "BLOCKING_LIMIT_S", 1.0)
+    ended = "'probe' took longer than 1 s and was ended"
+    assert said(commands, "/bin/sh", "-c", "echo 'which port?'; exec sleep 60") == (1, f"which port?\n{ended}")
+    assert said(commands, "/bin/sleep", "60") == (1, ended)
+
+
 def test_python_finds_no_module_where_the_robot_happened_to_be_started(commands, tmp_path, monkeypatch):
     (tmp_path / "lbr.py").write_text("raise SystemExit(7)")
     monkeypatch.chdir(tmp_path)

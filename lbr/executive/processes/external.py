@@ -106,10 +106,11 @@ class ExternalCommands:
         _signal(popen, signal.SIGKILL)
         code = popen.wait()
         command.mark.ended()
+        text = output[:OUTPUT_LIMIT].decode(errors="replace").rstrip() + ("\n…" if len(output) > OUTPUT_LIMIT else "")
         if not over:
-            return 1, f"'{row.name}' took longer than {BLOCKING_LIMIT_S:.0f} s and was ended"
-        text = output[:OUTPUT_LIMIT].decode(errors="replace").rstrip()
-        return code, text + ("\n…" if len(output) > OUTPUT_LIMIT else "")
+            late = f"'{row.name}' took longer than {BLOCKING_LIMIT_S:.0f} s and was ended"
+            return 1, f"{text}\n{late}" if text else late
+        return code, text
 
     def stop(self, name: str) -> str:
         """End a running command with all that it has started, by force after two seconds; from any thread."""
