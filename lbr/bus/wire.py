@@ -463,6 +463,10 @@ class StaticReply:
             self._payload = self._payload or encode(self._make())
             query.reply(self._key, self._payload, encoding=JSON)
 
+    def close(self) -> None:
+        """Answer no more."""
+        self._queryable.undeclare()
+
 
 class ComputedReply:
     """A key that answers every query with what `make` returns at that moment; `make` must be quick and thread-safe."""

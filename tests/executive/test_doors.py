@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from lbr.bus import session
+from lbr.bus import keys, session, wire
 from lbr.database import store
 from lbr.errors import BusError
 from lbr.executive.planning import planner
@@ -16,7 +16,7 @@ from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.processes import doors as module
-from lbr.executive.processes.doors import Doors, core_endpoint, local_endpoint
+from lbr.executive.processes.doors import Doors, OpenRouter, core_endpoint, local_endpoint
 from tests.support.robot import until
 
 
@@ -184,6 +184,35 @@ def test_a_router_that_nothing_passes_is_opened_again_in_its_place_and_told(
         until(lambda: routers.opened == 4)
         assert sorted(routers.open) == sorted({local_endpoint("lbr"), core_endpoint("lbr"), annex})
         assert doors.tidy([annex]) == []
+
+
+def test_a_router_answers_no_more_before_its_links_go(tmp_path: Path) -> None:
+    """Who has a router's answer and loses its link in the same moment looks for what is gone, and a thread of it ends."""
+    core = OpenRouter(session.Router(listen=(f"unixsock-stream/{tmp_path}/core.sock",), id="c0"), "r")
+    there = session.Router(listen=(f"unixsock-stream/{tmp_path}/annex.sock",), id="a0", connect=core.router.listen)
+    hung = OpenRouter(there, "r")
+    with closing(core), session.open_client(core.router.listen) as bus:
+        until(lambda: wire.ask(bus, keys.router("r", "a0"), None, source="test", timeout_s=0.2), what="its answer")
+        hung._session = watched = Watched(
+            hung._session, lambda: bool(wire.ask(bus, keys.router("r", "a0"), None, source="test", timeout_s=0.2))
+        )
+        hung.close()
+        assert watched.closed
+
+
+class Watched:
+    """A session that is closed only once it answers no more."""
+
+    def __init__(self, opened: session.Session, answers: Callable[[], bool]) -> None:
+        self.closed = False
+        self._opened, self._answers = opened, answers
+
+    def close(self) -> None:
+        try:
+            until(lambda: not self._answers(), limit_s=2.0, what="it answers no more")
+            self.closed = True
+        finally:
+            self._opened.close()
 
 
 def refused(doors: Doors, plan: Plan) -> str:

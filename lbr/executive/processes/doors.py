@@ -79,7 +79,8 @@ class OpenRouter:
         return Crossing(self._session, far, robot, wake)
 
     def close(self) -> None:
-        """Close it, and remove its socket."""
+        """Close it, and remove its socket; its answer goes first, or the far end of a link looks at times for what is gone."""
+        self._answer.close()
         self._session.close()
         with contextlib.suppress(OSError):
             Path(self.router.listen[0].removeprefix("unixsock-stream/")).unlink()
