@@ -16,8 +16,9 @@ import numpy as np
 import psutil
 
 from benchmarks import Measured
-from lbr.apps.tracking import TrackingSettings, vision
-from lbr.apps.tracking.eye import Eye
+from lbr.apps.tracking import TrackingSettings
+from lbr.apps.vision import finding
+from lbr.apps.vision.eye import Eye
 from lbr.messages.tracking import Seen
 
 SMOKE = "--seconds 0.2 --pictures 4"
@@ -36,13 +37,13 @@ def measure(given: argparse.Namespace) -> Measured:
     """Find the ball in pictures made here."""
     made = pictures(given.pictures)
     settings = TrackingSettings()
-    ranges = vision.hsv_ranges(settings)
-    blob = vision.finder(settings, "colour")
+    ranges = finding.hsv_ranges(settings)
+    blob = finding.finder(settings, "colour")
     kilobytes = statistics.mean(len(data) for data, _ in made) / 1000
     text = [
         f"OpenCV {cv2.__version__}, {WIDTH}x{HEIGHT}, {kilobytes:.0f} kB",
         f"{'decode, whole':24}{_ms(made, lambda data: cv2.imdecode(_bytes(data), cv2.IMREAD_COLOR)):8.2f} ms",
-        f"{'decode, half':24}{_ms(made, vision.decode):8.2f} ms",
+        f"{'decode, half':24}{_ms(made, finding.decode):8.2f} ms",
     ]
     for name, find in (("blob", blob), ("circles", lambda data: _circles(data, ranges))):
         errors, missed = _errors(made, find)
@@ -72,10 +73,10 @@ def pictures(count: int) -> list[tuple[bytes, tuple[float, float, float]]]:
     return made
 
 
-def _circles(data: bytes, ranges: tuple[tuple[vision.Hsv, vision.Hsv], ...]) -> Seen | None:
-    image = vision.decode(data)
+def _circles(data: bytes, ranges: tuple[tuple[finding.Hsv, finding.Hsv], ...]) -> Seen | None:
+    image = finding.decode(data)
     assert image is not None
-    where = cv2.GaussianBlur(vision.mask(image, ranges), (5, 5), 0)
+    where = cv2.GaussianBlur(finding.mask(image, ranges), (5, 5), 0)
     found = cv2.HoughCircles(where, cv2.HOUGH_GRADIENT, 1, 40, param1=100, param2=10, minRadius=2, maxRadius=60)
     if found is None:
         return None
@@ -85,7 +86,7 @@ def _circles(data: bytes, ranges: tuple[tuple[vision.Hsv, vision.Hsv], ...]) -> 
 
 
 def _errors(
-    made: list[tuple[bytes, tuple[float, float, float]]], find: vision.Finder
+    made: list[tuple[bytes, tuple[float, float, float]]], find: finding.Finder
 ) -> tuple[tuple[float, float], int]:
     errors, missed = [], 0
     for data, (x, y, _) in made:
@@ -107,7 +108,7 @@ def _ms(made: list[tuple[bytes, tuple[float, float, float]]], work: Callable[[by
     return min(times)
 
 
-def _looked(find: vision.Finder, made: list[bytes], seconds: float) -> str:
+def _looked(find: finding.Finder, made: list[bytes], seconds: float) -> str:
     process = psutil.Process()
     eye = Eye(lambda: find, lambda: None)
     began, cpu, due, count = time.monotonic(), time.process_time(), time.monotonic(), 0

@@ -6,9 +6,9 @@ import pytest
 
 from lbr.apps.tracking import KIND
 from lbr.apps.tracking import capability as module
-from lbr.apps.tracking.control import Angles
-from lbr.apps.tracking.eye import Eye, Look
-from lbr.apps.tracking.sketch import Sketch
+from lbr.apps.vision.direction import Angles
+from lbr.apps.vision.eye import Eye, Look
+from lbr.apps.vision.sketch import Sketch
 from lbr.errors import InputError
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.joints import Joint, JointsState, JointState

@@ -7,15 +7,13 @@ from hypothesis import strategies as st
 from lbr.apps.tracking.control import (
     AHEAD,
     NEAREST_RAD,
-    Angles,
     Pose,
     Tuning,
     ahead_again,
-    direction,
     follow,
-    radius_rad,
 )
 from lbr.apps.tracking.gaze import Gaze, Line
+from lbr.apps.vision.direction import Angles, direction, radius_rad
 from lbr.messages.joints import JointState
 from lbr.messages.tracking import Seen
 from tests.apps.tracking_bench import FIELD_RAD, Head, away_rad, project

@@ -3,7 +3,7 @@
 from collections import deque
 from math import atan, cos, exp, hypot, radians, sin, tan
 
-from lbr.apps.tracking.control import Angles
+from lbr.apps.vision.direction import Angles
 from lbr.messages.tracking import Seen
 
 FIELD_RAD = radians(60.0)

@@ -2,8 +2,9 @@
 
 from typing import Annotated
 
-from msgspec import Meta, Struct
+from msgspec import Meta
 
+from lbr.apps.vision import VisionSettings
 from lbr.capability.kind import Kind
 from lbr.capability.word import Word
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
@@ -12,11 +13,8 @@ from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 from lbr.messages.units import Name
 
-Degrees = Annotated[float, Meta(ge=0.0, le=360.0)]
-Percent = Annotated[float, Meta(ge=0.0, le=100.0)]
 
-
-class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class TrackingSettings(VisionSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `tracking`; the colour is that of an orange ball, as hue, saturation and value.
 
     A hue from 350 to 10 goes over red. The yaw joint turns to the left, the pitch joint downwards, the camera with
@@ -25,15 +23,10 @@ class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     yaw_joint: Name = "neck_yaw"
     pitch_joint: Name = "head_pitch"
-    hue_deg: tuple[Degrees, Degrees] = (6.0, 32.0)
-    saturation_percent: tuple[Percent, Percent] = (60.0, 100.0)
-    value_percent: tuple[Percent, Percent] = (40.0, 100.0)
     dead_zone: Annotated[float, Meta(ge=0.0, le=5.0, description="in radii of what is seen: nearer is near enough")] = (
         0.75
     )
     gain: Annotated[float, Meta(gt=0.0, le=1.0, description="1: the whole angle to it, at once")] = 0.5
-    field_deg: Annotated[float, Meta(gt=1.0, le=170.0, description="how wide the camera sees")] = 60.0
-    max_age_s: Annotated[float, Meta(gt=0.0, le=5.0, description="an older picture does not count")] = 0.5
     lost_s: Annotated[float, Meta(gt=0.0, le=60.0, description="this long the head stays where it saw it last")] = 2.0
     ahead_rps: Annotated[float, Meta(ge=0.0, le=10.0, description="then it turns ahead so fast; 0: it stays")] = 0.4
     give_up_s: Annotated[
@@ -44,7 +37,6 @@ class TrackingSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         2.5
     )
     torque: Annotated[float, Meta(gt=0.0, le=1.0, description="of head and neck, a fraction of their most")] = 0.6
-    face_model: Annotated[str, Meta(description="a file with a YuNet model (ONNX); empty: colours only")] = ""
 
 
 KIND = Kind(

@@ -7,23 +7,23 @@ from functools import partial
 from math import inf, radians
 
 from lbr.apps.tracking import TrackingSettings
-from lbr.apps.tracking.control import AHEAD, Angles, Tuning, ahead_again, clamped, follow
-from lbr.apps.tracking.eye import Eye, Look
+from lbr.apps.tracking.control import AHEAD, Tuning, ahead_again, clamped, follow
 from lbr.apps.tracking.gaze import Gaze
 from lbr.apps.tracking.head_client import HeadClient, Neck
-from lbr.apps.tracking.sketch import Sketch, sketch
-from lbr.apps.tracking.vision import check, finder, load
+from lbr.apps.vision.direction import Angles
+from lbr.apps.vision.eye import NO_PICTURES, Eye, Look, camera_off
+from lbr.apps.vision.finding import check, finder, load
+from lbr.apps.vision.sketch import Sketch, sketch
 from lbr.capability import picture_files
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Received
 from lbr.errors import InputError
-from lbr.messages.camera import CameraState, SnapshotReply
+from lbr.messages.camera import SnapshotReply
 from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 
-NO_PICTURES = "no pictures come from the camera in the head, or only old ones"
 STATE_EVERY_S = 1.0
 JOINTS_CURRENT_S = 0.5
 NO_PICTURE_S = 1.0
@@ -115,7 +115,7 @@ class Tracking(Capability[TrackingSettings]):
                 f"there is no row for joint {', '.join(sorted(missing))}; see the settings of {self.ctx.name}",
                 "unknown_name",
             )
-        if why := self._blind():
+        if why := camera_off(self.ctx.latest("camera")):
             raise InputError(why, "unreachable")
         check(settings, command.target)
         gaze, now = Gaze(), self.ctx.clock()
@@ -142,7 +142,7 @@ class Tracking(Capability[TrackingSettings]):
             looked = self._pool.submit(sketch, self.ctx.settings, command.target, newest.message.data)
             looked.add_done_callback(lambda _: self.ctx.wake())
             self._looking, self._to_look = (call, looked), None
-        elif (why := self._blind()) or now >= until:
+        elif (why := camera_off(self.ctx.latest("camera"))) or now >= until:
             self._to_look = None
             call.refuse(why or NO_PICTURES, "unreachable")
 
@@ -164,16 +164,6 @@ class Tracking(Capability[TrackingSettings]):
                 "joints operation has not told for a while where the joints are; see /report/joints", "stale_sensor"
             )
         return received
-
-    def _blind(self) -> str:
-        """Return why there are no pictures, if the camera knows, or nothing."""
-        received = self.ctx.latest("camera")
-        if received is None:
-            return ""
-        state: CameraState = received.message
-        if state.phase in {"off", "lost"}:
-            return f"the camera is {state.phase}: {state.reason or f'switch {received.source} on'}"
-        return ""
 
     def _go_on(self, following: _Following) -> None:
         now = self.ctx.clock()
@@ -237,7 +227,7 @@ class Tracking(Capability[TrackingSettings]):
     def _trouble(self, following: _Following, now: float) -> str:
         """Return why the head stays where it is, or nothing."""
         if now - max(following.picture_s, following.began) > NO_PICTURE_S:
-            return self._blind() or f"{NO_PICTURES}; the head stays"
+            return camera_off(self.ctx.latest("camera")) or f"{NO_PICTURES}; the head stays"
         return ""
 
     def _complain(self, why: str) -> None:

@@ -5,22 +5,14 @@ a direction of the body's, not a place in the picture: so a late picture is as g
 """
 
 from dataclasses import dataclass
-from math import atan, atan2, cos, hypot, inf, isfinite, sin, tan
+from math import cos, hypot, inf, isfinite
 from typing import NamedTuple
 
+from lbr.apps.vision.direction import Angles, direction, radius_rad
 from lbr.messages.tracking import Seen
 
 NEAREST_RAD = 0.02
 """Nearer than this is near enough for any target: a servo's count is 0.0185 rad."""
-
-
-class Angles(NamedTuple):
-    """How the head stands, or is to stand."""
-
-    yaw_rad: float
-    pitch_rad: float
-
-
 AHEAD = Angles(0.0, 0.0)
 
 
@@ -41,20 +33,6 @@ class Tuning:
     field_rad: float
     dead_zone: float
     gain: float
-
-
-def direction(head: Angles, seen: Seen, field_rad: float) -> Angles:
-    """Return where something seen is, as the angles by which the head would have it in the middle."""
-    scale = 2.0 * tan(field_rad / 2.0)
-    left, up = -seen.x * scale, -seen.y * scale
-    ahead = cos(head.pitch_rad) + sin(head.pitch_rad) * up
-    above = cos(head.pitch_rad) * up - sin(head.pitch_rad)
-    return Angles(head.yaw_rad + atan2(left, ahead), atan2(-above, hypot(ahead, left)))
-
-
-def radius_rad(seen: Seen, field_rad: float) -> float:
-    """Return how large something looks, as the angle from its middle to its rim."""
-    return atan(seen.radius * 2.0 * tan(field_rad / 2.0))
 
 
 def follow(aim: Angles, head: Pose, seen: Seen, tuning: Tuning) -> Angles:

@@ -7,7 +7,8 @@ from bisect import bisect_left
 from math import inf, isfinite
 from typing import NamedTuple
 
-from lbr.apps.tracking.control import Angles, Pose
+from lbr.apps.tracking.control import Pose
+from lbr.apps.vision.direction import Angles
 from lbr.messages.joints import JointState
 
 KEPT_S = 3.0

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from msgspec.structs import replace
 
-from lbr.apps.tracking.control import Angles
+from lbr.apps.vision.direction import Angles
 from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
 from lbr.messages.codes import Reason
 from lbr.messages.joints import JointsCommand

@@ -10,7 +10,7 @@ from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from lbr.apps.tracking import TrackingSettings
+from lbr.apps.vision import VisionSettings
 from lbr.bus import pictures
 from lbr.errors import InputError
 from lbr.messages.tracking import Seen, Target
@@ -55,10 +55,10 @@ class Detector(Protocol):
         """Return a row for each face: its left, top, width and height in pixels, ten marks, and the score."""
 
 
-def check(settings: TrackingSettings, target: Target) -> None:
+def check(settings: VisionSettings, target: Target) -> None:
     """Raise InputError if something is missing for finding the target, as far as that is known at once."""
     if importlib.util.find_spec("cv2") is None:
-        raise InputError("tracking needs OpenCV: pip install 'lbr[vision]'")
+        raise InputError("what looks at pictures needs OpenCV: pip install 'lbr[vision]'")
     if target == "colour":
         return
     if not settings.face_model:
@@ -75,7 +75,7 @@ def load() -> None:
         _opencv()
 
 
-def finder(settings: TrackingSettings, target: Target) -> Finder:
+def finder(settings: VisionSettings, target: Target) -> Finder:
     """Return what finds the target; InputError says what is missing for it. Takes up to a second."""
     check(settings, target)
     cv2 = _opencv()
@@ -109,7 +109,7 @@ def reduction(width_px: int) -> int:
     return next((by for by in (8, 4, 2) if width_px // by >= REDUCED_TO_PX), 1)
 
 
-def hsv_ranges(settings: TrackingSettings) -> tuple[tuple[Hsv, Hsv], ...]:
+def hsv_ranges(settings: VisionSettings) -> tuple[tuple[Hsv, Hsv], ...]:
     """Return the colour of the settings as lowest and highest; two of them if the hue goes over red, such as 350 to 10."""
     low, high = (degrees / 2.0 for degrees in settings.hue_deg)
     saturations = [percent * 2.55 for percent in settings.saturation_percent]

@@ -1,13 +1,13 @@
 """A picture with what is seen in it marked, and what colour its middle has: for the user who sets the colour to look
 for.
 
-Needs OpenCV, as `vision` does.
+Needs OpenCV, as `finding` does.
 """
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from lbr.apps.tracking import TrackingSettings
-from lbr.apps.tracking.vision import decode, finder
+from lbr.apps.vision import VisionSettings
+from lbr.apps.vision.finding import decode, finder
 from lbr.errors import InputError
 from lbr.messages.tracking import Seen, Target
 
@@ -29,7 +29,7 @@ class Sketch(NamedTuple):
     picture: bytes
 
 
-def sketch(settings: TrackingSettings, target: Target, data: bytes) -> Sketch:
+def sketch(settings: VisionSettings, target: Target, data: bytes) -> Sketch:
     """Look at a picture; raise InputError if that cannot be."""
     seen = finder(settings, target)(data)
     image = decode(data)

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.apps.tracking import KIND, vision
-from lbr.apps.tracking.sketch import sketch
+from lbr.apps.tracking import KIND
+from lbr.apps.vision import finding
+from lbr.apps.vision.sketch import sketch
 from lbr.errors import InputError
 from tests.support import needs
 
@@ -15,30 +16,11 @@ needs.modules("cv2")
 import cv2  # noqa: E402
 import numpy as np  # noqa: E402
 
-ORANGE, GREY = (20, 110, 235), (120, 110, 100)
-SEED = 7
-
-
-def picture(*balls, width=640, height=480, noise=8.0, light=1.0, background=GREY, quality=85, more=None):
-    """A JPEG picture with balls (x, y, radius, colour), all in pixels; a ball is lit from above and has a highlight."""
-    image = np.full((height, width, 3), background, np.float32)
-    rows, columns = np.mgrid[0:height, 0:width].astype(np.float32)
-    for x, y, radius, colour in balls:
-        away = np.hypot(columns - x, rows - y)
-        lit = np.clip(0.85 - 0.35 * (rows - y) / radius, 0.4, 1.0)
-        shine = np.hypot(columns - x + 0.3 * radius, rows - y + 0.4 * radius) < 0.12 * radius
-        cover = np.clip(radius + 0.5 - away, 0.0, 1.0)[..., None]
-        ball = np.where(shine[..., None], 255.0, lit[..., None] * np.array(colour, np.float32))
-        image = image * (1.0 - cover) + ball * cover
-    if more is not None:
-        more(image)
-    image = light * image + np.random.default_rng(SEED).normal(0.0, noise, image.shape)
-    data = cv2.imencode(".jpg", image.clip(0, 255).astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
-    return data.tobytes()
+from tests.apps.pictures_of_balls import ORANGE, picture  # noqa: E402
 
 
 def colour(**settings):
-    return vision.finder(KIND.settings(**settings), "colour")
+    return finding.finder(KIND.settings(**settings), "colour")
 
 
 @pytest.mark.parametrize("x", [60.0, 580.5])
@@ -102,7 +84,7 @@ SMALL = picture((40, 30, 12, ORANGE), width=80, height=60)
 
 def test_a_picture_that_says_it_is_enormous_is_none():
     at = SMALL.index(b"\xff\xc0")
-    assert vision.decode(SMALL[: at + 5] + b"\xff\xff\xff\xff" + SMALL[at + 9 :]) is None
+    assert finding.decode(SMALL[: at + 5] + b"\xff\xff\xff\xff" + SMALL[at + 9 :]) is None
 
 
 class Detector:
@@ -121,34 +103,34 @@ class Detector:
 
 def test_the_largest_face_is_followed():
     detector = Detector([10, 10, 20, 20, *[0] * 10, 0.9], [180, 60, 40, 60, *[0] * 10, 0.8])
-    seen = vision.largest_face(np.zeros((240, 320, 3), np.uint8), detector)
+    seen = finding.largest_face(np.zeros((240, 320, 3), np.uint8), detector)
     assert detector.size == (320, 240)
     assert (seen.x, seen.y, seen.radius) == pytest.approx((40.5 / 320, -29.5 / 320, 30 / 320))
 
 
 def test_no_face_and_a_nonsensical_one_are_none():
     image = np.zeros((240, 320, 3), np.uint8)
-    assert vision.largest_face(image, Detector()) is None
-    assert vision.largest_face(image, Detector([np.nan] * 15)) is None
-    assert vision.largest_face(image, Detector([9e9, 0, 1, 1, *[0] * 10, 0.9])) is None
+    assert finding.largest_face(image, Detector()) is None
+    assert finding.largest_face(image, Detector([np.nan] * 15)) is None
+    assert finding.largest_face(image, Detector([9e9, 0, 1, 1, *[0] * 10, 0.9])) is None
 
 
 def test_a_face_needs_a_model_and_is_told_which(tmp_path):
     for model in ("", str(tmp_path / "none.onnx")):
         with pytest.raises(InputError, match="face_detection_yunet"):
-            vision.finder(KIND.settings(face_model=model), "face")
+            finding.finder(KIND.settings(face_model=model), "face")
     (tmp_path / "wrong.onnx").write_bytes(b"no model")
     with pytest.raises(InputError, match="not a model of a YuNet"):
-        vision.finder(KIND.settings(face_model=str(tmp_path / "wrong.onnx")), "face")
+        finding.finder(KIND.settings(face_model=str(tmp_path / "wrong.onnx")), "face")
 
 
 def test_without_opencv_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "cv2", None)
     with pytest.raises(InputError, match=r"lbr\[vision\]"):
-        vision.finder(KIND.settings(), "colour")
+        finding.finder(KIND.settings(), "colour")
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"lbr\[vision\]"):
-        vision.check(KIND.settings(), "colour")
+        finding.check(KIND.settings(), "colour")
 
 
 def test_a_sketch_tells_what_is_seen_and_the_colour_of_the_middle(tmp_path):

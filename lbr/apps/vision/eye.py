@@ -5,11 +5,14 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-from lbr.apps.tracking.vision import Finder
+from lbr.apps.vision.finding import Finder
+from lbr.capability.context import Received
 from lbr.errors import InputError
+from lbr.messages.camera import CameraState
 from lbr.messages.tracking import Seen
 
 MOST_LOOKS = 8
+NO_PICTURES = "no pictures come from the camera, or only old ones"
 
 
 class Look(NamedTuple):
@@ -73,3 +76,13 @@ class Eye:
             self._news.wait_for(lambda: self._next is not None or self._closed)
             picture, self._next = self._next, None
             return None if self._closed else picture
+
+
+def camera_off(received: Received | None) -> str:
+    """Return why there are no pictures, if what the camera said last tells, or nothing."""
+    if received is None:
+        return ""
+    state: CameraState = received.message
+    if state.phase in {"off", "lost"}:
+        return f"the camera is {state.phase}: {state.reason or f'switch {received.source} on'}"
+    return ""

@@ -1,0 +1,25 @@
+"""What a camera's picture shows of a coloured thing or a face, and where that is: for all that look at pictures.
+
+What looks needs OpenCV, the extra `vision`, and none of it before something is looked for.
+"""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+Degrees = Annotated[float, Meta(ge=0.0, le=360.0)]
+Percent = Annotated[float, Meta(ge=0.0, le=100.0)]
+
+
+class VisionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is looked for and through what; the colour is that of an orange ball, as hue, saturation and value.
+
+    A hue from 350 to 10 goes over red.
+    """
+
+    hue_deg: tuple[Degrees, Degrees] = (6.0, 32.0)
+    saturation_percent: tuple[Percent, Percent] = (60.0, 100.0)
+    value_percent: tuple[Percent, Percent] = (40.0, 100.0)
+    field_deg: Annotated[float, Meta(gt=1.0, le=170.0, description="how wide the camera sees")] = 60.0
+    max_age_s: Annotated[float, Meta(gt=0.0, le=5.0, description="an older picture does not count")] = 0.5
+    face_model: Annotated[str, Meta(description="a file with a YuNet model (ONNX); empty: colours only")] = ""

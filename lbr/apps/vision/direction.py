@@ -1,0 +1,30 @@
+"""Where something is that a picture shows: a direction, and how large it looks. Pure.
+
+Yaw is positive to the left, pitch is positive downwards (REP 103).
+"""
+
+from math import atan, atan2, cos, hypot, sin, tan
+from typing import NamedTuple
+
+from lbr.messages.tracking import Seen
+
+
+class Angles(NamedTuple):
+    """How a camera is turned, or where something is."""
+
+    yaw_rad: float
+    pitch_rad: float
+
+
+def direction(camera: Angles, seen: Seen, field_rad: float) -> Angles:
+    """Return where something seen is, as the angles by which the camera would have it in the middle."""
+    scale = 2.0 * tan(field_rad / 2.0)
+    left, up = -seen.x * scale, -seen.y * scale
+    ahead = cos(camera.pitch_rad) + sin(camera.pitch_rad) * up
+    above = cos(camera.pitch_rad) * up - sin(camera.pitch_rad)
+    return Angles(camera.yaw_rad + atan2(left, ahead), atan2(-above, hypot(ahead, left)))
+
+
+def radius_rad(seen: Seen, field_rad: float) -> float:
+    """Return how large something looks, as the angle from its middle to its rim."""
+    return atan(seen.radius * 2.0 * tan(field_rad / 2.0))
