@@ -7,6 +7,8 @@ from lbr.messages.leases import CommandReply
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.simulation import WorldPose, WorldScene
 from lbr.simulation.requests import (
+    BallReply,
+    BallRequest,
     FaultReply,
     FaultRequest,
     PictureReply,
@@ -17,7 +19,7 @@ from lbr.simulation.requests import (
     ThingsReply,
 )
 from lbr.simulation.settings import WorldSettings
-from lbr.simulation.words import FAULT_WORDS
+from lbr.simulation.words import BALL_WORDS, FAULT_WORDS
 
 KIND = Kind(
     name="world",
@@ -34,6 +36,7 @@ KIND = Kind(
         "plug": PlugRequest,
         "place": PlaceRequest,
         "remove": RemoveRequest,
+        "ball": BallRequest,
     },
     roles={"picture": "admin", "fault": "admin", "plug": "admin", "place": "admin", "remove": "admin"},
     emulates=True,
@@ -44,6 +47,7 @@ KIND = Kind(
         "plug": CommandReply,
         "place": ThingsReply,
         "remove": ThingsReply,
+        "ball": BallReply,
     },
     words=(
         Word("map", "picture", "Simulation: save a picture of the surroundings from above"),
@@ -54,6 +58,7 @@ KIND = Kind(
             "Simulation: let a box of 0.3 m stand at this place, metres ahead of and left of where the world began",
         ),
         Word("/obstacle/off", "remove", "Simulation: let that box vanish"),
+        *BALL_WORDS,
         *FAULT_WORDS,
     ),
 )

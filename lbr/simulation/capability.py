@@ -17,6 +17,7 @@ from lbr.simulation.loop import SWITCH_S, WorldLoop
 from lbr.simulation.painter import Painter, picture_path
 from lbr.simulation.plugged import Plugged, tell_of_drawing
 from lbr.simulation.requests import (
+    BallRequest,
     FaultRequest,
     PictureRequest,
     PlaceRequest,
@@ -95,13 +96,15 @@ class World(Capability[WorldSettings]):
             self.ctx.publish("scene", scene)
 
     def command(self, call: Call) -> None:
-        """Answer `fault`, `plug`, `place`, `remove` and `picture`."""
+        """Answer `ball`, `fault`, `plug`, `place`, `remove` and `picture`."""
         if isinstance(call.message, FaultRequest) and self._plugged is not None:
             self._plugged.fault(call, call.message)
         elif isinstance(call.message, PlugRequest) and self._plugged is not None and self._loop is not None:
             self._plugged.add(call, call.message, self._loop.add)
         elif isinstance(call.message, PlaceRequest | RemoveRequest):
             self._change(call, call.message)
+        elif isinstance(call.message, BallRequest):
+            self._put(call, call.message)
         elif isinstance(call.message, PictureRequest):
             self._picture(call, call.message)
         else:
@@ -144,8 +147,13 @@ class World(Capability[WorldSettings]):
         said = f"'{request.name}' {'stands in the world' if isinstance(request, PlaceRequest) else 'has vanished'}"
         self.ctx.event("world_changed", said, code="done", about=call.source)
         known = {wall.name for wall in self.ctx.settings.walls}
-        things = tuple(wall.name for wall in self._scene.walls if wall.name not in known)
+        things = tuple(wall.name for wall in self._scene.walls if wall.solid and wall.name not in known)
         call.reply(ThingsReply(accepted=True, reason=said, things=things))
+
+    def _put(self, call: Call, request: BallRequest) -> None:
+        _, _, engine, _ = self._running()
+        engine.balls.answer(self.ctx, call, request)
+        self._scene, self._scene_at = engine.scene(), self.ctx.clock()
 
     def _picture(self, call: Call, request: PictureRequest) -> None:
         _, physics, _, scene = self._running()

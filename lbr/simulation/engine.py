@@ -11,6 +11,7 @@ from msgspec.structs import replace
 from lbr.messages.kinematics import HOLONOMIC, TWO, Kinematics, Wheel
 from lbr.messages.sensing import RangeSensor, ring
 from lbr.messages.simulation import WorldBox, WorldPose, WorldScene, WorldSensor
+from lbr.simulation.balls import Balls
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
 from lbr.simulation.docking import DockSense, world_dock
@@ -67,6 +68,7 @@ class Engine:
         self._imu = InertialUnit(settings.imu, settings.seed)
         self._dock = DockSense(mujoco, self._model, settings.dock, settings.body) if settings.dock else None
         self._placed = Placed(self._model)
+        self.balls = Balls(self._model, settings.balls)
         self._walls = frozenset(self._geoms(STANDING)) - {self._model.geom(DOCK).id if settings.dock else -1}
         self._robot = frozenset(self._geoms(ROBOT))
         joints = [self._model.joint(wheel.name) for wheel in self._wheels]
@@ -100,7 +102,7 @@ class Engine:
     @property
     def resting(self) -> bool:
         """Say whether nothing moves: then time passes without the physics, exactly as far as the next power or change."""
-        return self._still_steps >= _STILL_STEPS and not self._placed.changed
+        return self._still_steps >= _STILL_STEPS and not self._placed.changed and self.balls.still
 
     def rest(self, dt_s: float) -> None:
         """Let time pass that the world stood: it is that before a power which has just come."""
@@ -184,7 +186,7 @@ class Engine:
         """Return what does not move by itself, what was placed too, the robot's outline and its sensors."""
         settings = self.settings
         return WorldScene(
-            walls=(*map(_box, settings.walls), *self._placed.things),
+            walls=(*map(_box, settings.walls), *self._placed.things, *self.balls.boxes),
             robot_length_m=settings.body.length_m,
             robot_width_m=settings.body.width_m,
             dock=world_dock(settings.dock) if settings.dock else None,
@@ -239,6 +241,8 @@ class Engine:
         if self._placed.changed:
             self._still_steps = 0
         self._placed.apply(self._model, self._data)
+        if self._steps % _SENSE_EVERY == 0:
+            self.balls.apply(self._data)
         for index, wheel in enumerate(self._wheels):
             power = self._power.get(wheel.motor, 0.0)
             self._data.ctrl[index] = self._ramped(float(self._data.ctrl[index]), power, wheel.diameter_m / 2)

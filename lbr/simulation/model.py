@@ -5,6 +5,7 @@ from math import cos, pi, radians, sin
 from xml.sax.saxutils import quoteattr
 
 from lbr.messages.kinematics import Wheel
+from lbr.simulation.balls import BALL, Ball, first_place
 from lbr.simulation.room import BoxSettings
 from lbr.simulation.settings import Body, Dock, Mount, WorldSettings
 
@@ -53,7 +54,7 @@ def model_xml(settings: WorldSettings, wheels: Sequence[Wheel] = (), *, rollers:
   <worldbody>
     <geom name="floor" type="plane" size="50 50 0.1" group="{FLOOR}" friction="0.9 0.005 0.0001" rgba="0.74 0.68 0.6 1"/>
 {"".join(_thing(box) for box in settings.walls)}{_dock(settings.dock)}{"".join(map(_placeable, PLACEABLE))}
-{_robot(settings, wheels, rollers=rollers)}
+{_robot(settings, wheels, rollers=rollers)}{"".join(_ball(*one) for one in settings.balls.items())}
   </worldbody>
   <actuator>{"".join(_motor(wheel.name) for wheel in wheels)}</actuator>
   <sensor><gyro site="{IMU}"/><accelerometer site="{IMU}"/><magnetometer site="{IMU}"/></sensor>
@@ -102,6 +103,13 @@ def _placeable(name: str) -> str:
     return f"""
     <body name="{name}" mocap="true" pos="0 0 {PARKED_M}">
       <geom name="{name}" type="box" group="{STANDING}" size="0.1 0.1 0.1" {_SMOOTH} rgba="0.8 0.25 0.2 1"/>
+    </body>"""
+
+
+def _ball(name: str, ball: Ball) -> str:
+    return f"""
+    <body name={quoteattr(BALL.format(name))} mocap="true" pos="{_numbers(*first_place(ball))}">
+      <geom type="sphere" group="{FLOOR}" contype="0" conaffinity="0" mass="0" size="{ball.radius_m}" rgba="{_rgba(ball.colour)}"/>
     </body>"""
 
 

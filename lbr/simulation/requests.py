@@ -64,7 +64,7 @@ class ThingsReply(Struct, frozen=True, kw_only=True):
 
 
 class BallRequest(Struct, frozen=True, kw_only=True):
-    """Put a ball of a humanoid's world elsewhere; a coordinate left out is that of its row, all left out: as it began."""
+    """Put a ball of the world elsewhere; a coordinate left out is that of its row, all left out: as it began."""
 
     name: Annotated[str, Meta(min_length=1, max_length=40)] = "ball"
     x_m: Metres | None = None

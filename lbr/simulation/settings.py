@@ -6,6 +6,7 @@ from typing import Annotated
 from msgspec import Meta, Struct, field
 
 from lbr.messages.units import Vector
+from lbr.simulation.balls import Ball
 from lbr.simulation.room import ROOM, BoxSettings, Height, Length, Place
 
 __all__ = [
@@ -154,13 +155,16 @@ CAMERAS = {
     "rear": Mount(x_m=-0.06, z_m=1.25, pitch_deg=12.0, yaw_deg=180.0),
 }
 """On the mast, looking a little down."""
+BALLS = {"ball": Ball(x_m=1.5, z_m=1.0, radius_m=0.07, gone=True)}
+"""As a person would hold it before the camera, once it is put anywhere."""
 
 
 class WorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The simulated world: what stands in it, where the robot starts, and how often it tells.
 
     `seed` fixes all noise. `walls` is all that stands in it, furniture too. `dock` null: there is none. `cameras` are
-    where they sit, by name. `trace` names a file that gets each change of the motor controller's outputs.
+    where they sit, by name; `balls` are what they may look for: neither an echo comes from one, nor is there anything to bump
+    into. `trace` names a file that gets each change of the motor controller's outputs.
     """
 
     seed: int = 1
@@ -173,6 +177,7 @@ class WorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     compass: Compass = Compass()
     ultrasonic: Ultrasonic = Ultrasonic()
     cameras: dict[str, Mount] = field(default_factory=lambda: dict(CAMERAS))
+    balls: Annotated[dict[str, Ball], Meta(max_length=8)] = field(default_factory=lambda: dict(BALLS))
     camera_fov_deg: Annotated[float, Meta(gt=1.0, lt=170.0, description="from top to bottom")] = 45.0
     pose_hz: Annotated[float, Meta(ge=1.0, le=100.0)] = 20.0
     scene_every_s: Annotated[float, Meta(gt=0.0, le=60.0)] = 2.0

@@ -2,6 +2,16 @@
 
 from lbr.capability.word import Word
 
+BALL_WORDS = (
+    Word(
+        "/ball/{x_m}/{y_m}/{z_m}",
+        "ball",
+        "Simulation: put the ball there, metres ahead, to the left and up of where the robot began",
+    ),
+    Word("/ball/{x_m}/{y_m}", "ball", "Simulation: put the ball there, as high as the world has it"),
+    Word("/ball", "ball", "Simulation: have the ball be as it began"),
+    Word("/ball/gone", "ball", "Simulation: take the ball out of the world", {"gone": True}),
+)
 FAULT_WORDS = (
     Word(
         "/fault/{device}/{name}",

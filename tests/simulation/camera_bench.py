@@ -5,6 +5,7 @@ import json
 import socket
 import struct
 
+import numpy as np
 from PIL import Image
 
 
@@ -15,6 +16,16 @@ def like(pixel, colour):
 
 def picture(jpeg):
     return Image.open(io.BytesIO(jpeg)).convert("RGB")
+
+
+def orange(jpeg):
+    """Where the ball is in a picture: shares of its width and height from the middle, and how much of it it takes."""
+    red, green, blue = np.asarray(picture(jpeg), float).transpose(2, 0, 1)
+    seen = (red > 1.5 * green) & (green > 1.5 * blue) & (red > 80)
+    if not seen.any():
+        return None
+    down, across = np.argwhere(seen).mean(axis=0) / seen.shape
+    return across - 0.5, down - 0.5, seen.mean()
 
 
 class Film:

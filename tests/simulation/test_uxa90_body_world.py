@@ -10,16 +10,16 @@ import serial
 from PIL import Image
 
 from lbr.capability.context import Device
+from lbr.simulation.balls import Ball
 from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.humanoid.capability import HumanoidWorld
-from lbr.simulation.humanoid.settings import Ball
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
 from lbr.testing import FakeCall
 from tests.models.uxa90.robot import humanoid, joints, settings
-from tests.simulation.camera_bench import Film, picture
+from tests.simulation.camera_bench import Film, orange
 from tests.simulation.world_bench import WorldContext
 from tests.support.machine import Stopwatch
 
@@ -75,16 +75,6 @@ def stage(tmp_path_factory):
     made.over.set()
     made.thread.join()
     made.world.close()
-
-
-def orange(jpeg):
-    """Where the ball is in a picture: shares of its width and height from the middle, and how much of it it takes."""
-    red, green, blue = np.asarray(picture(jpeg), float).transpose(2, 0, 1)
-    seen = (red > 1.5 * green) & (green > 1.5 * blue) & (red > 80)
-    if not seen.any():
-        return None
-    down, across = np.argwhere(seen).mean(axis=0) / seen.shape
-    return across - 0.5, down - 0.5, seen.mean()
 
 
 def looked(engine, studio, view):

@@ -18,7 +18,7 @@ from lbr.simulation.requests import (
     PictureRequest,
     PlugRequest,
 )
-from lbr.simulation.words import FAULT_WORDS
+from lbr.simulation.words import BALL_WORDS, FAULT_WORDS
 
 KIND = Kind(
     name="humanoid_world",
@@ -54,13 +54,7 @@ KIND = Kind(
             "pick_up",
             "Simulation: put the robot back on its feet, in a hand that holds it until its joints have torque",
         ),
-        Word(
-            "/ball/{x_m}/{y_m}/{z_m}",
-            "ball",
-            "Simulation: put the ball there, metres ahead, to the left and up of where the robot began",
-        ),
-        Word("/ball", "ball", "Simulation: let the ball go its way again"),
-        Word("/ball/gone", "ball", "Simulation: take the ball out of the world", {"gone": True}),
+        *BALL_WORDS,
         Word(
             "/hand/{joint}/{angle_deg}",
             "hand",

@@ -12,7 +12,8 @@ from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.messages.units import Vector
 from lbr.robots import registry
-from lbr.simulation.humanoid.settings import Ball, HumanoidWorldSettings
+from lbr.simulation.balls import BALL, Ball, first_place
+from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.physics import mujoco
 
 STIFF_SHARE = 0.1
@@ -23,8 +24,6 @@ TIMESTEP_S = 0.004
 Mask = NDArray[np.bool_]
 
 HAND, FLOOR, IMU = "hand", "floor", "imu"
-BALL = "ball {}"
-"""What the body of a ball is called."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +168,7 @@ def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:
 
 def _add_ball(world: Any, name: str, ball: Ball) -> None:
     """Add something that is only seen, and that moves by itself."""
-    body = world.add_body(name=BALL.format(name), mocap=True, pos=[ball.x_m, ball.y_m, ball.z_m])
+    body = world.add_body(name=BALL.format(name), mocap=True, pos=first_place(ball))
     colour = [*(int(ball.colour[at : at + 2], 16) / 255 for at in (1, 3, 5)), 1.0]
     body.add_geom(
         type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[ball.radius_m, 0, 0], contype=0, conaffinity=0, mass=0, rgba=colour

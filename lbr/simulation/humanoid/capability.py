@@ -19,7 +19,6 @@ from lbr.simulation.loop import SWITCH_S, WorldLoop
 from lbr.simulation.painter import Painter, picture_path
 from lbr.simulation.plugged import Plugged, tell_of_drawing
 from lbr.simulation.requests import (
-    BallReply,
     BallRequest,
     FaultRequest,
     HandRequest,
@@ -88,7 +87,7 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
             physics.pick_up = True
             call.reply(PickUpReply(accepted=True, reason=f"{self.ctx.robot} is {self._as_it_began()}"))
         elif isinstance(call.message, BallRequest):
-            self._put(call, call.message, engine)
+            engine.balls.answer(self.ctx, call, call.message)
         elif isinstance(call.message, HandRequest):
             try:
                 call.reply(CommandReply(accepted=True, reason=engine.grip.take(call.message)))
@@ -133,15 +132,6 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
         if not self.ctx.settings.rests:
             return "in a helper's hand, on its feet"
         return "back as it began, or in a helper's hand if it has torque"
-
-    def _put(self, call: Call, request: BallRequest, engine: HumanoidEngine) -> None:
-        try:
-            said = engine.balls.put(request)
-        except InputError as err:
-            call.refuse(str(err), err.code)
-            return
-        self.ctx.event("world_changed", said, code="done", about=call.source)
-        call.reply(BallReply(accepted=True, reason=said))
 
     def _picture(self, call: Call, request: PictureRequest) -> None:
         _, physics, _, engine = self._running()

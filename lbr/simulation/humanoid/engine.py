@@ -10,9 +10,9 @@ from msgspec.structs import replace
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.messages.simulation import HumanoidPose
+from lbr.simulation.balls import Balls
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
-from lbr.simulation.humanoid.balls import Balls
 from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, heading_rad, load, model_file
 from lbr.simulation.humanoid.grip import Grip
 from lbr.simulation.humanoid.servos import Floats, Servo, Servos

@@ -8,7 +8,7 @@ from msgspec import Meta, Struct
 
 from lbr.errors import InputError
 from lbr.messages.units import Name
-from lbr.simulation.room import Colour, Place
+from lbr.simulation.balls import Ball
 from lbr.simulation.settings import Battery, Compass, Imu
 
 
@@ -37,22 +37,6 @@ class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     zero_rad: Annotated[float, Meta(ge=-3.0, le=3.0)] = 0.0
     sign: Literal[1, -1] = 1
-
-
-class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A coloured ball that is only seen: its middle at first, and the path it keeps to around there.
-
-    `to_and_fro` goes `reach_m` to the left and to the right, `circle` turns at `reach_m` in the plane across x.
-    """
-
-    x_m: Place = 1.0
-    y_m: Place = 0.0
-    z_m: Place = 0.9
-    radius_m: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.06
-    colour: Colour = "#f07818"
-    path: Literal["rest", "to_and_fro", "circle"] = "rest"
-    reach_m: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.4
-    period_s: Annotated[float, Meta(ge=0.5, le=3600.0)] = 8.0
 
 
 class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

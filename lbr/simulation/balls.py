@@ -1,0 +1,140 @@
+"""Coloured balls in a simulated world, which are only seen: each keeps to its path, until it is put elsewhere."""
+
+from collections.abc import Mapping
+from math import cos, pi, sin
+from typing import Annotated, Any, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.capability.context import Call, Context
+from lbr.errors import InputError
+from lbr.messages.simulation import WorldBox
+from lbr.simulation.requests import BallReply, BallRequest
+from lbr.simulation.room import Colour, Place
+
+BALL = "ball {}"
+"""What the body of a ball is called."""
+_GONE = (0.0, 0.0, -10.0)
+
+Middle = tuple[float, float, float]
+
+
+class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A coloured ball that is only seen: its middle at first, and the path it keeps to around there.
+
+    `to_and_fro` goes `reach_m` to the left and to the right, `circle` turns at `reach_m` in the plane across x. One that
+    is `gone` is not there until it is put somewhere.
+    """
+
+    x_m: Place = 1.0
+    y_m: Place = 0.0
+    z_m: Place = 0.9
+    radius_m: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.06
+    colour: Colour = "#f07818"
+    path: Literal["rest", "to_and_fro", "circle"] = "rest"
+    reach_m: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.4
+    period_s: Annotated[float, Meta(ge=0.5, le=3600.0)] = 8.0
+    gone: bool = False
+
+
+class Balls:
+    """Any thread may ask; `apply` does it between two steps of the physics."""
+
+    def __init__(self, model: Any, balls: Mapping[str, Ball]) -> None:
+        self._balls = dict(balls)
+        self._placed: dict[str, Middle] = {}
+        self._changed = False
+        self._mocaps = {name: int(model.body_mocapid[model.body(BALL.format(name)).id]) for name in balls}
+
+    @property
+    def still(self) -> bool:
+        """Say whether none moves, nor is to be put elsewhere."""
+        return not self._changed and all(self._rests(name) for name in self._balls)
+
+    @property
+    def boxes(self) -> tuple[WorldBox, ...]:
+        """Return those that are there and rest, as what is seen from above."""
+        found = {name: self._where(name, 0.0) for name in self._balls if self._rests(name)}
+        return tuple(_box(name, self._balls[name], at) for name, at in found.items() if at != _GONE)
+
+    def put(self, request: BallRequest) -> str:
+        """Put a ball elsewhere, back on its path, or away, and say so; raise InputError naming those that there are."""
+        if request.name not in self._balls:
+            known = ", ".join(self._balls) or "none"
+            raise InputError(
+                f"there is no ball '{request.name}'; the world's setting `balls` has: {known}", "unknown_name"
+            )
+        ball, given = self._balls[request.name], (request.x_m, request.y_m, request.z_m)
+        as_it_began = all(value is None for value in given)
+        if request.gone or (as_it_began and ball.gone):
+            self._placed[request.name] = _GONE
+            said = f"'{request.name}' is gone"
+        elif as_it_began:
+            self._placed.pop(request.name, None)
+            said = f"'{request.name}' is back where it was"
+        else:
+            usual = (ball.x_m, ball.y_m, ball.z_m)
+            x, y, z = (own if value is None else value for value, own in zip(given, usual, strict=True))
+            self._placed[request.name] = (x, y, z)
+            said = f"'{request.name}' is at {x:.2f}, {y:.2f}, {z:.2f} m"
+        self._changed = True
+        return said
+
+    def answer(self, ctx: Context[Any], call: Call, request: BallRequest) -> None:
+        """Put a ball elsewhere as a call asks, and tell of it."""
+        try:
+            said = self.put(request)
+        except InputError as err:
+            call.refuse(str(err), err.code)
+            return
+        ctx.event("world_changed", said, code="done", about=call.source)
+        call.reply(BallReply(accepted=True, reason=said))
+
+    def middle(self, name: str, time_s: float) -> Middle | None:
+        """Return where a ball is; None: it is gone, or there is none of that name."""
+        at = self._where(name, time_s) if name in self._balls else _GONE
+        return None if at == _GONE else at
+
+    def apply(self, data: Any) -> None:
+        """Put every ball where it is now."""
+        self._changed = False
+        for name, mocap in self._mocaps.items():
+            data.mocap_pos[mocap] = self._where(name, data.time)
+
+    def _rests(self, name: str) -> bool:
+        return name in self._placed or self._balls[name].gone or self._balls[name].path == "rest"
+
+    def _where(self, name: str, time_s: float) -> Middle:
+        ball = self._balls[name]
+        return self._placed.get(name) or (_GONE if ball.gone else _on_path(ball, time_s))
+
+
+def first_place(ball: Ball) -> Middle:
+    """Return where a ball is before the world has run."""
+    return _GONE if ball.gone else (ball.x_m, ball.y_m, ball.z_m)
+
+
+def _on_path(ball: Ball, time_s: float) -> Middle:
+    turn = 2 * pi * time_s / ball.period_s
+    aside, up = {
+        "rest": (0.0, 0.0),
+        "to_and_fro": (sin(turn), 0.0),
+        "circle": (cos(turn), sin(turn)),
+    }[ball.path]
+    return ball.x_m, ball.y_m + ball.reach_m * aside, ball.z_m + ball.reach_m * up
+
+
+def _box(name: str, ball: Ball, at: Middle) -> WorldBox:
+    across = 2 * ball.radius_m
+    return WorldBox(
+        name=name,
+        x_m=at[0],
+        y_m=at[1],
+        length_m=across,
+        width_m=across,
+        kind="cylinder",
+        bottom_m=at[2] - ball.radius_m,
+        height_m=across,
+        colour=ball.colour,
+        solid=False,
+    )
