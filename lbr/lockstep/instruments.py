@@ -1,7 +1,7 @@
 """What a robot's drivers would tell of the simulated world, with their rates and what is wrong with them."""
 
 from collections.abc import Mapping
-from math import degrees, inf, radians, remainder, tau
+from math import atan2, degrees, hypot, inf, radians, remainder, tau
 from random import Random
 
 from lbr.bus import keys
@@ -13,14 +13,18 @@ from lbr.messages.attitude import AttitudeState
 from lbr.messages.dock import DockSignal
 from lbr.messages.motors import MotorSetpoint, MotorsState, MotorState
 from lbr.messages.sensing import Ranges, RangeStatus, ranges
+from lbr.messages.sighting import SightingState
 from lbr.simulation.engine import Engine
 
-MOTORS_S, RANGES_S, ATTITUDE_S, DOCK_S = 0.06, 0.1, 0.04, 0.11
+MOTORS_S, RANGES_S, ATTITUDE_S, DOCK_S, SIGHTING_S = 0.06, 0.1, 0.04, 0.11, 0.07
 """How often each tells, as measured of the running robot; a beam comes nine times a second."""
 SETPOINT_S = 0.1
 """An older setpoint is none: the motor driver lets no wheel turn by it."""
 BEAM_S = 1.5
 TURN_NOISE_DPS = 0.1
+EYE, FIELD_DEG = "front", (72.0, 45.0)
+"""The camera that looks out for a ball, and how wide and how high it sees; what stands before a ball hides none here."""
+BEARING_NOISE_DEG, DISTANCE_NOISE = 0.5, 0.03
 
 
 class Instruments:
@@ -54,7 +58,8 @@ class Instruments:
         self._counts: dict[str, float] = {}
         self._before: dict[str, int] = {}
         tellers = {MotorsState: (MOTORS_S, self._motors), Ranges: (RANGES_S, self._ranges),
-                   AttitudeState: (ATTITUDE_S, self._attitude), DockSignal: (DOCK_S, self._dock)}  # fmt: skip
+                   AttitudeState: (ATTITUDE_S, self._attitude), DockSignal: (DOCK_S, self._dock),
+                   SightingState: (SIGHTING_S, self._sighting)}  # fmt: skip
         self._due: list[list[float]] = []
         self._tell = []
         for name, (config, kind) in sorted(others.items()):
@@ -170,3 +175,31 @@ class Instruments:
             right_age_s=ages.get("right"),
             power_age_s=ages.get("power"),
         )
+
+    def _sighting(self, _now: float) -> SightingState:
+        found = self._ball()
+        if found is None:
+            return SightingState(watching=True, pictures_hz=1.0 / SIGHTING_S, reason="it is not in the picture")
+        bearing_deg, distance_m = found
+        return SightingState(
+            watching=True,
+            seen=True,
+            bearing_deg=bearing_deg + self._random.gauss(0.0, BEARING_NOISE_DEG),
+            distance_m=distance_m * (1.0 + self._random.gauss(0.0, DISTANCE_NOISE)),
+            age_s=0.0,
+            pictures_hz=1.0 / SIGHTING_S,
+        )
+
+    def _ball(self) -> tuple[float, float] | None:
+        """Return the bearing and the distance of the nearest ball that is in the picture."""
+        mount, seen = self._engine.settings.cameras.get(EYE), []
+        for name in self._engine.settings.balls if mount is not None else ():
+            at = self._engine.balls.middle(name, self._engine.time_s)
+            if at is None or mount is None:
+                continue
+            x, y, up = at[0] - self.pose.x_m, at[1] - self.pose.y_m, at[2] - mount.z_m
+            bearing = -degrees(remainder(atan2(y, x) - self.pose.yaw_rad - radians(mount.yaw_deg), tau))
+            above = degrees(atan2(up, hypot(x, y))) + mount.pitch_deg
+            if abs(bearing) < FIELD_DEG[0] / 2 and abs(above) < FIELD_DEG[1] / 2:
+                seen.append((hypot(x, y, up), bearing))
+        return min(seen)[::-1] if seen else None

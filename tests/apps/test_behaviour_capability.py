@@ -2,8 +2,10 @@
 
 import time
 from itertools import islice, product
+from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from lbr.apps.behaviours import KIND, BehaviourSettings, files
 from lbr.messages.beacon import SeekCommand
@@ -23,6 +25,7 @@ from lbr.messages.joints import JointsState, PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.rows import RowsChanged, changed, row_set
 from lbr.messages.sensing import Ranges
+from lbr.messages.sighting import SightingState, WatchCommand
 from lbr.messages.speech import SayCommand
 from lbr.testing import FakeCall, FakeContext
 from tests.support import machine
@@ -532,3 +535,77 @@ def test_an_own_stop_is_no_reason_against_what_was_written_before_it():
     call = FakeCall("run", RunBehaviour(name="patrol"), arrived=105.0, waited_s=1.5)
     stage.behaviour.command(call)
     assert not call.refused
+
+
+FOLLOW = files.read(Path("docs/examples/behaviours/follow.csv").read_bytes(), "follow", json=False).rows
+SEEN = SightingState(watching=True, seen=True, bearing_deg=2.0, distance_m=2.0, age_s=0.0, pictures_hz=15.0)
+
+
+class Following(Stage):
+    """The shipped table, with a camera that sees what a test says."""
+
+    def __init__(self, **more):
+        empty = rows("Type,Current State,Next State\nstart,Go,Home\nend,Home,\nfail,Stuck,\n", "free_itself")
+        super().__init__(BehaviourTable(name="follow"), *FOLLOW, *empty, **more)
+        assert self.tables()["follow"].faults == ()
+        self.run("follow")
+
+    def look(self, seconds, seen=SEEN):
+        for _ in range(round(seconds / 0.1)):
+            self.ctx.arrive("sighting", seen)
+            self.play(0.1)
+        return self.state
+
+
+def test_a_table_has_the_camera_looked_through_and_goes_by_what_it_sees():
+    stage = Following()
+    stage.look(0.5)
+    assert stage.asked(WatchCommand)[0] == WatchCommand(target="colour")
+    assert (stage.asked(DriveCommand)[-1].distance_cm, stage.state.doing[:9]) == (50.0, "drive at ")
+    stage.ends()
+    stage.look(0.7, replace(SEEN, bearing_deg=-40.0))
+    assert stage.asked(TurnCommand)[-1].angle_deg == -30.0
+    stage.ends()
+    stage.look(1.0, replace(SEEN, distance_m=0.8))
+    assert (stage.state.state, stage.state.doing) == ("Near", "")
+
+
+def test_a_sighting_that_dies_ends_the_motion_and_nothing_old_is_followed():
+    stage = Following()
+    stage.look(1.0)
+    stage.ends()
+    stage.look(0.5)
+    moves, began = len(stage.asked(DriveCommand)), stage.ctx.now
+    stage.ends()
+    stage.play(1.2)
+    borrowed = [one for one in stage.asked(DriveCommand)[moves:] if not one.lease]
+    assert len(borrowed) <= 1, "by what was seen less than a second ago"
+    stage.ends()
+    before = len(stage.asked(DriveCommand) + stage.asked(TurnCommand))
+    assert stage.play(8.0).state == "Blind"
+    assert len(stage.asked(DriveCommand) + stage.asked(TurnCommand)) == before
+    assert stage.asked(WatchCommand)[-1].seconds == 0.0
+    assert stage.ctx.now - began < 12.0
+
+
+def test_an_eye_that_cannot_look_is_told_and_the_table_ends_as_it_says():
+    stage = Following()
+    why = CommandReply(accepted=False, reason="what looks at pictures needs OpenCV", code="refused")
+    stage.ctx.answer = lambda request, message: {"sighting": why} if request == "watch" else {}
+    stage.run("follow")
+    stage.play(12.0)
+    assert stage.ctx.told("behaviour_blind")[0] == "'sighting' looks for nothing: what looks at pictures needs OpenCV"
+    assert (stage.state.state, stage.state.good) == ("Blind", False)
+
+
+def test_what_nobody_looks_for_is_named_and_a_robot_without_an_eye_goes_on():
+    text = "Type,Current State,O:watch,Next State\nstart,Go,colour,Home\nend,Home,off,\nfail,Stuck,,\n"
+    faults = Stage(*rows(text.replace("colour", "cats"))).tables()["patrol"].faults
+    assert any("'cats' is not looked for: there is colour, face, and off" in one.text for one in faults)
+    stage = Stage(*rows(text), wired={"watch": ()})
+    assert [(one.text, one.error) for one in stage.tables()["patrol"].faults] == [
+        ("this robot has no sighting that runs", False)
+    ] * 2
+    stage.run()
+    stage.play(1.0)
+    assert (stage.state.state, stage.asked(WatchCommand)) == ("Home", [])

@@ -3,7 +3,7 @@
 import json
 import sys
 import tempfile
-from math import radians
+from math import atan2, degrees, hypot, radians, remainder, tau
 from pathlib import Path
 
 import msgspec
@@ -16,6 +16,7 @@ from lbr.lockstep.faults import EVERY
 from lbr.lockstep.trial import Setup, Trial
 from lbr.lockstep.trying import made
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
+from lbr.simulation.requests import BallRequest
 from lbr.simulation.settings import StartPose
 from tests.support import programs
 from tests.support.robot import lbr, prepare
@@ -155,3 +156,45 @@ def test_nothing_of_the_bus_is_opened(rows, home):
     of = msgspec.json.encode(setup(rows, home, "ahead", AHEAD))
     done = programs.run([sys.executable, "-c", script], input=of, capture_output=True, check=True)
     assert done.stdout.decode().strip() == "True"
+
+
+class WithABall(Trial):
+    """A trial in which a ball is put somewhere, and elsewhere at its time."""
+
+    places: tuple = ()
+
+    def round(self):
+        while self.places and self.board.now >= self.places[0][0]:
+            (_, x_m, y_m), *rest = self.places
+            self.engine.balls.put(BallRequest(x_m=x_m, y_m=y_m))
+            self.places = tuple(rest)
+        super().round()
+
+    def away(self):
+        """How far the ball is, and how far aside in degrees."""
+        x, y, _ = self.engine.balls.middle("ball", 0.0)
+        pose = self.instruments.pose
+        aside = remainder(atan2(y - pose.y_m, x - pose.x_m) - pose.yaw_rad, tau)
+        return hypot(x - pose.x_m, y - pose.y_m), degrees(aside)
+
+
+@pytest.mark.parametrize("start", [StartPose(), StartPose(x_m=0.5, yaw_rad=radians(200.0))])
+def test_it_goes_up_to_a_ball_and_after_it_when_it_is_elsewhere(rows, home, start):
+    trial = WithABall(setup(rows, home, "follow", max_s=70.0), 0, start)
+    began = trial.board.now
+    trial.places = ((began, 2.2, 0.3), (began + 40.0, 0.6, -0.9))
+    at_the_first = []
+    trial.board.listen("lbr/behaviour/state", lambda state: at_the_first.append((trial.board.now, state.state)))
+    outcome = trial.run()
+    assert (outcome.code, outcome.state, outcome.unsafe) == ("time_over", "Near", ()), outcome
+    assert "Near" in {state for at, state in at_the_first if at < began + 40.0}
+    distance_m, aside_deg = trial.away()
+    assert 0.6 < distance_m < 1.1
+    assert abs(aside_deg) < 13.0
+
+
+def test_without_a_ball_it_looks_all_around_and_gives_up(rows, home):
+    trial = Trial(setup(rows, home, "follow", max_s=200.0), 0, StartPose())
+    outcome = trial.run()
+    assert (outcome.good, outcome.state, outcome.unsafe) == (False, "Lost", ()), outcome
+    assert outcome.moved_m < 0.5

@@ -31,6 +31,7 @@ from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.rows import RowsChanged
 from lbr.messages.sensing import RangeSensor
+from lbr.messages.sighting import WatchCommand
 from lbr.messages.speech import SayCommand
 from lbr.messages.units import NameOrNone
 
@@ -62,6 +63,7 @@ _ASKED = {
     "seek": Wire("beacon.seek"),
     "seek_halt": Wire("beacon.stop"),
     "say": Wire("speech.say"),
+    "watch": Wire("sighting.watch"),
 }
 
 KIND = Kind(
@@ -93,6 +95,7 @@ KIND = Kind(
         "seek": SeekCommand,
         "seek_halt": StopCommand,
         "say": SayCommand,
+        "watch": WatchCommand,
     },
     replies={
         **dict.fromkeys(

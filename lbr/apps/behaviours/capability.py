@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from lbr.apps.behaviours import BehaviourSettings, files, outputs, texts
 from lbr.apps.behaviours.kernel import DONE, Run
 from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LowBattery
-from lbr.apps.behaviours.outputs import Halt, Motion
+from lbr.apps.behaviours.outputs import Aside, Halt, Motion
 from lbr.apps.behaviours.senses import Senses
 from lbr.apps.behaviours.table import Compiled, Fault, Parts, Table, compile_table, linked
 from lbr.bus.lease_client import LeaseTarget
@@ -49,12 +49,14 @@ from lbr.messages.unreadable import UNREADABLE
 
 R = TypeVar("R", bound=Row)
 STATE_EVERY_S, RESTING_EVERY_S = 0.25, 1.0
-SAY_S = 5.0
+ASIDE_S = 5.0
+SILENT = {"say": ("behaviour_silent", "says nothing"), "watch": ("behaviour_blind", "looks for nothing")}
+"""The event that tells of what was not done, and in which words."""
 BATTERY_S, DRIVE_S = 3.0, 1.0
 """What is older is not known: three periods of the battery, ten of the drive."""
 HELD_UP_S = 3.0
 """After so long without a step, frozen or with the computer asleep, a table does not go on by itself."""
-MOST_SAID = 8
+MOST_ASIDE = 8
 MOST_FAULTS = 50
 """Of a table, told to a page; what is beyond them is seen once they are mended."""
 MOST_FILES = 8
@@ -93,7 +95,7 @@ class Behaviours(Capability[BehaviourSettings]):
         self._began = 0.0
         self._stepped_at = ctx.clock()
         self._ticket = -1
-        self._said: list[PendingReply] = []
+        self._aside: list[tuple[str, PendingReply]] = []
         self._last = self._told = RESTING
         self._tell_at = 0.0
         self.dice = random.Random()
@@ -120,7 +122,7 @@ class Behaviours(Capability[BehaviourSettings]):
             self._look_after_the_battery(self.ctx.settings.when_low)
         if self._run is not None:
             self._go_on(self._run)
-        self._hear_of_words()
+        self._hear_of_asides()
         self._looked = bool(self._files)
         if self._files:
             self._answer_or_refuse(self._files.popleft())
@@ -309,8 +311,8 @@ class Behaviours(Capability[BehaviourSettings]):
         if isinstance(order, Halt):
             self._mover.halt("the table says so")
             run.ended(DONE, now)
-        elif isinstance(order, SayCommand):
-            self._say(run, order, now)
+        elif isinstance(order, Aside):
+            self._ask_aside(run, order, now)
         wanted: Motion | None = order if isinstance(order, MOTIONS) else run.keeps
         if wanted is None:
             if self._mover.motion is not None:
@@ -319,20 +321,22 @@ class Behaviours(Capability[BehaviourSettings]):
             self._mover.begin(wanted)
         self._ticket = run.ticket
 
-    def _say(self, run: Run, order: SayCommand, now: float) -> None:
-        """Have it said, if there is a voice; a table does not wait for its words, nor fail for them."""
-        if self.ctx.targets("say"):
-            self._said = [*self._said, self.ctx.ask("say", order, SAY_S)][-MOST_SAID:]
+    def _ask_aside(self, run: Run, order: Aside, now: float) -> None:
+        """Have it said or looked for, if there is a voice or an eye; a table neither waits for it nor fails without it."""
+        way = "say" if isinstance(order, SayCommand) else "watch"
+        if self.ctx.targets(way):
+            self._aside = [*self._aside, (way, self.ctx.ask(way, order, ASIDE_S))][-MOST_ASIDE:]
         run.ended(DONE, now)
 
-    def _hear_of_words(self) -> None:
-        """Tell of what was not said."""
-        for asked in [one for one in self._said if one.answers() is not None]:
-            self._said.remove(asked)
+    def _hear_of_asides(self) -> None:
+        """Tell of what was not said, or is not looked for."""
+        for way, asked in [one for one in self._aside if one[1].answers() is not None]:
+            self._aside.remove((way, asked))
             for name, reply in (asked.answers() or {}).items():
                 if not isinstance(reply, CommandReply) or not reply.accepted:
                     why = reply.reason if isinstance(reply, CommandReply) else "it does not answer"
-                    self.ctx.event("behaviour_silent", f"'{name}' says nothing: {why}", level="warning")
+                    kind, does = SILENT[way]
+                    self.ctx.event(kind, f"'{name}' {does}: {why}", level="warning")
 
     def _stopped_by_others(self) -> Reason | None:
         """Return who stopped the robot since the run began, also while nothing of it moved.

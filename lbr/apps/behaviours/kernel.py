@@ -12,14 +12,13 @@ from math import inf, isfinite
 from lbr.apps.behaviours import outputs
 from lbr.apps.behaviours.cells import Value
 from lbr.apps.behaviours.keys import RUN, VARIABLE, Key, Look
-from lbr.apps.behaviours.outputs import Assign, CallTable, Order, OutputError, Wait, told
+from lbr.apps.behaviours.outputs import Aside, Assign, CallTable, Order, OutputError, Wait, told
 from lbr.apps.behaviours.table import Condition, Line, State, Table
 from lbr.capability.mover import FINAL, Outcome, bounded
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import RowView, Unmet
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
-from lbr.messages.speech import SayCommand
 
 SETTLE_S = 0.3
 """After a motion nothing is decided for so long: three periods of what tells where the robot is now."""
@@ -177,7 +176,7 @@ class Run:
             return
         frame, order = self._frames[-1], self.order
         self._now = now
-        if not isinstance(order, Wait | SayCommand):
+        if not isinstance(order, Wait | Aside):
             self.result = outcome.why.code
             self._settled_at = self._at(now) + SETTLE_S
             if not frame.ending:
@@ -313,7 +312,7 @@ class Run:
             self._wait_until = self._at(now) + order.seconds
         elif isinstance(order, CallTable):
             self._call(order, now)
-        elif not isinstance(order, SayCommand):
+        elif not isinstance(order, Aside):
             self.keeps = self._renew = None
 
     def _call(self, order: CallTable, now: float) -> None:

@@ -21,6 +21,7 @@ from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.power import PowerState
 from lbr.messages.sensing import Ranges
+from lbr.messages.sighting import SightingState
 from lbr.messages.speech import SpeechState
 from lbr.messages.tracking import TrackingState
 
@@ -34,6 +35,7 @@ STREAMS: Mapping[str, type[Struct]] = {
     "beacon": BeaconState,
     "odometry": OdometryState,
     "speech": SpeechState,
+    "sighting": SightingState,
     "tracking": TrackingState,
     "joints": JointsState,
     "motions": MotionsState,

@@ -7,7 +7,7 @@ import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping
 from math import isfinite, isnan
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import msgspec
 from msgspec import Struct
@@ -16,12 +16,14 @@ from lbr.apps.behaviours.cells import Value
 from lbr.messages.beacon import MANOEUVRES, SeekCommand
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.joints import PlayCommand
+from lbr.messages.sighting import WatchCommand
 from lbr.messages.speech import SayCommand
+from lbr.messages.tracking import Target
 from lbr.messages.units import NAME_PATTERN
 
 ALONG = ("range", "sensor", "distance", "duration", "angle")
 NUMBERS = ("level", "angle", "range", "distance", "duration", "heading", "turn", "wait", "times", "retry")
-TEXTS = ("sensor", "speech", "phrase", "motion", "beacon", "run", "set")
+TEXTS = ("sensor", "speech", "phrase", "watch", "motion", "beacon", "run", "set")
 ALL = (*NUMBERS, *TEXTS)
 MOST_RETRIES = 20
 MOST_CHOICES = 20
@@ -35,9 +37,21 @@ WAYS = {
     "beacon": "seek",
     "speech": "say",
     "phrase": "say",
+    "watch": "watch",
 }
 """By which request an output is carried out."""
-NEEDS = {"move": "drive", "turn": "drive", "heading": "drive", "play": "motions", "seek": "beacon", "say": "speech"}
+NEEDS = {
+    "move": "drive",
+    "turn": "drive",
+    "heading": "drive",
+    "play": "motions",
+    "seek": "beacon",
+    "say": "speech",
+    "watch": "sighting",
+}
+ASIDE = frozenset({"say", "watch"})
+"""What is asked for by the way: a table neither waits for it nor fails without it."""
+OFF = "off"
 _SENSORS = {"rear": "back"}
 """Names that tables have always given to sensors."""
 _ASSIGNS = re.compile(r"\s*\$?(\w+)\s*(=|\+=|-=)\s*(.*?)\s*\Z")
@@ -70,7 +84,8 @@ class Assign(Struct, frozen=True):
 
 
 Motion = DriveCommand | TurnCommand | HeadingCommand | PlayCommand | SeekCommand
-Order = Wait | Halt | CallTable | Assign | SayCommand | Motion
+Aside = SayCommand | WatchCommand
+Order = Wait | Halt | CallTable | Assign | Aside | Motion
 
 
 class Orders(NamedTuple):
@@ -100,6 +115,8 @@ def told(order: Order) -> str:
     """Return what an order does, for people."""
     if isinstance(order, DriveCommand):
         return _drive_told(order)
+    if isinstance(order, WatchCommand):
+        return f"look for a {order.target}" if order.seconds else "look for nothing"
     said = {
         TurnCommand: "turn by {0.angle_deg:g}°",
         HeadingCommand: "turn to {0.heading_deg:g}°",
@@ -186,6 +203,8 @@ def _orders(given: Mapping[str, str], numbers: Mapping[str, float]) -> Iterator[
     if "speech" in given or "phrase" in given:
         text, phrase = given.get("speech", ""), given.get("phrase", "")
         yield _command(SayCommand, {"text": ("speech", text), "phrase": ("phrase", phrase)})
+    if "watch" in given:
+        yield _watch(given["watch"])
     way = _way(given)
     if way:
         yield _moving(way, given, numbers, max(0.0, duration))
@@ -229,6 +248,18 @@ def _moving(way: str, given: Mapping[str, str], numbers: Mapping[str, float], du
         return turn
     heading: HeadingCommand = _command(HeadingCommand, {"heading_deg": ("heading", numbers["heading"])})
     return heading
+
+
+def _watch(text: str) -> Order:
+    wanted = text.strip().lower()
+    if wanted == OFF:
+        return WatchCommand(seconds=0.0)
+    target = next((one for one in get_args(Target) if one == wanted), None)
+    if target is None:
+        raise OutputError(
+            "watch", f"'{text[:40]}' is not looked for: there is {', '.join(get_args(Target))}, and {OFF}"
+        )
+    return WatchCommand(target=target)
 
 
 def _seek(text: str) -> Order:

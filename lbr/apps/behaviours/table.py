@@ -194,7 +194,7 @@ def _lacking(row: BehaviourRow, robot: Parts) -> Iterator[Fault]:
     for column, way in outputs.WAYS.items():
         if row.outputs.get(column, "").strip() and robot.asks is not None and way not in robot.asks:
             text = f"this robot has no {outputs.NEEDS[way]} that runs"
-            yield Fault(row.step, f"O:{column}", text, error=way != "say")
+            yield Fault(row.step, f"O:{column}", text, error=way not in outputs.ASIDE)
     sensors = robot.sensors
     for name in outputs.sensors(row.outputs) if sensors is not None else ():
         if sensors is not None and name not in sensors:
