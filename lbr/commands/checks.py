@@ -22,7 +22,7 @@ EXTRAS = {
     "phidgets": (("Phidget22",), "a PhidgetSpatial on USB needs it"),
     "polly": (("botocore",), "the cloud's voices need it"),
     "recordings": (("av",), "recordings that are not PCM WAV need it"),
-    "vision": (("cv2",), "a head that follows what it sees needs it"),
+    "vision": (("cv2",), "robots that follow what they see need it"),
     "web": (
         ("segno", "starlette", "uvicorn", "websockets", "zeroconf"),
         "a robot's API and programs that serve over HTTP, such as navcam, need it",

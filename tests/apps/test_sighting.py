@@ -2,12 +2,14 @@
 
 import importlib.util
 from math import cos, radians, sin, tan
+from pathlib import Path
 
 import pytest
 
 from lbr.apps.sighting import KIND
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.sighting import WatchCommand
+from lbr.messages.tracking import LookCommand
 from lbr.testing import FakeCall, FakeContext
 from tests.apps.speech_bench import until
 from tests.support import needs
@@ -177,3 +179,14 @@ def test_pictures_that_end_make_it_degraded_with_a_reason(stage):
     assert "no pictures come from the camera" in stage.ctx.health[-1]
     assert stage.shown(seen_at(0.0, 1.0)).seen
     assert stage.ctx.health[-1] == "ready"
+
+
+def test_a_look_saves_the_picture_and_says_what_is_in_it_and_in_its_middle(stage, tmp_path):
+    stage.ctx.home = str(tmp_path)
+    call = FakeCall("look", LookCommand())
+    stage.sighting.command(call)
+    stage.ctx.arrive("frame", JpegFrame(seen_at(0.0, 1.0)))
+    until(lambda: stage.sighting.step() or call.answer)
+    assert call.answer.reason.startswith("sees a colour 0 % ")
+    assert "the middle has hue" in call.answer.reason
+    assert Path(call.answer.path).is_file()

@@ -4,12 +4,13 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from lbr.apps.vision import VisionSettings
+from lbr.apps.vision import LOOK_WORDS, VisionSettings
 from lbr.capability.kind import Kind
 from lbr.capability.word import Word
-from lbr.messages.camera import CameraState, JpegFrame
+from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
 from lbr.messages.leases import CommandReply
 from lbr.messages.sighting import SightingState, WatchCommand
+from lbr.messages.tracking import LookCommand
 
 Turned = Annotated[float, Meta(ge=-180.0, le=180.0)]
 
@@ -35,10 +36,11 @@ KIND = Kind(
     settings=SightingSettings,
     inputs={"frame": JpegFrame, "camera": CameraState},
     outputs={"state": SightingState},
-    commands={"watch": WatchCommand},
-    replies={"watch": CommandReply},
+    commands={"watch": WatchCommand, "look": LookCommand},
+    replies={"watch": CommandReply, "look": SnapshotReply},
     words=(
         Word("/watch/{target}", "watch", "Look out for a minute for: colour or face; it moves nothing"),
         Word("/watch/off", "watch", "Look out no longer", {"seconds": 0.0}),
+        *LOOK_WORDS,
     ),
 )

@@ -9,12 +9,13 @@ from lbr.apps.sighting import SightingSettings
 from lbr.apps.vision.direction import Angles, direction, radius_rad
 from lbr.apps.vision.eye import NO_PICTURES, Eye, Look, camera_off
 from lbr.apps.vision.finding import check, finder
+from lbr.apps.vision.glance import Glance
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.leases import CommandReply
 from lbr.messages.sighting import SightingState, WatchCommand
-from lbr.messages.tracking import Seen, Target
+from lbr.messages.tracking import LookCommand, Seen, Target
 
 STATE_EVERY_S, RESTING_EVERY_S = 0.2, 1.0
 NO_PICTURE_S = 1.0
@@ -43,6 +44,7 @@ class Sighting(Capability[SightingSettings]):
     def __init__(self, ctx: Context[SightingSettings]) -> None:
         super().__init__(ctx)
         self._watch: _Watch | None = None
+        self._glance = Glance(ctx)
         self._why = ""
         self._tell_at = -inf
         self._warned = ""
@@ -51,11 +53,15 @@ class Sighting(Capability[SightingSettings]):
         """Look at what came, and tell."""
         if self._watch is not None:
             self._go_on(self._watch)
+        self._glance.step()
         if self.ctx.clock() >= self._tell_at:
             self._tell()
 
     def command(self, call: Call) -> None:
-        """Answer `watch`."""
+        """Answer `watch` and `look`."""
+        if isinstance(call.message, LookCommand):
+            self._glance.ask(call, call.message)
+            return
         if not isinstance(call.message, WatchCommand):
             super().command(call)
             return

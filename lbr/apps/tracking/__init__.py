@@ -4,7 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from lbr.apps.vision import VisionSettings
+from lbr.apps.vision import LOOK_WORDS, VisionSettings
 from lbr.capability.kind import Kind
 from lbr.capability.word import Word
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
@@ -54,11 +54,6 @@ KIND = Kind(
     words=(
         Word("track", "track", "Have the head follow the coloured thing, until a stop", {"target": "colour"}),
         Word("/track/{target}", "track", "Have the head follow: colour or face"),
-        Word(
-            "look",
-            "look",
-            "Save what the head sees with the coloured thing marked, and say which colour the middle of the picture has",
-        ),
-        Word("/look/{target}", "look", "Save what the head sees with that marked: colour or face"),
+        *LOOK_WORDS,
     ),
 )

@@ -1,7 +1,6 @@
 """Tracking as a capability: looks at the head's pictures while that is asked for, and has the head follow."""
 
 from collections import deque
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 from math import inf, radians
@@ -13,12 +12,11 @@ from lbr.apps.tracking.head_client import HeadClient, Neck
 from lbr.apps.vision.direction import Angles
 from lbr.apps.vision.eye import NO_PICTURES, Eye, Look, camera_off
 from lbr.apps.vision.finding import check, finder, load
-from lbr.apps.vision.sketch import Sketch, sketch
-from lbr.capability import picture_files
+from lbr.apps.vision.glance import Glance
+from lbr.apps.vision.sketch import sketch
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Received
 from lbr.errors import InputError
-from lbr.messages.camera import SnapshotReply
 from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
@@ -27,7 +25,6 @@ from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 STATE_EVERY_S = 1.0
 JOINTS_CURRENT_S = 0.5
 NO_PICTURE_S = 1.0
-NEW_PICTURE_S = 0.6
 RATE_OVER_S = 2.0
 ANSWER_S = 1.2
 """A sender that wants the head to follow waits 2 s for the answer; on a busy machine the eye may take longer."""
@@ -62,9 +59,7 @@ class Tracking(Capability[TrackingSettings]):
     def __init__(self, ctx: Context[TrackingSettings]) -> None:
         super().__init__(ctx)
         self._following: _Following | None = None
-        self._pool = ThreadPoolExecutor(1)
-        self._to_look: tuple[Call, LookCommand, float] | None = None
-        self._looking: tuple[Call, Future[Sketch]] | None = None
+        self._glance = Glance(ctx, sketch)
         self._last = TrackingState(following=False)
         self._tell_at = -inf
         self._warned = ""
@@ -78,10 +73,7 @@ class Tracking(Capability[TrackingSettings]):
         """Look, and have the head follow."""
         if self._following is not None:
             self._go_on(self._following)
-        if self._to_look is not None:
-            self._look_at_new(*self._to_look)
-        if self._looking is not None and self._looking[1].done():
-            self._show(*self._looking)
+        self._glance.step()
         if self.ctx.clock() >= self._tell_at:
             self._tell()
 
@@ -93,7 +85,7 @@ class Tracking(Capability[TrackingSettings]):
             except InputError as err:
                 call.refuse(str(err), err.code)
         elif isinstance(call.message, LookCommand):
-            self._look(call, call.message)
+            self._glance.ask(call, call.message)
         elif isinstance(call.message, StopCommand):
             said = f": {call.message.reason}" if call.message.reason else ""
             self._end(Reason("stopped", f"stopped by {call.source}{said}"))
@@ -126,35 +118,6 @@ class Tracking(Capability[TrackingSettings]):
         mover = HeadClient(self.ctx, neck, aim, call.arrived)
         eye = Eye(partial(finder, settings, command.target), self.ctx.wake)
         self._following = _Following(command, mover, eye, gaze, call, aim, began=now, turned_s=now)
-
-    def _look(self, call: Call, command: LookCommand) -> None:
-        """Have the next new picture looked at: a camera that rested has one soon."""
-        if self._looking is not None or self._to_look is not None:
-            call.refuse("a picture is being looked at; wait for the answer", "busy")
-        else:
-            self._to_look = call, command, self.ctx.clock() + NEW_PICTURE_S
-            self._look_at_new(*self._to_look)
-
-    def _look_at_new(self, call: Call, command: LookCommand, until: float) -> None:
-        """Look at the newest picture on a thread, for that may take a while."""
-        newest, now = self.ctx.latest("frame"), self.ctx.clock()
-        if newest is not None and newest.age_s(now) <= self.ctx.settings.max_age_s:
-            looked = self._pool.submit(sketch, self.ctx.settings, command.target, newest.message.data)
-            looked.add_done_callback(lambda _: self.ctx.wake())
-            self._looking, self._to_look = (call, looked), None
-        elif (why := camera_off(self.ctx.latest("camera"))) or now >= until:
-            self._to_look = None
-            call.refuse(why or NO_PICTURES, "unreachable")
-
-    def _show(self, call: Call, looked: "Future[Sketch]") -> None:
-        self._looking = None
-        try:
-            found = looked.result()
-            path = picture_files.save(self.ctx.home, picture_files.name_now(self.ctx.name), found.picture)
-        except InputError as err:
-            call.reply(SnapshotReply(accepted=False, reason=str(err), code=err.code))
-        else:
-            call.reply(SnapshotReply(accepted=True, reason=f"{found.text}; saved as {path}", path=str(path)))
 
     def _joints(self) -> Received:
         """Return what the joints told last; raise InputError if that is too long ago."""

@@ -7,6 +7,8 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.capability.word import Word
+
 Degrees = Annotated[float, Meta(ge=0.0, le=360.0)]
 Percent = Annotated[float, Meta(ge=0.0, le=100.0)]
 
@@ -23,3 +25,13 @@ class VisionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     field_deg: Annotated[float, Meta(gt=1.0, le=170.0, description="how wide the camera sees")] = 60.0
     max_age_s: Annotated[float, Meta(gt=0.0, le=5.0, description="an older picture does not count")] = 0.5
     face_model: Annotated[str, Meta(description="a file with a YuNet model (ONNX); empty: colours only")] = ""
+
+
+LOOK_WORDS = (
+    Word(
+        "look",
+        "look",
+        "Save what the camera sees with the coloured thing marked, and say which colour the middle of the picture has",
+    ),
+    Word("/look/{target}", "look", "Save what the camera sees with that marked: colour or face"),
+)
