@@ -37,7 +37,7 @@ COMPASS_DEG = 20.0
 WALKING_MPS = 1.4
 STANDS_MPS, STANDS_RPS = 0.02, 0.05
 STUCK_S, STUCK_M, STUCK_TRANSITIONS = 45.0, 0.3, 6
-"""A robot that decides again and again, and stays where it is for so long, is stuck. One that waits is not."""
+"""A robot that decides again and again, and stays where it is for so long, is stuck. One that waits is not, also if it decided a lot just before."""
 LOOK_S = 1.0
 
 
@@ -236,10 +236,10 @@ class Trial(TableTrial):
     def _stuck(self) -> bool:
         if len(self._been) < (self._been.maxlen or 0):
             return False
-        x, y, transitions = self._been[0]
-        return self._been[-1][2] - transitions >= STUCK_TRANSITIONS and all(
-            hypot(one[0] - x, one[1] - y) < STUCK_M for one in self._been
-        )
+        x, y, first = self._been[0]
+        halfway, last = self._been[len(self._been) // 2][2], self._been[-1][2]
+        decides = last - first >= STUCK_TRANSITIONS and last - halfway >= STUCK_TRANSITIONS // 2
+        return decides and all(hypot(one[0] - x, one[1] - y) < STUCK_M for one in self._been)
 
     def _seen(self) -> dict[str, Any]:
         pose = self.instruments.pose

@@ -198,3 +198,10 @@ def test_without_a_ball_it_looks_all_around_and_gives_up(rows, home):
     outcome = trial.run()
     assert (outcome.good, outcome.state, outcome.unsafe) == (False, "Lost", ()), outcome
     assert outcome.moved_m < 0.5
+
+
+def test_one_that_came_there_in_short_moves_and_waits_is_not_stuck(rows, home):
+    trial = WithABall(setup(rows, home, "follow", max_s=62.0), 0, StartPose())
+    trial.places = ((trial.board.now, 1.9, -0.6),)
+    outcome = trial.run()
+    assert (outcome.good, outcome.code, outcome.state) == (True, "time_over", "Near"), outcome
