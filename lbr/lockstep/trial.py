@@ -237,8 +237,8 @@ class Trial(TableTrial):
         if len(self._been) < (self._been.maxlen or 0):
             return False
         x, y, first = self._been[0]
-        halfway, last = self._been[len(self._been) // 2][2], self._been[-1][2]
-        decides = last - first >= STUCK_TRANSITIONS and last - halfway >= STUCK_TRANSITIONS // 2
+        of_late, last = self._been[-len(self._been) // 3][2], self._been[-1][2]
+        decides = last - first >= STUCK_TRANSITIONS and last - of_late >= STUCK_TRANSITIONS // 3
         return decides and all(hypot(one[0] - x, one[1] - y) < STUCK_M for one in self._been)
 
     def _seen(self) -> dict[str, Any]:
