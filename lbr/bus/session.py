@@ -8,17 +8,15 @@ import resource
 from collections.abc import Sequence
 from typing import Any
 
-# A socket is watched by the threads that opened it (app) or accepted it (acc). Were these others than those that read it (rx),
-# each message would wake two threads one after the other. What is sent has a thread of its own (tx): an answer given in a
-# callback waits for it, and would wait for itself. A leaf process does with few; a router collapses with so few.
-RUNTIME = "(app: (handover: rx), acc: (handover: rx))"
-LEAF_RUNTIME = (
-    "(rx: (worker_threads: 2), app: (handover: rx), acc: (handover: rx), net: (handover: rx), tx: (worker_threads: 1))"
-)
+# Few runtime threads are enough for a leaf process and save it latency and CPU; a router collapses with them. What is
+# received has threads of its own: an answer given there waits for what is sent, and would wait for itself. For the same reason
+# those that read (rx) are not those that watch sockets (app, acc), though each message wakes two threads so: with both of
+# them waiting to pass a large message on, nothing was sent any more, and the link was given up.
+LEAF_RUNTIME = "(rx: (worker_threads: 2), acc: (handover: app), tx: (handover: app), net: (handover: app))"
 RUNTIME_VARIABLE = "ZENOH_RUNTIME"
 
 if os.environ.get(RUNTIME_VARIABLE) != LEAF_RUNTIME:
-    os.environ[RUNTIME_VARIABLE] = RUNTIME  # also instead of a shell's own wish, which the library may not understand
+    os.environ.pop(RUNTIME_VARIABLE, None)  # a shell's own wish, which the library may not understand, and then panics
 
 import zenoh  # noqa: E402 - the runtime reads its environment when the library loads
 from msgspec import Struct  # noqa: E402
