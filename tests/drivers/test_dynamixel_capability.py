@@ -436,20 +436,30 @@ while True:
 """
 
 
-def driving(chain, hold_s):
-    """A driver in a process of its own, whose servos are on their way."""
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    process = programs.start([sys.executable, "-c", DRIVER, str(chain.path), str(hold_s)], env=environment)
-    until(lambda: all(servo.torque and servo.goal == 512 for servo in chain.servos.values()), 8.0)
-    for servo in chain.servos.values():
-        servo.stuck = 540
-        servo.settle()
-    return process
+@pytest.fixture
+def driving(chain):
+    """Starts a driver in a process of its own, whose servos are on their way; it is waited for, also where a test fails."""
+    started = []
+
+    def start(hold_s):
+        environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+        process = programs.start([sys.executable, "-c", DRIVER, str(chain.path), str(hold_s)], env=environment)
+        started.append(process)
+        until(lambda: all(servo.torque and servo.goal == 512 for servo in chain.servos.values()), 8.0)
+        for servo in chain.servos.values():
+            servo.stuck = 540
+            servo.settle()
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+        process.wait()
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
-def test_when_the_driver_dies_or_hangs_its_guard_holds_the_servos_then_lets_them_go(chain, number):
-    process = driving(chain, 0.2)
+def test_when_the_driver_dies_or_hangs_its_guard_holds_the_servos_then_lets_them_go(chain, driving, number):
+    process = driving(0.2)
     chain.log.clear()
     process.send_signal(number)
     until(lambda: all(servo.goal == 540 for servo in chain.servos.values()), 5.0)
@@ -461,8 +471,8 @@ def test_when_the_driver_dies_or_hangs_its_guard_holds_the_servos_then_lets_them
     assert len(limits) > 2
 
 
-def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain):
-    process = driving(chain, 3.0)  # a busy machine reads some servos late, and the guard gives up those it cannot read
+def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain, driving):
+    process = driving(3.0)  # a busy machine reads some servos late, and the guard gives up those it cannot read
     silent = {2, 3}
     chain.answer = lambda request, _usual: b"" if request[2] in silent else None
     process.kill()
@@ -474,8 +484,8 @@ def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain):
     process.wait(5.0)
 
 
-def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(chain):
-    process = driving(chain, 60.0)
+def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(chain, driving):
+    process = driving(60.0)
     process.kill()
     process.wait()
     until(lambda: all(servo.goal == 540 for servo in chain.servos.values()), 5.0)
