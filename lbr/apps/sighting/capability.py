@@ -1,15 +1,15 @@
 """Sighting as a capability: looks at a camera's pictures while that is asked for, and tells where the target is."""
 
-from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from math import atan, cos, degrees, inf, pi, radians, remainder, sin, tan
 
 from lbr.apps.sighting import SightingSettings
 from lbr.apps.vision.direction import Angles, direction, radius_rad
-from lbr.apps.vision.eye import NO_PICTURES, Eye, Look, camera_off
+from lbr.apps.vision.eye import Eye, camera_off
 from lbr.apps.vision.finding import check, finder
 from lbr.apps.vision.glance import Glance
+from lbr.apps.vision.looking import Looking
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
@@ -18,8 +18,6 @@ from lbr.messages.sighting import SightingState, WatchCommand
 from lbr.messages.tracking import LookCommand, Seen, Target
 
 STATE_EVERY_S, RESTING_EVERY_S = 0.2, 1.0
-NO_PICTURE_S = 1.0
-RATE_OVER_S = 2.0
 LEAST_WIDE_RAD = 1e-3
 
 
@@ -28,12 +26,8 @@ class _Watch:
     """What is looked for, and until when."""
 
     target: Target
-    eye: Eye
+    looking: Looking
     until_s: float
-    picture_s: float
-    last: Look | None = None
-    seen_s: float = -inf
-    looked: deque[float] = field(default_factory=lambda: deque(maxlen=100))
 
 
 class Sighting(Capability[SightingSettings]):
@@ -89,41 +83,28 @@ class Sighting(Capability[SightingSettings]):
         if watch is None or watch.target != command.target:
             self._end("")
             eye = Eye(partial(finder, self.ctx.settings, command.target), self.ctx.wake)
-            watch = self._watch = _Watch(command.target, eye, until_s=now, picture_s=now)
+            watch = self._watch = _Watch(command.target, Looking(self.ctx, eye), until_s=now)
         watch.until_s = max(watch.until_s, now + command.seconds)
         return f"looks for a {watch.target} for {watch.until_s - now:.0f} s"
 
     def _go_on(self, watch: _Watch) -> None:
         now = self.ctx.clock()
-        for received in self.ctx.take("frame")[-1:]:
-            if 0.0 <= received.age_s(now) <= self.ctx.settings.max_age_s:
-                watch.picture_s = received.arrived
-                watch.eye.look(received.message.data, received.arrived)
-        for look in watch.eye.looks():
-            watch.last = look
-            watch.looked.append(now)
-            watch.seen_s = look.taken_s if look.seen is not None else watch.seen_s
+        if watch.looking.take(now):
             self._tell_at = now
-        if watch.eye.trouble:
-            self._end(watch.eye.trouble)
+        if watch.looking.eye.trouble:
+            self._end(watch.looking.eye.trouble)
             self._complain(self._why)
         elif now >= watch.until_s:
             self._end("nobody asks for it any more")
         else:
-            self._complain(self._trouble(watch, now))
+            self._complain(watch.looking.trouble(now))
 
     def _end(self, why: str) -> None:
         watch, self._watch, self._why = self._watch, None, why
         if watch is not None:
-            watch.eye.close()
+            watch.looking.close()
             self._tell_at = -inf
         self._complain("")
-
-    def _trouble(self, watch: _Watch, now: float) -> str:
-        """Return why no pictures are looked at, or nothing."""
-        if now - watch.picture_s <= NO_PICTURE_S:
-            return ""
-        return camera_off(self.ctx.latest("camera")) or NO_PICTURES
 
     def _complain(self, why: str) -> None:
         if why != self._warned:
@@ -143,17 +124,16 @@ class Sighting(Capability[SightingSettings]):
     def _state(self, now: float) -> SightingState:
         watch = self._watch
         assert watch is not None
-        fresh = watch.last is not None and now - watch.last.taken_s <= self.ctx.settings.max_age_s
-        seen = watch.last.seen if watch.last is not None and fresh else None
-        recent = sum(1 for looked in watch.looked if now - looked <= RATE_OVER_S)
+        looking = watch.looking
+        seen = looking.last.seen if looking.last is not None and looking.counts(looking.last, now) else None
         return SightingState(
             watching=True,
             target=watch.target,
             left_s=round(max(0.0, watch.until_s - now), 1),
             seen=seen is not None,
-            age_s=round(now - watch.seen_s, 3) if watch.seen_s > -inf else None,
-            pictures_hz=round(recent / RATE_OVER_S, 1),
-            reason=self._trouble(watch, now) or ("" if seen is not None else "it is not in the picture"),
+            age_s=looking.age_s(now),
+            pictures_hz=looking.pictures_hz(now),
+            reason=looking.trouble(now) or ("" if seen is not None else "it is not in the picture"),
             **(where(seen, self.ctx.settings) if seen is not None else {}),
         )
 

@@ -1,7 +1,6 @@
 """Tracking as a capability: looks at the head's pictures while that is asked for, and has the head follow."""
 
-from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from math import inf, radians
 
@@ -13,6 +12,7 @@ from lbr.apps.vision.direction import Angles
 from lbr.apps.vision.eye import NO_PICTURES, Eye, Look, camera_off
 from lbr.apps.vision.finding import check, finder, load
 from lbr.apps.vision.glance import Glance
+from lbr.apps.vision.looking import Looking
 from lbr.apps.vision.sketch import sketch
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Received
@@ -24,8 +24,6 @@ from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 
 STATE_EVERY_S = 1.0
 JOINTS_CURRENT_S = 0.5
-NO_PICTURE_S = 1.0
-RATE_OVER_S = 2.0
 ANSWER_S = 1.2
 """A sender that wants the head to follow waits 2 s for the answer; on a busy machine the eye may take longer."""
 ROUND_S = 0.5
@@ -38,16 +36,11 @@ class _Following:
 
     command: TrackCommand
     mover: HeadClient
-    eye: Eye
+    looking: Looking
     gaze: Gaze
     call: Call | None
     aim: Angles
-    began: float
     turned_s: float
-    last: Look | None = None
-    seen_s: float = -inf
-    picture_s: float = -inf
-    looked: deque[float] = field(default_factory=lambda: deque(maxlen=100))
 
 
 class Tracking(Capability[TrackingSettings]):
@@ -117,7 +110,7 @@ class Tracking(Capability[TrackingSettings]):
         neck = Neck(settings.yaw_joint, settings.pitch_joint, settings.speed_rps, settings.torque)
         mover = HeadClient(self.ctx, neck, aim, call.arrived)
         eye = Eye(partial(finder, settings, command.target), self.ctx.wake)
-        self._following = _Following(command, mover, eye, gaze, call, aim, began=now, turned_s=now)
+        self._following = _Following(command, mover, Looking(self.ctx, eye), gaze, call, aim, turned_s=now)
 
     def _joints(self) -> Received:
         """Return what the joints told last; raise InputError if that is too long ago."""
@@ -130,14 +123,15 @@ class Tracking(Capability[TrackingSettings]):
 
     def _go_on(self, following: _Following) -> None:
         now = self.ctx.clock()
-        self._take_in(following, now)
-        for look in following.eye.looks():
+        for received in self.ctx.take("joints"):
+            self._hear(following.gaze, received)
+        for look in following.looking.take(now):
             self._see(following, look, now)
         self._look_around(following, now)
         following.mover.look(following.aim)
         if following.call is not None and following.mover.holds:
             self._answer(following, following.call, now)
-        blind = following.eye.trouble
+        blind = following.looking.eye.trouble
         if (
             why := (Reason("failed", blind) if blind else None)
             or following.mover.ended
@@ -147,15 +141,6 @@ class Tracking(Capability[TrackingSettings]):
         else:
             self._complain(self._trouble(following, now))
 
-    def _take_in(self, following: _Following, now: float) -> None:
-        """Take in where the head is, and the newest picture if it is one of now."""
-        for received in self.ctx.take("joints"):
-            self._hear(following.gaze, received)
-        for received in self.ctx.take("frame")[-1:]:
-            if 0.0 <= received.age_s(now) <= self.ctx.settings.max_age_s:
-                following.picture_s = received.arrived
-                following.eye.look(received.message.data, received.arrived)
-
     def _hear(self, gaze: Gaze, received: Received) -> None:
         settings, state = self.ctx.settings, received.message
         assert isinstance(state, JointsState)
@@ -163,10 +148,7 @@ class Tracking(Capability[TrackingSettings]):
         gaze.hear(yaw, pitch, received.arrived)
 
     def _see(self, following: _Following, look: Look, now: float) -> None:
-        following.last = look
-        following.looked.append(now)
-        if look.seen is not None and now - look.taken_s <= self.ctx.settings.max_age_s:
-            following.seen_s = look.taken_s
+        if look.seen is not None and following.looking.counts(look, now):
             pose = following.gaze.at(look.taken_s)
             if pose is not None:
                 following.aim = follow(following.aim, pose, look.seen, self._tuning())
@@ -176,22 +158,21 @@ class Tracking(Capability[TrackingSettings]):
         """Turn ahead slowly when nothing was seen for a while although there are pictures."""
         since_s = min(now - following.turned_s, ROUND_S)
         following.turned_s = now
-        lost = now - max(following.seen_s, following.began) > self.ctx.settings.lost_s
-        if lost and now - following.picture_s <= NO_PICTURE_S:
+        lost = now - max(following.looking.seen_s, following.looking.began_s) > self.ctx.settings.lost_s
+        if lost and following.looking.has_pictures(now):
             following.aim = ahead_again(following.aim, self.ctx.settings.ahead_rps * since_s, self._tuning())
 
     def _given_up(self, following: _Following, now: float) -> Reason | None:
         limit_s = self.ctx.settings.give_up_s
-        if now - max(following.seen_s, following.began) <= limit_s:
+        if now - max(following.looking.seen_s, following.looking.began_s) <= limit_s:
             return None
         lost = f"no {following.command.target} was seen for {limit_s:g} s; the setting `give_up_s` says so"
         return Reason("stale_sensor", lost)
 
     def _trouble(self, following: _Following, now: float) -> str:
         """Return why the head stays where it is, or nothing."""
-        if now - max(following.picture_s, following.began) > NO_PICTURE_S:
-            return camera_off(self.ctx.latest("camera")) or f"{NO_PICTURES}; the head stays"
-        return ""
+        why = following.looking.trouble(now)
+        return f"{why}; the head stays" if why == NO_PICTURES else why
 
     def _complain(self, why: str) -> None:
         if why != self._warned:
@@ -204,10 +185,10 @@ class Tracking(Capability[TrackingSettings]):
 
     def _answer(self, following: _Following, call: Call, now: float) -> None:
         """Say that the head follows, or will; an answer that comes too late would be taken for a failure."""
-        if not (following.eye.ready or now - following.began >= ANSWER_S):
+        if not (following.looking.eye.ready or now - following.looking.began_s >= ANSWER_S):
             return
         following.call = None
-        loading = "" if following.eye.ready else " as soon as its eye is ready"
+        loading = "" if following.looking.eye.ready else " as soon as its eye is ready"
         text = f"the head follows a {following.command.target}{loading}"
         self.ctx.event("tracking_began", f"{call.source}: {text}", code="done", about=call.source)
         self._tell()
@@ -217,7 +198,7 @@ class Tracking(Capability[TrackingSettings]):
         following, self._following = self._following, None
         if following is None:
             return
-        following.eye.close()
+        following.looking.close()
         following.mover.release(why.text)
         if following.call is not None:
             following.call.refuse(why)
@@ -245,15 +226,15 @@ class Tracking(Capability[TrackingSettings]):
         self.ctx.publish("state", self._last if self._following is None else self._state(self._following, now))
 
     def _state(self, following: _Following, now: float) -> TrackingState:
-        recent = sum(1 for looked in following.looked if now - looked <= RATE_OVER_S)
-        seen = following.last.seen if following.last is not None else None
+        looking = following.looking
+        seen = looking.last.seen if looking.last is not None else None
         return TrackingState(
             following=True,
             target=following.command.target,
             seen=seen,
-            age_s=round(now - following.seen_s, 3) if following.seen_s > -inf else None,
+            age_s=looking.age_s(now),
             yaw_rad=round(following.aim.yaw_rad, 4),
             pitch_rad=round(following.aim.pitch_rad, 4),
-            pictures_hz=round(recent / RATE_OVER_S, 1),
+            pictures_hz=looking.pictures_hz(now),
             reason=self._trouble(following, now) or ("" if seen is not None else "it is not in the picture"),
         )
