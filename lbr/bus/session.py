@@ -31,8 +31,7 @@ LINK_LEASE_MS = 400
 """The library looks at links now and then only: a frozen process was seen to be lost after 0.3 to 0.8 s."""
 WATCHED_MS = 10_000
 """The lease of the links of processes whose executive hears their heartbeats and ends what hangs; the kernel tells at once of
-one that has ended. Both ends say so often that they are there, which for thirty links of 400 ms was half of all that
-woke a robot at rest."""
+one that has ended. On a busy machine one that ranks low may come to say that it is there only after seconds."""
 HELD_MS = 3_600_000
 """The lease of links between sessions of one process: neither end can be gone without the other, and where both were
 held up together and then gave each other up, the router does not learn again who answers what."""

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import signal
+import threading
 import time
 from pathlib import Path
 
@@ -53,6 +54,23 @@ def test_streams_setpoints_events_status_rows_and_lines_are_in_it(robot):
     state = next(one for one in found if one.topic == "drive/state")
     assert msgspec.json.decode(state.channel.schema)["title"] == "DriveState"
     assert abs(state.log_ns - state.publish_ns) < 5e8
+
+
+def test_what_is_asked_of_a_box_that_was_held_up_is_answered_once_it_goes_on(robot):
+    """A busy machine may keep it waiting for longer than other links may be silent; it is on the bus all the same."""
+    pid, held_up = robot.capability("box")["pid"], threading.Event()
+    answers = []
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        held_up.wait(1.0)
+        asking = threading.Thread(target=lambda: answers.append(robot.ask("box/end", {}, timeout_s=5.0)))
+        asking.start()
+        asking.join(0.1)
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    asking.join()
+    assert answers[0] is not None
+    assert "reason" in answers[0]
 
 
 def test_a_mark_and_an_emergency_stop_are_kept_with_why(robot):

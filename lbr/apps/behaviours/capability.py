@@ -50,7 +50,7 @@ from lbr.messages.unreadable import UNREADABLE
 R = TypeVar("R", bound=Row)
 STATE_EVERY_S, RESTING_EVERY_S = 0.25, 1.0
 ASIDE_S = 5.0
-SILENT = {"say": ("behaviour_silent", "says nothing"), "watch": ("behaviour_blind", "looks for nothing")}
+NOT_DONE = {"say": ("behaviour_silent", "says nothing"), "watch": ("behaviour_blind", "looks for nothing")}
 """The event that tells of what was not done, and in which words."""
 BATTERY_S, DRIVE_S = 3.0, 1.0
 """What is older is not known: three periods of the battery, ten of the drive."""
@@ -335,7 +335,7 @@ class Behaviours(Capability[BehaviourSettings]):
             for name, reply in (asked.answers() or {}).items():
                 if not isinstance(reply, CommandReply) or not reply.accepted:
                     why = reply.reason if isinstance(reply, CommandReply) else "it does not answer"
-                    kind, does = SILENT[way]
+                    kind, does = NOT_DONE[way]
                     self.ctx.event(kind, f"'{name}' {does}: {why}", level="warning")
 
     def _stopped_by_others(self) -> Reason | None:

@@ -16,7 +16,7 @@ HEALTHY_S = 60.0
 JITTER = 0.2
 NO_PROGRAM = 127
 UNSEEN = 256
-"""The code of a process whose end nobody has seen, because the fork server had ended before; none ends with it."""
+"""The code of a process whose end was not seen, because the fork server had ended before; no process ends with it."""
 
 
 class End(Enum):
@@ -64,7 +64,7 @@ def ended_by(code: int, *, program: bool) -> str:
     if code == NO_PROGRAM:
         return "there is no such program, or it may not be executed"
     if code == UNSEEN:
-        return "ended, and nobody saw how: what had forked it was gone"
+        return "ended; how is not known, because the server that had forked it was gone"
     return f"killed by {_signal(-code)}" if code < 0 else f"exit code {code}"
 
 
