@@ -9,7 +9,7 @@ from lbr.apps.tracking.control import AHEAD, Tuning, ahead_again, clamped, follo
 from lbr.apps.tracking.gaze import Gaze
 from lbr.apps.tracking.head_client import HeadClient, Neck
 from lbr.apps.vision.direction import Angles
-from lbr.apps.vision.eye import NO_PICTURES, Eye, Look, camera_off
+from lbr.apps.vision.eye import Eye, Look, camera_off
 from lbr.apps.vision.finding import check, finder, load
 from lbr.apps.vision.glance import Glance
 from lbr.apps.vision.looking import Looking
@@ -139,7 +139,7 @@ class Tracking(Capability[TrackingSettings]):
         ):
             self._end(why)
         else:
-            self._complain(self._trouble(following, now))
+            self._complain(following.looking.trouble(now))
 
     def _hear(self, gaze: Gaze, received: Received) -> None:
         settings, state = self.ctx.settings, received.message
@@ -168,11 +168,6 @@ class Tracking(Capability[TrackingSettings]):
             return None
         lost = f"no {following.command.target} was seen for {limit_s:g} s; the setting `give_up_s` says so"
         return Reason("stale_sensor", lost)
-
-    def _trouble(self, following: _Following, now: float) -> str:
-        """Return why the head stays where it is, or nothing."""
-        why = following.looking.trouble(now)
-        return f"{why}; the head stays" if why == NO_PICTURES else why
 
     def _complain(self, why: str) -> None:
         if why != self._warned:
@@ -236,5 +231,5 @@ class Tracking(Capability[TrackingSettings]):
             yaw_rad=round(following.aim.yaw_rad, 4),
             pitch_rad=round(following.aim.pitch_rad, 4),
             pictures_hz=looking.pictures_hz(now),
-            reason=self._trouble(following, now) or ("" if seen is not None else "it is not in the picture"),
+            reason=following.looking.trouble(now) or ("" if seen is not None else "it is not in the picture"),
         )
