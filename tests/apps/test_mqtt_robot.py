@@ -236,6 +236,32 @@ def test_when_the_sender_is_killed_the_robot_stops_by_its_lease_and_is_told_to_b
     assert not drive(robot)["moving"]
 
 
+def test_a_broker_that_stands_still_stops_what_it_asked_for_and_what_it_held_back_moves_nothing(robot, broker, person):
+    connections = until(lambda: (state := asked(robot, "mqtt/state"))["connected"] and state["connections"])
+    person.say(f"{TOPIC}/ask/slowly", "PRESS")
+    until(lambda: drive(robot)["moving"], what="motion")
+    since = len(person.heard)
+    broker.freeze()
+    try:
+        person.client.publish(f"{TOPIC}/ask/slowly", "PRESS", qos=1)
+        until(lambda: not drive(robot)["moving"], what="its stop", limit_s=6.0)
+        assert drive(robot)["holder"] is None
+    finally:
+        broker.thaw()
+    told = until(lambda: [one for one in answers(person, since) if one["state"] == "refused"], what="the refusal")[-1]
+    assert (told["word"], told["code"]) == ("slowly", "late")
+    assert f"{TOPIC}/echo" in told["reason"]
+    assert asked(robot, "mqtt/state")["connections"] == connections
+
+    def moves():
+        person.say(f"{TOPIC}/ask/slowly", "PRESS")
+        return drive(robot)["moving"]
+
+    until(moves, limit_s=6.0, what="motion when asked anew")
+    person.say(f"{TOPIC}/ask/stop", "PRESS")
+    rests(robot)
+
+
 def test_a_broker_that_is_killed_stops_what_it_asked_for_and_is_found_again(robot, broker, person):
     before = until(lambda: (state := asked(robot, "mqtt/state"))["connected"] and state, what="the broker")[
         "connections"

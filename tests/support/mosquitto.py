@@ -2,6 +2,7 @@
 
 import datetime as dt
 import ipaddress
+import signal
 import ssl
 import threading
 import time
@@ -84,6 +85,13 @@ class Mosquitto:
 
     def start(self) -> None:
         self._popen = programs.start(["mosquitto", "-c", self._config])
+
+    def freeze(self) -> None:
+        """Have it stand still, with whoever is connected."""
+        self._popen.send_signal(signal.SIGSTOP)
+
+    def thaw(self) -> None:
+        self._popen.send_signal(signal.SIGCONT)
 
     def kill(self) -> None:
         if self._popen is not None:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 from lbr.apps.mqtt import MqttSettings, discovery, report, words
+from lbr.apps.mqtt.echo import Echo
 from lbr.apps.mqtt.session import Broker, Incoming, Outgoing, Session, secret, secured
 from lbr.apps.mqtt.shadow import Asked, ShadowState
 from lbr.apps.mqtt.words import Ask, Motion, Order
@@ -48,6 +49,7 @@ BORROWED = {
     PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
 }
 PORTS = {StopCommand: "stop_all", RunBehaviour: "run", SayCommand: "say"}
+STANDS_STILL = "the broker sends nothing back, and through it nobody could stop this"
 NO_BROKER = "no broker is named: the setting 'host' of this row says where one is, and docs/outside.md how to have one"
 
 
@@ -69,6 +71,7 @@ class Mqtt(Capability[MqttSettings]):
         settings = ctx.settings
         self._topic = settings.topic or f"lbr/{ctx.robot}"
         self._session: Session | None = None
+        self._echo = Echo() if settings.words and self._says_whether_available else None
         self._shadow: ShadowState | None = None
         if settings.shadow is not None:
             mark = f"{ctx.robot}-{ctx.name}-{int(ctx.clock() * 1000)}"
@@ -112,6 +115,7 @@ class Mqtt(Capability[MqttSettings]):
         if self._session is not None:
             for message in self._session.take():
                 self._hear(message, now)
+            self._listen_for_echo(self._session, now)
         self._go_on()
         self._read_answers()
         if self._session is not None and self._session.connected and now >= self._report_from:
@@ -145,10 +149,13 @@ class Mqtt(Capability[MqttSettings]):
     @property
     def _says_whether_available(self) -> bool:
         """Whether topics of its own are used: a shadow alone is to be had with no rights to any other."""
-        return self.ctx.settings.home_assistant is not None or self._shadow is None
+        return self.ctx.settings.home_assistant is not None or self.ctx.settings.shadow is None
 
     def _asked_on(self) -> tuple[str, ...]:
-        return (f"{self._topic}/ask", f"{self._topic}/ask/+") if self._says_whether_available else ()
+        if not self._says_whether_available:
+            return ()
+        echo = (f"{self._topic}/echo",) if self._echo is not None else ()
+        return (f"{self._topic}/ask", f"{self._topic}/ask/+", *echo)
 
     def _available(self, payload: str) -> Outgoing:
         return Outgoing(f"{self._topic}/available", payload.encode(), retain=True)
@@ -172,9 +179,20 @@ class Mqtt(Capability[MqttSettings]):
             self._count = session.count
             self._introduce(session)
 
+    def _listen_for_echo(self, session: Session, now: float) -> None:
+        """Have the broker send a word back now and then; what moves ends when it does not."""
+        if self._echo is None or not session.connected:
+            return
+        if word := self._echo.word(now):
+            session.publish(Outgoing(f"{self._topic}/echo", word.encode(), sure=False))
+        if self._echo.stands_still(now):
+            self._end_motion(Reason("unreachable", STANDS_STILL))
+
     def _introduce(self, session: Session) -> None:
         """Tell a broker that is there now what it may have forgotten."""
         self._state, self._state_at = {}, -inf
+        if self._echo is not None:
+            self._echo.connected(self.ctx.clock())
         if self._shadow is not None:
             self._shadow.connected()
         if self._says_whether_available:
@@ -201,12 +219,14 @@ class Mqtt(Capability[MqttSettings]):
             if self._shadow is not None and message.topic.startswith(f"{self._shadow.root}/"):
                 if asked := self._shadow.hear(message.topic, message.payload, now):
                     self._desire(message.topic, asked)
+            elif self._echo is not None and message.topic == f"{self._topic}/echo":
+                self._echo.hear(message.payload, now)
             else:
-                self._serve(message)
+                self._serve(message, now)
         except InputError as err:
             self._complain(message.topic, str(err), err.code)
 
-    def _serve(self, message: Incoming) -> None:
+    def _serve(self, message: Incoming, now: float) -> None:
         """Take a word that came on a topic of our own: named by it, or in the message."""
         name = message.topic.removeprefix(f"{self._topic}/ask").lstrip("/")
         ask = Ask(word=name[:LONGEST_WORD])
@@ -216,7 +236,7 @@ class Mqtt(Capability[MqttSettings]):
                 ask = _named(name, message.payload, self.ctx.settings.words.get(name))
             else:
                 ask = words.read(_json(message.payload))
-            self._do(ask, message.topic)
+            self._do(ask, message.topic, late=self._echo is not None and self._echo.late(now))
         except InputError as err:
             self._complain(message.topic, str(err), err.code, ask)
 
@@ -232,11 +252,15 @@ class Mqtt(Capability[MqttSettings]):
         except InputError as err:
             self._complain(topic, str(err), err.code, ask)
 
-    def _do(self, ask: Ask, topic: str) -> None:
+    def _do(self, ask: Ask, topic: str, *, late: bool = False) -> None:
+        """Have done what is asked for; what may be late is done only if it is a stop."""
         self._asked += 1
         order = words.order(ask, self.ctx.settings.words, self._role)
         if isinstance(order, StopCommand):
             self._end_motion(Reason("stopped", f"stopped by '{ask.word}'"))
+        elif late:
+            text = f"the broker is slow: what it sends back on {self._topic}/echo is late, or does not come; ask again"
+            raise InputError(text, "late")
         elif len(self._waiting) >= MOST_ASKED:
             raise InputError("too much was asked at once; ask again", "busy")
         if isinstance(order, Motion):

@@ -1,0 +1,63 @@
+"""How late a broker is. A message there has no date, so a word of our own goes to the broker and back again and again. Pure.
+
+A broker that stood still hands over all at once what came meanwhile, ours and others', in any order. So it is late while
+our word is not back, and for a moment after one has come back late.
+"""
+
+import secrets
+from math import inf
+
+EVERY_S = 1.0
+LATE_S = 2.0
+"""Who asked for something stands no longer where they stood; a broker on another continent takes a fifth of that."""
+CALM_S = 2.0
+"""What came in the same standstill is handed over by then, and a word that goes after it is back."""
+MOST_UNDER_WAY = 60
+
+
+class Echo:
+    """The words that are under way since the broker was reached last."""
+
+    def __init__(self) -> None:
+        self._mark = ""
+        self._number = 0
+        self._sent: dict[str, float] = {}
+        self._heard_from = -inf
+        """When the newest word was sent that has come back."""
+        self._late_until = -inf
+        self._next = -inf
+
+    def connected(self, now: float) -> None:
+        """Begin anew: what was said to an earlier connection does not come back."""
+        self._mark, self._number, self._sent = secrets.token_hex(4), 0, {}
+        self._heard_from, self._late_until, self._next = now, -inf, now
+
+    def word(self, now: float) -> str:
+        """Return what is to be sent now, or nothing."""
+        if now < self._next:
+            return ""
+        self._next = now + EVERY_S
+        self._number += 1
+        word = f"{self._mark}-{self._number}"
+        self._sent[word] = now
+        if len(self._sent) > MOST_UNDER_WAY:
+            del self._sent[next(iter(self._sent))]
+        return word
+
+    def hear(self, payload: bytes, now: float) -> None:
+        """Take what came back; what is none of ours, or came back before, says nothing."""
+        sent = self._sent.pop(payload.decode(errors="replace"), None)
+        if sent is None:
+            return
+        self._heard_from = max(self._heard_from, sent)
+        self._sent = {word: at for word, at in self._sent.items() if at > sent}
+        if now - sent > LATE_S:
+            self._late_until = now + CALM_S
+
+    def late(self, now: float) -> bool:
+        """Say whether what comes now may have been asked for long ago."""
+        return self.stands_still(now) or now < self._late_until
+
+    def stands_still(self, now: float) -> bool:
+        """Say whether nothing has come back that was sent of late."""
+        return not now - self._heard_from <= LATE_S + EVERY_S  # this way round, NaN is late
