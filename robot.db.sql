@@ -550,6 +550,11 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('lbr', 'foxglove', 'foxglove', 0, '{"port": 8765}',
      'The robot for Foxglove: its streams, cameras, body and words, at ws://127.0.0.1:8765');
 
+-- Off: it needs a gamepad at the robot's own computer. `lbr devices` proposes its rows, and switches this on: docs/gamepad.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, needs, help) VALUES
+    ('lbr', 'teleop', 'teleop', 0, '{"lines": {"y": "/s/hello"}}', '["drive"]',
+     'The hand on a gamepad: drives while its dead-man button is held; a button stops, others say lines');
+
 -- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`
 -- lets in whoever has a token (`lbr token add NAME`).
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
@@ -626,7 +631,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'web_api.say', 'speech.say', 1),
     ('lbr', 'web_api.select_camera', 'cameras.select', 1),
     ('lbr', 'web_api.dock_heard', 'dock.heard', 1),
-    ('lbr', 'web_api.estop_reset', 'executive.estop_reset', 1);
+    ('lbr', 'web_api.estop_reset', 'executive.estop_reset', 1),
+    ('lbr', 'teleop.say', 'executive.line', 1);
 
 -- What needs no more than a few messages a second gets no more.
 INSERT INTO channel (robot, source, target, rate_hz) VALUES

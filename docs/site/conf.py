@@ -20,6 +20,7 @@ PAGES = {
     "Robots": ["docs/robots/lbr", "docs/robots/bioloid", "docs/robots/uxa90"],
     "Drive and look": [
         "docs/web",
+        "docs/gamepad",
         "docs/telepresence",
         "docs/cameras",
         "docs/speech_and_dance",

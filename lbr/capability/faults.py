@@ -41,7 +41,7 @@ def _found(kind: Kind) -> Iterator[str]:
 
 
 def _words(kind: Kind) -> Iterator[str]:
-    for field in ("summary", "device", "extra", "package", "recognised"):
+    for field in ("summary", "device", "extra", "package", "recognised", "says"):
         if not isinstance(getattr(kind, field), str):
             yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a text"
     for field in ("moves", "serves", "serves_people", "records", "pairs", "emulates", "follows"):
@@ -187,6 +187,8 @@ def _settings(kind: Kind) -> Iterator[str]:
         yield f"'settings' is {kind.settings.__name__}, which must be declared with {need}"
     if fault := _unfit(kind.settings):
         yield f"'settings' is {kind.settings.__name__}, which is not JSON: {fault}"
+    if kind.says and kind.says not in kind.settings.__struct_fields__:
+        yield f"'says' names {_shown(kind.says)}, which is not a field of {kind.settings.__name__}"
     if kind.device and "device" not in kind.settings.__struct_fields__:
         yield f"'device' needs a field 'device' in {kind.settings.__name__}, which names the device row"
 

@@ -110,6 +110,7 @@ class Kind:
     tty, a socket (`unix:PATH`) or a folder. `recognised` names how its device is recognised, `module:HANDSHAKES` (see
     `lbr.capability.recognition`), for `lbr devices`. `rows` are the tables whose rows it gets, and `learns` those of them that
     it may write back; `edits` are those that it may have written by `executive.edit`, where it is wired to that.
+    `says` is its setting that has lines of the console, by name, each of which must be one that its robot understands.
     `wires` are the inputs and requests that need no channel row. One that `follows` goes on when rows that it reads are
     edited: it gets them by its command `rows`, a `RowsChanged`, and begins again only if it refuses.
     `extra` is the extra of the package without which it cannot run at all, and `package` what that brings to import.
@@ -144,6 +145,7 @@ class Kind:
     rows: tuple[type[Row] | Rows, ...] = ()
     learns: tuple[type[Row], ...] = ()
     edits: tuple[type[Row], ...] = ()
+    says: str = ""
     wires: Mapping[str, Wire] = field(default_factory=dict)
     follows: bool = False
     extra: str = ""

@@ -57,9 +57,9 @@ class I2cHandshake:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NameHandshake:
-    """A device that the kernel has a name for: a camera (`video`) or a receiver (`lirc`). `seen` gets that name."""
+    """A device that the kernel has a name for: a camera (`video`), receiver (`lirc`) or `gamepad`. `seen` gets that name."""
 
-    place: Literal["video", "lirc"]
+    place: Literal["video", "lirc", "gamepad"]
     seen: Callable[[str], Seen | None]
 
 

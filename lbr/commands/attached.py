@@ -1,4 +1,4 @@
-"""What is attached to this machine: serial adapters, i2c buses, cameras, infrared receivers, input devices. Opens nothing."""
+"""What is attached to this machine: serial adapters, i2c buses, cameras, receivers, gamepads, input devices. Opens nothing."""
 
 import os
 import re
@@ -10,10 +10,11 @@ from typing import Literal
 from msgspec import Struct
 from serial.tools import list_ports
 
+from lbr.drivers.gamepad import nodes
 from lbr.errors import InputError
 from lbr.messages.rows import shown
 
-Place = Literal["serial", "i2c", "video", "lirc", "input"]
+Place = Literal["serial", "i2c", "video", "lirc", "gamepad", "input"]
 DEV, SYS = Path("/dev"), Path("/sys")
 
 
@@ -32,7 +33,7 @@ class End(Struct, frozen=True, kw_only=True):
 
 def ends(dev: Path = DEV, sys: Path = SYS) -> list[End]:
     """Return all ends that there are now, each once, by names that stay where they have such."""
-    return [*_serial(dev), *_buses(dev), *_named("video", dev, sys), *_named("lirc", dev, sys), *_inputs(dev)]
+    return [*_serial(dev), *_buses(dev), *_named("video", dev, sys), *_named("lirc", dev, sys), *_inputs(dev, sys)]
 
 
 def named(text: str) -> End:
@@ -98,9 +99,15 @@ def _receiver(entry: Path) -> str:
     return next(filter(None, found), entry.name)
 
 
-def _inputs(dev: Path) -> Iterator[End]:
-    for node, names in sorted(_links(dev / "input/by-id").items()):
-        if "event" in Path(node).name:
+def _inputs(dev: Path, sys: Path) -> Iterator[End]:
+    """Yield gamepads, also those that come by radio and have no name of udev's; of all else what is plugged in."""
+    links = _links(dev / "input/by-id")
+    pads = {os.path.realpath(dev / "input" / one.node): one for one in nodes.gamepads(sys / "class/input")}
+    for node, pad in pads.items():
+        names = links.get(node, [])
+        yield End(place="gamepad", address=str(names[0]) if names else pad.address, path=node, name=pad.name)
+    for node, names in sorted(links.items()):
+        if "event" in Path(node).name and node not in pads:
             yield End(place="input", address=str(names[0]), path=node, name=names[0].name)
 
 

@@ -18,6 +18,7 @@ from lbr.capability.twins import TwinError
 from lbr.commands.finding import Finding, Level
 from lbr.database.rows import DeviceRow
 from lbr.drivers import access
+from lbr.drivers.gamepad.nodes import path_of
 from lbr.drivers.infrared import decoders
 from lbr.drivers.serial_line import resolve
 from lbr.errors import DeviceError
@@ -29,13 +30,18 @@ NOWHERE = Path("/nowhere")
 """There are no capability files: what installed kinds drive is enough to know a line."""
 USB_SERIAL = Path("/sys/bus/usb-serial/devices")
 TUNED_MS = "1"
-NUMBERED = re.compile(r"/dev/(ttyACM|ttyUSB|video)\d+")
-BY_NAME = {"ttyACM": "/dev/serial/by-id", "ttyUSB": "/dev/serial/by-id", "video": "/dev/v4l/by-id"}
+NUMBERED = re.compile(r"/dev/(?:input/)?(ttyACM|ttyUSB|video|event)\d+")
+BY_NAME = {
+    **dict.fromkeys(("ttyACM", "ttyUSB"), "/dev/serial/by-id"),
+    "video": "/dev/v4l/by-id",
+    "event": "/dev/input/by-id",
+}
 """Where a device has a name that stays, by what its number stands after."""
 SOUND_CARDS = Path("/proc/asound/cards")
 LOOKS = {
     "camera": "v4l2-ctl --list-devices",
     "infrared": "ir-keytable",
+    "gamepad": "lbr devices",
 }
 """What to type to look for a device, by its type; for most others `ls /dev/serial/by-id`."""
 
@@ -105,6 +111,7 @@ def _schemes() -> dict[str, Callable[[DeviceRow, str], Judgement]]:
         "alsa": _sound,
         "csi": _pi_camera,
         "i2c": _i2c,
+        "input": _gamepad,
         "unix": lambda _row, rest: _at(Path(rest), "lbr status"),
     }
 
@@ -140,6 +147,10 @@ def _file(row: DeviceRow, _rest: str) -> Judgement:
         said, _, command = lacks.partition(": ")
         return "bad", f"{row.address} {said}, so no beam is heard", command
     return level, text, do
+
+
+def _gamepad(row: DeviceRow, _rest: str) -> Judgement:
+    return _at(Path(path_of(row.address) or row.address), LOOKS["gamepad"])
 
 
 def _i2c(_row: DeviceRow, rest: str) -> Judgement:

@@ -95,11 +95,29 @@ def _new(
     row = RowChange(table="capability", after={"name": capability, "kind": kind.name, "settings": settings})
     channels = list(_channels(capability, kind, rows, kinds))
     wired = f", wired by {len(channels)} channels" if channels else ""
+    waiting = list(_waiting(kind, rows, kinds))
+    on = f"; switch on {' and '.join(waiting)}, for which it is" if waiting else ""
     return Proposal(
         address=one.address,
-        text=f"add it as device '{name}', with the capability '{capability}' of kind '{kind.name}'{wired}",
-        changes=[*_needed(one, rows, kinds), device, row, *channels],
+        text=f"add it as device '{name}', with the capability '{capability}' of kind '{kind.name}'{wired}{on}",
+        changes=[*_needed(one, rows, kinds), device, row, *channels, *map(_switched_on, waiting)],
     )
+
+
+def _waiting(kind: Kind, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[str]:
+    """Yield the capabilities that are off and cannot do without this kind: they name it as what feeds them."""
+    for other in rows.capabilities:
+        theirs = kinds.get(other.kind)
+        if theirs is None or other.enabled:
+            continue
+        needed = (wire.to for port, wire in theirs.wires.items() if port not in theirs.optional)
+        if any(to == f"{kind.name}.{output}" for to in needed for output in kind.outputs):
+            yield other.name
+
+
+def _switched_on(name: str) -> RowChange:
+    before, after = ({"name": name, "enabled": value} for value in (False, True))
+    return RowChange(table="capability", before=before, after=after)
 
 
 def _needed(one: Attached, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[RowChange]:

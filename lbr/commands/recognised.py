@@ -17,6 +17,7 @@ from lbr.commands.attached import End, Place
 from lbr.commands.device_checks import join_group
 from lbr.database.rows import DeviceRow
 from lbr.drivers import recognising
+from lbr.drivers.gamepad.nodes import ANYWHERE, path_of
 from lbr.drivers.recognising import Found, Known
 from lbr.drivers.serial_line import holder, resolve
 from lbr.errors import DeviceError
@@ -92,6 +93,8 @@ def node_of(row: DeviceRow) -> str:
             return f"i2c:{int(bus)}:{int(at, 0):#04x}"
         except ValueError:
             return address
+    if address.startswith(ANYWHERE):
+        return path_of(address) or address
     if address.startswith(("/", "usb:", "by-id:")):
         try:
             return os.path.realpath(resolve(Device(row.name, row.type, address, {})))
@@ -104,7 +107,7 @@ def _asked(end: End, known: Known, held: Mapping[str, str], *, wait_s: float, as
     plain = Attached(**{name: getattr(end, name) for name in End.__struct_fields__})
     if end.place == "input":
         return [msgspec.structs.replace(plain, text=INPUT_TEXT)]
-    if end.place in {"video", "lirc"}:
+    if end.place in {"video", "lirc", "gamepad"}:
         return [_by_name(plain, known, held)]
     try:
         return _bus(plain, known, held, ask=ask) if end.place == "i2c" else [_line(plain, known, held, wait_s, ask=ask)]

@@ -100,6 +100,12 @@ class EstopAcknowledgement(Struct, frozen=True, kw_only=True):
     reason: str = ""
 
 
+class LineCommand(Struct, frozen=True, kw_only=True):
+    """A line of the console, said by a capability whose rows wire it to `executive.line`."""
+
+    line: Annotated[str, Meta(min_length=1, max_length=250)]
+
+
 class Hold(Struct, frozen=True, kw_only=True):
     """What a console line's sender repeats to go on moving: put `payload`, which quotes the lease, on `key`."""
 

@@ -19,7 +19,9 @@ from pathlib import Path
 import pytest
 
 from lbr.commands import attached, proposing, recognised
-from lbr.database.rows import DeviceRow, RobotRow, RobotRows
+from lbr.commands.devices import Looking
+from lbr.database import store
+from lbr.database.rows import CapabilityRow, DeviceRow, RobotRow, RobotRows
 from lbr.testing.device import plugged
 from tests.support import packages, programs, tap
 from tests.support.tap import tapped
@@ -224,6 +226,71 @@ def test_cameras_and_receivers_are_known_by_the_kernels_names_and_not_opened(tmp
         ("camera", "camera, HD Webcam"),
         ("infrared", "infrared receiver, gpio_ir_recv"),
     ]
+
+
+def gamepad_in(tmp_path, node, name, uniq=""):
+    """Have the kernel know a gamepad: its node, and what it says of it."""
+    place = tmp_path / "class/input" / node / "device"
+    (place / "capabilities").mkdir(parents=True)
+    for file, text in (
+        ("name", name),
+        ("uniq", uniq),
+        ("capabilities/abs", "3003f"),
+        ("capabilities/key", "7cdb000000000000 0 0 0 0"),
+    ):
+        (place / file).write_text(f"{text}\n")
+    (tmp_path / "input").mkdir(exist_ok=True)
+    (tmp_path / "input" / node).touch()
+
+
+def test_gamepads_are_known_by_their_keys_by_cable_and_by_radio_and_what_waits_for_one_is_switched_on(tmp_path):
+    gamepad_in(tmp_path, "event4", "Example Pad")
+    gamepad_in(tmp_path, "event5", "Wireless Controller", "aa:bb:cc:00:11:22")
+    names = tmp_path / "input/by-id"
+    names.mkdir()
+    (names / "usb-Example_Pad-event-joystick").symlink_to("../event4")
+    (tmp_path / "input/event1").touch()
+    (names / "usb-Keyboard-event-kbd").symlink_to("../event1")
+    kinds, known, _ = recognised.known_kinds(tmp_path)
+    found = recognised.ask_all(attached.ends(tmp_path, tmp_path), known, {}, wait_s=1.0)
+    assert [(one.type, one.what, one.address) for one in found] == [
+        ("gamepad", "gamepad, Example Pad", str(names / "usb-Example_Pad-event-joystick")),
+        ("gamepad", "gamepad, Wireless Controller", "input:aa:bb:cc:00:11:22"),
+        ("", "", str(names / "usb-Keyboard-event-kbd")),
+    ]
+    off = [
+        CapabilityRow(name="teleop", kind="teleop", enabled=False),
+        CapabilityRow(name="foxglove", kind="foxglove", enabled=False),
+    ]
+    rows = RobotRows(robot=RobotRow(name="two"), capabilities=tuple(off))
+    _, (offer,) = proposing.propose(rows, kinds, found[1:], {one.path for one in found})
+    assert offer.text == (
+        "add it as device 'gamepad', with the capability 'gamepad' of kind 'gamepad'; switch on teleop, for which it is"
+    )
+    assert [(one.table, one.after) for one in offer.changes] == [
+        ("device", {"name": "gamepad", "type": "gamepad", "address": "input:aa:bb:cc:00:11:22"}),
+        ("capability", {"name": "gamepad", "kind": "gamepad", "settings": {"device": "gamepad"}}),
+        ("capability", {"name": "teleop", "enabled": True}),
+    ]
+    held = recognised.held_by("two", [DeviceRow(name="pad", type="gamepad", address="/dev/null")])
+    assert held == {"/dev/null": "robot 'two' runs with it as its device 'pad'"}
+
+
+@pytest.mark.timeout(40)
+def test_the_proposal_of_a_gamepad_is_written_over_the_shipped_rows(tmp_path):
+    assert said(["db", "init"], tmp_path).returncode == 0
+    kinds, _, _ = recognised.known_kinds(tmp_path)
+    pad = recognised.Attached(
+        place="gamepad", address="input:Pad", path="/dev/input/event4", type="gamepad", what="pad"
+    )
+    looking = Looking("lbr", tmp_path / "robot.db", "", wait_s=1.0, ask=True)
+    with store.Database.open(tmp_path / "robot.db") as database:
+        _, offers = proposing.propose(database.load("lbr"), kinds, [pad], {pad.path})
+    became = looking.write("lbr", offers)
+    assert not became.problems
+    with store.Database.open(tmp_path / "robot.db") as database:
+        on = {row.name for row in database.load("lbr").capabilities if row.enabled}
+    assert {"gamepad", "teleop"} <= on
 
 
 @pytest.mark.timeout(40)

@@ -7,6 +7,7 @@ import pytest
 from lbr.capability.context import Device
 from lbr.drivers.infrared import KIND, decoders
 from lbr.drivers.infrared.receiver import Receiver
+from lbr.drivers.input_events import EVENT
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockHeard
 from lbr.testing import FakeCall
@@ -131,7 +132,7 @@ def test_a_receiver_that_decodes_nothing_is_degraded_although_it_opens(receiver,
 def test_events_are_read_where_the_row_says_so(receiver):
     settings = KIND.parse('{"device": "dock_receiver", "records": "events"}')
     opened = Receiver(Device("dock_receiver", "infrared", str(receiver.path), {}), settings)
-    os.write(receiver.master, struct.pack("=qqHHi", 5, 0, 4, 4, LEFT))
+    os.write(receiver.master, EVENT.pack(5, 0, 4, 4, LEFT))
     found = []
     until(lambda: bool(found.extend(opened.poll()) or found))
     opened.close()

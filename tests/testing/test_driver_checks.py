@@ -39,13 +39,14 @@ DRIVERS = {
     "ld06": {},
     "phidget_spatial": {},
     "infrared": {},
+    "gamepad": {},
     "uxa90": {"guard": False},
 }
 ROWS = {"dynamixel": {"given": SERVOS}, "uxa90": {"given": SERVOS}, "ld06": {"given": (LIDAR,)}}
 I2C = ("mpu9150", "pico")
 SOCKETS = (*I2C, "phidget_spatial")
-QUIET = {"infrared"}
-"""What sees nothing most of the time, so that silence is no trouble."""
+QUIET = {"infrared", "gamepad"}
+"""What sees or says nothing most of the time, so that silence is no trouble."""
 WIRED = {"dynamixel": ("joints",), "uxa90": ("joints",), "roboteq": ("drive",)}
 
 

@@ -9,7 +9,6 @@ import msgspec
 from msgspec import Raw
 
 from lbr.capability.config import DeviceConfig
-from lbr.console.verbs import Vocabulary
 from lbr.database.edits import Edit
 from lbr.database.store import Database, RowKey
 from lbr.errors import LbrError
@@ -17,9 +16,9 @@ from lbr.executive.planning import plan as plans
 from lbr.executive.planning.last_good_copy import LastGoodCopy
 from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.process_specs import read_by
+from lbr.executive.planning.said import vocabulary
 from lbr.executive.planning.trials import Trials
 from lbr.executive.planning.watch import RowWatch
-from lbr.executive.planning.wiring import least_roles
 from lbr.messages.codes import Code
 from lbr.messages.rows import Row, RowsChanged, by_table
 from lbr.messages.system import CapabilityStatus
@@ -78,7 +77,7 @@ class LiveRows:
         self.code: Code = "bad_value"
         self.held = False
         self.plan = watch.first()
-        self.vocabulary = _words(self.plan)
+        self.vocabulary = vocabulary(self.plan.rows, self.plan.kinds)
 
     def look(self) -> None:
         """Adopt what was edited, or say why not; not while an edit is being written on request. Judge what is on trial."""
@@ -168,7 +167,7 @@ class LiveRows:
         }
 
     def _adopt(self, plan: Plan, change: Change, edited: str) -> None:
-        self.vocabulary = _words(plan)
+        self.vocabulary = vocabulary(plan.rows, plan.kinds)
         before, self.plan = self.plan, plan
         steps = (
             ("stop", change.stop),
@@ -208,8 +207,3 @@ def _first(problems: tuple[str, ...]) -> str:
     more = len(problems) - PROBLEMS_TOLD
     rest = f"; and {more} more, which `lbr db check` lists" if more > 0 else ""
     return "; ".join(problems[:PROBLEMS_TOLD]) + rest
-
-
-def _words(plan: Plan) -> Vocabulary:
-    messages = {f"{name}.{command}": kind for name in plan.kinds for command, kind in plan.kinds[name].messages.items()}
-    return Vocabulary(plan.rows.verbs, plan.rows.external_commands, messages, least_roles(plan.kinds))

@@ -48,7 +48,7 @@ def _why_it_stays(name: str, kinds: Mapping[str, Kind], rows: RobotRows, profile
         f"it takes setpoints ({', '.join(sorted(kind.setpoints))}), and what drives a motor is where the motor is": (
             bool(kind.setpoints)
         ),
-        "it may change rows, which only the robot's own processes may": EXECUTIVE
+        "it may change rows or say lines, which only the robot's own processes may": EXECUTIVE
         in {target for target, _ in _fed(name, rows)},
         f"it decides the setpoints of '{fed[0][0] if fed else ''}', and they cross no network": bool(fed),
         f"its device ({kind.device}) is emulated there": bool(kind.device) and profile.simulate,

@@ -17,7 +17,7 @@ from lbr.capability.settings import faults
 from lbr.database.columns import json_strictly
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, RobotRows, TokenRow
-from lbr.executive.planning import machine, placement, rights, words
+from lbr.executive.planning import machine, placement, rights, said, words
 from lbr.executive.planning.devices import check_device_settings, check_devices
 from lbr.executive.planning.machine import Machine
 from lbr.executive.planning.plan import Plan
@@ -60,6 +60,8 @@ def make(
     if problems:
         return None, tuple(problems)
     rows = replace(rows, verbs=words.words(rows, kinds))
+    if wrong := tuple(said.problems(rows, kinds, settings)):
+        return None, wrong
     order = _order(chosen)
     channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= {EXECUTIVE, *order}]
     channels += by_themselves(order, rows, kinds)

@@ -263,6 +263,11 @@ def _requests(
     for channel in channels:
         (source, request), (target, command) = channel.source_end, channel.target_end
         if source == name and request in kinds[source].requests:
-            own = {"edit": keys.edit(robot), "estop_reset": keys.estop_reset(robot)} if target == EXECUTIVE else {}
+            own = _of_executive(robot) if target == EXECUTIVE else {}
             asked.setdefault(request, {})[target] = own.get(command, keys.port(robot, target, command))
     return asked | ({"pair": {EXECUTIVE: keys.pair(robot)}} if kinds[name].pairs else {})
+
+
+def _of_executive(robot: str) -> dict[str, str]:
+    """Return the key of each command that the executive takes from capabilities; of lines those that anyone here may say."""
+    return {"edit": keys.edit(robot), "estop_reset": keys.estop_reset(robot), "line": keys.console(robot)}

@@ -15,12 +15,13 @@ from lbr.capability.program import ProgramSettings
 from lbr.database.reading import Problem
 from lbr.database.rows import ChannelRow, RobotRows, VerbRow
 from lbr.messages.faces import EditCommand
-from lbr.messages.system import EstopResetCommand, Role
+from lbr.messages.system import EstopResetCommand, LineCommand, Role
 
 EXECUTIVE = "executive"
 EXECUTIVE_COMMANDS: Mapping[str, type[msgspec.Struct]] = {
     "edit": EditCommand,
     "estop_reset": EstopResetCommand,
+    "line": LineCommand,
 }
 """What capabilities may ask the executive for, if their rows wire them to it."""
 

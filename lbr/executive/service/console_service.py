@@ -186,8 +186,9 @@ def _caller(found: Stamp | None) -> str:
 
 
 def _line(payload: bytes) -> str | bytes:
-    """Return the line: plain text, or a JSON string."""
-    if payload[:1] == b'"':
+    """Return the line: plain text, a JSON string, or what a capability says as a `LineCommand`."""
+    if payload[:1] in {b'"', b"{"}:
         with contextlib.suppress(ValueError, RecursionError):
-            return str(json.loads(payload))
+            said = json.loads(payload)
+            return str(said.get("line", "") if isinstance(said, dict) else said)
     return payload

@@ -1,0 +1,143 @@
+"""Teleop as a capability: hears the gamepad, borrows the drive while the hand on it wants that, and stops what moves."""
+
+from math import inf
+
+from lbr.apps.teleop import TeleopSettings
+from lbr.apps.teleop.hand import REST, Hand, Twist, presses
+from lbr.apps.teleop.lines import Lines
+from lbr.bus.lease_client import LeaseClient, LeaseTarget
+from lbr.capability.base import Capability
+from lbr.capability.context import Context, PendingReply
+from lbr.capability.mover import FINAL, GONE
+from lbr.errors import DeviceError
+from lbr.messages.codes import Reason
+from lbr.messages.drive import GoalResult, TwistCommand
+from lbr.messages.gamepad import GamepadState, TeleopState
+from lbr.messages.leases import StopCommand
+
+DRIVE = LeaseTarget("twist", "halt", "drive", f"the drive: {GONE}")
+STATE_EVERY_S, SOONEST_S = 0.5, 0.1
+DRIVING_HZ, RESTING_HZ = 50.0, 20.0
+STOP_S = 1.0
+BY_HAND = "stopped at the gamepad"
+
+
+class Teleop(Capability[TeleopSettings]):
+    """The robot moves while the dead-man button is held, and by nothing else of a gamepad but lines that need no lease."""
+
+    rate_hz = RESTING_HZ
+
+    def __init__(self, ctx: Context[TeleopSettings]) -> None:
+        super().__init__(ctx)
+        self._hand = Hand(ctx.settings)
+        self._lines = Lines(ctx)
+        self._lease: LeaseClient | None = None
+        self._stops: list[PendingReply] = []
+        self._stepped_at = ctx.clock()
+        self._why = Reason("idle", "")
+        self._ended: Reason | None = None
+        self._told: TeleopState | None = None
+        self._told_at = -inf
+
+    def open(self) -> None:
+        """Look whether there is one gamepad: of two, one hand could hold the dead-man button and the other drive."""
+        if len(pads := self.ctx.sources("pad")) > 1:
+            text = f"{' and '.join(pads)} are wired to it, and one gamepad drives: let a channel row say which"
+            raise DeviceError(text, "wiring")
+
+    def step(self) -> None:
+        """Hear the gamepad, and have the robot do what the hand on it wants now."""
+        now = self.ctx.clock()
+        held_up_s, self._stepped_at = now - self._stepped_at, now
+        for received in self.ctx.take("pad"):
+            assert isinstance(received.message, GamepadState)
+            for word in presses(self._hand.hear(received.message, received.arrived), self.ctx.settings):
+                self._say(word)
+        if not held_up_s <= self.ctx.settings.ttl_s:  # what it held has lapsed, and the hand may be gone
+            self._hand.let_go()
+        if not all(map(self.ctx.alive, self.ctx.sources("pad"))):
+            self._hand.lose()
+        stands = self._hand.stands(now)
+        twist, self._why = (REST, stands) if stands is not None else self._hand.twist()
+        self._drive(twist)
+        results = [one.message for one in self.ctx.take("results") if isinstance(one.message, GoalResult)]
+        self._lines.step(results, stands)
+        self._read_stops()
+        self.rate_hz = DRIVING_HZ if self._lease is not None or self._lines.moving else RESTING_HZ
+        self._tell(twist, now)
+
+    def woke(self, slept_s: float) -> None:  # noqa: ARG002 - however long
+        """The computer slept: whoever held the gamepad may be gone."""
+        self._hand.let_go()
+
+    def close(self) -> None:
+        """Have what moves stand."""
+        self._release("teleop is shutting down")
+        self._lines.halt("teleop is shutting down")
+
+    def _say(self, word: str) -> None:
+        match word:
+            case "estop":
+                self.ctx.engage_estop(BY_HAND)
+            case "stop":
+                self._release(BY_HAND)
+                self._lines.halt(BY_HAND)
+                self._stops.append(self.ctx.ask("stop_all", StopCommand(reason=BY_HAND, whole=True), STOP_S))
+            case line:
+                self._lines.say(line)
+
+    def _drive(self, twist: Twist) -> None:
+        if self._lease is not None:
+            self._lease.step()
+            if self._lease.ended is not None:
+                self._lost(self._lease.ended)
+                return
+        if twist == REST:
+            self._release(self._why.text)
+            return
+        self._ended = None
+        command = TwistCommand(**twist._asdict(), ttl_s=self.ctx.settings.ttl_s)
+        if self._lease is None:
+            self._lines.halt("the sticks are used")
+            self._lease = LeaseClient(self.ctx, DRIVE, command)
+        else:
+            self._lease.keep(command)
+
+    def _lost(self, why: Reason) -> None:
+        """Give up: after a stop or where another drives the dead-man button is pressed anew, else the sticks are centred."""
+        self._lease, self._ended = None, why
+        if why.code in FINAL:
+            self._hand.let_go()
+        else:
+            self._hand.centre()
+
+    def _release(self, why: str) -> None:
+        lease, self._lease = self._lease, None
+        if lease is not None:
+            lease.release(why)
+
+    def _read_stops(self) -> None:
+        """Tell of a stop that not everything has answered."""
+        for one in [one for one in self._stops if one.answers() is not None]:
+            self._stops.remove(one)
+            silent = sorted(name for name, answer in (one.answers() or {}).items() if answer is None)
+            if silent:
+                text = f"{', '.join(silent)} did not answer the stop of the gamepad"
+                self.ctx.event("teleop_stop", text, level="error", code="unreachable")
+
+    def _tell(self, twist: Twist, now: float) -> None:
+        driving = self._lease is not None
+        why = self._ended if self._ended is not None and not driving else self._why
+        state = TeleopState(
+            pad=self._hand.heard,
+            dead_man=self._hand.dead_man,
+            driving=driving,
+            line=self._lines.moving,
+            reason=why.text,
+            code=why.code,
+            **(twist if driving else REST)._asdict(),
+        )
+        since_s = now - self._told_at
+        if since_s >= STATE_EVERY_S or (state != self._told and since_s >= SOONEST_S):
+            self._told, self._told_at = state, now
+            self.ctx.publish("state", state)

@@ -1,0 +1,99 @@
+"""What buttons say: a line at each press, and the motion that a line begins, which lasts while the dead-man button is held."""
+
+from typing import Any, NamedTuple
+
+from lbr.bus.lease_client import LeaseClient, LeaseTarget
+from lbr.capability.context import Context, PendingReply
+from lbr.capability.mover import GONE, RESULT_S
+from lbr.messages.codes import Reason, heard
+from lbr.messages.drive import GoalResult
+from lbr.messages.leases import CommandReply
+from lbr.messages.system import ConsoleResult, Hold, LineCommand
+
+SAY_S = 3.0
+MOST_WAITING = 4
+COMMANDS = {
+    "command": ("move", "halt", "drive"),
+    "turn": ("turn", "halt", "drive"),
+    "heading": ("heading", "halt", "drive"),
+    "twist": ("twist", "halt", "drive"),
+    "play": ("play", "play_halt", "motions"),
+    "seek": ("seek", "seek_halt", "beacon"),
+}
+"""By which requests the motion of a command is renewed and halted."""
+
+
+class _Said(NamedTuple):
+    line: str
+    question: PendingReply
+
+
+class Lines:
+    """Says lines, one after the other, and holds what the last of them moves."""
+
+    def __init__(self, ctx: Context[Any]) -> None:
+        self._ctx = ctx
+        self._said: list[_Said] = []
+        self._moving: tuple[str, LeaseClient, Hold] | None = None
+
+    @property
+    def moving(self) -> str:
+        """Return the line whose motion goes on."""
+        return self._moving[0] if self._moving is not None else ""
+
+    def say(self, line: str) -> None:
+        """Say a line; too many that wait for an answer are nobody who means it."""
+        if len(self._said) >= MOST_WAITING:
+            self._tell(line, Reason("busy", "too many lines wait for their answer"))
+            return
+        self._said.append(_Said(line, self._ctx.ask("say", LineCommand(line=line), SAY_S)))
+
+    def step(self, results: list[GoalResult], stands: Reason | None) -> None:
+        """Read answers, and renew what moves, unless there is a reason why nothing may."""
+        for one in [one for one in self._said if one.question.answers() is not None]:
+            self._said.remove(one)
+            self._hear(one, next(iter((one.question.answers() or {}).values()), None))
+        if self._moving is None:
+            return
+        line, lease, hold = self._moving
+        for result in results:
+            lease.hear(result)
+        lease.step()
+        if lease.ended is not None:
+            self._moving = None
+            if not lease.good:
+                self._tell(line, lease.ended)
+        elif stands is not None:
+            self.halt(stands.text)
+            self._tell(line, stands)
+        else:
+            lease.keep({name: value for name, value in hold.payload.items() if name != "lease"})
+
+    def halt(self, why: str) -> None:
+        """Have what a line moves stand."""
+        moving, self._moving = self._moving, None
+        if moving is not None:
+            moving[1].release(why)
+
+    def _hear(self, said: _Said, answer: object) -> None:
+        if not isinstance(answer, ConsoleResult):
+            self._tell(said.line, Reason("unreachable", "it was not answered: is `say` wired to executive.line?"))
+        elif answer.code != 0:
+            self._tell(said.line, heard(answer.reason_code, answer.text))
+        elif answer.hold is not None:
+            self._hold(said.line, answer.hold)
+
+    def _hold(self, line: str, hold: Hold) -> None:
+        capability, command = hold.key.split("/")[-2:]
+        motion, halt, kind = COMMANDS.get(command, ("", "", ""))
+        if capability not in (self._ctx.targets(motion) if motion else ()):
+            self._tell(line, Reason("not_possible", f"what {capability}/{command} moves cannot be held by a gamepad"))
+            return
+        if self._moving is not None and not self._moving[2].key.startswith(hold.key.rpartition("/")[0]):
+            self.halt("another line moves something else")
+        given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
+        target = LeaseTarget(motion, halt, kind, f"{kind}: {GONE}", result_s=RESULT_S)
+        self._moving = (line, LeaseClient(self._ctx, target, given=given), hold)
+
+    def _tell(self, line: str, why: Reason) -> None:
+        self._ctx.event("teleop_line", f"'{line}': {why}", level="warning", code=why.code)

@@ -1,0 +1,11 @@
+"""How a gamepad is recognised: by the keys and axes that the kernel says it has; it is not opened."""
+
+from lbr.capability.recognition import NameHandshake, Seen
+
+
+def seen(name: str) -> Seen:
+    """Return the gamepad of that name."""
+    return Seen(what=f"gamepad, {name}")
+
+
+HANDSHAKE = NameHandshake(place="gamepad", seen=seen)

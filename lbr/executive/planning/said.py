@@ -1,0 +1,51 @@
+"""Lines that rows have capabilities say, such as a gamepad's buttons: each is one that the robot understands, for its role."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from lbr.capability.kind import Kind
+from lbr.console.verbs import PythonLine, VerbCall, Vocabulary
+from lbr.database.reading import Problem
+from lbr.database.rows import RobotRows
+from lbr.errors import InputError
+from lbr.executive.planning.wiring import EXECUTIVE, least_roles
+from lbr.messages.system import RANKS, LineCommand
+
+LINE = f"{EXECUTIVE}.line"
+
+
+def vocabulary(rows: RobotRows, kinds: Mapping[str, Kind]) -> Vocabulary:
+    """Return what can be said to a robot, whose rows have the words of its kinds, too."""
+    messages = {f"{name}.{command}": kind for name in kinds for command, kind in kinds[name].messages.items()}
+    return Vocabulary(rows.verbs, rows.external_commands, messages, least_roles(kinds))
+
+
+def problems(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> Iterator[Problem]:
+    """Yield what is wrong with each line that a capability is to say."""
+    words = vocabulary(rows, kinds)
+    wired = {row.source_end for row in rows.channels if row.enabled and row.target == LINE}
+    for name, kind in kinds.items():
+        lines: Mapping[str, str] = getattr(settings.get(name), kind.says, {}) if kind.says else {}
+        ports = {port for port, message in kind.requests.items() if message is LineCommand}
+        label = f"{rows.robot.name}/{name}"
+        if lines and not any((name, port) in wired for port in ports):
+            port = min(ports, default="say")
+            text = f"{kind.says}: a channel row from {name}.{port} to {LINE} is needed to say them"
+            yield Problem("capability", label, "settings", text)
+        for of, line in lines.items():
+            if fault := _fault(words, line):
+                yield Problem("capability", label, "settings", f"{kind.says}.{of}: {fault}")
+
+
+def _fault(words: Vocabulary, line: str) -> str:
+    """Return why a line cannot be said by a capability."""
+    try:
+        parsed = words.parse(line)
+    except InputError as err:
+        return str(err)
+    if parsed is None or isinstance(parsed, PythonLine):
+        return "nothing is said by it, or Python, which runs at the terminal that started the robot"
+    needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
+    if RANKS[needed] > RANKS["operate"]:
+        return f"'{line}' needs the role {needed}, and a capability says lines by the role operate"
+    return ""

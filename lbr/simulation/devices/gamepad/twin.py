@@ -1,0 +1,34 @@
+"""The emulated gamepad on its port."""
+
+from lbr.capability.context import Device
+from lbr.simulation.devices.gamepad import GamepadFaults, GamepadRow
+from lbr.simulation.devices.gamepad.device import EmulatedGamepad
+from lbr.simulation.measured import Sensed
+from lbr.simulation.port import PtyPort
+from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
+
+
+class GamepadTwin(PortTwin[PtyPort, GamepadFaults]):
+    """Says what a hand does to it."""
+
+    def __init__(self, device: Device, around: Surroundings) -> None:
+        settings = row(device, GamepadRow)
+        super().__init__(device.name, PtyPort(device.address), settings.faults)
+        self._pad = EmulatedGamepad(settings.faults, seed=around.seed_for(device))
+
+    def service(self, now: float) -> None:
+        """Do all that is due: the cable, records out."""
+        self._pad.hand = self._faults
+        if plug(self.port, present=not self._faults.unplug):
+            self._pad.plugged()
+        self.port.read()
+        said = self._pad.poll(now)
+        if said:
+            self.port.write(said)
+
+    def next_due(self) -> float | None:
+        """Return that it does nothing by itself: a hand does."""
+        return None
+
+    def sense(self, sensed: Sensed) -> None:
+        """Feel nothing of the world."""
