@@ -84,14 +84,15 @@ def test_unplugged_with_something_held_it_holds_nothing_and_comes_back_at_rest(t
         device.fault("left_y", 1.0)
         device.fault("pressed", "tl")
         bench.until(lambda: bench.ctx.said("state")[-1].pressed == ("tl",), "it is held")
+        bench.errors.clear()
         device.fault("unplug", True)
         bench.until(lambda: bench.errors, "the loss is told")
         assert "check its cable" in str(bench.errors[0])
         device.fault("left_y", 0.0)
         device.fault("pressed", None)
         device.fault("unplug", False)
-        bench.until(lambda: bench.ctx.health[-1] == "ready", "it is back")
-        assert bench.ctx.said("state")[-1].pressed == ()
+        bench.until(lambda: bench.ctx.said("state")[-1].pressed == (), "it is back, and at rest")
+        assert bench.ctx.said("state")[-1].connected
         bench.close()
 
 

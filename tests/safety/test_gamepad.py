@@ -12,6 +12,7 @@ import pytest
 
 from tests.scenarios.promises import STOP_HARD_MS
 from tests.support.machine import measure_again
+from tests.support.mover import Mover
 from tests.support.robot import Robot, prepare, running, until
 from tests.support.trace import Trace
 
@@ -143,12 +144,14 @@ def test_a_stop_by_anybody_ends_it_until_the_button_is_pressed_anew(robot, trace
 
 
 def test_the_pad_stops_what_anybody_drives(robot, trace):
-    hold = robot.line("/r/0.2/90")["hold"]
-    until(lambda: not trace.now().zero, what="it drives")
-    at_ns = hand(robot, pressed="b")
-    assert zero_ms(trace, at_ns) < 1000.0
-    until(lambda: "gamepad" in str(robot.events()), what="it is told who stopped it")
-    assert not robot.ask("drive/command", hold["payload"])["accepted"]
+    mover = Mover(robot, 90.0).start()
+    try:
+        until(lambda: not trace.now().zero, what="it drives")
+        assert zero_ms(trace, hand(robot, pressed="b")) < STOP_HARD_MS
+        assert "teleop" in until(lambda: robot.ask("drive/state")["stopped_by"], what="it is told who stopped it")
+        stands(robot, trace)
+    finally:
+        mover.cease()
 
 
 def test_a_line_that_moves_goes_on_while_the_button_is_held(robot, trace):

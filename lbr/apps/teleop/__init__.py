@@ -4,7 +4,7 @@
 motion, by a lease of the drive like anyone.
 """
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
@@ -17,7 +17,8 @@ from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.system import ConsoleResult, LineCommand
 
 Line = Annotated[str, Meta(min_length=1, max_length=250, description="a line of the console, such as /s/hello")]
-NoButton = Annotated[str, Meta(pattern=r"^$(?!\n)", description="empty: none")]
+ButtonOrNone = Button | Literal[""]
+"""A button, or empty for none."""
 
 
 class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -28,8 +29,8 @@ class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """
 
     dead_man: Button = "tl"
-    stop: Button | NoButton = "b"
-    estop: Button | NoButton = ""
+    stop: ButtonOrNone = "b"
+    estop: ButtonOrNone = ""
     lines: Annotated[dict[Button, Line], Meta(max_length=30)] = {}
     speed_mps: Annotated[float, Meta(gt=0.0, le=10.0, description="with the stick all the way")] = 0.4
     turn_rps: Annotated[float, Meta(gt=0.0, le=20.0, description="with the stick all the way")] = 1.2

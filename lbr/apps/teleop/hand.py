@@ -147,7 +147,7 @@ def _share(way: float, dead_zone: float) -> float:
     beyond = min(1.0, abs(way)) - dead_zone
     if not beyond > 0.0:
         return 0.0
-    share = (beyond / (1.0 - dead_zone)) ** CURVE
+    share: float = (beyond / (1.0 - dead_zone)) ** CURVE
     return share if way > 0.0 else -share
 
 
