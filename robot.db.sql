@@ -552,7 +552,7 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
 
 -- Off: it needs a gamepad at the robot's own computer. `lbr devices` proposes its rows, and switches this on: docs/gamepad.md.
 INSERT INTO capability (robot, name, kind, enabled, settings, needs, help) VALUES
-    ('lbr', 'teleop', 'teleop', 0, '{"lines": {"y": "/s/hello"}}', '["drive"]',
+    ('lbr', 'teleop', 'gamepad_teleop', 0, '{"lines": {"y": "/s/hello"}}', '["drive"]',
      'The hand on a gamepad: drives while its dead-man button is held; a button stops, others say lines');
 
 -- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`

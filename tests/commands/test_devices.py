@@ -259,7 +259,7 @@ def test_gamepads_are_known_by_their_keys_by_cable_and_by_radio_and_what_waits_f
         ("", "", str(names / "usb-Keyboard-event-kbd")),
     ]
     off = [
-        CapabilityRow(name="teleop", kind="teleop", enabled=False),
+        CapabilityRow(name="teleop", kind="gamepad_teleop", enabled=False),
         CapabilityRow(name="foxglove", kind="foxglove", enabled=False),
     ]
     rows = RobotRows(robot=RobotRow(name="two"), capabilities=tuple(off))

@@ -22,7 +22,7 @@ ButtonOrNone = Button | Literal[""]
 
 
 class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `teleop`.
+    """Settings of a row of kind `gamepad_teleop`.
 
     The robot moves only while the button `dead_man` is held. `stop` stops whatever moves, with or without it; `estop`
     latches the emergency stop. `lines` are what other buttons say when they are pressed.
@@ -70,7 +70,7 @@ _ASKED = {
 }
 
 KIND = Kind(
-    name="teleop",
+    name="gamepad_teleop",
     summary="drives as a gamepad says, while its dead-man button is held; its buttons say lines",
     family="app",
     entry="lbr.apps.teleop.capability:Teleop",
