@@ -19,9 +19,9 @@ from lbr.database.rows import TokenRow
 from lbr.errors import InputError, RowError
 from lbr.executive.planning import credentials, rights
 from lbr.executive.planning import plan as plans
-from lbr.executive.planning.live_rows import _words
 from lbr.executive.planning.process_specs import LAN
 from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.said import vocabulary
 from lbr.executive.service.dispatch import Dispatcher
 from lbr.executive.service.letting_in import LettingIn
 from lbr.executive.service.pairing import Code
@@ -147,7 +147,7 @@ def test_neither_a_page_nor_an_operator_says_who_comes_in(rows, line):
 
 
 def _vocabulary(plan):
-    return _words(plan)
+    return vocabulary(plan.rows, plan.kinds)
 
 
 # -- rights ------------------------------------------------------------------------------------------------------------
