@@ -231,16 +231,22 @@ def test_a_drive_that_does_not_answer_is_given_up(teleop, world):
     assert world.state.code in {"unreachable", "rest_first"}
 
 
-def test_buttons_say_lines_with_or_without_the_dead_man_button(teleop, world):
+def test_buttons_say_lines_while_the_dead_man_button_is_held(teleop, world):
     hold(world, "y")
+    run(teleop, world, 0.5)
+    assert world.said == []
+    assert world.told("teleop_line") == ["'/s/hello': the button tl is not held"]
+    hold(world, "tl")
+    run(teleop, world, 0.1)
+    hold(world, "tl", "y")
     run(teleop, world, 0.5)
     assert world.said == ["/s/hello"]
     world.result = ConsoleResult(code=1, text="speech is away", reason_code="unreachable")
-    hold(world)
+    hold(world, "tl")
     run(teleop, world, 0.1)
-    hold(world, "y")
+    hold(world, "tl", "y")
     run(teleop, world, 0.1)
-    assert world.told("teleop_line") == ["'/s/hello': speech is away"]
+    assert world.told("teleop_line")[-1] == "'/s/hello': speech is away"
     assert world.codes[-1] == "unreachable"
 
 
@@ -267,9 +273,16 @@ def test_what_a_line_moves_goes_on_while_the_dead_man_button_is_held_and_stops_o
     assert "is not held" in world.told("teleop_line")[-1]
 
 
-def test_what_a_line_moves_without_the_dead_man_button_is_stopped_at_once(teleop, world):
+def test_what_a_line_moves_is_stopped_if_the_button_is_let_go_before_the_answer(teleop, world):
     begin_motion(world)
-    hold(world, "x")
+    answer, world.answer = world.answer, lambda request, message: None if request == "say" else answer(request, message)
+    hold(world, "tl")
+    run(teleop, world, 0.1)
+    hold(world, "tl", "x")
+    run(teleop, world, 2 * TICK_S)
+    (asked,) = (one for one in world.asked if one.request == "say")
+    asked.given = {"executive": world.result}
+    hold(world)
     run(teleop, world, 2 * TICK_S)
     assert (world.requests[-1], world.renewed) == ("play_halt", 0)
 

@@ -40,7 +40,7 @@ class Pad:
     """A gamepad that exists while it is plugged in (linux/uinput.h)."""
 
     def __init__(self, bus: int = USB) -> None:
-        self._bus = bus
+        self.bus = bus
         self._fd = -1
 
     def plug(self) -> None:
@@ -52,7 +52,7 @@ class Pad:
         for axis, most in STICKS.items():
             fcntl.ioctl(self._fd, UI_SET_ABSBIT, axis)
             fcntl.ioctl(self._fd, UI_ABS_SETUP, struct.pack("=H2x6i", axis, 0, -most, most, 16, 128, 0))
-        identity = struct.pack("=4H80sI", self._bus, 0x1209, 0x0001, 1, NAME.encode(), 0)
+        identity = struct.pack("=4H80sI", self.bus, 0x1209, 0x0001, 1, NAME.encode(), 0)
         fcntl.ioctl(self._fd, UI_DEV_SETUP, identity)
         fcntl.ioctl(self._fd, UI_DEV_CREATE)
 
@@ -166,6 +166,26 @@ def test_pulled_out_in_motion_the_wheels_stand_and_nothing_resumes_without_the_b
     assert zero_s < 0.3
     assert told_s < 1.0
     assert back_s < 3.0
+
+
+def test_by_radio_it_stands_when_nothing_is_heard_for_long_and_goes_on_once_it_is(robot, pad, motors, record_property):
+    outputs = robots.Outputs(motors)
+    pad.unplug()
+    until(lambda: told(robot, pad=False), "the pad is gone", 60.0)
+    pad.bus = BLUETOOTH
+    pad.plug()
+    robots.ready(robot, "gamepad")
+    until(lambda: told(robot, pad=True), "the pad is back", 60.0)
+    turn(robot, pad, outputs)
+    spoke = time.monotonic()
+    outputs.wait(lambda: outputs.zero, "zero, since it may be out of range", 10.0)
+    record_property("zero after s of silence", round(time.monotonic() - spoke, 2))
+    assert told(robot, dead_man=True)
+    pad.press(right_x=30000)
+    outputs.wait(lambda: not outputs.zero, "motion, since it speaks", 10.0)
+    pad.press(button=TL, down=False, right_x=0)
+    outputs.wait(lambda: outputs.zero, "zero, since the button is let go", 5.0)
+    assert time.monotonic() - spoke > 1.5
 
 
 def test_a_button_that_was_held_while_it_was_plugged_in_is_held_and_moves_nothing(robot, pad, motors):

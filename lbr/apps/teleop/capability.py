@@ -23,7 +23,7 @@ BY_HAND = "stopped at the gamepad"
 
 
 class Teleop(Capability[TeleopSettings]):
-    """The robot moves while the dead-man button is held, and by nothing else of a gamepad but lines that need no lease."""
+    """Whatever a gamepad asks for needs its dead-man button, but for a stop."""
 
     rate_hz = RESTING_HZ
 
@@ -52,7 +52,7 @@ class Teleop(Capability[TeleopSettings]):
         for received in self.ctx.take("pad"):
             assert isinstance(received.message, GamepadState)
             for word in presses(self._hand.hear(received.message, received.arrived), self.ctx.settings):
-                self._say(word)
+                self._say(word, now)
         if not held_up_s <= self.ctx.settings.ttl_s:  # what it held has lapsed, and the hand may be gone
             self._hand.let_go()
         if not all(map(self.ctx.alive, self.ctx.sources("pad"))):
@@ -75,7 +75,7 @@ class Teleop(Capability[TeleopSettings]):
         self._release("teleop is shutting down")
         self._lines.halt("teleop is shutting down")
 
-    def _say(self, word: str) -> None:
+    def _say(self, word: str, now: float) -> None:
         match word:
             case "estop":
                 self.ctx.engage_estop(BY_HAND)
@@ -84,7 +84,7 @@ class Teleop(Capability[TeleopSettings]):
                 self._lines.halt(BY_HAND)
                 self._stops.append(self.ctx.ask("stop_all", StopCommand(reason=BY_HAND, whole=True), STOP_S))
             case line:
-                self._lines.say(line)
+                self._lines.say(line, self._hand.stands(now))
 
     def _drive(self, twist: Twist) -> None:
         if self._lease is not None:

@@ -41,10 +41,10 @@ class Lines:
         """Return the line whose motion goes on."""
         return self._moving[0] if self._moving is not None else ""
 
-    def say(self, line: str) -> None:
-        """Say a line; too many that wait for an answer are nobody who means it."""
-        if len(self._said) >= MOST_WAITING:
-            self._tell(line, Reason("busy", "too many lines wait for their answer"))
+    def say(self, line: str, stands: Reason | None) -> None:
+        """Say a line, unless there is a reason why nothing may move; too many that wait for answers are nobody who means it."""
+        if stands is not None or len(self._said) >= MOST_WAITING:
+            self._tell(line, stands or Reason("busy", "too many lines wait for their answer"))
             return
         self._said.append(_Said(line, self._ctx.ask("say", LineCommand(line=line), SAY_S)))
 

@@ -46,6 +46,13 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'foxglove', 'foxglove', 0, '{"port": 8766}',
      'The robot for Foxglove: its streams, cameras, body and words, at ws://127.0.0.1:8766');
 
+-- Off: it needs a gamepad at the robot's own computer, as for lbr. What a button plays goes on while the dead-man button is held.
+INSERT INTO capability (robot, name, kind, enabled, settings, needs, help) VALUES
+    ('bioloid', 'teleop', 'gamepad_teleop', 0,
+     '{"lines": {"start": "/torque/on", "dpad_up": "/play/walk_ahead", "dpad_down": "/play/walk_back",
+                "dpad_left": "/play/turn_left", "a": "/play/stand_up", "x": "/play/sit", "y": "/play/wave"}}', '["motions"]',
+     'The hand on a gamepad: plays motions while its dead-man button is held; a button stops');
+
 -- Off: nothing on the robot can be reached from other machines, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
@@ -86,7 +93,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'web.halt', 'joints.stop', 1),
     ('bioloid', 'web.stop_motion', 'motions.stop', 1),
     ('bioloid', 'web.edit', 'executive.edit', 1),
-    ('bioloid', 'web.estop_reset', 'executive.estop_reset', 1);
+    ('bioloid', 'web.estop_reset', 'executive.estop_reset', 1),
+    ('bioloid', 'teleop.say', 'executive.line', 1);
 
 -- Ids as on the robot's drawing. Signs and zeros follow published descriptions of the Type A; limits are what the
 -- motions below use and some steps more. Confirm all of them on your robot, by hand and without torque.

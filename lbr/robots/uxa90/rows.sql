@@ -53,6 +53,13 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'foxglove', 'foxglove', 0, '{"port": 8767}',
      'The robot for Foxglove: its streams, cameras, body and words, at ws://127.0.0.1:8767');
 
+-- Off: it needs a gamepad at the robot's own computer, as for lbr. What a button plays goes on while the dead-man button is held.
+INSERT INTO capability (robot, name, kind, enabled, settings, needs, help) VALUES
+    ('uxa90', 'teleop', 'gamepad_teleop', 0,
+     '{"lines": {"start": "/torque/on", "dpad_up": "/play/walk_forward_short", "dpad_left": "/play/turn_left",
+                "dpad_right": "/play/turn_right", "a": "/play/reset"}}', '["motions"]',
+     'The hand on a gamepad: plays motions while its dead-man button is held; a button stops');
+
 -- Off: nothing on the robot can be reached from other machines, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
@@ -102,7 +109,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'web.stop_motion', 'motions.stop', 1),
     ('uxa90', 'web.take_control', 'servos.take_control', 1),
     ('uxa90', 'web.edit', 'executive.edit', 1),
-    ('uxa90', 'web.estop_reset', 'executive.estop_reset', 1);
+    ('uxa90', 'web.estop_reset', 'executive.estop_reset', 1),
+    ('uxa90', 'teleop.say', 'executive.line', 1);
 
 -- A servo counts 0 to 254 over 269 degrees. Zeros are the factory's nominal ones, signs of legs come from published
 -- kinematics, those of arms and head from what motions do; waist, hip yaw and hands are guesses. Limits are what motions
