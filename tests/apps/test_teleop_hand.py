@@ -94,6 +94,13 @@ def test_after_a_loss_nothing_moves_before_the_dead_man_button_is_pressed_anew(g
     assert moves(hand) == (REST, "rest_first")
 
 
+def test_a_gamepad_on_which_nothing_is_held_is_heard_of_more_seldom_and_a_press_on_it_counts():
+    hand = held(pad())
+    assert moves(hand, NOW + 0.6) == (REST, "idle")
+    assert hand.hear(pad("b"), NOW + 0.6) == ("b",)
+    assert moves(held(pad()), NOW + 2.1) == (REST, "stale_sensor")
+
+
 @pytest.mark.parametrize("now", [float("nan"), float("inf")])
 def test_a_time_that_is_none_is_rest(now):
     assert moves(held(*READY, pad("tl", left_y=1.0)), now) == (REST, "stale_sensor")
@@ -194,8 +201,7 @@ def test_whatever_a_hand_does_it_moves_only_by_a_button_that_was_pressed_anew_an
         if state.connected and {"tl", "b"} <= set(state.pressed) and phase in {"ready", "released"}:
             phase = "lost"
         assert twist == (wanted(state.axes, SETTINGS) if phase == "ready" else REST)
-        gap_s = SETTINGS.stale_s + 0.01
         if wait_s > 0.4:
-            now += gap_s
+            now += SETTINGS.stale_s + 0.01
             assert moves(hand, now)[0] == REST
-            phase = "lost"
+            phase = "lost" if "tl" in state.pressed else phase

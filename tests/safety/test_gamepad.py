@@ -144,6 +144,7 @@ def test_a_stop_by_anybody_ends_it_until_the_button_is_pressed_anew(robot, trace
 
 
 def test_the_pad_stops_what_anybody_drives(robot, trace):
+    hears(robot, pad=True, dead_man=False)
     mover = Mover(robot, 90.0).start()
     try:
         until(lambda: not trace.now().zero, what="it drives")

@@ -49,6 +49,22 @@ def test_whatever_a_hand_does_records_are_whole_and_values_those_of_a_pad(hands)
             assert -32767 <= value <= 32767
 
 
+def test_a_press_and_a_release_between_two_rounds_of_the_world_are_both_said(tmp_path):
+    twin = GamepadTwin(Device("pad", "gamepad", str(tmp_path / "pad"), {}), AROUND)
+    twin.service(0.0)
+    descriptor = os.open(twin.port.path, os.O_RDONLY | os.O_NOCTTY)
+    try:
+        tty.setraw(descriptor)
+        twin.fault("pressed", "tl")
+        twin.fault("pressed", None)
+        twin.service(1.0)
+        said = [record[2:] for record in records(os.read(descriptor, 500))]
+        assert said == [(1, 0x136, 1), (0, 0, 0), (1, 0x136, 0), (0, 0, 0)]
+    finally:
+        os.close(descriptor)
+        twin.close()
+
+
 def test_on_its_port_a_press_arrives_and_a_pulled_cable_is_one(tmp_path):
     twin = GamepadTwin(Device("pad", "gamepad", str(tmp_path / "pad"), {}), AROUND)
     twin.service(0.0)

@@ -14,6 +14,8 @@ from lbr.messages.gamepad import Axis, Button, GamepadState
 
 CURVE = 1.6
 """Fine near the centre: the speed grows with this power of the way."""
+AT_REST_S = 2.0
+"""A driver speaks twice a second while nothing is held on its gamepad, and twenty times while anything is."""
 NO_PAD = "no gamepad is heard of; see /report/health"
 AT_REST = Reason("idle", "the sticks are at rest")
 
@@ -83,7 +85,8 @@ class Hand:
         pad = self._pad
         if pad is None:
             return Reason("unreachable", NO_PAD)
-        if not now - self._heard_at <= self._settings.stale_s:  # this way round, NaN is too old
+        limit_s = self._settings.stale_s if self.dead_man else AT_REST_S
+        if not now - self._heard_at <= limit_s:  # this way round, NaN is too old
             self.lose()
             return Reason("stale_sensor", "the gamepad's driver has fallen silent")
         return self._not_meant(pad) or self._out_of_range(pad, now)
