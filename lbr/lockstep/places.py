@@ -30,11 +30,11 @@ def starts(world: WorldSettings, count: int, seed: int) -> list[StartPose]:
 
 
 def free(world: WorldSettings, start: StartPose) -> bool:
-    """Say whether the robot can stand there, and turn there without touching anything."""
+    """Say whether the robot can stand there, and turn there without touching anything, its dock neither."""
     engine = Engine(replace(world, start=start))
     for _ in range(TURN_STEPS):
         engine.step(-TURN_POWER, TURN_POWER, STEP_S)
-        if engine.touching():
+        if engine.touching(dock=True):
             return False
     return True
 

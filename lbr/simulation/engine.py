@@ -69,7 +69,8 @@ class Engine:
         self._dock = DockSense(mujoco, self._model, settings.dock, settings.body) if settings.dock else None
         self._placed = Placed(self._model)
         self.balls = Balls(self._model, settings.balls)
-        self._walls = frozenset(self._geoms(STANDING)) - {self._model.geom(DOCK).id if settings.dock else -1}
+        self._standing = frozenset(self._geoms(STANDING))
+        self._walls = self._standing - {self._model.geom(DOCK).id if settings.dock else -1}
         self._robot = frozenset(self._geoms(ROBOT))
         joints = [self._model.joint(wheel.name) for wheel in self._wheels]
         self._wheel_q = [int(joint.qposadr[0]) for joint in joints]
@@ -193,11 +194,11 @@ class Engine:
             sensors=self._sensors,
         )
 
-    def touching(self) -> bool:
-        """Say whether the robot touches something that stands in the room, other than its dock."""
-        data = self._data
+    def touching(self, *, dock: bool = False) -> bool:
+        """Say whether the robot touches something that stands in the room, its dock too if that counts."""
+        data, things = self._data, self._standing if dock else self._walls
         pairs = (data.contact.geom[index] for index in range(data.ncon))
-        return any((a in self._walls and b in self._robot) or (b in self._walls and a in self._robot) for a, b in pairs)
+        return any((a in things and b in self._robot) or (b in things and a in self._robot) for a, b in pairs)
 
     def _side(self, sense: float) -> float:
         """Return the power of one side: that of its wheels, on average."""

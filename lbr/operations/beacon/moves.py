@@ -1,11 +1,16 @@
 """What manoeuvres are made of: wait, look, turn, drive a distance. Pure."""
 
+from math import copysign
+
 from lbr.messages.codes import Code
-from lbr.operations.beacon.view import STAND, Ending, GivenUpError, Go, Script, Turn, View
+from lbr.operations.beacon.view import STAND, Bend, Ending, GivenUpError, Go, Script, Turn, View
 
 CLOSE_DEG = 3.0
-TURNS = 5
+TURNS, STRAIGHT_TURNS = 10, 2
 ELSEWHERE_M, ELSEWHERE_POWER = 0.25, 0.15
+BEND_DEG, BEND_S = 50.0, 1.0
+LEAST_DEG, MOST_IN_VAIN = 1.0, 4
+"""Who has not come so far in so many tries, two of them bends, does not come there."""
 LOOK_S = 0.7
 AGAIN_S = 1.0
 START_S, SLOWEST_DPS, SLOWEST_MPS = 4.0, 12.0, 0.3
@@ -30,7 +35,7 @@ def sees() -> Script[bool]:
     return bool(view.beams)
 
 
-def bounded(action: Turn | Go) -> Script[Ending]:
+def bounded(action: Turn | Bend | Go) -> Script[Ending]:
     """Turn or drive to the end, in at most the time that it may take; what another sender ended is not begun again."""
     view = yield action
     until = view.time_s + _longest_s(action)
@@ -44,9 +49,11 @@ def bounded(action: Turn | Go) -> Script[Ending]:
     return ending
 
 
-def _longest_s(action: Turn | Go) -> float:
+def _longest_s(action: Turn | Bend | Go) -> float:
     if isinstance(action, Turn):
         return START_S + abs(action.angle_deg) / SLOWEST_DPS
+    if isinstance(action, Bend):
+        return START_S + action.seconds
     return START_S + abs(action.distance_m) / (action.power * SLOWEST_MPS)
 
 
@@ -54,18 +61,33 @@ def face(direction_deg: float) -> Script[None]:
     """Turn on the spot until the robot looks there."""
     why = ""
     code: Code = "failed"
+    in_vain = 0
     for attempt in range(TURNS):
         view = yield STAND
         missing_deg = shortest(direction_deg - view.direction_deg)
         if abs(missing_deg) <= CLOSE_DEG:
             return
         ending = yield from bounded(Turn(missing_deg))
-        if not ending.good:  # a corner of the body touches something: turn elsewhere
-            why, code = ending.text, ending.code
-            yield from bounded(Go(ELSEWHERE_POWER, ELSEWHERE_M if attempt % 2 else -ELSEWHERE_M))
+        if ending.good:
+            continue
+        why, code = ending.text, ending.code
+        yield from _elsewhere(attempt, missing_deg)
+        came_deg = shortest((yield STAND).direction_deg - view.direction_deg)
+        in_vain = in_vain + 1 if abs(came_deg) < LEAST_DEG else 0
+        if in_vain >= MOST_IN_VAIN:
+            break
     view = yield STAND
     if abs(shortest(direction_deg - view.direction_deg)) > 2 * CLOSE_DEG:
         raise GivenUpError(f"the robot cannot turn there: {why or 'it does not come to look there'}", code)
+
+
+def _elsewhere(attempt: int, missing_deg: float) -> Script[None]:
+    """Go where the body may turn, which touched something here; if that was tried, turn bit by bit as cars do."""
+    sense = 1.0 if attempt % 2 else -1.0
+    if attempt < STRAIGHT_TURNS:
+        yield from bounded(Go(ELSEWHERE_POWER, sense * ELSEWHERE_M))
+    else:
+        yield from bounded(Bend(sense * ELSEWHERE_POWER, copysign(BEND_DEG, missing_deg), BEND_S))
 
 
 def shortest(angle_deg: float) -> float:
