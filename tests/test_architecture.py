@@ -94,7 +94,7 @@ OWNERS = {
     "keyring": {"console"},
     "IPython": {"client"},
     "matplotlib": {"client"},
-    "ifaddr": {"apps"},
+    "ifaddr": {"apps", "client"},
     "PIL": {"simulation"},
     "paho": {"apps"},
     "serial": {"drivers", *TOP},

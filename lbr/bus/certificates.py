@@ -9,7 +9,9 @@ from lbr.errors import InputError
 
 NAME = "robot.lbr"
 """For whom every robot's certificate is; which robot it is, its fingerprint says."""
-CERTIFICATE_YEARS = 20
+VALID = (dt.datetime(1970, 1, 1, tzinfo=dt.UTC), dt.datetime(9999, 12, 31, 23, 59, 59, tzinfo=dt.UTC))
+"""For ever (RFC 5280, 4.1.2.5): a machine may have no clock of its own, here or where it is checked, and what is trusted is the
+fingerprint."""
 FILES = ("bus.key", "bus.crt")
 """What they are called below `credentials/`."""
 OWN_FILES = ("web.key", "web.crt")
@@ -27,6 +29,15 @@ def first_der(path: Path) -> bytes:
         raise InputError(f"{path} has no certificate in it: PEM begins with '{ssl.PEM_HEADER}'") from None
 
 
+def untimely(der: bytes, now: dt.datetime) -> str:
+    """Return when a certificate is valid, if that is not now, in words; older robots' are not valid for ever."""
+    from cryptography import x509  # noqa: PLC0415 - needed only where nothing lets in
+
+    found = x509.load_der_x509_certificate(der)
+    begin, end = found.not_valid_before_utc, found.not_valid_after_utc
+    return "" if begin <= now <= end else f"from {begin:%Y-%m-%d} to {end:%Y-%m-%d}"
+
+
 def self_signed() -> tuple[bytes, bytes]:
     """Return a new private key and its certificate, both PEM."""
     from cryptography import x509  # noqa: PLC0415 - needed once in the life of a home
@@ -37,15 +48,14 @@ def self_signed() -> tuple[bytes, bytes]:
 
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"lbr on {socket.gethostname()}"[:64])])
-    now = dt.datetime.now(dt.UTC)
     certificate = (
         x509.CertificateBuilder()
         .subject_name(name)
         .issuer_name(name)
         .public_key(key.public_key())
         .serial_number(x509.random_serial_number())
-        .not_valid_before(now - dt.timedelta(days=1))  # a robot without a clock of its own may be behind
-        .not_valid_after(now + dt.timedelta(days=365 * CERTIFICATE_YEARS))
+        .not_valid_before(VALID[0])
+        .not_valid_after(VALID[1])
         .add_extension(x509.SubjectAlternativeName([x509.DNSName(NAME)]), critical=False)
         .sign(key, hashes.SHA256())
     )

@@ -1,6 +1,8 @@
 """Which robots there are: on this machine, and those that tell the network where they are."""
 
 import time
+from collections.abc import Sequence
+from ipaddress import IPv4Interface, IPv6Interface, ip_address, ip_interface
 from typing import Any, NamedTuple
 
 from lbr import home
@@ -52,12 +54,30 @@ def _of_network(within_s: float) -> list[Found]:
         infos = [network.get_service_info(KIND, name, timeout=1000) for name in sorted(heard)]
     finally:
         network.close()
-    return [_found(info) for info in infos if info is not None and info.parsed_addresses()]
+    here = _interfaces()
+    return [_found(info, here) for info in infos if info is not None and info.parsed_addresses()]
 
 
-def _found(info: Any) -> Found:
+def _interfaces() -> list[IPv4Interface | IPv6Interface]:
+    import ifaddr  # noqa: PLC0415 - zeroconf needs it, too
+
+    every = [one for adapter in ifaddr.get_adapters() for one in adapter.ips]
+    return [ip_interface(f"{one.ip if one.is_IPv4 else one.ip[0]}/{one.network_prefix}") for one in every]
+
+
+def near(addresses: list[str], here: Sequence[IPv4Interface | IPv6Interface]) -> str:
+    """Return the address at which a machine is reached: the first that is in a network of ours, and not our own; else the first.
+
+    A machine that is in several networks tells all its addresses in each of them.
+    """
+    own = {one.ip for one in here}
+    found = (one for one in addresses if (ip := ip_address(one)) not in own and any(ip in one.network for one in here))
+    return next(found, addresses[0])
+
+
+def _found(info: Any, here: Sequence[IPv4Interface | IPv6Interface]) -> Found:
     said = {key.decode(): (value or b"").decode(errors="replace") for key, value in info.properties.items()}
-    host = info.parsed_addresses()[0]
+    host = near(info.parsed_addresses(), here)
     at = f"[{host}]" if ":" in host else host
     scheme = "https" if said.get("tls") == "1" else "http"
     door = f"tls/{at}:{said['door']}" if said.get("door", "").isdecimal() else ""

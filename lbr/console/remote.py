@@ -4,12 +4,13 @@ import socket
 import ssl
 import sys
 import time
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import get_args
 
 from msgspec import Struct
 
-from lbr.bus import keys, session, tokens, wire
+from lbr.bus import certificates, keys, session, tokens, wire
 from lbr.bus.access import Credentials
 from lbr.bus.session import Session
 from lbr.bus.tokens import Token
@@ -119,6 +120,12 @@ def _why_not(endpoint: str, one: Offered, der: bytes) -> str:
             certificate_at(endpoint)
         else:
             return ""
+    now = datetime.now(UTC)
+    if valid := certificates.untimely(der, now):
+        return (
+            f"{shown(endpoint)} shows a certificate that is valid {valid}, and this machine's clock says {now:%Y-%m-%d}: "
+            "set the clock"
+        )
     return f"{shown(endpoint)} refuses the token, {one.origin}: it is unknown, revoked or expired; {HOW}"
 
 

@@ -10,11 +10,14 @@ import subprocess
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
 
 import pytest
 
+from lbr.bus import certificates
 from tests.support import programs
-from tests.support.door import Door
+from tests.support.door import Door, opened
 from tests.support.robot import LBR, until
 
 pytestmark = pytest.mark.timeout(30)
@@ -84,6 +87,15 @@ def test_who_may_not_come_in_is_told_why_in_one_sentence(door: Door, change, cod
     assert words in said(done)
     assert done.returncode == code
     assert door.tokens["phone"].secret not in done.stderr
+
+
+def test_whose_clock_is_before_the_certificate_is_told_to_set_it(home: Path, monkeypatch: pytest.MonkeyPatch):
+    tomorrow = datetime.now(UTC) + timedelta(days=1)
+    monkeypatch.setattr(certificates, "VALID", (tomorrow, certificates.VALID[1]))
+    with opened(home) as door:
+        done = door.by("phone", "send", "stop")
+        assert f"valid from {tomorrow:%Y-%m-%d} to 9999-12-31, and this machine's clock says" in said(done)
+        assert done.returncode == 1
 
 
 @contextmanager
