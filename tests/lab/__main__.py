@@ -5,11 +5,14 @@ import io
 import sys
 import tarfile
 import time
+from collections.abc import Generator, Sequence
+from contextlib import closing
 from pathlib import Path
 
 from tests.lab import __doc__ as about
-from tests.lab import image, service, table
+from tests.lab import image, network, service, stage, table
 from tests.lab.machine import SNAPSHOT, Machine
+from tests.lab.stage import Scene
 from tests.support import programs
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -34,21 +37,28 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         prog="python -m tests.lab", description=about, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("what", choices=("build", "run", "service", "table", "shell"))
-    parser.add_argument("tests", nargs="*", default=["tests/kernel"], help="for run: which of them; all if left out")
+    parser.add_argument("what", choices=("build", "run", "service", "network", "table", "shell"))
+    parser.add_argument(
+        "tests", nargs="*", help="for run: which of tests/kernel; for network: scenes with these words; all if left out"
+    )
     parser.add_argument("--cuts", type=int, default=50, help="for service: how often its power is cut (50)")
+    parser.add_argument("--pace", type=float, default=network.PACE, help="for network: how fast its clocks go (0.2)")
     parser.add_argument("--suite", choices=image.SUITES, default="bookworm", help="Debian's release (bookworm)")
     parser.add_argument("--folder", type=Path, help="where the machine's files are (build/lab/SUITE)")
     wanted = parser.parse_args()
     wanted.folder = wanted.folder or FOLDER / wanted.suite
     if wanted.what == "table":
-        print(table.of((wanted.folder / "battery.xml").read_text()))
-        print(table.of_service(service.kept(wanted.folder)))
+        if (battery := wanted.folder / "battery.xml").exists():
+            print(table.of(battery.read_text()))
+        for name, kept in (("the service", service.KEPT), ("two machines", network.KEPT)):
+            print(table.of_scenes(name, stage.kept(wanted.folder / kept)))
         return 0
     if why := image.why_not():
         print(f"no machine here: {why}", file=sys.stderr)
         return 2
-    return {"build": _build, "run": _run, "service": _service, "shell": _shell}[wanted.what](wanted)
+    return {"build": _build, "run": _run, "service": _service, "network": _network, "shell": _shell}[wanted.what](
+        wanted
+    )
 
 
 def _build(wanted: argparse.Namespace) -> int:
@@ -72,7 +82,7 @@ def _run(wanted: argparse.Namespace) -> int:
         back_s = machine.start(snapshot=True)
         _send(machine)
         began = time.monotonic()
-        words = f"cd /opt/lab && {PYTEST} {' '.join(wanted.tests)}"
+        words = f"cd /opt/lab && {PYTEST} {' '.join(wanted.tests) or 'tests/kernel'}"
         done = machine.run(words, check=False, limit_s=BATTERY_S, show=True)
         xml = machine.run("cat /tmp/battery.xml").stdout
     finally:
@@ -84,21 +94,30 @@ def _run(wanted: argparse.Namespace) -> int:
 
 
 def _service(wanted: argparse.Namespace) -> int:
-    began = time.monotonic()
     machine = Machine(wanted.folder)
-    scenes = []
     try:
         machine.start(snapshot=True)
-        for scene in service.play(machine, _send, wanted.cuts):
-            print(
-                f"{time.monotonic() - began:6.0f} s  {'passed' if scene.passed else 'FAILED'}  {scene.what}: {scene.seen}"
-            )
-            scenes.append(scene)
-            service.keep(wanted.folder, scenes)
+        return _told("the service", service.play(machine, _send, wanted.cuts), wanted.folder / service.KEPT)
     finally:
         machine.cut()
-    print(table.of_service(scenes))
-    return 0 if all(scene.passed for scene in scenes) else 1
+
+
+def _network(wanted: argparse.Namespace) -> int:
+    path = wanted.folder / network.KEPT
+    with closing(network.play(wanted.folder, _send, wanted.pace, wanted.tests)) as scenes:
+        return _told("two machines", scenes, path, stage.kept(path) if wanted.tests else ())
+
+
+def _told(name: str, scenes: Generator[Scene], path: Path, others: Sequence[Scene] = ()) -> int:
+    """Tell of each scene as it ends, and keep them in place of the others' of their names; say whether all came out as promised."""
+    began, seen = time.monotonic(), {one.what: one for one in others}
+    for one in scenes:
+        said = "passed" if one.passed else "FAILED"
+        print(f"{time.monotonic() - began:6.0f} s  {said}  {one.what}: {one.seen}", flush=True)
+        seen[one.what] = one
+        stage.keep(path, [*seen.values()])
+    print(table.of_scenes(name, [*seen.values()]))
+    return 0 if all(one.passed for one in seen.values()) else 1
 
 
 def _send(machine: Machine) -> None:

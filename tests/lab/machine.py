@@ -1,5 +1,6 @@
 """The machine itself: QEMU without acceleration, its monitor, and commands in it by ssh."""
 
+import hashlib
 import shlex
 import socket
 import subprocess
@@ -20,20 +21,30 @@ INSTRUCTIONS = "shift=0"
 deadlines mean the same however busy the host is."""
 
 
-class Machine:
-    """A machine whose files are in a folder: `disk.qcow2`, `vmlinuz`, `initrd.img` and the key for its root."""
+CABLE = "cable"
+SLOWER_CLOCK = "*/faketime/libfaketimeMT.so.1"
 
-    def __init__(self, folder: Path) -> None:
+
+class Machine:
+    """A machine whose files are in a folder: `disk.qcow2`, `vmlinuz`, `initrd.img` and the key for its root.
+
+    `cable` is where a second network card leads, in QEMU's words for a socket. With a `pace` its clock is as fast as that of every
+    other machine of the same pace: QEMU gets a clock of the host that is so much slower, and waits for it.
+    """
+
+    def __init__(self, folder: Path, *, cable: str = "", pace: float = 0.0) -> None:
         self.folder = folder
+        self._cable = cable
+        self._pace = pace
         self._port = free_port()
         self._monitor = folder / "monitor"
         self._qemu: subprocess.Popen[bytes] | None = None
 
-    def start(self, *, snapshot: bool) -> float:
-        """Switch it on, or go back to the snapshot; return after how long it answers."""
+    def start(self, *, snapshot: bool, named: str = SNAPSHOT) -> float:
+        """Switch it on, or go back to the snapshot of a name; return after how long it answers."""
         began = time.monotonic()
         (self.folder / "ssh").unlink(missing_ok=True)
-        self._qemu = programs.start(self._command(snapshot=snapshot), stdin=subprocess.DEVNULL)
+        self._qemu = programs.start(self._command(named if snapshot else ""), stdin=subprocess.DEVNULL)
         while self.run("true", check=False).returncode:
             if self._qemu.poll() is not None:
                 raise RuntimeError("QEMU has ended; its words are above")
@@ -84,15 +95,40 @@ class Machine:
             self._qemu.kill()
             self._qemu.wait()
 
-    def _command(self, *, snapshot: bool) -> Sequence[str]:
+    def plug(self, *, there: bool) -> None:
+        """Pull the cable to the other machine out of this one, or put it in."""
+        self.monitor(f"set_link {CABLE} {'on' if there else 'off'}")
+
+    def _command(self, snapshot: str) -> Sequence[str]:
         f = self.folder
-        words = f"""nice -n 19 qemu-system-x86_64 -accel tcg,tb-size=512 -icount {INSTRUCTIONS} -rtc clock=vm -cpu max
+        first, waits = "nice -n 19", ""
+        if self._pace:  # and is not to fall behind
+            first, waits = f"env LD_PRELOAD={_slower_clock()} FAKETIME='+0 x{self._pace:g}'", ",align=on"
+        words = f"""{first} qemu-system-x86_64 -accel tcg,tb-size=512 -icount {INSTRUCTIONS}{waits} -rtc clock=vm -cpu max
             -smp 1 -m 2048 -display none -no-reboot -kernel {f}/vmlinuz -initrd {f}/initrd.img
             -drive file={f}/disk.qcow2,if=virtio,cache=writeback -device virtio-rng-pci
             -nic user,model=virtio-net-pci,restrict=on,hostfwd=tcp:127.0.0.1:{self._port}-:22
             -serial file:{f}/serial.log -monitor unix:{self._monitor},server=on,wait=off"""
         kernel = "root=/dev/vda rw console=ttyS0 net.ifnames=0 mitigations=off quiet fsck.mode=auto"
-        return [*words.split(), "-append", kernel, *(("-loadvm", SNAPSHOT) if snapshot else ())]
+        card = (
+            f"-netdev socket,id={CABLE},{self._cable} -device virtio-net-pci,netdev={CABLE},mac={_mac(f)}"
+            if self._cable
+            else ""
+        )
+        return [*shlex.split(f"{words} {card}"), "-append", kernel, *(("-loadvm", snapshot) if snapshot else ())]
+
+
+def _slower_clock() -> str:
+    """Return the library that slows a program's clock."""
+    found = next(Path("/usr/lib").glob(SLOWER_CLOCK), None)
+    if found is None:
+        raise RuntimeError("the package faketime is missing here")
+    return str(found)
+
+
+def _mac(folder: Path) -> str:
+    """Return an address for the card of a machine, of those that anybody may give."""
+    return "52:54:00:" + hashlib.sha256(folder.name.encode()).digest()[:3].hex(":")
 
 
 def _until_prompt(link: socket.socket) -> str:

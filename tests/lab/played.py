@@ -1,7 +1,7 @@
 """In the machine: plays a robot's devices to its kernel, and says on the console what its motors get.
 
-python -m tests.lab.played prepare ROBOT   the service's home, with rows for these devices
-python -m tests.lab.played play ROBOT      until it is told to end
+python -m tests.lab.played prepare ROWS    the service's home, with rows for these devices
+python -m tests.lab.played play DEVICES    until it is told to end; says, too, when the cable to another machine is out or in
 """
 
 import signal
@@ -10,7 +10,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -27,29 +27,39 @@ LOW = Path("/run/lab-low")
 """While it is there, the supply's battery is empty."""
 FULL_V, EMPTY_V = 12.6, 9.5
 LOOK_S = 0.004
+CARRIER = Path("/sys/class/net/eth1/carrier")
+OPEN = """UPDATE capability SET settings = json_set(settings, '$.host', '0.0.0.0', '$.announce', json('true'))
+    WHERE robot = 'lbr' AND name = 'web'"""
 ROWS = {
-    "lbr": (usb_robots.ON_WHEELS, usb_robots.ON_WHEELS_EDITS),
-    "bioloid": (("servos", "joints", "motions", "ups", "power"), ()),
+    "lbr": (*usb_robots.ON_WHEELS_EDITS, robots.only("lbr", *usb_robots.ON_WHEELS)),
+    "bioloid": (robots.only("bioloid", "servos", "joints", "motions", "ups", "power"),),
+    "two": (
+        *usb_robots.ON_WHEELS_EDITS,
+        robots.only("lbr", *usb_robots.ON_WHEELS, "dance", "box", "lan", "web"),
+        "UPDATE capability SET enabled = 1 WHERE robot = 'lbr' AND name = 'lan'",
+        OPEN,
+    ),
 }
 Look = Callable[[], str]
 
 
 def main() -> None:
-    what, robot = sys.argv[1:]
+    what, wanted = sys.argv[1:]
     if what == "prepare":
-        names, edits = ROWS[robot]
-        robots.prepare(HOME, edits=(*edits, robots.only(robot, *names)), whole=True)
+        robots.prepare(HOME, edits=ROWS[wanted], whole=True)
         given_to("lbr", HOME)
         return
     over = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: over.set())
-    with tempfile.TemporaryDirectory(prefix="lab-") as folder, DEVICES[robot](Path(folder)) as look:
-        last = ""
+    with tempfile.TemporaryDirectory(prefix="lab-") as folder, DEVICES[wanted](Path(folder)) as look:
+        last = ["", ""]
         say("devices are plugged in")
         while not over.wait(LOOK_S):
-            if (now := look()) != last:
-                last = now
-                say(now)
+            now = [look(), _cable()]
+            for words, before in zip(now, last, strict=True):
+                if words and words != before:
+                    say(words)
+            last = now
         say("devices are unplugged")
 
 
@@ -59,14 +69,30 @@ def say(words: str) -> None:
         console.write(f"\r\n@{time.monotonic():.3f} {words}\r\n")
 
 
+def _cable() -> str:
+    """Return whether the cable to another machine is in; nothing if there is no such card, or it is off."""
+    with suppress(OSError):
+        return f"cable {CARRIER.read_text().strip()}"
+    return ""
+
+
 @contextmanager
-def _on_wheels(folder: Path) -> Iterator[Look]:
-    with (
-        on_line("roboteq", folder, CdcAcm, ROBOTEQ) as motors,
-        on_line("ultrasonic_ring", folder, CdcAcm, ARDUINO, live=_in_a_room),
-    ):
+def _wheels(folder: Path) -> Iterator[Look]:
+    with on_line("roboteq", folder, CdcAcm, ROBOTEQ) as motors:
         outputs = usb_robots.Outputs(motors)
         yield lambda: "outputs {:g} {:g}".format(*outputs.now)
+
+
+@contextmanager
+def _ring(folder: Path) -> Iterator[Look]:
+    with on_line("ultrasonic_ring", folder, CdcAcm, ARDUINO, live=_in_a_room):
+        yield lambda: ""
+
+
+@contextmanager
+def _on_wheels(folder: Path) -> Iterator[Look]:
+    with _wheels(folder) as look, _ring(folder):
+        yield look
 
 
 @contextmanager
@@ -87,7 +113,7 @@ def _on_a_battery(twin: Twin, _now: float) -> None:
     twin.sense(replace(AT_REST, battery_v=EMPTY_V if LOW.exists() else FULL_V))
 
 
-DEVICES = {"lbr": _on_wheels, "bioloid": _on_legs}
+DEVICES = {"lbr": _on_wheels, "wheels": _wheels, "ring": _ring, "bioloid": _on_legs}
 
 if __name__ == "__main__":
     main()

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
-from tests.lab.service import Scene
+from tests.lab.stage import Scene
 
 
 def of(xml: str) -> str:
@@ -18,9 +18,9 @@ def of(xml: str) -> str:
     return "\n".join([*rows, "", f"{passed} of {len(cases)} passed"])
 
 
-def of_service(scenes: Sequence[Scene]) -> str:
+def of_scenes(name: str, scenes: Sequence[Scene]) -> str:
     """Return a row for each scene: what it was, whether it passed, what was seen."""
-    rows = ["| the service | | seen |", "|---|---|---|"]
+    rows = [f"| {name} | | seen |", "|---|---|---|"]
     rows += [f"| {one.what} | {'passed' if one.passed else '**failed**'} | {one.seen} |" for one in scenes]
     return "\n".join([*rows, "", f"{sum(one.passed for one in scenes)} of {len(scenes)} passed"])
 
