@@ -237,15 +237,19 @@ class Two:
         return f"zero after {zero_s * 1e3:.0f} ms; it went on, and what was held back moved nothing; {self._drives_again()}"
 
     def dance_frozen(self) -> str:
-        """Freeze it while an app there moves the robot."""
+        """Freeze it while an app there moves the robot.
+
+        Its clock stands still meanwhile, so what comes from there looks as late as that, until it is compared anew.
+        """
         self._dances()
         zero_s = self._freeze()
-        self.robot.still()
+        at = self.robot.now()
         self.shares()
         self.robot.still()
         self._dances()
+        again_s = next(one[0] for one in self.robot.outputs() if one[0] > at and one[1:] != (0.0, 0.0)) - at
         self._stops()
-        return f"zero after {zero_s * 1e3:.0f} ms; it went on, and nothing resumed; dances when told to"
+        return f"zero after {zero_s * 1e3:.0f} ms; it went on, and nothing resumed; dances when told to, {again_s:.0f} s later"
 
     def operator_clock(self) -> str:
         """Set the operator's clock back before anything of it comes in, and forth while it drives and dances."""
@@ -282,12 +286,15 @@ class Two:
             self.operator.machine.run("pkill -KILL -f at_a_door")
             lapsed_s = self.robot.zero_after(at)
         again = self._drives_again()
-        phases = self._phases()
-        trail = machine.run(f"{AS_SERVICE} db audit 2>&1 | tail -3", limit_s=WAIT_S).stdout.decode().strip()
-        checked = machine.run(f"{AS_SERVICE} db check 2>&1", check=False, limit_s=WAIT_S).stdout.decode().strip()
-        boxed = machine.run(f"{AS_SERVICE} box 2>&1", check=False, limit_s=WAIT_S).stdout.decode().strip()
+        if others := {name: one["phase"] for name, one in self.robot.capabilities().items() if one["phase"] != "ready"}:
+            raise SceneError(f"not ready: {others}")
+        machine.run(f"{AS_SERVICE} db audit", limit_s=WAIT_S)
+        jumped = [one["text"] for one in self._reported() if one["kind"] == "clock_jumped"][-1]
         machine.run(f"date -s @{int(time.time())}")
-        return f"went on; its client killed, zero within {lapsed_s * 1e3:.0f} ms; {again}; {phases}; AUDIT {trail} CHECK {checked} BOX {boxed}"
+        return (
+            f"went on; its client killed, zero within {lapsed_s * 1e3:.0f} ms; {again}; all is ready, the audit trail is whole, and the "
+            f"black box tells: {jumped}"
+        )
 
     def killed(self) -> str:
         """Kill the operator's machine, start it, and wait until its agent has come back by itself."""
@@ -296,17 +303,17 @@ class Two:
         self.operator.machine.cut()
         zero_s = self._stands_after(at)
         told_s = self._told_after(at)
-        with self._drives_here("/r/0.3/90"):
-            pass
-        until(lambda: not self.robot.moving(), "at rest")
+        alone = self.robot.machine.run(f"{AS_SERVICE} send --hold 1 /r/0.3/0", check=False, limit_s=WAIT_S)
+        if alone.returncode == 0 or self.robot.moving():
+            raise SceneError("it drives without ranges")
         self.operator.machine.start(snapshot=False)
         self.shares()
         self.robot.still()
         self._dances()
         self._stops()
         return (
-            f"zero after {zero_s * 1e3:.0f} ms, told after {told_s:.2f} s; the robot drove on its own; that machine started, its agent "
-            "came by itself, nothing resumed; dances when told to"
+            f"zero after {zero_s * 1e3:.0f} ms, told after {told_s:.2f} s; the robot refuses to drive: '{alone.stderr.decode().strip()}'; "
+            "that machine started, its agent came by itself, nothing resumed; dances when told to"
         )
 
     def apart(self) -> str:
@@ -365,7 +372,8 @@ class Two:
         """Have the robot dance, which the operator's machine does."""
         self.shares()
         until(lambda: not self.robot.moving(), "at rest")
-        self.robot.machine.run(f"{AS_SERVICE} send /d/metronome", limit_s=WAIT_S)
+        words = f"{AS_SERVICE} send /d/metronome"
+        until(lambda: self.robot.machine.run(words, check=False, limit_s=WAIT_S).returncode == 0, "it may dance")
         until(self.robot.moving, "it dances")
 
     def _stops(self) -> None:
@@ -432,8 +440,11 @@ class Two:
         """Return when the robot told of something, by its machine's time since its start."""
         words = "python3 -c 'import time; print(time.time() - time.monotonic())'"
         offset_s = float(self.robot.machine.run(words).stdout)
-        said = json.loads(self.robot.machine.run(f"{AS_SERVICE} send --json /report/events", limit_s=WAIT_S).stdout)
-        return [one["wall_ns"] / 1e9 - offset_s for one in said["data"] if one["kind"] in kinds]
+        return [one["wall_ns"] / 1e9 - offset_s for one in self._reported() if one["kind"] in kinds]
+
+    def _reported(self) -> list[dict[str, Any]]:
+        said = self.robot.machine.run(f"{AS_SERVICE} send --json /report/events", limit_s=WAIT_S).stdout
+        return list(json.loads(said)["data"])
 
     def _at_operator(self, words: str) -> str:
         done = self.operator.machine.run(words, check=False, limit_s=WAIT_S)
