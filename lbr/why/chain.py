@@ -25,7 +25,9 @@ UNEXPLAINED: frozenset[LinkName] = frozenset({"last", "refused", "machine"})
 
 def explain(now: Snapshot, part: str = "") -> Chain:
     """Return why a part stands still, or all that moves; raise InputError if there is nothing of that name."""
-    wanted, walk = part.strip(), Walk(now)
+    wanted = part.strip()
+    now = replace(now, asked=wanted)
+    walk = Walk(now)
     holding = tuple(_links(now, walk, wanted))
     beside = () if wanted else tuple(_beside(now, walk))
     edits = tuple(walk.edited())
@@ -93,7 +95,8 @@ def _links(now: Snapshot, walk: Walk, part: str) -> Iterator[Link]:
         yield from _whole(now, walk)
     elif part in facts.parts:
         yield from walk.asker(facts.parts[part])
-        yield from walk.of(part)
+        docks = _docks(facts.parts[part])
+        yield from (link if docks else _away_from_dock(facts, link) for link in walk.of(part))
     elif f"{CAMERA}{part}" in facts.parts:
         yield from walk.of(f"{CAMERA}{part}")
     elif any(one.name == part for one in facts.joints):
@@ -126,8 +129,14 @@ def _beside(now: Snapshot, walk: Walk) -> Iterator[Link]:
             )
 
 
+def _docks(part: Part) -> bool:
+    """Say whether a part goes by the beams of the dock, or is what sees them."""
+    goes_by = part.family == "operation" and "DockSignal" in part.inputs.values()
+    return goes_by or "DockSignal" in part.outputs.values()
+
+
 def _away_from_dock(facts: Facts, link: Link) -> Link:
-    """Return a link as the whole robot has it: one that is not before its dock sees no beam, and is well."""
+    """Return a link as what goes to no dock has it: a robot that is not before its dock sees no beam, and is well."""
     about = facts.parts.get(link.about)
     if link.name != "reading" or about is None or "DockSignal" not in about.outputs.values():
         return link

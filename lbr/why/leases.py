@@ -30,12 +30,12 @@ def holder(
             age_s=age_s,
             evidence=topic,
         )
-    elif by == now.asker:
+    elif by in {now.asker, now.asked}:
         yield Link(
             name="holder",
             about=part.name,
             state="ok",
-            text=f"who asks holds '{part.name}'",
+            text=f"{'who asks' if by == now.asker else by} holds '{part.name}'",
             since_s=since_s,
             age_s=age_s,
             evidence=topic,

@@ -7,6 +7,7 @@ from lbr.messages.attitude import AttitudeState
 from lbr.messages.camera import CameraState
 from lbr.messages.dock import DockSignal
 from lbr.messages.drive import DriveState
+from lbr.messages.gamepad import TeleopState
 from lbr.messages.joints import JointsState
 from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
@@ -319,6 +320,21 @@ def _ups(now: Snapshot, part: Part, said: UpsState, topic: str, age_s: float | N
         )
 
 
+def _teleop(now: Snapshot, part: Part, said: TeleopState, topic: str, age_s: float | None) -> Iterator[Link]:  # noqa: ARG001 - as all
+    moves = said.driving or bool(said.line)
+    text = f"it says '{said.line}'" if said.line else said.reason
+    yield Link(
+        name="input",
+        about=part.name,
+        state="ok" if moves else "held",
+        text=text if moves else f"the gamepad moves nothing: {text}",
+        code="" if moves else said.code,
+        age_s=age_s,
+        evidence=topic,
+        do="" if moves else "hold its dead-man button, and then push a stick from its centre",
+    )
+
+
 _TELLERS: dict[type[Any], Callable[[Snapshot, Part, Any, str, float | None], Iterator[Link]]] = {
     DriveState: _drive,
     JointsState: bodies.joints,
@@ -329,6 +345,7 @@ _TELLERS: dict[type[Any], Callable[[Snapshot, Part, Any, str, float | None], Ite
     AttitudeState: _attitude,
     OdometryState: _odometry,
     DockSignal: _dock,
+    TeleopState: _teleop,
     PowerState: _power,
     UpsState: _ups,
 }

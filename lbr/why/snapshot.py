@@ -119,7 +119,7 @@ class Said(Struct, frozen=True, kw_only=True):
 class Snapshot(Struct, frozen=True, kw_only=True):
     """A robot at one moment. `executive`: it answers, it is silent, or it does not run.
 
-    `silent_s` is for how long it was waited for. `asker` is who asks, with which `role`. `said` is by topic, such as
+    `silent_s` is for how long it was waited for. `asker` is who asks, with which `role`, about the part `asked`. `said` is by topic, such as
     `drive/state`. `events` are oldest first.
     """
 
@@ -132,6 +132,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     wall_ns: int = 0
     asker: str = ""
     role: Role = "admin"
+    asked: str = ""
 
     def unit(self, name: str) -> CapabilityStatus | None:
         """Return how a capability's process is, None if nothing says."""

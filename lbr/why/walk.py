@@ -28,6 +28,7 @@ class Walk:
         self.now = snapshot
         self.facts = snapshot.facts
         self._seen: set[str] = set()
+        self._moves = False
 
     def of(self, name: str, *, asked: bool = True) -> Iterator[Link]:
         """Yield the links of a capability; `asked`: it is the one that was asked for, not one that this one needs."""
@@ -43,7 +44,8 @@ class Walk:
             return
         process = self._process(part)
         yield process
-        if asked and part.moves:
+        if part.moves and not self._moves:
+            self._moves = True
             yield self._estop()
             yield from self._supply()
         if process.state == "held" or self.now.executive != "up":

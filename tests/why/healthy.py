@@ -18,6 +18,7 @@ from lbr.messages.attitude import AttitudeState
 from lbr.messages.camera import CameraState
 from lbr.messages.dock import DockSignal
 from lbr.messages.drive import DriveState
+from lbr.messages.gamepad import TeleopState
 from lbr.messages.joints import JointsState, JointState
 from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
@@ -162,4 +163,5 @@ _MESSAGES: dict[str, Any] = {
     "DockSignal": lambda _: DockSignal(left=True, right=True, power=False, left_age_s=0.1, right_age_s=0.1),
     "PowerState": lambda of: PowerState(phase="watching", armed=True, warn_v=10.5, shutdown_v=9.9, ups=_ups(of)),
     "UpsState": _ups,
+    "TeleopState": lambda _: TeleopState(pad=True, dead_man=True, driving=True, reason="it drives", code="done"),
 }  # fmt: skip

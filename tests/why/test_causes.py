@@ -382,6 +382,30 @@ def test_a_robot_that_is_not_before_its_dock_is_well_until_its_dock_is_asked_abo
     assert explain(now, "beacon").code == "stale_sensor"
 
 
+@pytest.fixture
+def with_teleop(all_rows) -> Snapshot:
+    return healthy.snapshot(healthy.facts_of(edited(all_rows["lbr"], "capabilities", "teleop", enabled=True)))
+
+
+def test_a_gamepad_that_moves_nothing_says_why_not_and_no_dock_is_blamed(with_teleop):
+    now = with_said(with_teleop, "dock/signal", left=False, right=False, left_age_s=None, right_age_s=None)
+    idle = with_said(
+        now, "teleop/state", driving=False, dead_man=False, reason="the button tl is not held", code="idle"
+    )
+    assert told(idle, "teleop") == ("input", "teleop", "idle")
+    assert explain(idle, "teleop").text == "the gamepad moves nothing: the button tl is not held"
+    assert explain(idle, "drive").state == explain(idle, "").state == "ok"
+    assert told(with_estop(idle, reason="dog"), "teleop") == ("estop", "estop", "estop")
+
+
+def test_what_a_gamepad_holds_itself_does_not_hold_it(with_teleop):
+    now = with_said(with_teleop, "drive/state", moving=True, power=0.3, holder="teleop", code="")
+    assert explain(now, "teleop").state == "ok", telling.lines(explain(now, "teleop"))
+    assert told(now, "drive") == ("holder", "drive", "held")
+    others = with_said(now, "drive/state", holder="web:anna")
+    assert told(others, "teleop") == ("holder", "drive", "held")
+
+
 def test_the_first_of_two_causes_is_the_one_nearer_to_who_asks(robots):
     both = with_estop(without_motors(robots["lbr"]), reason="dog")
     assert told(both, "drive") == ("estop", "estop", "estop")
