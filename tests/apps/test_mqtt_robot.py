@@ -277,18 +277,58 @@ def test_a_broker_that_is_killed_stops_what_it_asked_for_and_is_found_again(robo
     until(lambda: robot.capability("mqtt")["phase"] == "ready", what="its health")
 
 
-def test_a_picture_is_sent_while_it_is_new_and_as_often_as_the_row_says(broker, person, monkeypatch):
-    monkeypatch.setenv("LBR_HOME", str(broker.folder / "home"))
-    credentials = broker.folder / "home" / "credentials"
-    for folder in (credentials.parent, credentials):
-        folder.mkdir(mode=0o700)
+@pytest.fixture
+def alone(broker, tmp_path, monkeypatch):
+    """Return what makes the capability without a robot, at the broker of the test or another one, with its context."""
+    monkeypatch.setenv("LBR_HOME", str(tmp_path))
+    credentials = tmp_path / "credentials"
+    credentials.mkdir(mode=0o700)
     for name in ("ca.crt", "robot.crt", "robot.key"):
         (credentials / name).write_bytes((broker.folder / name).read_bytes())
         (credentials / name).chmod(0o600)
-    files = {"ca": "ca.crt", "certificate": "robot.crt", "key": "robot.key"}
-    found = {"host": "localhost", "port": broker.port, "home_assistant": {"picture_s": 2.0}, "topic": f"{TOPIC}/eye"}
-    ctx = FakeContext(KIND.parse(json.dumps(found | files)), robot="eye", name="mqtt")
-    mqtt = KIND.load()(ctx)
+
+    def make(port, **settings):
+        files = {"ca": "ca.crt", "certificate": "robot.crt", "key": "robot.key"}
+        settings = {"host": "localhost", "port": port, "topic": f"{TOPIC}/eye", **files, **settings}
+        ctx = FakeContext(KIND.parse(json.dumps(settings)), robot="eye", name="mqtt")
+        return KIND.load()(ctx), ctx
+
+    return make
+
+
+def test_a_robot_that_may_not_hear_its_own_word_says_so_before_anybody_asks_it(broker, alone):
+    strict = mosquitto.Mosquitto(broker.folder, rights="topic read #\ntopic write lbr/lbr/eye/available")
+    strict.start()
+    mqtt, ctx = alone(strict.port, words={"say": {"do": "say"}})
+    mqtt.open()
+    try:
+        until(lambda: (mqtt.step(), ctx.health[-1:] == ["ready"])[1], what="the broker")
+        for _ in range(40):
+            ctx.now += 0.1
+            mqtt.step()
+        assert f"nothing comes back on {TOPIC}/eye/echo: " in ctx.health[-1]
+        assert "may not write and read there" in ctx.health[-1]
+    finally:
+        mqtt.close()
+        strict.kill()
+
+
+def test_a_refusal_by_a_topic_of_any_length_is_short_enough_to_be_an_event(broker, alone, person):
+    mqtt, ctx = alone(broker.port, words={"say": {"do": "say"}})
+    mqtt.open()
+    try:
+        until(lambda: (mqtt.step(), ctx.health[-1:] == ["ready"])[1], what="the broker")
+        topic = f"{TOPIC}/eye/ask/" + "w" * 60_000
+        person.say(topic, "1")
+        refused = until(lambda: (mqtt.step(), [text for kind, text in ctx.events if kind == "refused"])[1], what="it")
+        assert len(refused[-1]) < 500
+        assert topic.startswith(refused[-1].partition(":")[0])
+    finally:
+        mqtt.close()
+
+
+def test_a_picture_is_sent_while_it_is_new_and_as_often_as_the_row_says(broker, person, alone):
+    mqtt, ctx = alone(broker.port, home_assistant={"picture_s": 2.0})
     mqtt.open()
     try:
         until(lambda: (mqtt.step(), ctx.health[-1:] == ["ready"])[1], what="the broker")

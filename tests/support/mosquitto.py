@@ -74,13 +74,19 @@ def _write(path: Path, key: Any, certificate: x509.Certificate) -> None:
 
 
 class Mosquitto:
-    """The broker, with certificates in `folder`; who comes in has one of them."""
+    """The broker, with certificates in `folder`; who comes in has one of them, and may what lines of `rights` say, or all."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, rights: str = "") -> None:
         self.folder = folder
         self.port = free_port()
-        self._config = folder / "mosquitto.conf"
-        self._config.write_text(CONFIG.format(port=self.port, folder=folder))
+        self._config = folder / f"mosquitto-{self.port}.conf"
+        config = CONFIG.format(port=self.port, folder=folder)
+        if rights:
+            allowed = folder / f"mosquitto-{self.port}.acl"
+            allowed.write_text(f"user robot\n{rights}\n")
+            allowed.chmod(0o600)
+            config += f"acl_file {allowed}\n"
+        self._config.write_text(config)
         self._popen: Any = None
 
     def start(self) -> None:

@@ -40,6 +40,7 @@ SETTLES_S = 1.2
 LARGEST_ASK = 2048
 LONGEST_REASON = 200
 LONGEST_WORD = 40
+LONGEST_TOPIC = 200
 OLD_PICTURE_S = 2.0
 MOST_ASKED = 4
 """Of a round, and of what waits for an answer: more at once is nobody who means it."""
@@ -162,7 +163,7 @@ class Mqtt(Capability[MqttSettings]):
 
     def _look_after_connection(self) -> None:
         session = self._session
-        health = NO_BROKER if session is None else session.trouble if not session.connected else ""
+        health = NO_BROKER if session is None else self._silence() if session.connected else session.trouble
         if session is not None and health:
             health = f"the broker {self._heard.broker}: {health}"
         if health != self._health:
@@ -178,6 +179,19 @@ class Mqtt(Capability[MqttSettings]):
         elif session.count != self._count:
             self._count = session.count
             self._introduce(session)
+
+    def _silence(self) -> str:
+        """Say that a broker which is there sends nothing back: what is asked by it is refused then."""
+        if self._echo is None or not self._echo.stands_still(self.ctx.clock()) or self._session is None:
+            return ""
+        if self._session.count != self._count:
+            return ""
+        why = (
+            "it stands still"
+            if self._echo.ever
+            else "it stands still, or the robot's user may not write and read there"
+        )
+        return f"nothing comes back on {self._topic}/echo: {why}. Nothing but a stop is done meanwhile"
 
     def _listen_for_echo(self, session: Session, now: float) -> None:
         """Have the broker send a word back now and then; what moves ends when it does not."""
@@ -318,7 +332,7 @@ class Mqtt(Capability[MqttSettings]):
     def _complain(self, topic: str, text: str, code: str, ask: Ask | None = None) -> None:
         """Refuse what came on a topic: at the console, and to who listens there."""
         self._refused += 1
-        why = heard(code, f"{one_line(topic)}: {text}")
+        why = heard(code, f"{one_line(topic[:LONGEST_TOPIC])}: {text}")
         self.ctx.event("refused", why.text, level="warning", code=why.code, about=self.ctx.name)
         self._reply(ask or Ask(word=""), "refused", why)
 

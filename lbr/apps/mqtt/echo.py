@@ -26,11 +26,14 @@ class Echo:
         """When the newest word was sent that has come back."""
         self._late_until = -inf
         self._next = -inf
+        self.ever = False
+        """Whether anything has come back since the broker was reached last."""
 
     def connected(self, now: float) -> None:
         """Begin anew: what was said to an earlier connection does not come back."""
         self._mark, self._number, self._sent = secrets.token_hex(4), 0, {}
         self._heard_from, self._late_until, self._next = now, -inf, now
+        self.ever = False
 
     def word(self, now: float) -> str:
         """Return what is to be sent now, or nothing."""
@@ -49,6 +52,7 @@ class Echo:
         sent = self._sent.pop(payload.decode(errors="replace"), None)
         if sent is None:
             return
+        self.ever = True
         self._heard_from = max(self._heard_from, sent)
         self._sent = {word: at for word, at in self._sent.items() if at > sent}
         if now - sent > LATE_S:
