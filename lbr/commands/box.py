@@ -94,6 +94,7 @@ def show(what: str, robot: str | None, begin: str | None, end: str | None, aroun
         click.echo(_line(f"{chosen.why.kind} {chosen.why.subject}: {chosen.why.text}"))
     if not found["topics"]:
         click.echo("nothing was recorded in that time")
+        _tell_damage(found["damage"])
         return 1
     seconds = max(1e-9, (found["to_ns"] - found["from_ns"]) / 1e9)
     span = f"{times.shown(found['from_ns'], now)} to {times.shown(found['to_ns'], now)}"
@@ -159,6 +160,7 @@ def export(
     else:
         count = sum(exports.to_csv(target, wanted).values())
     if not count:
+        _tell_damage(damage)
         raise InputError("nothing was recorded in that time, or of these topics")
     click.echo(f"{count} messages into {target}")
     _tell_damage(damage)

@@ -57,6 +57,11 @@ class Recording:
         return max((span.end_ns for span in self.spans), default=0)
 
     @property
+    def empty(self) -> bool:
+        """Whether nothing in it could be found that is of a recording: it is none, or was cut before its first chunk's end."""
+        return not (self.spans or self._messages)
+
+    @property
     def channels(self) -> tuple[Channel, ...]:
         """The channels that were met while it was read."""
         return tuple(self._contents.channels.values())

@@ -49,6 +49,7 @@ def choose(shelf: Shelf, what: str) -> Chosen:
             return Chosen(name=path.name, files=(path,))
     path = Path(what)
     if path.is_file():
+        _refuse_empty(path)
         return Chosen(name=path.name, files=(path,))
     if path.is_dir() and (files := sorted(path.glob(f"*{SUFFIX}"))):
         return Chosen(name=path.name, files=tuple(files))
@@ -56,6 +57,14 @@ def choose(shelf: Shelf, what: str) -> Chosen:
     raise InputError(
         f"there is no recording '{what[:80]}'; there is {', '.join(there)}, or name a file", "unknown_name"
     )
+
+
+def _refuse_empty(path: Path) -> None:
+    """Refuse a file of which nothing can be read: that nothing was recorded in some time is another matter."""
+    with reader.opened(path) as found:
+        if found.empty:
+            text = f"{path}: nothing in it can be read: it is no recording, or was cut short where it begins"
+            raise InputError(text, "malformed")
 
 
 def messages(

@@ -139,11 +139,16 @@ class _Reader:
 
 def read(files: tuple[Path, ...], start_ns: int, end_ns: int) -> Recorded:
     """Take what is needed out of a recording; InputError says what it lacks."""
-    found = _Reader()
-    for one in selection.messages(files, 0, end_ns):
+    found, damage = _Reader(), selection.Damage()
+    for one in selection.messages(files, 0, end_ns, damage=damage):
         found.take(one)
     if not found.taped:
-        raise InputError("the recording has no bytes of lines: it was made without 'lbr record --lines'", "bad_value")
+        lost = "".join(f"; {one}" for one in damage.files)
+        if damage.places:
+            lost += f", or they were in the {damage.bytes} bytes of it that are damaged or cut"
+        raise InputError(
+            f"the recording has no bytes of lines: it was made without 'lbr record --lines'{lost}", "bad_value"
+        )
     if found.rows is None or not found.robot:
         raise InputError("the recording has no rows: it is cut, or was made by another program", "bad_value")
     if found.edited:

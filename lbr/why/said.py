@@ -323,15 +323,20 @@ def _ups(now: Snapshot, part: Part, said: UpsState, topic: str, age_s: float | N
 def _teleop(now: Snapshot, part: Part, said: TeleopState, topic: str, age_s: float | None) -> Iterator[Link]:  # noqa: ARG001 - as all
     moves = said.driving or bool(said.line)
     text = f"it says '{said.line}'" if said.line else said.reason
+    missing = not said.pad
     yield Link(
         name="input",
         about=part.name,
-        state="ok" if moves else "held",
+        state="ok" if moves else "doubt" if missing else "held",
         text=text if moves else f"the gamepad moves nothing: {text}",
         code="" if moves else said.code,
         age_s=age_s,
         evidence=topic,
-        do="" if moves else "hold its dead-man button, and then push a stick from its centre",
+        do=""
+        if moves
+        else "lbr devices says what is plugged in"
+        if missing
+        else "hold its dead-man button, and then push a stick from its centre",
     )
 
 

@@ -12,6 +12,7 @@ from lbr.errors import InputError
 from lbr.recording import chunks, reader, selection
 from lbr.recording.chunks import Channel, Channels
 from lbr.recording.segments import Segment, in_use
+from lbr.recording.shelf import Shelf
 
 DRIVE = Channel("drive/state", "json", "DriveState", b'{"type":"object"}')
 EVENT = Channel("@event", "json", "Event", b'{"type":"object","title":"Event"}')
@@ -160,6 +161,20 @@ def test_a_file_that_cannot_be_read_is_named_and_others_are_read(tmp_path):
     assert "gone.mcap cannot be read" in damage.files[0]
     with pytest.raises(InputError), reader.opened(gone):
         pass
+
+
+@pytest.mark.parametrize("given", [b"", b"root:x:0:0:\n", chunks.MAGIC, chunks.MAGIC + b"\x06\x00"])
+def test_a_file_that_is_named_and_is_no_recording_is_refused_whatever_the_time(tmp_path, given):
+    path = tmp_path / "named.mcap"
+    path.write_bytes(given)
+    with pytest.raises(InputError, match="nothing in it can be read: it is no recording, or was cut"):
+        selection.choose(Shelf(tmp_path, "lbr"), str(path))
+
+
+def test_a_file_that_is_named_is_read_from_its_first_whole_chunk_on(tmp_path):
+    path = tmp_path / "named.mcap"
+    written(path, 1, ends=False)
+    assert selection.choose(Shelf(tmp_path, "lbr"), str(path)).files == (path,)
 
 
 def test_what_is_said_again_at_the_beginning_of_a_file_is_one_message(tmp_path):

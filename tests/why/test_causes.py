@@ -398,6 +398,18 @@ def test_a_gamepad_that_moves_nothing_says_why_not_and_no_dock_is_blamed(with_te
     assert told(with_estop(idle, reason="dog"), "teleop") == ("estop", "estop", "estop")
 
 
+def test_a_gamepad_that_is_pulled_out_is_told_by_its_driver(all_rows):
+    rows = edited(all_rows["lbr"], "capabilities", "teleop", enabled=True)
+    row = next(one for one in rows.capabilities if one.name == "imu")
+    pad = replace(row, name="gamepad", kind="gamepad", settings='{"device": "gamepad"}', needs=())
+    device = replace(rows.devices[0], name="gamepad", type="gamepad", address="input:Pad")
+    rows = replace(rows, capabilities=(*rows.capabilities, pad), devices=(*rows.devices, device))
+    now = healthy.snapshot(healthy.facts_of(rows))
+    assert explain(now, "teleop").state == "ok", telling.lines(explain(now, "teleop"))
+    now = with_said(now, "teleop/state", pad=False, driving=False, reason="no gamepad is heard of", code="unreachable")
+    assert told(gone("gamepad", "device 'gamepad' is missing")(now), "teleop") == ("line", "gamepad", "unreachable")
+
+
 def test_what_a_gamepad_holds_itself_does_not_hold_it(with_teleop):
     now = with_said(with_teleop, "drive/state", moving=True, power=0.3, holder="teleop", code="")
     assert explain(now, "teleop").state == "ok", telling.lines(explain(now, "teleop"))
