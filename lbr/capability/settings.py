@@ -7,6 +7,8 @@ from typing import Any
 import msgspec
 from msgspec import Struct
 
+from lbr.capability.did_you_mean import with_choices
+
 MOST_TOLD = 20
 
 
@@ -56,7 +58,7 @@ def _of_value(kind: Any, value: Any, at: str) -> tuple[str, ...]:
     try:
         msgspec.json.decode(msgspec.json.encode(value), type=kind)
     except msgspec.ValidationError as err:
-        return (_placed(str(err), at),)
+        return (_placed(with_choices(str(err), kind), at),)
     except Exception as err:  # noqa: BLE001 - see above
         return (_placed(f"{type(err).__name__}: {err}", at),)
     return ()

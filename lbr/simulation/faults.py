@@ -5,6 +5,7 @@ from typing import Annotated, Any, TypeVar
 import msgspec
 from msgspec import Meta, Struct
 
+from lbr.capability.did_you_mean import with_choices
 from lbr.errors import InputError
 
 Probability = Annotated[float, Meta(ge=0.0, le=1.0, description="how often it happens, 0 never, 1 always")]
@@ -106,4 +107,5 @@ def changed(faults: F, name: str, value: FaultValue) -> F:
     try:
         return msgspec.convert(fields, type(faults), strict=not isinstance(value, str | tuple | list))
     except msgspec.ValidationError as err:
-        raise InputError(f"fault '{name}': {err}") from err
+        kinds = {field.name: field.type for field in msgspec.structs.fields(type(faults))}
+        raise InputError(f"fault '{name}': {with_choices(str(err), kinds[name])}") from err

@@ -1,6 +1,6 @@
 """Settings are told all their faults at once, and have one exactly if msgspec finds one."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 from hypothesis import given
@@ -73,3 +73,21 @@ def test_there_are_faults_exactly_if_msgspec_has_one(value):
     found = faults(Settings, value)
     assert (found == ()) == good
     assert len(set(found)) == len(found)
+
+
+class Pad(Struct, frozen=True, forbid_unknown_fields=True):
+    stop: Literal["a", "thumb", "start", ""] = ""
+    lines: dict[Literal["a", "thumb", "start"], str] = {}
+
+
+def test_a_value_that_is_no_choice_is_told_which_there_are():
+    assert faults(Pad, {"stop": "thum", "lines": {"z": "s"}}) == (
+        "Invalid enum value 'thum', did you mean thumb? - at `$.stop`",
+        "Invalid enum value 'z', there are a, start, thumb - at `key` in `$` - at `$.lines`",
+    )
+
+
+@given(value=st.text())
+def test_a_text_that_is_no_choice_is_named_whatever_it_is(value):
+    found = faults(Pad, {"stop": value})
+    assert not found if value in {"a", "thumb", "start", ""} else "thumb" in found[0] and "`$.stop`" in found[0]
