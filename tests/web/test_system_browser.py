@@ -97,6 +97,28 @@ def test_a_row_that_changed_under_an_open_form_is_told_and_either_is_kept(page, 
     assert setting(robot, "help") == f"mine after all, {width}"
 
 
+def test_what_was_typed_outlives_a_row_that_is_deleted_and_a_robot_that_does_not_answer(page, robot):
+    robot.edit("INSERT OR REPLACE INTO phrase (name, language, text) VALUES ('brief', 'en', 'old')")
+    row(page, "phrase", "brief / en")
+    form = page.get_by_role("dialog")
+    form.get_by_label("text").fill("mine")
+    robot.edit("DELETE FROM phrase WHERE name = 'brief'")
+    form.get_by_role("button", name="Save").click()
+    expect(form.get_by_text("was deleted meanwhile")).to_be_visible(timeout=SLOWLY_MS)
+    assert form.evaluate("it => it.scrollWidth <= it.clientWidth")
+    page.context.set_offline(True)
+    form.get_by_role("button", name="Keep my changes").click()
+    expect(form.get_by_text("does not answer")).to_be_visible(timeout=SLOWLY_MS)
+    page.context.set_offline(False)
+    form.get_by_role("button", name="Keep my changes").click()
+    expect(form.get_by_text("was deleted meanwhile")).to_have_count(0, timeout=SLOWLY_MS)
+    expect(form.get_by_label("text")).to_have_value("mine")
+    form.get_by_role("button", name="Save").click()
+    expect(form).to_have_count(0, timeout=SLOWLY_MS)
+    with closing(sqlite3.connect(robot.home / "robot.db")) as database:
+        assert database.execute("SELECT text FROM phrase WHERE name = 'brief'").fetchall() == [("mine",)]
+
+
 def test_a_token_is_locked_out_by_a_tap(page, robot):
     name = f"visitor{page.viewport_size['width']}"
     assert lbr(robot.home, "token", "add", name, "--role", "view").returncode == 0

@@ -112,8 +112,10 @@ function Edit({ of, row, editable, onClose }: { of: Table; row: Row | null; edit
   };
   const reload = async (keep: boolean): Promise<void> => {
     const answer = await look(of.table);
+    if (!answer.ok) { refuse(told(answer)); return; }
     const there = answer.data?.data?.rows.find((one) => before !== null && of.key.every((column) => same(one[column], before[column])));
-    if (!there) { onClose(); return; }
+    if (!there && !keep) { notice(t("rows.deleted", { name }), "warn"); onClose(); return; }
+    if (!there) { setTheirs({}); setBefore(null); return; }
     edit(keep ? kept(there, before!, after) : there);
     setTheirs(keep ? writtenSince(before!, there) : {});
     setBefore(there);
