@@ -224,6 +224,11 @@ def test_where_it_is_and_why_it_stays_is_told():
     assert stage.say("list").answer.reason == "▶ patrol  for a test"
 
 
+def test_a_stop_of_the_whole_robot_says_nothing_where_nothing_runs():
+    assert Stage().say("stop", StopCommand(whole=True)).answer == CommandReply(accepted=True)
+    assert Stage().say("stop", StopCommand()).answer.reason == "no behaviour runs"
+
+
 def test_a_stop_ends_the_run_and_halts_what_it_moves():
     stage = Stage()
     stage.run()

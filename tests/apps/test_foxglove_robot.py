@@ -223,6 +223,9 @@ def test_who_publishes_a_twist_drives_and_a_stop_ends_it_although_the_publishing
 
     until(lambda: pushed(lambda: moves(robot)), limit_s=5.0, what="driving")
     assert drive(robot)["holder"].startswith("web:")
+    until(lambda: not moves(robot), what="its end, unless it is published on")
+    assert "Foxglove said nothing for 0.25 s" in drive(robot)["reason"]
+    until(lambda: pushed(lambda: moves(robot)), limit_s=5.0, what="driving again")
     with closing(Foxglove(url)) as other:
         assert other.call("/stop")["code"] == 0
     until(lambda: pushed(lambda: not moves(robot)), what="standing still")

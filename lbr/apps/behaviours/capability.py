@@ -157,7 +157,8 @@ class Behaviours(Capability[BehaviourSettings]):
             case "stop":
                 assert isinstance(message, StopCommand)
                 said = f"stopped by {call.source}" + (f": {message.reason}" if message.reason else "")
-                text = f"{self._run.table} is stopped" if self._run is not None else "no behaviour runs"
+                idle = "" if message.whole else "no behaviour runs"
+                text = f"{self._run.table} is stopped" if self._run is not None else idle
                 self._stopped_s = max(self._stopped_s, call.arrived)
                 self._halts = self._halts.heard(call.arrived, call.source)
                 self._stop(Reason("stopped", said))

@@ -93,7 +93,7 @@ class Viewer:
         self._calls: set[asyncio.Task[None]] = set()
         self._stops: set[asyncio.Task[None]] = set()
         self._woken = asyncio.Event()
-        self._hand = Hand(source_of(client), served.api.may(client), self._tell_from_loop)
+        self._hand = Hand(source_of(client), served.api.may(client), self._tell_from_loop, whose="Foxglove")
         self._has_hand = False
         self._push, self._pushed_s, self._pushed_to = 0, 0.0, ""
         self._often = Bucket(SAID_HZ, self._loop.time(), SAID_AT_ONCE)

@@ -70,7 +70,11 @@ class Attitude(Capability[AttitudeSettings]):
             self._calibration.command(call)
         elif call.name == "stop":
             ended = self._calibration.stop(call.message.reason or f"stopped by {call.source}", "stopped")
-            call.reply(CommandReply(accepted=True, reason="" if ended else "no calibration was under way"))
+            call.reply(
+                CommandReply(
+                    accepted=True, reason="" if ended or call.message.whole else "no calibration was under way"
+                )
+            )
         else:
             call.refuse(f"{call.name} is not understood here", "unknown_command")
 

@@ -109,8 +109,8 @@ class AttitudeContext(FakeContext):
     def observe(self, angle_deg):
         return self.say("observe", ObserveCommand(angle_deg=angle_deg))
 
-    def stop(self):
-        return self.say("stop", StopCommand())
+    def stop(self, *, whole=False):
+        return self.say("stop", StopCommand(whole=whole))
 
     def state(self):
         return self.said("state")[-1]

@@ -237,7 +237,8 @@ def test_a_stop_ends_it_and_halts(bench):
     assert len(bench.drive.commands) == commands
     assert "stopped by console" in last(bench).text
     assert bench.kept == []
-    assert bench.stop().answer.accepted
+    assert bench.stop().answer.reason == "no calibration was under way"
+    assert bench.stop(whole=True).answer.reason == ""
 
 
 def test_closing_halts(bench):

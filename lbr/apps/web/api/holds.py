@@ -44,9 +44,9 @@ ENDED_BY_OTHERS: frozenset[str] = frozenset(
 )
 """After these a stick that is still pushed moves nothing: its page has to rest first."""
 REST = "release it first, and begin again"
-RELEASED = "the page released it"
-GONE = "the page is gone"
-SILENT = "the page said nothing for {:g} s"
+RELEASED = "{} released it"
+GONE = "{} is gone"
+SILENT = "{} said nothing for {:g} s"
 
 
 class HoldNews(Struct, frozen=True, kw_only=True):
@@ -71,11 +71,18 @@ class Said(Struct, frozen=True, kw_only=True):
 class Hand:
     """A page's hand on the robot: `said` is written by its socket, all else by the loop.
 
-    `may` says why what is wanted is not for this page; `tell` is called for news.
+    `may` says why what is wanted is not for this page; `tell` is called for news; `whose` names what has the hand.
     """
 
-    def __init__(self, source: str, may: Callable[[Wanted], Reason | None], tell: Callable[[HoldNews], None]) -> None:
+    def __init__(
+        self,
+        source: str,
+        may: Callable[[Wanted], Reason | None],
+        tell: Callable[[HoldNews], None],
+        whose: str = "the page",
+    ) -> None:
         self.source = source
+        self.whose = whose
         self.may = may
         self.tell = tell
         self.said = Said()
@@ -158,7 +165,7 @@ class Holds:
         if hand.lease is not None and (rested or wanted is None or hand.wanted is None or wanted.to != hand.wanted.to):
             self._release(
                 hand,
-                _why(said, patience_s, rested=rested, wanted=wanted),
+                _why(hand.whose, said, patience_s, rested=rested, wanted=wanted),
                 lost=said.gone or (wanted is None and not rested),
             )
         if wanted is None or wanted.n == hand.over_n:
@@ -259,10 +266,10 @@ def _number(hand: Hand) -> int:
     return hand.wanted.n if hand.wanted is not None else 0
 
 
-def _why(said: Said, patience_s: float, *, rested: bool, wanted: Wanted | None) -> Reason:
+def _why(whose: str, said: Said, patience_s: float, *, rested: bool, wanted: Wanted | None) -> Reason:
     """Return why a lease is given up; it lapses where the page did not say so."""
     if said.gone:
-        return Reason("holder_gone", GONE)
-    return (
-        Reason("lapsed", SILENT.format(patience_s)) if wanted is None and not rested else Reason("cancelled", RELEASED)
-    )
+        return Reason("holder_gone", GONE.format(whose))
+    if wanted is None and not rested:
+        return Reason("lapsed", SILENT.format(whose, patience_s))
+    return Reason("cancelled", RELEASED.format(whose))
