@@ -4,6 +4,8 @@ It is this process that does so, without a holder: a driver that hears nothing o
 without a stable key frame, and whatever is no motion, is held at once.
 """
 
+from math import ceil
+
 from msgspec.structs import replace
 
 from lbr.messages.codes import Reason
@@ -92,7 +94,8 @@ def reply(state: State, now: float) -> Reply:
     """Answer a stop: the joints hold, or step to their feet first."""
     if state.feet is None:
         return Reply(message=CommandReply(accepted=True, reason="stopped"))
-    text = f"steps to its feet, within {max(0.0, left_s(state.feet, now)):.1f} s; stop again to hold at once"
+    within_s = max(1, ceil(round(left_s(state.feet, now) * 10, 3))) / 10
+    text = f"steps to its feet, within {within_s:.1f} s; stop again to hold at once"
     return Reply(message=CommandReply(accepted=True, reason=text, code="to_feet"))
 
 

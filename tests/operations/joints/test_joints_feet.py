@@ -33,7 +33,7 @@ def test_a_stop_goes_on_to_the_next_stable_frame_and_says_so(bench):
     steps(bench)
     reply = bench.stop()
     assert (reply.accepted, reply.code) == (True, "to_feet")
-    assert "steps to its feet, within 0.3 s" in reply.reason
+    assert "steps to its feet, within 0.4 s" in reply.reason
     assert (bench.results[-1].result, bench.results[-1].code) == ("stopped", "stopped")
     assert bench.setpoint.lease, "a driver that ended it does not take it up again"
     bench.run(0.4)
@@ -41,6 +41,15 @@ def test_a_stop_goes_on_to_the_next_stable_frame_and_says_so(bench):
     assert bench.goals["head_yaw"] == pytest.approx(0.3)
     assert stands(bench)
     assert (bench.setpoint.lease, bench.setpoint.lost) == ("", False)
+
+
+@pytest.mark.parametrize("seconds", [0.32, 0.42, 0.5, 0.54, 0.56, 0.58])
+def test_the_time_that_is_said_is_no_shorter_than_what_it_takes(bench, seconds):
+    steps(bench, seconds=seconds)
+    said = float(bench.stop().reason.partition("within ")[2].partition(" s")[0])
+    assert said > 0.0
+    bench.run(said)
+    assert stands(bench)
 
 
 def test_a_lapse_does_so_too_and_its_mover_is_lost_afterwards(bench):
