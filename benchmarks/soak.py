@@ -170,8 +170,8 @@ class Soak:
         home = self._under_test.robot.home
         logs = [path.stat().st_size for path in home.glob("logs/*") if path.is_file()]
         wal = home / "robot.db-wal"
-        found = {path.relative_to(home) for path in home.rglob("*")}
-        self.files.append({str(path) for path in found if not BOUND_THEIR_FILES & {*path.parts}})
+        files = {path.relative_to(home) for path in home.rglob("*")}
+        self.files.append({str(path) for path in files if not BOUND_THEIR_FILES & {*path.parts}})
         self._results.sample("K1 logs", sum(logs) / 2**20)
         self._results.sample("K1 WAL", (wal.stat().st_size if wal.exists() else 0) / 2**20)
 

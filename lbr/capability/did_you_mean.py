@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, Literal, get_args, get_origin
 
 MOST_TOLD = 8
-_NO_CHOICE = re.compile(r"""Invalid enum value (['"])(.*?)\1(?= - at `|$)""")
+_NO_CHOICE = re.compile(r"""Invalid enum value (['"])(.*?)\1(?= - at `|\Z)""")
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
