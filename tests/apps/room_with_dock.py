@@ -8,7 +8,7 @@ from lbr.apps.behaviours.keys import Key
 from lbr.capability.mover import FINAL
 from lbr.messages.codes import Code
 from lbr.operations.beacon import BeaconSettings
-from lbr.operations.beacon.view import STAND, Action, Back, Bend, Ending, Go, Turn, View
+from lbr.operations.beacon.view import STAND, Action, Back, Ending, Go, Turn, View
 from tests.models.table_run import TableRun, dock_table
 
 STEP_S = 0.1
@@ -92,28 +92,19 @@ class Room:
         elif self._ending is None and isinstance(action, Go):
             self._ahead(action)
         elif self._ending is None and isinstance(action, Back):
-            self._bend(-action.power, action.steer_deg)
-        elif self._ending is None and isinstance(action, Bend):
-            self._bend(action.power, action.steer_deg)
-            self._left -= STEP_S
-            if self._left <= 0.0:
-                self._ending = Ending(good=True, text="time is over")
+            steer = sin(radians(action.steer_deg))
+            ahead = cos(radians(action.steer_deg))
+            share = action.power / (abs(steer) + ahead)
+            self.yaw -= radians(steer * share * FULL_DPS) * STEP_S
+            self._move(-share * ahead * STEP_S)
 
     def _begin(self, action: object) -> None:
         self._ending = None
-        if self.refuse and isinstance(action, Turn | Go | Back | Bend):
+        if self.refuse and isinstance(action, Turn | Go | Back):
             self._ending = Ending(good=False, text=self.refuse, code=self.code, final=self.code in FINAL)
         self._left = action.angle_deg if isinstance(action, Turn) else 0.0
         if isinstance(action, Go):
             self._left = action.distance_m
-        if isinstance(action, Bend):
-            self._left = action.seconds
-
-    def _bend(self, power: float, steer_deg: float) -> None:
-        steer, ahead = sin(radians(steer_deg)), cos(radians(steer_deg))
-        share = abs(power) / (abs(steer) + ahead)
-        self.yaw -= radians(steer * share * FULL_DPS) * STEP_S
-        self._move((share if power > 0.0 else -share) * ahead * STEP_S)
 
     def _turn(self) -> None:
         part = max(-TURN_DPS * STEP_S, min(TURN_DPS * STEP_S, self._left))

@@ -7,8 +7,7 @@ import pytest
 from lbr.messages.beacon import MANOEUVRES
 from lbr.operations.beacon import BeaconSettings
 from lbr.operations.beacon.manoeuvres import Memory, script
-from lbr.operations.beacon.moves import CLOSE_DEG, face
-from lbr.operations.beacon.view import STAND, Back, Bend, Ending, GivenUpError, Go, Turn, View
+from lbr.operations.beacon.view import STAND, Back, Ending, Go, Turn, View
 from tests.apps.room_with_dock import DOCK, Room
 
 
@@ -74,39 +73,6 @@ def test_a_robot_that_cannot_move_does_not_try_for_ever():
     assert room.now < 300.0
 
 
-def faced(looks_deg, bend_deg):
-    """Have a robot look to 0 that cannot turn on the spot: a bend turns it so far; return where it looks, and what it did."""
-    running, now, done = face(0.0), 0.0, []
-    action, ending = next(running), None
-    while True:
-        now += 0.1
-        try:
-            action = running.send(View(time_s=now, direction_deg=looks_deg, ending=ending))
-        except StopIteration:
-            return looks_deg, done
-        ending = None
-        if isinstance(action, Bend):
-            looks_deg += bend_deg if action.steer_deg > 0.0 else -bend_deg
-            ending = Ending(good=True, text="time is over")
-        elif action is not STAND:
-            ending = Ending(good=False, text="a wall", code="obstacle")
-        if action is not STAND:
-            done.append(action)
-
-
-@pytest.mark.parametrize(("looks_deg", "bend_deg"), [(-40.0, 10.0), (55.0, 11.0)])
-def test_where_it_cannot_turn_on_the_spot_it_turns_by_bends_ahead_and_back(looks_deg, bend_deg):
-    came_deg, done = faced(looks_deg, bend_deg)
-    bends = [one for one in done if isinstance(one, Bend)]
-    assert abs(came_deg) <= 2 * CLOSE_DEG
-    assert {one.power > 0.0 for one in bends} == {True, False}
-
-
-def test_bends_that_turn_it_nowhere_are_given_up():
-    with pytest.raises(GivenUpError, match="cannot turn there: a wall"):
-        faced(90.0, 0.2)
-
-
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("manoeuvre", MANOEUVRES)
 def test_whatever_it_sees_a_manoeuvre_comes_to_an_end_and_asks_for_nothing_absurd(manoeuvre, seed):
@@ -133,7 +99,6 @@ def test_whatever_it_sees_a_manoeuvre_comes_to_an_end_and_asks_for_nothing_absur
     assert ending.good == (ending.code == "done")
     assert all(abs(each.angle_deg) <= 180.0 for each in asked if isinstance(each, Turn))
     assert all(0.0 < each.power <= 0.3 for each in asked if isinstance(each, Go | Back))
-    assert all(0.0 < abs(each.power) <= 0.3 and each.seconds <= 2.0 for each in asked if isinstance(each, Bend))
 
 
 def _any_ending(random: Random) -> Ending | None:

@@ -9,7 +9,7 @@ from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, DriveState, TurnCommand
 from lbr.operations.beacon import BeaconSettings
 from lbr.operations.beacon.senses import BlindError, Senses
-from lbr.operations.beacon.view import Action, Back, Bend, Ending, Go, Turn, View
+from lbr.operations.beacon.view import Action, Back, Ending, Go, Turn, View
 
 BACK_DEG = 180.0
 DRIVE_S = 1.0
@@ -110,11 +110,5 @@ class Pilot:
                 distance_cm = max(1.0, round(abs(distance_m) * 100, 1))
                 return DriveCommand(power=power, angle_deg=angle_deg, distance_cm=distance_cm)
             case Back(power=power, steer_deg=steer_deg):
-                return DriveCommand(power=power, angle_deg=self._backwards_deg(steer_deg))
-            case Bend(power=power, steer_deg=steer_deg, seconds=seconds):
-                angle_deg = steer_deg if power > 0.0 else self._backwards_deg(steer_deg)
-                return DriveCommand(power=abs(power), angle_deg=angle_deg, interval_s=seconds)
+                return DriveCommand(power=power, angle_deg=BACK_DEG - self._steers * steer_deg)
         return None
-
-    def _backwards_deg(self, steer_deg: float) -> float:
-        return BACK_DEG - self._steers * steer_deg

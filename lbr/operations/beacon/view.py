@@ -51,15 +51,6 @@ class Back:
 
 
 @dataclass(frozen=True, slots=True)
-class Bend:
-    """Drive a bend for a while, back if `power` is negative; `steer_deg` clockwise turns the robot clockwise meanwhile."""
-
-    power: float
-    steer_deg: float
-    seconds: float
-
-
-@dataclass(frozen=True, slots=True)
 class Turn:
     """Turn on the spot by an angle, clockwise positive."""
 
@@ -74,7 +65,7 @@ class Go:
     distance_m: float
 
 
-Action = Stand | Back | Bend | Turn | Go
+Action = Stand | Back | Turn | Go
 STAND = Stand()
 Script = Generator[Action, View, T]
 """What is to be done goes out by `yield`, what is then seen comes in by it."""
