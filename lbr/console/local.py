@@ -23,7 +23,7 @@ from lbr.messages.system import ConsoleResult
 LOCAL_SOURCE = "console"
 LEAVE_S = 3.0
 READY_S = 120.0
-"""An emulated processor took a minute to start; what fails ends the wait at once."""
+"""On an emulated processor 15 s were too few. What fails ends the wait at once."""
 POLL_S = 0.05
 LAST_OUTPUT_S = 1.0
 

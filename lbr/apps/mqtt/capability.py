@@ -50,7 +50,7 @@ BORROWED = {
     PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
 }
 PORTS = {StopCommand: "stop_all", RunBehaviour: "run", SayCommand: "say"}
-STANDS_STILL = "the broker sends nothing back, and through it nobody could stop this"
+STANDS_STILL = "the broker sends nothing back, so the person who asked could not stop this"
 NO_BROKER = "no broker is named: the setting 'host' of this row says where one is, and docs/outside.md how to have one"
 
 

@@ -30,7 +30,7 @@ class Echo:
         """Whether anything has come back since the broker was reached last."""
 
     def connected(self, now: float) -> None:
-        """Begin anew: what was said to an earlier connection does not come back."""
+        """Begin again: what was said to an earlier connection does not come back."""
         self._mark, self._number, self._sent = secrets.token_hex(4), 0, {}
         self._heard_from, self._late_until, self._next = now, -inf, now
         self.ever = False

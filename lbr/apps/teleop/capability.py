@@ -67,7 +67,7 @@ class Teleop(Capability[TeleopSettings]):
         self._tell(twist, now)
 
     def woke(self, slept_s: float) -> None:  # noqa: ARG002 - however long
-        """The computer slept: whoever held the gamepad may be gone."""
+        """The computer slept: the person who held the gamepad may be gone."""
         self._hand.let_go()
 
     def close(self) -> None:
@@ -104,7 +104,7 @@ class Teleop(Capability[TeleopSettings]):
             self._lease.keep(command)
 
     def _lost(self, why: Reason) -> None:
-        """Give up: after a stop or where another drives the dead-man button is pressed anew, else the sticks are centred."""
+        """Give up: after a stop or where another drives the dead-man button must be pressed again, else the sticks centred."""
         self._lease, self._ended = None, why
         if why.code in FINAL:
             self._hand.let_go()

@@ -68,12 +68,12 @@ class Hand:
         return tuple(one for one in pad.pressed if one not in before.pressed)
 
     def lose(self) -> None:
-        """Have no gamepad: once there is one, the dead-man button is pressed anew before anything moves."""
+        """Have no gamepad: once there is one, the dead-man button must be pressed again before anything moves."""
         self._pad = None
         self.let_go()
 
     def let_go(self) -> None:
-        """Have the dead-man button pressed anew before anything moves."""
+        """Ask for the dead-man button to be pressed again before anything moves."""
         self._released = self._rested = False
 
     def centre(self) -> None:
@@ -104,7 +104,7 @@ class Hand:
         if not self.dead_man:
             return Reason("idle", f"the button {settings.dead_man} is not held")
         if not self._released:
-            return Reason("rest_first", f"let go of the button {settings.dead_man}, and press it anew")
+            return Reason("rest_first", f"release the button {settings.dead_man}, and press it again")
         if {settings.stop, settings.estop} & set(pad.pressed):
             self.let_go()
             return Reason("stopped", "a button that stops is held")
