@@ -20,7 +20,7 @@ BEGIN;
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0014');
+INSERT INTO alembic_version (version_num) VALUES ('0015');
 
 -- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
@@ -36,7 +36,7 @@ CREATE TABLE robot (
     estop_reason  TEXT    NOT NULL DEFAULT ''   -- why it was latched
 ) STRICT;
 
--- What runs: one process for each enabled row.
+-- What runs: one process for each enabled row, unless rows share one.
 CREATE TABLE capability (
     robot    TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
     name     TEXT    NOT NULL  -- the second part of its keys on the bus; `executive` is lbr itself
@@ -52,6 +52,8 @@ CREATE TABLE capability (
     needs    TEXT    NOT NULL DEFAULT '[]'          -- JSON list of capability names that start before it
         CHECK (json_valid(needs) AND json_type(needs) = 'array'),
     help     TEXT    NOT NULL DEFAULT '',           -- for people
+    process  TEXT    NOT NULL DEFAULT ''            -- the process that it shares with all that say so; empty: its own
+        CHECK (process = '' OR (process GLOB '[a-z]*' AND process NOT GLOB '*[^a-z0-9_]*' AND length(process) <= 40)),
     PRIMARY KEY (robot, name)
 ) STRICT;
 
@@ -955,19 +957,19 @@ BEGIN
     VALUES ('capability', json_array(NEW.robot, NEW.name), 'insert',
             NULL,
             json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'enabled', NEW.enabled, 'settings',
-            NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help));
+            NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help, 'process', NEW.process));
 END;
 
 CREATE TRIGGER capability_update AFTER UPDATE ON capability
-WHEN (OLD.robot, OLD.name, OLD.kind, OLD.enabled, OLD.settings, OLD.restart, OLD.needs, OLD.help)
-     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.enabled, NEW.settings, NEW.restart, NEW.needs, NEW.help)
+WHEN (OLD.robot, OLD.name, OLD.kind, OLD.enabled, OLD.settings, OLD.restart, OLD.needs, OLD.help, OLD.process)
+     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.enabled, NEW.settings, NEW.restart, NEW.needs, NEW.help, NEW.process)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('capability', json_array(NEW.robot, NEW.name), 'update',
             json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'enabled', OLD.enabled, 'settings',
-            OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help),
+            OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help, 'process', OLD.process),
             json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'enabled', NEW.enabled, 'settings',
-            NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help));
+            NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help, 'process', NEW.process));
 END;
 
 CREATE TRIGGER capability_delete AFTER DELETE ON capability
@@ -975,7 +977,7 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('capability', json_array(OLD.robot, OLD.name), 'delete',
             json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'enabled', OLD.enabled, 'settings',
-            OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help),
+            OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help, 'process', OLD.process),
             NULL);
 END;
 

@@ -19,7 +19,7 @@ import tempfile
 import threading
 import time
 import tty
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Self
@@ -65,6 +65,7 @@ SHOWN = (
     ("gated", "written", "the controller's exchange, write"),
 )
 Way = dict[str, int]
+SHARE = "UPDATE capability SET process = '{}' WHERE robot = 'lbr' AND name IN ('drive', 'motors')"
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -72,6 +73,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--n", type=int, default=300, help="commands of each way (default %(default)s)")
     parser.add_argument("--seconds", type=float, default=10.0, help="of processor time and of the stream")
     parser.add_argument("--calm", action="store_true", help="leave out what is beside pictures and streams")
+    parser.add_argument("--process", default="", help="that drive and motors share (default: each has its own)")
     parser.add_argument("--commands", action="store_true", help="measure commands alone, no stream")
 
 
@@ -81,7 +83,7 @@ def measure(given: argparse.Namespace) -> Measured:
     broken: list[str] = []
     with ExitStack() as stack:
         place = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="lbr-")))
-        ours = stack.enter_context(_robot(place / "h", place))
+        ours = stack.enter_context(_robot(place / "h", place, given.process))
         theirs = stack.enter_context(_bare(place))
         clients = [
             stack.enter_context(_Client("lbr, at the local door", _plain(ours.endpoints[0]), "lbr/drive/command")),
@@ -89,7 +91,7 @@ def measure(given: argparse.Namespace) -> Measured:
             stack.enter_context(_Client("bare zenoh", _plain(theirs.endpoint), "bare/command")),
         ]
         units = _units(ours)
-        _rank_alike(dict(zip([ours.popen.pid, units["drive"], units["motors"]], theirs.pids, strict=True)))
+        _rank_alike(zip([ours.popen.pid, units["drive"], units["motors"]], theirs.pids, strict=True))
         text += _ways(clients, given.n, place / "stages", "", broken)
         text += _cost(clients[0], clients[2], ours, theirs, given.seconds)
         if not given.calm:
@@ -145,9 +147,9 @@ class _Client:
             time.sleep(PERIOD_S)
 
 
-def _rank_alike(pairs: dict[int, int]) -> None:
+def _rank_alike(pairs: Iterable[tuple[int, int]]) -> None:
     """Give each process of the second kind the rank that the kernel's scheduler has for the first."""
-    for like, other in pairs.items():
+    for like, other in pairs:
         Rank(other).set(os.getpriority(os.PRIO_PROCESS, like))
 
 
@@ -301,7 +303,7 @@ def _stream(seconds: float, broken: list[str]) -> list[str]:
         source = stack.enter_context(_program("source", endpoint))
         units = _units(robot)
         pairs = ((robot.popen.pid, router), (units["hop_source"], source), (units["hop_sink"], sink))
-        _rank_alike({like: other.pid for like, other in pairs})
+        _rank_alike((like, other.pid) for like, other in pairs)
         graphs = {
             "lbr: source": [units["hop_source"]],
             "lbr: sink": [units["hop_sink"]],
@@ -400,15 +402,15 @@ def _program(role: str, endpoint: str, *more: str, stages: Path | None = None) -
 
 
 @contextmanager
-def _robot(home: Path, place: Path) -> Iterator[Robot]:
-    """Run the shipped base, whose processes note stages."""
+def _robot(home: Path, place: Path, process: str) -> Iterator[Robot]:
+    """Run the shipped base, whose processes note stages; drive and motors share `process`, if it has a name."""
     folder = place / "stages" / "lbr"
     folder.mkdir(parents=True)
     paths = os.pathsep.join((str(FOLDER / "instruments" / "staged"), str(FOLDER.parent)))
     before = {name: os.environ.get(name) for name in ("PYTHONPATH", FOLDER_VARIABLE)}
     os.environ |= {"PYTHONPATH": paths, FOLDER_VARIABLE: str(folder)}
     try:
-        robot = start(prepare(home))
+        robot = start(prepare(home, edits=(SHARE.format(process),)))
     finally:
         for name, value in before.items():
             os.environ.pop(name, None)

@@ -4,6 +4,7 @@ A process writes twenty-four bytes for each: what was reached, a number that goe
 costs a microsecond, and nothing where no folder is named in the environment: the shipped code knows nothing of it.
 """
 
+import itertools
 import mmap
 import os
 import struct
@@ -39,7 +40,7 @@ class Stamps:
     def __init__(self, folder: str) -> None:
         self._folder = Path(folder)
         self._memory: mmap.mmap | None = None
-        self._count = 0
+        self._counts = itertools.count()
 
     def reached(self, stage: int, number: int = 0) -> None:
         """Note that a stage was reached now."""
@@ -48,8 +49,7 @@ class Stamps:
             with (self._folder / f"{os.getpid()}").open("w+b") as file:
                 file.truncate(ENTRY.size * MOST)
                 self._memory = mmap.mmap(file.fileno(), ENTRY.size * MOST)
-        ENTRY.pack_into(self._memory, ENTRY.size * (self._count % MOST), stage, number, at_ns)
-        self._count += 1
+        ENTRY.pack_into(self._memory, ENTRY.size * (next(self._counts) % MOST), stage, number, at_ns)
 
 
 class Stages:

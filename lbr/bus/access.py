@@ -40,6 +40,24 @@ class Rights(Struct, frozen=True, kw_only=True):
     watch: tuple[str, ...] = ()
     trusted: bool = False
 
+    def and_of(self, other: "Rights") -> "Rights":
+        """Return what one may who has these and the other's: nothing is taken back that one of the two has."""
+        return Rights(
+            put=_either(self.put, other.put),
+            never_put=tuple(key for key in self.never_put if key in other.never_put),
+            ask=_either(self.ask, other.ask),
+            serve=_either(self.serve, other.serve),
+            hear=_either(self.hear, other.hear),
+            never_hear=tuple(key for key in self.never_hear if key in other.never_hear),
+            alive=_either(self.alive, other.alive),
+            watch=_either(self.watch, other.watch),
+            trusted=self.trusted or other.trusted,
+        )
+
+
+def _either(some: tuple[str, ...], others: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys((*some, *others)))
+
 
 class Limits(Struct, frozen=True, kw_only=True):
     """Limits of what a router takes from each link of `protocols`: the size of a message, and how many a second on

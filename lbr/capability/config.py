@@ -46,7 +46,8 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     the capabilities asked and their keys. `simulated`: the robot's devices are emulated. `release_key` proves that a
     release of the e-stop is the executive's. `rows` are those that its kind reads, by table, and `private` is a
     document between its kind and the executive alone. `host` is the other machine that it runs on, where `certificate`
-    (PEM) is the only one that the robot's door may show; both are empty where the robot runs.
+    (PEM) is the only one that the robot's door may show; both are empty where the robot runs. `process` is the one that
+    it shares with others, whose devices are at the addresses `reach`; empty: it has one of its own.
     """
 
     robot: str
@@ -59,6 +60,8 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     credentials: Credentials | None = None
     host: str = ""
     certificate: str = ""
+    process: str = ""
+    reach: tuple[str, ...] = ()
     device: str = ""
     devices: tuple[DeviceConfig, ...] = ()
     wiring: dict[str, tuple[InputWire, ...]] = {}
@@ -73,7 +76,8 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A line from a process to its executive; an empty line is a bare heartbeat.
 
-    `code` says by the list of codes what `reason` says; `learnt` are rows to be written down, by table.
+    `code` says by the list of codes what `reason` says; `learnt` are rows to be written down, by table. In a process that
+    several share, `capability` is whose report it is, and `thread` the kernel's number of the one that its loop runs in.
     """
 
     phase: str = ""
@@ -81,3 +85,12 @@ class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
     code: ReasonCode = ""
     counts: dict[str, int] = {}
     learnt: dict[str, Raw] = {}
+    capability: str = ""
+    thread: int = 0
+
+
+class Order(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A line to a process that several share: begin with one more, or let one end, by its name."""
+
+    start: ProcessConfig | None = None
+    stop: str = ""

@@ -32,7 +32,7 @@ class EstopLatch:
         self._lock = threading.Lock()
         self._releases = SendTimes()
         self._pressed_ns = self._released_ns = time.monotonic_ns()
-        self._session = way_in.enter(config)
+        self._session = way_in.enter_alone(config)
         self._ack_key = keys.estop_acknowledgement(config.robot, config.name)
         self._presses = wire.Subscription(self._session, keys.estop(config.robot), depth=8, wake=self._press)
         release = keys.estop_release(config.robot, config.name)

@@ -23,7 +23,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr import plugins
-from lbr.capability import lifeline, process, registry
+from lbr.capability import leaving, lifeline, process, registry
 from lbr.capability.kind import KindError
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
 
@@ -123,7 +123,7 @@ def become(order: Order, fds: list[int], link: socket.socket) -> None:
                     os.close(int(name))
         process.main()
     finally:
-        os._exit(process.CRASHED)
+        os._exit(leaving.CRASHED)
 
 
 def wear(words: tuple[str, ...], mark: str) -> None:

@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 import click
@@ -50,7 +50,7 @@ def command(name: str, robot: str | None, follow: bool, lines: int, begin: str |
         for one, path in sorted(there.items()):
             click.echo(f"{one:<30}  {path.stat().st_size / 1000:8.1f} kB")
         return 0
-    chosen = [one for one in there if one == name or one.rpartition("/")[2] == name]
+    chosen = [one for one in there if one == name or one.rpartition("/")[2] == name] or _shared(name, there)
     if len(chosen) != 1:
         known = ", ".join(sorted(there)) or "none"
         raise InputError(
@@ -78,6 +78,16 @@ def _names(folder: Path, robot: str | None) -> dict[str, Path]:
             continue
         found[f"{owner}/{part}" if dash else part] = path
     return found
+
+
+def _shared(name: str, there: Collection[str]) -> list[str]:
+    """Return the logs of the processes that capabilities of that name share with others."""
+    from lbr import home  # noqa: PLC0415
+    from lbr.database import glance  # noqa: PLC0415
+
+    shared = glance.column(home.default_database(), "capability", "robot || '/' || name", "robot || '/' || process")
+    found = {log for one, log in shared if name in {one, one.rpartition("/")[2]} and log in there}
+    return sorted(found)
 
 
 def _tail(path: Path, lines: int) -> tuple[list[str], int]:

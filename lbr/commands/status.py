@@ -86,7 +86,7 @@ def _cells(one: "CapabilityStatus", *, away: bool) -> list[tuple[str, str]]:
         (one.kind, ""),
         *([(one.host or "-", "")] if away else []),
         (one.phase, PHASES.get(one.phase, "")),
-        (str(one.pid or "-"), ""),
+        (f"{one.pid or '-'} {one.process}".rstrip(), ""),
         (str(one.restarts), "yellow" if one.restarts else ""),
         (_number(one.uptime_s), ""),
         (_number(one.cpu_percent), ""),

@@ -8,7 +8,7 @@ from lbr.database import claims
 from lbr.database.connection import Connection, pragma, transaction
 from lbr.errors import RowError
 
-HEAD = "0014"
+HEAD = "0015"
 MIGRATIONS = Path(__file__).with_name("migrations")
 
 

@@ -11,7 +11,7 @@ from lbr.database.columns import json_strictly
 from lbr.database.reading import Problem, Tables
 from lbr.messages.rows import Fault, Others, Row, shown
 from lbr.messages.system import Role, TokenRole
-from lbr.messages.units import Name
+from lbr.messages.units import Name, NameOrNone
 
 R = TypeVar("R", bound=Row)
 Restart = Literal["never", "on-failure", "always"]
@@ -80,7 +80,7 @@ def _used_device(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
 
 
 class CapabilityRow(Row, frozen=True, kw_only=True):
-    """One process to run: `settings` is for the kind to parse; `needs` start before it."""
+    """One capability to run: `settings` is for the kind to parse; `needs` start before it; `process` is one that it shares."""
 
     TABLE = "capability"
     KEY = ("name",)
@@ -92,6 +92,7 @@ class CapabilityRow(Row, frozen=True, kw_only=True):
     settings: JsonObject = "{}"
     restart: Restart = "on-failure"
     needs: tuple[str, ...] = ()
+    process: NameOrNone = ""
     help: str = ""
 
 

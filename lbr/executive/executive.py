@@ -22,6 +22,7 @@ from msgspec.structs import replace
 from lbr import home
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS
+from lbr.capability.config import ProcessConfig
 from lbr.console.outlet import say
 from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
@@ -41,7 +42,7 @@ from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.watch import RowWatch
-from lbr.executive.processes.child import Child, awaited
+from lbr.executive.processes.child import Child, Here, awaited
 from lbr.executive.processes.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
 from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.fork_server import ForkServer
@@ -50,6 +51,7 @@ from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.plugging import Plugging
 from lbr.executive.processes.readiness import readiness
 from lbr.executive.processes.reaper import Reaper
+from lbr.executive.processes.shared_child import Member, SharedProcesses
 from lbr.executive.processes.supervisor import Supervisor
 from lbr.executive.remote import host_protocol
 from lbr.executive.remote.remote_hosts import RemoteHosts
@@ -120,6 +122,7 @@ class Executive:
             learnt=self._rows.learnt,
             at_once=machine.at_once(),
         )
+        self._shared = SharedProcesses()
         self._overview = Overview(self._supervisor)
 
     def run(self, *, console: bool) -> int:
@@ -378,8 +381,8 @@ class Executive:
         self._reaper.beat()
         self._main.wait(*awaited(timeout_s, self._supervisor.children()))
 
-    def _children(self) -> list[Child]:
-        return [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
+    def _children(self) -> list[Here]:
+        return [child for _slot, child in self._supervisor.children() if isinstance(child, Here)]
 
     def _wait_and_answer(self, timeout_s: float) -> None:
         self._wait(timeout_s)
@@ -454,7 +457,7 @@ class Executive:
         self._happened("restarting", name, why)
         self._supervisor.restart(name)
 
-    def _start(self, unit: ProcessSpec) -> Child | None:
+    def _start(self, unit: ProcessSpec) -> Child | Member | None:
         place = self._doors.place(unit)
         if place is None or self._forks.begins:
             return None
@@ -466,8 +469,22 @@ class Executive:
             config = replace(
                 config, private=Raw(msgspec.json.encode(replace(unit.lan, upstream=place.router_id, inside=inside)))
             )
-        with open_log(home.directory("logs") / f"{self.plan.robot}-{unit.name}.log") as log:
-            return Child(unit, config, log, self._reaper.mark(guarded=unit.guarded), self._forks)
+        log = home.directory("logs") / unit.log
+        if unit.config.process:
+            return self._start_shared(unit, config, log)
+        with open_log(log) as file:
+            return Child(unit, config, file, self._reaper.mark(guarded=unit.guarded), self._forks)
+
+    def _start_shared(self, unit: ProcessSpec, config: ProcessConfig, log: Path) -> Member:
+        sharing = [one for one in self.plan.here.values() if one.config.process == config.process]
+        reach = tuple(device.address for one in sharing for device in one.config.devices)
+        return self._shared.start(
+            unit,
+            replace(config, reach=reach),
+            lambda: open_log(log),
+            lambda: self._reaper.mark(guarded=any(one.guarded for one in sharing)),
+            self._forks,
+        )
 
     def _say_how_to_reach(self) -> None:
         robot = self.plan.robot

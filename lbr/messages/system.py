@@ -140,7 +140,7 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
 
     `reason` is about its state now, `last_end` says how its process last ended unasked. `host` is the other machine
     that it is placed on; empty: it runs where the robot does. `code` is why by the list of codes, `end_code` that of
-    `last_end`.
+    `last_end`. `process` is the one that it shares with others, whose `pid`, CPU and memory are those of all of them.
     """
 
     name: str
@@ -158,6 +158,7 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
     host: str = ""
     code: ReasonCode = ""
     end_code: ReasonCode = ""
+    process: str = ""
 
 
 class Status(Struct, frozen=True, kw_only=True):

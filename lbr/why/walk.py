@@ -257,7 +257,7 @@ class Walk:
                 code=unit.end_code or "failed",
                 since_s=unit.uptime_s,
                 evidence=f"@status: {unit.restarts} restarts; events {' or '.join(UNASKED)}",
-                do=f"read logs/{self.facts.robot}-{part.name}.log, and see what ends it",
+                do=f"read {self._log(unit)}, and see what ends it",
             )
         if lately:
             text = f"'{part.name}' was started again, what it did is over: {unit.last_end}"
@@ -272,11 +272,14 @@ class Walk:
             do="say again what it shall do" if lately else "",
         )
 
+    def _log(self, unit: CapabilityStatus) -> str:
+        return f"logs/{self.facts.robot}-{unit.process or unit.name}.log"
+
     def _link(self, part: Part, unit: CapabilityStatus, *kinds: str, text: str = "") -> Link:
         kinds, text = (kinds, text) if text else (kinds[:-1], kinds[-1])
         again = unit.phase in {"waiting", "starting", "stopping"}
         code = unit.code or (unit.end_code if unit.last_end else "") or ("not_ready" if again else "failed")
-        log = f"logs/{self.facts.robot}-{part.name}.log"
+        log = self._log(unit)
         return Link(
             name="process",
             about=part.name,

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.capability import suspended
-from lbr.capability.process import Process
+from lbr.capability.loop import Loop
 from lbr.capability.suspended import LEAST_S, Suspended
 
 held_up = st.floats(0.0, 30.0)
@@ -89,7 +89,7 @@ def test_a_capability_hears_of_it_before_it_steps(clocks: Clocks) -> None:
         def beat(self, _counts: dict[str, int]) -> None:
             pass
 
-    process: Any = Process(cast("Any", None), cast("Any", Reporter()))
+    process: Any = Loop(cast("Any", None), cast("Any", Reporter()))
     process._round(Context(), Mover())
     clocks.slept += 60.0
     process._round(Context(), Mover())

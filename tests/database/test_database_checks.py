@@ -155,6 +155,7 @@ BAD_VALUES = [
     ("capability", 0, "needs", '{"a": 1}', "is not a JSON list of strings"),
     ("capability", 0, "needs", '["motors"]', "it needs itself"),
     ("capability", 0, "needs", '["drive"]', "it needs itself"),
+    ("capability", 0, "process", "Base", "is not a name"),
     ("capability", 0, "robot", "lbrr", "there is no robot 'lbrr'"),
     ("capability", 0, "help", "\udcff", "is not valid UTF-8"),
     ("channel", 0, "source", "gone.setpoint", "there is no capability 'gone'"),

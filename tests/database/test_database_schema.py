@@ -114,6 +114,7 @@ BAD_ROWS = [
     ("capability", {"name": "c", "kind": "k", "restart": "sometimes"}),
     ("capability", {"name": "c", "kind": "k", "needs": "{}"}),
     ("capability", {"name": "c", "kind": None}),
+    ("capability", {"name": "c", "kind": "k", "process": "Base"}),
     ("capability", {"name": "c", "kind": "k", "robot": "nobody"}),
     ("channel", {"source": "drive", "target": "motors.setpoint"}),
     ("channel", {"source": "drive.x", "target": "motors.setpoint.x"}),

@@ -26,7 +26,8 @@ from lbr.executive.processes.supervisor import (
 
 class FakeProcess:
     def __init__(self, unit, log):
-        self.unit, self.log, self.pid = unit, log, 4000 + len(log)
+        self.unit, self.log = unit, log
+        self.pid = self.thread = 4000 + len(log)
         self.said = deque()
         self.code = None
         self.obeys = True

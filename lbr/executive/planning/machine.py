@@ -49,8 +49,9 @@ def problems(
         for row, what in lacking
         if what
     ]
-    if len(here) > machine.most:
-        found.append(_too_many(robot, len(here), machine.bound))
+    processes = len({row.process or f"{row.name} alone" for row in here})
+    if processes > machine.most:
+        found.append(_too_many(robot, processes, machine.bound))
     for host, names in profile.hosts.items():
         there = sum(row.name in names for row in chosen)
         if there > MOST_CAPABILITIES:

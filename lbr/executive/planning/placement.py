@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from lbr.capability.kind import Kind
 from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
-from lbr.executive.planning.process_specs import LAN
 from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.sharing import LAN
 from lbr.executive.planning.wiring import EXECUTIVE
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")

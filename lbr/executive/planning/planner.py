@@ -17,13 +17,14 @@ from lbr.capability.settings import faults
 from lbr.database.columns import json_strictly
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, RobotRows, TokenRow
-from lbr.executive.planning import machine, placement, rights, said, words
+from lbr.executive.planning import machine, placement, rights, said, sharing, words
 from lbr.executive.planning.devices import check_device_settings, check_devices
 from lbr.executive.planning.machine import Machine
 from lbr.executive.planning.plan import Plan
-from lbr.executive.planning.process_specs import LAN, unit, with_lan
+from lbr.executive.planning.process_specs import unit, with_lan
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
+from lbr.executive.planning.sharing import LAN
 from lbr.executive.planning.wiring import EXECUTIVE, by_themselves, check_channels, check_verbs
 
 Find = Callable[[str, Path], Kind]
@@ -55,6 +56,7 @@ def make(
     problems += check_device_settings(rows, kinds, simulated=profile.simulate)
     problems += _check_profile(rows, profile)
     problems += placement.problems(rows, kinds, profile)
+    problems += sharing.problems(rows, chosen, kinds, profile)
     problems += machine.problems(rows.robot.name, chosen, kinds, profile, on)
     chosen = _after_the_world(chosen, kinds)
     if problems:

@@ -17,14 +17,14 @@ from lbr.capability.kind import Kind
 from lbr.capability.kind import Rows as Read
 from lbr.capability.program import ProgramSettings
 from lbr.database.rows import CapabilityRow, ChannelRow, RobotRows
+from lbr.executive.planning import sharing
 from lbr.executive.planning.credentials import token_secret
 from lbr.executive.planning.devices import device_address
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
+from lbr.executive.planning.sharing import LAN
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.messages.rows import Row, RowSet, row_set, with_rows
-
-LAN = "lan"
 
 
 class ProcessSpec(Struct, frozen=True, kw_only=True):
@@ -43,6 +43,11 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
     fingerprint: str = ""
     program: ProgramSettings | None = None
     lan: LanConfig | None = None
+
+    @property
+    def log(self) -> str:
+        """Return the name of its log, which is that of its process."""
+        return f"{self.config.robot}-{self.config.process or self.name}.log"
 
     @property
     def guarded(self) -> bool:
@@ -82,9 +87,12 @@ def unit(
         settings=_compact(row.settings),
         simulated=profile.simulate,
         endpoints=() if host else site.endpoints,
-        credentials=_guest(host, row.name, rows, site) if host else site.credentials(row.name),
+        credentials=_guest(host, row.name, rows, site)
+        if host
+        else site.credentials(sharing.user(row.process) if row.process else row.name),
         home="" if host else site.home,
         host=host,
+        process=row.process,
         device=device,
         devices=devices,
         wiring=_wiring(row.name, kinds, channels, site, robot),

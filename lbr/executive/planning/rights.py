@@ -5,6 +5,7 @@ from typing import get_args
 
 from lbr.bus import keys
 from lbr.bus.access import Rights
+from lbr.executive.planning import sharing
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.messages.system import Role
@@ -12,7 +13,8 @@ from lbr.messages.system import Role
 
 def of_unit(plan: Plan, unit: ProcessSpec) -> dict[str, Rights]:
     """Return the users that a process needs on the bus, and what each may do: what its rows wire, and no more."""
-    users = {unit.name: _of_process(plan, unit)}
+    process = unit.config.process
+    users = {sharing.user(process) if process else unit.name: _of_process(plan, unit)}
     if unit.lan is not None:
         users[unit.lan.link.user] = _of_lan(plan, unit)
     return users

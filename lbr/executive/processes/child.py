@@ -1,4 +1,4 @@
-"""One process of ours: started with its document, watched by heartbeat and pidfd, ended for certain."""
+"""One process of one capability: started with its document, watched by heartbeat and pidfd, ended for certain."""
 
 import contextlib
 import fcntl
@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from pathlib import Path
 from typing import IO
@@ -36,7 +37,30 @@ HEARTBEATS_S = 0.05
 _reports = Decoder(Report)
 
 
-class Child:
+class Here(ABC):
+    """What runs on this machine, started by this process. `endpoint` is where it comes onto the bus."""
+
+    pid: int
+    pid_fd: int
+    endpoint: str
+
+    @property
+    @abstractmethod
+    def fds(self) -> tuple[int, ...]:
+        """File descriptors that have news of it."""
+
+    @property
+    def thread(self) -> int:
+        """The thread that its main loop runs in: a process's first one has its number."""
+        return self.pid
+
+    @property
+    def heard(self) -> bool:
+        """Whether there are reports of it that were read already."""
+        return False
+
+
+class Child(Here):
     """A running process: capability or program; `mark` makes it known to the reaper."""
 
     def __init__(
@@ -45,8 +69,7 @@ class Child:
         self.unit = unit
         self.endpoint = next(iter(config.endpoints), "")
         self._mark = mark
-        self.reports_fd = -1
-        self._buffer = b""
+        self._reports = Reports(-1)
         self._process: subprocess.Popen[bytes] | Forked = (
             self._start_program(unit.program, config, log) if unit.program else self._start(config, log, forks)
         )
@@ -62,39 +85,14 @@ class Child:
     @property
     def fds(self) -> tuple[int, ...]:
         """File descriptors that have news of it."""
-        return (self.pid_fd,) if self.reports_fd < 0 else (self.pid_fd, self.reports_fd)
+        return (self.pid_fd, *self._reports.fds)
 
     def _start(
         self, config: ProcessConfig, log: IO[bytes], forks: ForkServer | None
     ) -> "subprocess.Popen[bytes] | Forked":
-        document = msgspec.json.encode(config) + b"\n"
-        if len(document) > LARGEST_DOCUMENT_BYTES:
-            raise ValueError(f"its settings and wiring have {len(document)} bytes, more than a process can be given")
-        words = (f"{config.robot}/{config.name}", config.home)
-        environment = _environment(config) | self._mark.environment
-        self.reports_fd, report_fd = os.pipe()
-        os.set_blocking(self.reports_fd, False)
-        try:
-            started: subprocess.Popen[bytes] | Forked | None = None
-            if forks is not None and _is_leaf(config):
-                started = forks.fork(words, environment, log.fileno(), report_fd)
-            if started is None:
-                started = subprocess.Popen(
-                    [sys.executable, "-P", "-m", "lbr.capability.process", *words],
-                    stdin=subprocess.PIPE,
-                    stdout=log,
-                    stderr=log,
-                    env=environment | {HEARTBEAT_VARIABLE: str(report_fd)},
-                    pass_fds=(report_fd,),
-                    start_new_session=True,
-                )
-        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-            os.close(self.reports_fd)
-            raise
-        finally:
-            os.close(report_fd)
+        document = document_of(config)
+        started, self._reports = launch(config, config.name, self._mark, log, forks)
         assert started.stdin is not None
-        self._mark.began(started.pid)  # before the document comes, it does nothing and hides nothing
         self._take_rank(started.pid)
         if len(document) > PIPE_BYTES:
             with contextlib.suppress(OSError):  # so that writing never waits for a reader, if this user has pipes left
@@ -133,18 +131,7 @@ class Child:
     def reports(self) -> list[Report]:
         """Return what the process has said since the last call; an empty report is a heartbeat."""
         self._rank.retry()
-        if self.reports_fd < 0:
-            return []
-        try:
-            part = os.read(self.reports_fd, 65536)
-        except BlockingIOError:
-            return []
-        if not part:  # it closed its end, and will say no more
-            os.close(self.reports_fd)
-            self.reports_fd = -1
-        self._buffer = (self._buffer + part)[-65536:]
-        *lines, self._buffer = self._buffer.split(b"\n")
-        return [_decode(line) for line in lines]
+        return self._reports.take()
 
     def terminate(self) -> None:
         """Ask it to end; one that is frozen goes on, so that it hears."""
@@ -171,8 +158,7 @@ class Child:
                 self._process.stdin.close()
         if isinstance(self._process, Forked):
             self._process.close()
-        if self.reports_fd >= 0:
-            os.close(self.reports_fd)
+        self._reports.close()
         self._rank.close()
         self._mark.ended()
 
@@ -181,18 +167,59 @@ class Child:
             os.killpg(self.pid, number)
 
 
+def document_of(config: ProcessConfig) -> bytes:
+    """Return the line that a process is given; ValueError if it is too long."""
+    document = msgspec.json.encode(config) + b"\n"
+    if len(document) > LARGEST_DOCUMENT_BYTES:
+        raise ValueError(f"its settings and wiring have {len(document)} bytes, more than a process can be given")
+    return document
+
+
+def launch(
+    config: ProcessConfig, name: str, mark: Mark, log: IO[bytes], forks: ForkServer | None
+) -> "tuple[subprocess.Popen[bytes] | Forked, Reports]":
+    """Start the process `name`, which waits for its document on standard input; return it and its reports."""
+    words = (f"{config.robot}/{name}", config.home)
+    environment = _environment(config) | mark.environment
+    reports_fd, report_fd = os.pipe()
+    os.set_blocking(reports_fd, False)
+    try:
+        started: subprocess.Popen[bytes] | Forked | None = None
+        if forks is not None and _is_leaf(config):
+            started = forks.fork(words, environment, log.fileno(), report_fd)
+        if started is None:
+            started = subprocess.Popen(
+                [sys.executable, "-P", "-m", "lbr.capability.process", *words],
+                stdin=subprocess.PIPE,
+                stdout=log,
+                stderr=log,
+                env=environment | {HEARTBEAT_VARIABLE: str(report_fd)},
+                pass_fds=(report_fd,),
+                start_new_session=True,
+            )
+    except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+        os.close(reports_fd)
+        raise
+    finally:
+        os.close(report_fd)
+    mark.began(started.pid)  # before the document comes, it does nothing and hides nothing
+    return started, Reports(reports_fd)
+
+
 def awaited(timeout_s: float, children: Iterable[tuple[ManagedProcess, Started]]) -> tuple[float, list[int]]:
     """Return for how many seconds at most to wait for news of processes, and on which descriptors."""
-    fds: list[int] = []
+    fds: set[int] = set()
     for slot, child in children:
-        if not isinstance(child, Child):
+        if not isinstance(child, Here):
             continue
+        if child.heard:
+            timeout_s = 0.0
         if slot.phase == "ready" and not slot.unit.moves:
             timeout_s = min(timeout_s, HEARTBEATS_S)
-            fds.append(child.pid_fd)
+            fds.add(child.pid_fd)
         else:
-            fds += child.fds
-    return timeout_s, fds
+            fds.update(child.fds)
+    return timeout_s, list(fds)
 
 
 def _environment(config: ProcessConfig) -> dict[str, str]:
@@ -224,6 +251,39 @@ def program_environment(program: ProgramSettings, config: ProcessConfig) -> dict
         "LBR_OUTPUTS": json.dumps({port: wires[0].key for port, wires in config.outputs.items()}),
         "LBR_COMMANDS": json.dumps({name: f"{config.robot}/{config.name}/{name}" for name in program.commands}),
     }
+
+
+class Reports:
+    """What a process reports, by the pipe that is its alone; -1: none."""
+
+    def __init__(self, fd: int) -> None:
+        self._fd = fd
+        self._buffer = b""
+
+    @property
+    def fds(self) -> tuple[int, ...]:
+        """The pipe, while more may come."""
+        return (self._fd,) if self._fd >= 0 else ()
+
+    def take(self) -> list[Report]:
+        """Return what came since the last call; an empty report is a heartbeat."""
+        if self._fd < 0:
+            return []
+        try:
+            part = os.read(self._fd, 65536)
+        except BlockingIOError:
+            return []
+        if not part:  # it closed its end, and will say no more
+            self.close()
+        self._buffer = (self._buffer + part)[-65536:]
+        *lines, self._buffer = self._buffer.split(b"\n")
+        return [_decode(line) for line in lines]
+
+    def close(self) -> None:
+        """Hear no more."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
 
 
 def _decode(line: bytes) -> Report:

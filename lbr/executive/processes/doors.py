@@ -16,7 +16,7 @@ import contextlib
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -360,5 +360,10 @@ def _wanted(plan: Plan) -> dict[str, Users]:
     return {name: rights.of_unit(plan, unit) for name, unit in plan.here.items()}
 
 
-def _merged(all_users: Collection[Users] | Iterable[Users]) -> Users:
-    return {user: found for users in all_users for user, found in users.items()}
+def _merged(all_users: Iterable[Users]) -> Users:
+    """Return every user; those of a shared process have what each of its capabilities may do."""
+    merged: Users = {}
+    for users in all_users:
+        for user, found in users.items():
+            merged[user] = merged[user].and_of(found) if user in merged else found
+    return merged

@@ -13,6 +13,10 @@ class Started(Protocol):
 
     pid: int
 
+    @property
+    def thread(self) -> int:
+        """The kernel's number of the thread that its main loop runs in."""
+
     def reports(self) -> list[Report]:
         """Return what it has said since the last call."""
 

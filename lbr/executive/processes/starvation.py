@@ -112,14 +112,17 @@ def waited_s(first: Look, now: Look) -> float:
     return _waited(first.main, now.main, first.at, now.at)
 
 
-def look(pid: int, at: float, *, all_threads: bool = True) -> Look:
-    """Look at a process; a kernel that counts nothing, or a process that is gone, has waited for nothing."""
+def look(pid: int, at: float, *, all_threads: bool = True, main: int = 0) -> Look:
+    """Look at a process, whose main loop runs in the thread `main` or in its first one.
+
+    A kernel that counts nothing, or a process that is gone, has waited for nothing.
+    """
+    main = main or pid
     threads: dict[int, Thread] = {}
     with contextlib.suppress(OSError):
-        for task in Path(f"/proc/{pid}/task").iterdir() if all_threads else [Path(f"/proc/{pid}/task/{pid}")]:
+        for task in Path(f"/proc/{pid}/task").iterdir() if all_threads else [Path(f"/proc/{pid}/task/{main}")]:
             with contextlib.suppress(OSError, ValueError, IndexError):
                 ran, waited, slices = (task / "schedstat").read_text(encoding="ascii").split()
                 state = (task / "stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()[0]
                 threads[int(task.name)] = Thread(int(ran) / 1e9, int(waited) / 1e9, state == "R", int(slices))
-    main = threads.pop(pid, Thread())
-    return Look(at, main, threads)
+    return Look(at, threads.pop(main, Thread()), threads)

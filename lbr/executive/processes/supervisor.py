@@ -274,7 +274,7 @@ class Supervisor:
         silent_s, patience_s = now - slot.beat_at, _patience_s(slot)
         if not silent_s > SUSPICIOUS_S or now < slot.look_at:
             return False
-        seen = self._look(child.pid, now)
+        seen = self._look(child.pid, now, main=child.thread)
         if slot.suspect is None or slot.suspect.at < slot.beat_at:
             slot.suspect = slot.newest = seen
         slot.newest = starving.following(slot.newest or slot.suspect, seen)
@@ -303,7 +303,7 @@ class Supervisor:
             before, slot.usual = slot.usual, None
             if slot.phase not in RUNNING or niceness(slot.unit) == BACKGROUND:
                 continue
-            seen = self._look(child.pid, now, all_threads=False)
+            seen = self._look(child.pid, now, all_threads=False, main=child.thread)
             slot.usual = starving.following(before, seen) if before is not None else seen
             waited_s = starving.waited_s(before, slot.usual) if before is not None else 0.0
             if before is not None and waited_s > BUSY_SHARE * (now - before.at):
@@ -327,7 +327,7 @@ class Supervisor:
             if slot.final_report and end is not End.CLEAN
             else ended_by(code, program=slot.unit.program is not None)
         )
-        why += "" if end is End.CLEAN else f"; its log: logs/{slot.unit.config.robot}-{slot.unit.name}.log"
+        why += "" if end is End.CLEAN else f"; its log: logs/{slot.unit.log}"
         if now - slot.started_at > HEALTHY_S:
             slot.deaths = ()
         self._after_end(slot, end, why, now)

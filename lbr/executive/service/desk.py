@@ -216,7 +216,8 @@ class Clerk:
         own = {row.name for row in plan.rows.external_commands}
         if name not in {*plan.kinds, *own, EXECUTIVE}:
             raise InputError(f"there is no capability '{shown(name)}'", "unknown_name")
-        file = f"{name}.log" if name in own - plan.kinds.keys() else f"{plan.robot}-{name}.log"
+        unit = plan.units.get(name)
+        file = f"{name}.log" if name in own - plan.kinds.keys() else unit.log if unit else f"{plan.robot}-{name}.log"
         try:
             with (home.directory("logs") / file).open("rb") as log:
                 size = os.fstat(log.fileno()).st_size

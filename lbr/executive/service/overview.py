@@ -1,10 +1,15 @@
 """What runs and how it is: the status of every capability, with its CPU, memory and niceness."""
 
+from collections.abc import Mapping
+
 import psutil
 
 from lbr.executive.processes.managed_process import ManagedProcess
 from lbr.executive.processes.supervisor import Supervisor
 from lbr.messages.system import CapabilityStatus
+
+Read = tuple[float | None, float | None, int | None]
+"""CPU in percent of a core, memory in MB, niceness; None: it cannot be read."""
 
 
 class Overview:
@@ -19,10 +24,11 @@ class Overview:
         slots = self._supervisor.slots
         pids = {slot.child.pid for slot in slots.values() if slot.child is not None}
         self._meters = {pid: meter for pid, meter in self._meters.items() if pid in pids}
-        return tuple(self._one(name, slot, now) for name, slot in slots.items())
+        read = {pid: self._read(pid) for pid in pids}
+        return tuple(self._one(name, slot, now, read) for name, slot in slots.items())
 
-    def _one(self, name: str, slot: ManagedProcess, now: float) -> CapabilityStatus:
-        cpu, memory, nice = self._read(slot.child.pid) if slot.child is not None else (None, None, None)
+    def _one(self, name: str, slot: ManagedProcess, now: float, read: Mapping[int, Read]) -> CapabilityStatus:
+        cpu, memory, nice = read[slot.child.pid] if slot.child is not None else (None, None, None)
         return CapabilityStatus(
             name=name,
             kind=slot.unit.kind,
@@ -38,9 +44,10 @@ class Overview:
             cpu_percent=cpu,
             memory_mb=memory,
             nice=nice,
+            process=slot.unit.config.process,
         )
 
-    def _read(self, pid: int) -> tuple[float | None, float | None, int | None]:
+    def _read(self, pid: int) -> Read:
         try:
             meter = self._meters.get(pid) or self._meters.setdefault(pid, psutil.Process(pid))
             return meter.cpu_percent(), round(meter.memory_info().rss / 1e6, 1), meter.nice()

@@ -58,7 +58,7 @@ class RobotBus:
     """A session to the robot's own router."""
 
     def __init__(self, config: ProcessConfig) -> None:
-        self._session = way_in.enter(config)
+        self._session = way_in.enter_alone(config)
 
     def hear(self, key: str, *, depth: int = 1) -> Feed:
         """Hear the newest `depth` messages of a key, kept by the bus library until they are taken."""

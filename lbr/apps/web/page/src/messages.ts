@@ -28,7 +28,7 @@ export interface RangeSensor { name: string; kind: string; x_m?: number; y_m?: n
 export interface Event { kind: string; subject: string; text: string; level?: "info" | "warning" | "error"; wall_ns?: number; code?: string; about?: string; data?: Record<string, unknown> }
 export interface CapabilityStatus {
   name: string; kind: string; phase: string; pid: number | null; restarts: number; uptime_s: number | null; reason: string; rates_hz: Record<string, number>;
-  cpu_percent?: number | null; memory_mb?: number | null; last_end?: string; host?: string; code?: string;
+  cpu_percent?: number | null; memory_mb?: number | null; last_end?: string; host?: string; code?: string; process?: string;
 }
 export interface EstopState { engaged: boolean; reason: string; source?: string; acknowledged?: string[]; waiting?: string[] }
 export interface Status { robot: string; profile: string; ready: boolean; uptime_s: number; estop: EstopState; capabilities: CapabilityStatus[]; problems?: string[]; revision?: number }

@@ -11,6 +11,7 @@ export const system = {
   "system.filter": ["Find a part", "Teil suchen"],
   "system.cpu": ["CPU", "CPU"],
   "system.memory": ["Memory", "Speicher"],
+  "system.process": ["Shares process", "Teilt Prozess"],
   "system.up": ["Up", "Läuft seit"],
   "system.restarts": ["Restarts", "Neustarts"],
   "system.rates": ["Rates", "Raten"],

@@ -85,6 +85,7 @@ function Part({ part, onRestart, onLog, onDisable }: { part: CapabilityStatus; o
       <dl class="system-part-facts num">
         {part.cpu_percent != null && <div><dt>{t("system.cpu")}</dt><dd>{number(part.cpu_percent, 1)} %</dd></div>}
         {part.memory_mb != null && <div><dt>{t("system.memory")}</dt><dd>{number(part.memory_mb)} MB</dd></div>}
+        {part.process && <div><dt>{t("system.process")}</dt><dd>{plain(part.process)}</dd></div>}
         {part.restarts > 0 && <div><dt>{t("system.restarts")}</dt><dd>{part.restarts}</dd></div>}
         {rates.map(([name, rate]) => <div key={name}><dt>{plain(name)}</dt><dd>{number(rate, rate < 10 ? 1 : 0)} Hz</dd></div>)}
       </dl>

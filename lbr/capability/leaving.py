@@ -1,0 +1,31 @@
+"""How a process leaves: within a bound that the kernel keeps, and with what ended it said."""
+
+import signal
+import sys
+import traceback
+from pathlib import Path
+
+CRASHED = 70
+CLOSE_LIMIT_S = 0.5
+
+
+def within(seconds: float) -> None:
+    """Let the kernel end this process then, whatever hangs in it, and whichever thread holds the interpreter."""
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+
+
+def told(err: BaseException) -> str:
+    """Say what was raised, and in which line of whose file: the last that is not the runtime's own."""
+    try:
+        frames = traceback.extract_tb(err.__traceback__)
+        last = next((frame for frame in reversed(frames) if "/lbr/capability/" not in frame.filename), None)
+        where = f" ({Path(last.filename).name}, line {last.lineno})" if last else ""
+        return f"{type(err).__name__}: {err}{where}"
+    except Exception:  # noqa: BLE001 - an exception that cannot even be told is one all the same
+        return type(err).__name__
+
+
+def trace(err: BaseException) -> None:
+    """Write down where it was raised."""
+    traceback.print_exception(err)
+    sys.stderr.flush()

@@ -1,0 +1,210 @@
+"""Capabilities that share a process: what they are to the robot alone, what one of them does to the others, and how it is told."""
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.support.robot import Robot, lbr, running, until
+
+pytestmark = pytest.mark.timeout(60)
+
+KIND = """
+import ctypes, sys
+from msgspec import Struct
+from lbr.capability import Capability, Kind, NoSettings
+from lbr.messages.leases import CommandReply
+
+class Count(Struct, frozen=True):
+    n: int
+
+class Do(Struct, frozen=True):
+    what: str = ""
+
+class Mate(Capability[NoSettings]):
+    rate_hz = 50.0
+
+    def open(self):
+        self.n = 0
+        self.heard = 0
+
+    def step(self):
+        for received in self.ctx.take("others"):
+            self.heard = received.message.n
+        if self.ctx.on_tick:
+            self.n += 1
+            self.ctx.publish("count", Count(self.n))
+
+    def command(self, call):
+        what = call.message.what
+        call.reply(CommandReply(accepted=True, reason=f"{self.heard}"))
+        if what == "raise":
+            raise ValueError("out of cheese")
+        if what == "circle":
+            while True:
+                pass
+        if what == "hold the interpreter":
+            ctypes.PyDLL(None).sleep(60)
+        if what == "exit":
+            sys.exit(0)
+
+KIND = Kind(name="mate", summary="counts", family="app", entry=Mate, inputs={"others": Count}, optional=("others",),
+            outputs={"count": Count}, commands={"do": Do})
+"""
+MATES = ("ann", "bob", "cyd")
+ROWS = "INSERT INTO capability (robot, name, kind, process) VALUES ('lbr', 'ann', 'mate', 'crew'), ('lbr', 'bob', 'mate', 'crew'), ('lbr', 'cyd', 'mate', 'crew')"
+
+
+@pytest.fixture(scope="module")
+def robot(shared_home: Path) -> Iterator[Robot]:
+    (shared_home / "capabilities").mkdir(mode=0o700)
+    (shared_home / "capabilities" / "mate.py").write_text(KIND)
+    with running(shared_home) as started:
+        started.edit(ROWS)
+        started.edit("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ann.count', 'bob.others')")
+        yield started
+
+
+@pytest.fixture(autouse=True)
+def all_well(robot: Robot) -> None:
+    """Each test begins with three that are ready, and no past: who has ended too often is given up."""
+    until(lambda: len(mates(robot)) == 3)
+    for one in mates(robot):
+        if one["last_end"]:
+            robot.line(f"/restart/{one['name']}")
+    until(lambda: all(one["phase"] == "ready" and not one["last_end"] for one in mates(robot)), limit_s=15.0)
+
+
+def mates(robot: Robot) -> list[dict[str, Any]]:
+    return [one for one in robot.status()["capabilities"] if one["kind"] == "mate"]
+
+
+def pids(robot: Robot) -> dict[str, int]:
+    return {one["name"]: one["pid"] for one in mates(robot)}
+
+
+def do(robot: Robot, name: str, what: str = "") -> dict[str, Any]:
+    return dict(robot.ask(f"{name}/do", {"what": what}) or {})
+
+
+def in_a_new_process(robot: Robot, before: int) -> Callable[[], bool]:
+    return lambda: {one["phase"] for one in mates(robot)} == {"ready"} and before not in pids(robot).values()
+
+
+def test_they_are_one_process_and_three_capabilities(robot: Robot) -> None:
+    assert len(set(pids(robot).values())) == 1
+    assert {one["process"] for one in mates(robot)} == {"crew"}
+    assert all(do(robot, name)["accepted"] for name in MATES)
+    until(lambda: all(one["rates_hz"].get("count", 0) > 20 for one in mates(robot)), what="each counts for itself")
+
+
+def test_what_one_says_another_hears_and_so_does_everybody_else(robot: Robot) -> None:
+    first = int(do(robot, "bob")["reason"])
+    until(lambda: int(do(robot, "bob")["reason"]) > first + 5)
+    assert int(do(robot, "cyd")["reason"]) == 0, "nothing is wired to it"
+    assert robot.ask("ann/count")["n"] > 0
+
+
+def test_one_that_is_switched_off_leaves_the_others_alone_and_comes_back_to_them(robot: Robot) -> None:
+    before = pids(robot)
+    robot.edit("UPDATE capability SET enabled = 0 WHERE name = 'bob'")
+    until(lambda: robot.capability("bob")["phase"] == "absent")
+    until(lambda: robot.ask("bob/count", timeout_s=0.3) is None, what="nothing answers in its name")
+    assert pids(robot) == {name: pid for name, pid in before.items() if name != "bob"}
+    robot.edit("UPDATE capability SET enabled = 1 WHERE name = 'bob'")
+    until(lambda: robot.capability("bob")["phase"] == "ready")
+    first = int(do(robot, "bob")["reason"])
+    until(lambda: int(do(robot, "bob")["reason"]) > first, what="it hears again")
+    assert pids(robot) == before
+    assert all(one["restarts"] == 0 for one in mates(robot) if one["name"] != "bob")
+
+
+def test_a_new_row_joins_them_with_its_own_rights(robot: Robot) -> None:
+    before = pids(robot)
+    robot.edit("INSERT INTO capability (robot, name, kind, process) VALUES ('lbr', 'dan', 'mate', 'crew')")
+    until(lambda: robot.capability("dan")["phase"] == "ready")
+    assert pids(robot) == {**before, "dan": before["ann"]}
+    until(lambda: robot.ask("dan/count", timeout_s=0.3), what="what it says is heard")
+    robot.edit("DELETE FROM capability WHERE name = 'dan'")
+    until(lambda: pids(robot) == before)
+
+
+def test_a_restart_of_one_is_a_restart_of_one(robot: Robot) -> None:
+    before = pids(robot)
+    count = robot.ask("ann/count")["n"]
+    assert robot.line("/restart/ann")["code"] == 0
+    until(lambda: (robot.ask("ann/count", timeout_s=0.3) or {"n": count})["n"] < count)
+    assert pids(robot) == before
+
+
+@pytest.mark.parametrize(
+    ("what", "told"),
+    [
+        ("raise", "out of cheese"),
+        ("exit", "SystemExit"),
+        ("circle", "no heartbeat"),
+        ("hold the interpreter", "no heartbeat"),
+    ],
+)
+def test_who_fails_takes_the_others_along_and_is_named(robot: Robot, what: str, told: str) -> None:
+    before = pids(robot)["bob"]
+    do(robot, "bob", what)
+    until(in_a_new_process(robot, before), limit_s=15.0)
+    ends = {one["name"]: one["last_end"] for one in mates(robot)}
+    if what != "hold the interpreter":  # then none of them is heard, and whichever is looked at first is told
+        assert told in ends["bob"]
+        assert all("its process 'crew' ended with 'bob', which shares it" in ends[name] for name in ("ann", "cyd"))
+    assert "logs/lbr-crew.log" in ends["bob"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
+def test_their_process_is_started_again_however_it_ends(robot: Robot, number: signal.Signals) -> None:
+    before = pids(robot)["ann"]
+    os.kill(before, number)
+    until(in_a_new_process(robot, before), limit_s=15.0)
+    assert len(set(pids(robot).values())) == 1
+
+
+def test_the_base_drives_on_while_they_fail(robot: Robot) -> None:
+    base = {name: robot.capability(name)["pid"] for name in ("drive", "motors")}
+    before = pids(robot)["ann"]
+    do(robot, "ann", "raise")
+    until(in_a_new_process(robot, before), limit_s=15.0)
+    assert {name: robot.capability(name)["pid"] for name in ("drive", "motors")} == base
+
+
+def test_the_table_of_what_runs_and_the_logs_name_the_process(robot: Robot) -> None:
+    assert f"{pids(robot)['ann']} crew" in lbr(robot.home, "status").stdout
+    do(robot, "ann", "raise")
+    until(lambda: "out of cheese" in lbr(robot.home, "logs", "bob").stdout, limit_s=15.0)
+
+
+@pytest.mark.parametrize(
+    ("edit", "says"),
+    [
+        ("UPDATE capability SET process = 'crew' WHERE name = 'drive'", "may not share the process 'crew'"),
+        ("UPDATE capability SET process = 'crew' WHERE name = 'world'", "has a process of its own: it is the world"),
+        (
+            "UPDATE capability SET process = 'motors' WHERE kind = 'mate'",
+            "'motors' is a capability; choose another name",
+        ),
+    ],
+)
+def test_who_may_not_share_is_told_so_and_nothing_changes(robot: Robot, edit: str, says: str) -> None:
+    before = {one["name"]: one["pid"] for one in robot.status()["capabilities"]}
+    robot.edit(edit)
+    until(lambda: any(says in problem for problem in robot.status()["problems"]))
+    assert {one["name"]: one["pid"] for one in robot.status()["capabilities"]} == before
+    robot.edit("UPDATE capability SET process = CASE kind WHEN 'mate' THEN 'crew' ELSE '' END WHERE robot = 'lbr'")
+    until(lambda: not robot.status()["problems"])
+
+
+def test_nothing_of_them_outlives_the_executive(robot: Robot) -> None:
+    """The last one here: it ends the robot, while their process is frozen."""
+    one = pids(robot)["ann"]
+    os.kill(one, signal.SIGSTOP)
+    os.kill(robot.ready["pid"], signal.SIGKILL)
+    until(lambda: not Path(f"/proc/{one}").exists(), limit_s=5.0)
