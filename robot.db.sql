@@ -489,57 +489,59 @@ INSERT INTO range_sensor (robot, name, kind, x_m, y_m, z_m, yaw_rad, pitch_rad, 
     ('lbr', 'right', 'ultrasonic', 0, -0.15, 0.3, -1.5707963267948966, 0, 0.4, 0.17, 8, 1, NULL),
     ('lbr', 'bottom', 'ultrasonic', 0, 0, 0.3, 0, 1.5707963267948966, 0.4, 0.17, 8, 1, NULL);
 
-INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
-    ('lbr', 'motors', 'roboteq',
+-- Drive and motor driver share a process: a setpoint is at the driver at once, and the guard at the motor line stands for both. So do
+-- others that are light, and lose little when one of them takes the rest along.
+INSERT INTO capability (robot, name, kind, process, settings, needs, help) VALUES
+    ('lbr', 'motors', 'roboteq', 'base',
      '{"device": "motor_controller",
        "left": {"channel": 1, "direction": -1},
        "right": {"channel": 2, "direction": 1}}', '[]',
      'The motor controller: left wheel on channel 1, mounted mirrored, right wheel on channel 2'),
-    ('lbr', 'ranges', 'ultrasonic_ring', '{"device": "range_board"}', '[]',
+    ('lbr', 'ranges', 'ultrasonic_ring', '', '{"device": "range_board"}', '[]',
      'The ring of ultrasonic sensors: distances ahead, behind, left and right'),
-    ('lbr', 'imu', 'mpu9150', '{"device": "imu"}', '[]',
+    ('lbr', 'imu', 'mpu9150', '', '{"device": "imu"}', '[]',
      'The inertial unit: acceleration, rate of turn and magnetic field, along its own axes'),
-    ('lbr', 'drive', 'drive', '{}', '["motors", "ranges"]',
+    ('lbr', 'drive', 'drive', 'base', '{}', '["motors", "ranges"]',
      'The base: who drives, how fast and how near to obstacles'),
-    ('lbr', 'attitude', 'attitude', '{"device": "imu"}', '["imu"]',
+    ('lbr', 'attitude', 'attitude', 'senses', '{"device": "imu"}', '["imu"]',
      'The attitude: how the body lies, where it looks, how far it turned; and the compass''s calibration'),
-    ('lbr', 'odometry', 'odometry', '{}', '["motors"]',
+    ('lbr', 'odometry', 'odometry', 'senses', '{}', '["motors"]',
      'The odometry: how far the base went by its wheels, and whether they stall or slip'),
-    ('lbr', 'battery', 'battery', '{}', '["motors"]',
+    ('lbr', 'battery', 'battery', 'senses', '{}', '["motors"]',
      'The battery: its charge, whether it is being charged, and warnings when it is low'),
-    ('lbr', 'speech', 'speech', '{"device": "speaker"}', '[]',
+    ('lbr', 'speech', 'speech', '', '{"device": "speaker"}', '[]',
      'The voice: says texts and phrases, and plays songs'),
-    ('lbr', 'dance', 'dance', '{}', '["drive", "speech"]',
+    ('lbr', 'dance', 'dance', 'deeds', '{}', '["drive", "speech"]',
      'Dances to a song: drives at its beats, within all that the drive allows'),
-    ('lbr', 'behaviour', 'behaviour', '{}', '["drive"]',
+    ('lbr', 'behaviour', 'behaviour', 'deeds', '{}', '["drive"]',
      'The behaviours: state tables that anyone can write, such as patrol; one at a time'),
-    ('lbr', 'dock', 'infrared', '{"device": "dock_receiver"}', '[]',
+    ('lbr', 'dock', 'infrared', '', '{"device": "dock_receiver"}', '[]',
      'The receiver of the charging dock''s infrared beams: which of them it sees'),
-    ('lbr', 'beacon', 'beacon', '{}', '["drive", "dock"]',
+    ('lbr', 'beacon', 'beacon', 'deeds', '{}', '["drive", "dock"]',
      'The way to the charging dock: looks for its beams and backs up between them, as a table or a person says'),
-    ('lbr', 'camera_front', 'camera', '{"device": "front_camera", "on": true}', '[]',
+    ('lbr', 'camera_front', 'camera', '', '{"device": "front_camera", "on": true}', '[]',
      'The camera that looks ahead'),
-    ('lbr', 'camera_rear', 'camera',
+    ('lbr', 'camera_rear', 'camera', '',
      '{"device": "rear_camera",
        "controls": {"power_line_frequency": 2, "brightness": 17, "auto_exposure": 1, "exposure_time_absolute": 681}}',
      '[]', 'The camera that looks back'),
-    ('lbr', 'cameras', 'cameras', '{}', '["camera_front", "camera_rear"]',
+    ('lbr', 'cameras', 'cameras', 'senses', '{}', '["camera_front", "camera_rear"]',
      'Which camera is on: one at a time'),
-    ('lbr', 'sighting', 'sighting',
+    ('lbr', 'sighting', 'sighting', '',
      '{"field_deg": 72.7, "pitch_deg": 12, "saturation_percent": [75, 100], "diameter_m": 0.14}', '["camera_front"]',
      'Where the front camera sees an orange ball or a face, while that is asked for; it needs the extra vision'),
-    ('lbr', 'telemetry', 'telemetry', '{}', '[]',
+    ('lbr', 'telemetry', 'telemetry', 'senses', '{}', '[]',
      'All that the robot knows of itself, in one message'),
-    ('lbr', 'world', 'world', '{}', '[]',
+    ('lbr', 'world', 'world', '', '{}', '[]',
      'The simulated surroundings; runs only under a simulating launch profile');
 
-INSERT INTO capability (robot, name, kind, settings, help) VALUES
-    ('lbr', 'web', 'web', '{"port": 50001, "faces": ["page", "model", "cameras", "call"]}',
+INSERT INTO capability (robot, name, kind, process, settings, help) VALUES
+    ('lbr', 'web', 'web', 'pages', '{"port": 50001, "faces": ["page", "model", "cameras", "call"]}',
      'The robot over HTTP: its page and API, stop, cameras; on this machine only, unless the settings say otherwise');
 
 -- The robot's old API, for the clients it has always had: to this machine, without a token only while it is simulated.
-INSERT INTO capability (robot, name, kind, settings, help) VALUES
-    ('lbr', 'web_api', 'web', '{"port": 9145, "faces": ["lbr_original"]}',
+INSERT INTO capability (robot, name, kind, process, settings, help) VALUES
+    ('lbr', 'web_api', 'web', 'pages', '{"port": 9145, "faces": ["lbr_original"]}',
      'The robot''s HTTP API of old: drive, speak, telemetry, cameras; moved by this machine alone, or as legacy says');
 
 -- Always on: `UPDATE capability SET enabled = 0 WHERE name = 'box'` switches it off.

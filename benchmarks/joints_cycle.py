@@ -193,8 +193,9 @@ def _switch_on(robot: Robot) -> None:
 
 
 def _spent_s(robot: Robot) -> dict[str, float]:
-    """Return how much processor time the two processes have had."""
-    times = {name: psutil.Process(robot.capability(name)["pid"]).cpu_times() for name in ("servos", "joints")}
+    """Return how much processor time they have had, by the process."""
+    units = [robot.capability(name) for name in ("servos", "joints")]
+    times = {unit["process"] or unit["name"]: psutil.Process(unit["pid"]).cpu_times() for unit in units}
     return {name: found.user + found.system for name, found in times.items()}
 
 

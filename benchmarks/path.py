@@ -65,7 +65,7 @@ SHOWN = (
     ("gated", "written", "the controller's exchange, write"),
 )
 Way = dict[str, int]
-SHARE = "UPDATE capability SET process = '{}' WHERE robot = 'lbr' AND name IN ('drive', 'motors')"
+APART = "UPDATE capability SET process = '' WHERE robot = 'lbr'"
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -73,7 +73,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--n", type=int, default=300, help="commands of each way (default %(default)s)")
     parser.add_argument("--seconds", type=float, default=10.0, help="of processor time and of the stream")
     parser.add_argument("--calm", action="store_true", help="leave out what is beside pictures and streams")
-    parser.add_argument("--process", default="", help="that drive and motors share (default: each has its own)")
+    parser.add_argument("--apart", action="store_true", help="give drive and motor driver a process each")
     parser.add_argument("--commands", action="store_true", help="measure commands alone, no stream")
 
 
@@ -83,7 +83,7 @@ def measure(given: argparse.Namespace) -> Measured:
     broken: list[str] = []
     with ExitStack() as stack:
         place = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="lbr-")))
-        ours = stack.enter_context(_robot(place / "h", place, given.process))
+        ours = stack.enter_context(_robot(place / "h", place, apart=given.apart))
         theirs = stack.enter_context(_bare(place))
         clients = [
             stack.enter_context(_Client("lbr, at the local door", _plain(ours.endpoints[0]), "lbr/drive/command")),
@@ -238,13 +238,13 @@ def _way(stages: Stages, at_ns: int, _answered_ns: int, power: int) -> Way:
     if written is None or sent is None or sent > written:
         return {}
     way = {"client": at_ns, "written": written, "sent": sent}
-    given = stages.first("given", sent, power, limit)
-    if given is not None:
-        way["given"] = given
     before = written
     for stage in ("gated", "stepped", "heard"):
         if (found := stages.last(stage, before)) is not None and found > sent:
             way[stage] = before = found
+    given = stages.first("given", sent, power, limit)
+    if given is not None:
+        way["given"] = min(given, way.get("heard", given))  # within one process it is heard before all is handed over
     before = sent
     for stage in ("decided", "decoded", "woken", "arrived"):
         if (found := stages.last(stage, before)) is not None and found > at_ns:
@@ -256,7 +256,7 @@ def _cost(ours: _Client, theirs: _Client, robot: Robot, other: "_Bare", seconds:
     """Tell what each graph takes of a core, at rest and at twenty commands a second."""
     units = _units(robot)
     graphs = {
-        "lbr: executive, drive, motors": [robot.popen.pid, units["drive"], units["motors"]],
+        "lbr: executive, drive, motors": sorted({robot.popen.pid, units["drive"], units["motors"]}),
         "bare zenoh: router, drive, motors": other.pids,
     }
     table = ["", "| processor time, % of a core | at rest | at 20 commands a second |", "|---|--:|--:|"]
@@ -402,15 +402,15 @@ def _program(role: str, endpoint: str, *more: str, stages: Path | None = None) -
 
 
 @contextmanager
-def _robot(home: Path, place: Path, process: str) -> Iterator[Robot]:
-    """Run the shipped base, whose processes note stages; drive and motors share `process`, if it has a name."""
+def _robot(home: Path, place: Path, *, apart: bool) -> Iterator[Robot]:
+    """Run the shipped base, whose processes note stages; `apart`, drive and motor driver have one each."""
     folder = place / "stages" / "lbr"
     folder.mkdir(parents=True)
     paths = os.pathsep.join((str(FOLDER / "instruments" / "staged"), str(FOLDER.parent)))
     before = {name: os.environ.get(name) for name in ("PYTHONPATH", FOLDER_VARIABLE)}
     os.environ |= {"PYTHONPATH": paths, FOLDER_VARIABLE: str(folder)}
     try:
-        robot = start(prepare(home, edits=(SHARE.format(process),)))
+        robot = start(prepare(home, edits=(APART,) if apart else ()))
     finally:
         for name, value in before.items():
             os.environ.pop(name, None)

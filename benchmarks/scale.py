@@ -4,6 +4,7 @@
 world) it runs that many trivial capabilities, each of which publishes a number ten times a second to nobody. For each
 size: time to ready, processor time of the executive and of all, its private memory and that of a trivial capability, the
 executive's descriptors, and how long after the commit of a row a new word is understood and a new setting is in force.
+With `--share 20` twenty of them share each process, and what is told as a trivial capability's memory is its part of that.
 `--words`, `--channels` and `--clients` say how many there are in the three last runs; 0 leaves one out. Exit code 1 if a
 hard value is broken.
 """
@@ -115,6 +116,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--capabilities", default="0,10,20,40,80", help="how many, one after the other (default %(default)s)"
     )
+    parser.add_argument("--share", type=int, default=1, help="how many share a process (default: none do)")
     parser.add_argument("--seconds", type=float, default=5.0, help="how long each is idle (default %(default)s)")
     parser.add_argument("--words", type=int, default=10_000, help="rows of words (default %(default)s)")
     parser.add_argument("--channels", type=int, default=5_000, help="rows of channels (default %(default)s)")
@@ -127,7 +129,7 @@ def measure(given: argparse.Namespace) -> Measured:
     sizes = [int(size) for size in given.capabilities.split(",") if size]
     costs: dict[str, Cost] = {}
     for size in sizes:
-        with _robot(_capabilities(size)) as (robot, ready_s):
+        with _robot(_capabilities(size, given.share)) as (robot, ready_s):
             cost = costs[f"{size} capabilities"] = _cost(robot, ready_s, given.seconds, edits=size > 0)
         if size >= LARGEST:
             results.sample("ready", cost.ready_s)
@@ -147,8 +149,12 @@ def measure(given: argparse.Namespace) -> Measured:
 # -- rows -------------------------------------------------------------------------------------------------------------
 
 
-def _capabilities(count: int) -> list[str]:
-    return [f"INSERT INTO capability (robot, name, kind) VALUES ('lbr', 't{n}', 'trivial')" for n in range(count)]
+def _capabilities(count: int, share: int) -> list[str]:
+    processes = [f"many{n // share}" if share > 1 else "" for n in range(count)]
+    return [
+        f"INSERT INTO capability (robot, name, kind, process) VALUES ('lbr', 't{n}', 'trivial', '{process}')"
+        for n, process in enumerate(processes)
+    ]
 
 
 def _words(count: int) -> list[str]:
@@ -200,7 +206,8 @@ def _cost(robot: Robot, ready_s: float, seconds: float, *, edits: bool = False) 
     Bench.pass_time(1.0)
     executive = psutil.Process(robot.popen.pid)
     units = {unit["name"]: unit["pid"] for unit in robot.line("/report/health")["data"]["capabilities"]}
-    trivial = [psutil.Process(pid) for name, pid in units.items() if name.startswith("t") and name[1:].isdigit()]
+    pids = [pid for name, pid in units.items() if name.startswith("t") and name[1:].isdigit()]
+    trivial = [psutil.Process(pid) for pid in set(pids)]
     everyone = [executive, *processes_of(robot.home)]
     before = [_cpu_s(process) for process in everyone]
     began = time.monotonic()
@@ -212,10 +219,10 @@ def _cost(robot: Robot, ready_s: float, seconds: float, *, edits: bool = False) 
         executive_percent=spent[0],
         all_percent=sum(spent),
         executive_mib=_private_mib(executive),
-        trivial_mib=sum(map(_private_mib, trivial)) / len(trivial) if trivial else float("nan"),
+        trivial_mib=sum(map(_private_mib, trivial)) / len(pids) if trivial else float("nan"),
         descriptors=executive.num_fds(),
         word_s=_until_word(robot),
-        setting_s=_until_setting(robot, units["t0"]) if edits else float("nan"),
+        setting_s=_until_setting(robot) if edits else float("nan"),
     )
 
 
@@ -227,13 +234,14 @@ def _until_word(robot: Robot) -> float:
     return _until(lambda: robot.line("fresh")["code"] == 0)
 
 
-def _until_setting(robot: Robot, pid: int) -> float:
+def _until_setting(robot: Robot) -> float:
     """Return how long it takes until a capability runs again with another setting, and is ready."""
+    uptime_s = robot.capability("t0")["uptime_s"]
     robot.edit("UPDATE capability SET settings = '{\"add\": 2}' WHERE robot = 'lbr' AND name = 't0'")
 
     def there() -> bool:
         unit = robot.capability("t0")
-        return bool(unit["phase"] == "ready" and unit["pid"] != pid)
+        return bool(unit["phase"] == "ready" and unit["uptime_s"] < uptime_s)
 
     return _until(there)
 

@@ -19,7 +19,9 @@ def complete_log(_context: click.Context, _parameter: click.Parameter, begun: st
     """Return the logs that there are, to complete a command line by."""
     from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
 
-    return [CompletionItem(name) for name in sorted(_names(home.home() / "logs", None)) if name.startswith(begun)]
+    there = _names(home.home() / "logs", None)
+    found = {*there, *(one for one, log in _sharing() if log in there)}
+    return [CompletionItem(name) for name in sorted(found) if name.startswith(begun)]
 
 
 @click.command("logs")
@@ -82,12 +84,16 @@ def _names(folder: Path, robot: str | None) -> dict[str, Path]:
 
 def _shared(name: str, there: Collection[str]) -> list[str]:
     """Return the logs of the processes that capabilities of that name share with others."""
+    return sorted({log for one, log in _sharing() if name in {one, one.rpartition("/")[2]} and log in there})
+
+
+def _sharing() -> list[tuple[str, str]]:
+    """Return each capability that has a process with others, and that process, by their robot and name."""
     from lbr import home  # noqa: PLC0415
     from lbr.database import glance  # noqa: PLC0415
 
-    shared = glance.column(home.default_database(), "capability", "robot || '/' || name", "robot || '/' || process")
-    found = {log for one, log in shared if name in {one, one.rpartition("/")[2]} and log in there}
-    return sorted(found)
+    named = glance.column(home.default_database(), "capability", "robot || '/' || name", "robot || '/' || process")
+    return [(one, process) for one, process in named if not process.endswith("/")]
 
 
 def _tail(path: Path, lines: int) -> tuple[list[str], int]:

@@ -48,6 +48,7 @@ def home(tmp_path_factory):
         (("status", "--robot", ""), {"lbr"}),
         (("motion", "export", "walk_b"), {"walk_back"}),
         (("why", "mot"), {"motors"}),
+        (("logs", "lbr/ran"), {"lbr/ranges"}),
         (("logs", "lbr/dri"), {"lbr/drive"}),
     ],
 )  # fmt: skip

@@ -28,14 +28,14 @@ def test_no_more_run_than_there_is_room_for(count: int, most: int) -> None:
 
 def test_the_refusal_says_how_many_and_what_the_bound_is() -> None:
     assert found(300) == [
-        "capability 'r', enabled: 300 capabilities would run, but one machine runs at most 100; turn some off"
+        "capability 'r', enabled: 300 processes would run, but one machine runs at most 100; turn some capabilities off, or let some share one"
     ]
 
 
 def test_what_other_machines_run_counts_there() -> None:
     names = tuple(f"c{n}" for n in range(150))
     assert found(200, profile=Profile(robot="r", hosts={"two": names[:90]})) == [
-        "capability 'r', enabled: 110 capabilities would run, but one machine runs at most 100; turn some off"
+        "capability 'r', enabled: 110 processes would run, but one machine runs at most 100; turn some capabilities off, or let some share one"
     ]
     assert "also the host 'two'" in found(200, profile=Profile(robot="r", hosts={"two": names}))[-1]
 

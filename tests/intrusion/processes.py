@@ -65,16 +65,18 @@ def _wrong(under_test: Bench, process: psutil.Process) -> Iterator[str]:
 
 
 def _owners(under_test: Bench) -> dict[str, str]:
-    """Return the one capability that may hold each device; besides it only the world does, which emulates it."""
+    """Return the one process that may hold each device; besides it only the world does, which emulates it."""
     settings = under_test.robot.line("/report/settings")["data"]
-    return {said["device"]: name for name, said in settings.items() if "device" in said and name != "attitude"}
+    processes = {unit["name"]: unit["process"] or unit["name"] for unit in under_test.units()}
+    return {
+        said["device"]: processes[name] for name, said in settings.items() if "device" in said and name != "attitude"
+    }
 
 
 def _name(under_test: Bench, process: psutil.Process) -> str:
     """Return whose process it is; a child is its parent's."""
     pids = {under_test.robot.ready["pid"]: "executive"}
-    units = under_test.robot.line("/report/health")["data"]["capabilities"]
-    pids |= {unit["pid"]: unit["name"] for unit in units}
+    pids |= {unit["pid"]: unit["process"] or unit["name"] for unit in under_test.units()}
     while process.pid not in pids and (parent := process.parent()) is not None:
         if parent.pid == under_test.robot.ready["pid"]:
             return next((HELPERS[word] for word in process.cmdline() if word in HELPERS), "program")

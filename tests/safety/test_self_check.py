@@ -41,7 +41,8 @@ class Broken:
 
     @property
     def edit(self) -> str:
-        return f"UPDATE capability SET kind = '{self.victim}' WHERE robot = 'lbr' AND name = '{self.capability}'"
+        kind = f"kind = '{self.victim}', process = ''"  # of two that share a process, the guard ends both
+        return f"UPDATE capability SET {kind} WHERE robot = 'lbr' AND name = '{self.capability}'"
 
 
 def drive_killed(under_test: Bench) -> None:

@@ -62,6 +62,7 @@ LEGAL: dict[tuple[str, str], Callable[[Value], bool]] = {
     ("capability", "restart"): _one_of("never", "on-failure", "always"),
     ("capability", "needs"): _one_of("[]", '["motors", "motors"]'),
     ("capability", "help"): _text,
+    ("capability", "process"): _full(NAME),
     ("channel", "rate_hz"): _positive,
     ("channel", "history"): lambda v: isinstance(v, int) and 1 <= v <= 64,
     ("channel", "enabled"): _flag,

@@ -11,6 +11,7 @@ from tests.support.figures import Results
 DEATHS_BEFORE_FORGETTING = 3
 AFTERMATH_S = 0.25
 OTHERS = ("ranges", "world")
+APART = ("UPDATE capability SET process = '' WHERE robot = 'lbr'",)
 
 
 def kill_process(
@@ -39,8 +40,15 @@ def kill_drive(results: Results, n: int) -> None:
     _many(results, n, "drive", "S3")
 
 
-def _many(results: Results, n: int, name: str, figure: str) -> None:
-    with bench(results) as under_test:
+def hurt_drive_apart(results: Results, n: int) -> None:
+    """S3, S4 where drive and motor driver have a process each."""
+    _many(results, n, "drive", "S3", edits=APART)
+    with bench(results, edits=APART) as under_test:
+        kill_process(under_test, "drive", "S4", number=signal.SIGSTOP)
+
+
+def _many(results: Results, n: int, name: str, figure: str, *, edits: tuple[str, ...] = ()) -> None:
+    with bench(results, edits=edits) as under_test:
         for turn in range(n):
             if turn and turn % DEATHS_BEFORE_FORGETTING == 0:
                 under_test.forget_deaths(name)

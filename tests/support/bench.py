@@ -34,6 +34,8 @@ ATTEMPTS = 20
 ANSWER_S = 6.0
 LAST_BYTES_S = 0.15
 """A killed driver's last bytes may wait this long in the line; no new one is ready so soon."""
+ROUNDED_S = 0.1
+"""Uptimes are told in tenths of a second."""
 ACCEL_PER_S = 2.0
 ANGLES = (90.0, 270.0)
 """Spinning on the spot needs no room, so a robot may be driven for as long as it takes."""
@@ -198,11 +200,22 @@ class Bench:
             self.results.sample(figure, (time.monotonic_ns() - fault_ns) * 1e-6)
 
     def forget_deaths(self, name: str) -> None:
-        """Restart a capability by the console, so that its earlier ends are forgotten."""
-        before = self.pid(name)
-        said = self.robot.line(f"/restart/{name}")
-        assert said["code"] == 0, said
-        self.ready_again(name, before, time.monotonic_ns())
+        """Restart a capability by the console, with all that share its process, so that their earlier ends are forgotten."""
+        begun = time.monotonic()
+        process = self.unit(name)["process"]
+        names = {unit["name"] for unit in self.units() if process and unit["process"] == process} | {name}
+        for one in names:
+            said = self.robot.line(f"/restart/{one}")
+            assert said["code"] == 0, said
+
+        def anew() -> bool:
+            return all(
+                unit["phase"] == "ready" and unit["uptime_s"] <= time.monotonic() - begun + ROUNDED_S
+                for unit in self.units()
+                if unit["name"] in names
+            )
+
+        self.until(anew, 6.0, f"{name} ready again", every_s=0.015)
 
     def check_limits(self, max_power: float = 1.0, accel_per_s: float = ACCEL_PER_S) -> None:
         """Check everything that the outputs ever did against the configured limits."""

@@ -130,7 +130,7 @@ def test_a_token_is_locked_out_by_a_tap(page, robot):
 
 
 def test_a_log_is_read_and_stop_stays_within_reach(page, robot):
-    (robot.home / "logs" / "lbr-drive.log").write_text("what it has written\n")
+    (robot.home / "logs" / "lbr-base.log").write_text("what it has written\n")
     page.get_by_role("button", name="Log: drive").click()
     expect(page.get_by_role("dialog").get_by_text("what it has written")).to_be_visible(timeout=SLOWLY_MS)
     stop = page.locator("#stop")

@@ -60,7 +60,8 @@ def problems(
 
 
 def _too_many(robot: str, count: int, bound: str) -> Problem:
-    return Problem("capability", robot, "enabled", f"{count} capabilities would run, but {bound}; turn some off")
+    text = f"{count} processes would run, but {bound}; turn some capabilities off, or let some share one"
+    return Problem("capability", robot, "enabled", text)
 
 
 def this_machine(running: int) -> Machine:

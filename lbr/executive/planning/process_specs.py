@@ -68,6 +68,7 @@ def unit(
     """Return the process of a capability row, wired by `channels` to those that run."""
     kind = kinds[row.name]
     robot, host = rows.robot.name, profile.host_of(row.name)
+    process = "" if host else row.process
     devices = tuple(
         DeviceConfig(
             name=d.name,
@@ -89,10 +90,10 @@ def unit(
         endpoints=() if host else site.endpoints,
         credentials=_guest(host, row.name, rows, site)
         if host
-        else site.credentials(sharing.user(row.process) if row.process else row.name),
+        else site.credentials(sharing.user(process) if process else row.name),
         home="" if host else site.home,
         host=host,
-        process=row.process,
+        process=process,
         device=device,
         devices=devices,
         wiring=_wiring(row.name, kinds, channels, site, robot),

@@ -25,14 +25,16 @@ def user(process: str) -> str:
 def problems(
     rows: RobotRows, chosen: Collection[CapabilityRow], kinds: Mapping[str, Kind], profile: Profile
 ) -> list[Problem]:
-    """Return what is wrong with the shared processes of what was chosen to run."""
+    """Return what is wrong with the shared processes of what was chosen to run; on other machines there are none."""
     names = rows.names("capability")
-    near = {row.name: _near(row.name, kinds, rows) for row in chosen}
-    sharing = sorted((row for row in chosen if row.process), key=lambda row: row.process)
+    near = {row.name: _near(row.name, kinds) for row in chosen}
+    sharing = sorted(
+        (row for row in chosen if row.process and not profile.host_of(row.name)), key=lambda row: row.process
+    )
     return [
         Problem("capability", f"{rows.robot.name}/{row.name}", "process", text)
         for process, members in groupby(sharing, key=lambda row: row.process)
-        for row, text in _found(process, list(members), names, kinds, near, profile)
+        for row, text in _found(process, list(members), names, kinds, near)
     ]
 
 
@@ -42,35 +44,32 @@ def _found(
     names: Collection[str],
     kinds: Mapping[str, Kind],
     near: Mapping[str, str],
-    profile: Profile,
 ) -> Iterator[tuple[CapabilityRow, str]]:
     first = members[0]
     for row in members:
         if process in names:
             yield row, f"'{process}' is a capability; choose another name for a process that several share"
-        elif why := _why_alone(kinds[row.name], profile.host_of(row.name)):
+        elif why := _why_alone(kinds[row.name]):
             yield row, f"'{row.name}' has a process of its own: {why}; set it to ''"
         elif near[row.name] != near[first.name]:
             text = f"'{row.name}' {near[row.name]}, and '{first.name}' {near[first.name]}"
             yield row, f"{text}: they may not share the process '{process}'"
 
 
-def _why_alone(kind: Kind, host: str) -> str:
+def _why_alone(kind: Kind) -> str:
     whys = {
         "it is a program": kind.settings is ProgramSettings,
         "it is a router of the bus": kind.name == LAN,
         "it is the world that the emulated devices are in": kind.family == "simulation",
-        f"it runs on '{host}'": bool(host),
     }
     return next((why for why, holds in whys.items() if holds), "")
 
 
-def _near(name: str, kinds: Mapping[str, Kind], rows: RobotRows) -> str:
+def _near(name: str, kinds: Mapping[str, Kind]) -> str:
     """Return what tells with whom it may share."""
     kind = kinds[name]
-    fed = [channel.target_end for channel in rows.channels if channel.enabled and channel.source_end[0] == name]
-    steers = any(target in kinds and port in kinds[target].setpoints for target, port in fed)
-    if kind.device or kind.setpoints or steers:
+    steering = {message for other in kinds.values() for message in other.setpoints.values()}
+    if kind.device or kind.setpoints or steering & set(kind.outputs.values()):
         return "is near a motor or a device"
     if kind.serves_people:
         return "acts in people's names"

@@ -11,25 +11,25 @@ INSERT INTO device (robot, name, type, address, settings) VALUES
     ('bioloid', 'ups', 'pico', 'i2c:1:0x69', '{}'),
     ('bioloid', 'speaker', 'speaker', 'alsa:default', '{}');
 
-INSERT INTO capability (robot, name, kind, settings, needs, help) VALUES
-    ('bioloid', 'servos', 'dynamixel', '{"device": "servo_bus"}', '[]',
+INSERT INTO capability (robot, name, kind, process, settings, needs, help) VALUES
+    ('bioloid', 'servos', 'dynamixel', '', '{"device": "servo_bus"}', '[]',
      'The servo bus: eighteen AX-12A behind a USB2AX'),
-    ('bioloid', 'joints', 'joints', '{}', '["servos"]',
+    ('bioloid', 'joints', 'joints', '', '{}', '["servos"]',
      'The joints: who moves them, how far and how fast'),
-    ('bioloid', 'motions', 'motions', '{}', '["joints"]',
+    ('bioloid', 'motions', 'motions', 'deeds', '{}', '["joints"]',
      'The motions: plays what the rows know, and writes down poses made by hand'),
-    ('bioloid', 'behaviour', 'behaviour', '{}', '["motions"]',
+    ('bioloid', 'behaviour', 'behaviour', 'deeds', '{}', '["motions"]',
      'The behaviours: state tables that anyone can write, such as greet; one at a time'),
-    ('bioloid', 'imu', 'phidget_spatial', '{"device": "imu"}', '[]',
+    ('bioloid', 'imu', 'phidget_spatial', '', '{"device": "imu"}', '[]',
      'The inertial unit: acceleration, rate of turn and magnetic field, along its own axes'),
-    ('bioloid', 'attitude', 'attitude', '{"device": "imu"}', '["imu"]',
+    ('bioloid', 'attitude', 'attitude', 'senses', '{"device": "imu"}', '["imu"]',
      'The attitude: how the trunk lies and where it looks'),
-    ('bioloid', 'ups', 'pico', '{"device": "ups"}', '[]',
+    ('bioloid', 'ups', 'pico', '', '{"device": "ups"}', '[]',
      'The uninterruptible supply: where the power comes from, and the relay of the motors'' power'),
     -- 3.5 and 3.3 V for each of three lithium-polymer cells; the servos want 9 V at least. Off until somebody says `arm`.
-    ('bioloid', 'power', 'power', '{"device": "ups", "warn_v": 10.5, "shutdown_v": 9.9, "park_motion": "sit"}', '["ups"]',
+    ('bioloid', 'power', 'power', 'senses', '{"device": "ups", "warn_v": 10.5, "shutdown_v": 9.9, "park_motion": "sit"}', '["ups"]',
      'The power: shuts the computer down before the voltage is too low'),
-    ('bioloid', 'world', 'humanoid_world', '{"model": "bioloid"}', '[]',
+    ('bioloid', 'world', 'humanoid_world', '', '{"model": "bioloid"}', '[]',
      'The simulated body and floor; runs only under a simulating launch profile');
 
 INSERT INTO capability (robot, name, kind, settings, help) VALUES
