@@ -4,8 +4,11 @@ Those of one process have the same rights on the bus, and end together when one 
 such alone, and so does what may do anything in people's names, or records everything.
 """
 
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from itertools import groupby
+
+from msgspec import Struct
 
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
@@ -27,7 +30,8 @@ def problems(
 ) -> list[Problem]:
     """Return what is wrong with the shared processes of what was chosen to run; on other machines there are none."""
     names = rows.names("capability")
-    near = {row.name: _near(row.name, kinds) for row in chosen}
+    steering = frozenset(message for kind in kinds.values() for message in kind.setpoints.values())
+    near = {row.name: _near(kinds[row.name], steering) for row in chosen}
     sharing = sorted(
         (row for row in chosen if row.process and not profile.host_of(row.name)), key=lambda row: row.process
     )
@@ -45,14 +49,15 @@ def _found(
     kinds: Mapping[str, Kind],
     near: Mapping[str, str],
 ) -> Iterator[tuple[CapabilityRow, str]]:
-    first = members[0]
+    usual = Counter(near[row.name] for row in members).most_common(1)[0][0]
+    like = next(row for row in members if near[row.name] == usual)
     for row in members:
         if process in names:
             yield row, f"'{process}' is a capability; choose another name for a process that several share"
         elif why := _why_alone(kinds[row.name]):
             yield row, f"'{row.name}' has a process of its own: {why}; set it to ''"
-        elif near[row.name] != near[first.name]:
-            text = f"'{row.name}' {near[row.name]}, and '{first.name}' {near[first.name]}"
+        elif near[row.name] != usual:
+            text = f"'{row.name}' {near[row.name]}, and '{like.name}' {usual}"
             yield row, f"{text}: they may not share the process '{process}'"
 
 
@@ -65,10 +70,8 @@ def _why_alone(kind: Kind) -> str:
     return next((why for why, holds in whys.items() if holds), "")
 
 
-def _near(name: str, kinds: Mapping[str, Kind]) -> str:
-    """Return what tells with whom it may share."""
-    kind = kinds[name]
-    steering = {message for other in kinds.values() for message in other.setpoints.values()}
+def _near(kind: Kind, steering: frozenset[type[Struct]]) -> str:
+    """Return what tells with whom it may share; `steering` are the messages that motors are told by."""
     if kind.device or kind.setpoints or steering & set(kind.outputs.values()):
         return "is near a motor or a device"
     if kind.serves_people:
