@@ -3,8 +3,8 @@
 What one of them publishes reaches the others within the process, by no router; what others publish comes to all of them once.
 """
 
-import contextlib
 import threading
+import time
 from collections.abc import Callable
 from typing import Any, cast
 
@@ -12,6 +12,8 @@ import zenoh
 
 from lbr.bus.session import Session
 
+TRIES, TRY_AGAIN_S = 50, 0.001
+"""Another thread looks at what is declared for microseconds."""
 LOOK_AFTER = 64
 """So many more declared: time to forget what was taken back meanwhile."""
 
@@ -33,9 +35,11 @@ class SharedSession:
     def _left(self) -> None:
         with self._lock:
             self._parts -= 1
-            if not self._parts:
+            last = not self._parts
+            if last:
                 self._closed()
-                self._session.close()
+        if last:
+            self._session.close()
 
 
 class Part:
@@ -71,8 +75,7 @@ class Part:
             return
         self._open = False
         for one in self._declared:
-            with contextlib.suppress(zenoh.ZError):  # it was taken back already
-                one.undeclare()
+            _take_back(one)
         self._declared.clear()
         self._left()
 
@@ -100,9 +103,24 @@ class PartOfLiveliness:
         return self._keep(self._liveliness.declare_subscriber(*args, **more))
 
 
+def _take_back(declared: Any) -> None:
+    """Undeclare, once no other thread looks at it any more."""
+    for _ in range(TRIES):
+        try:
+            declared.undeclare()
+        except RuntimeError:  # "Already borrowed"
+            time.sleep(TRY_AGAIN_S)
+        except zenoh.ZError:  # it was taken back already
+            return
+        else:
+            return
+
+
 def _stands(declared: Any) -> bool:
-    """Return whether it was not taken back; what has no key is taken to stand."""
+    """Return whether it was not taken back; what has no key, or is looked at by another thread, is taken to stand."""
     try:
         return getattr(declared, "key_expr", None) is not False
+    except RuntimeError:
+        return True
     except zenoh.ZError:
         return False

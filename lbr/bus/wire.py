@@ -124,7 +124,8 @@ class Publisher:
 
     def _watch(self, watching: Callable[[], None]) -> None:
         def look(_status: object = None) -> None:
-            self.watched = bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
+            with contextlib.suppress(zenoh.ZError, RuntimeError):  # it is being undeclared by another thread
+                self.watched = bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
             watching()
 
         self._watcher = self._publisher.declare_matching_listener(direct(look))

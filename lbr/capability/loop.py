@@ -2,6 +2,7 @@
 
 import gc
 import queue
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from lbr.capability import registry
 from lbr.capability.base import Capability
 from lbr.capability.config import ProcessConfig
+from lbr.capability.kind import Kind
 from lbr.capability.reporter import BEAT_S, Reporter, Said
 from lbr.capability.runtime import ProcessContext
 from lbr.capability.suspended import Suspended
@@ -21,6 +23,9 @@ STEADY_S = 5.0
 TELL_DEGRADED_S = 0.5
 TELL_MISSED_S = 1.0
 COLLECT_S = 10.0
+BEGINS_S = 60.0
+"""So long a process begins, on a slow computer that imports much."""
+_finding = threading.Lock()
 
 
 class Wake:
@@ -49,19 +54,22 @@ class Garbage:
     """Collects what a process has left over; its loops say when."""
 
     def __init__(self) -> None:
-        self._settled: set[object] = set()
+        self._freeze_until = time.monotonic() + BEGINS_S
         self._collect_at = 0.0
 
     def wait_for_us(self) -> None:
         """Collect at moments of a loop's choice only, so that no round takes longer than the others."""
         gc.disable()
 
-    def settle(self, loop: object) -> None:
-        """Once all is there that a loop needs, let no later collection look again at what lives as long as the process."""
-        if loop not in self._settled:
-            self._settled.add(loop)
-            self._collect_at = time.monotonic() + COLLECT_S
-            gc.collect()
+    def settle(self) -> None:
+        """Once all is there that a loop needs, let no later collection look again at what lives as long as the process.
+
+        What a loop brings that begins later may end sooner, and is collected like all else.
+        """
+        now = time.monotonic()
+        self._collect_at = now + COLLECT_S
+        gc.collect()
+        if now < self._freeze_until:
             gc.freeze()
 
     def collect(self, now: float) -> None:
@@ -83,6 +91,7 @@ class Loop:
         self._capability: Capability[Any] | None = None
         self._suspended = Suspended()
         self._tell_at = 0.0
+        self._settled = False
 
     def stop(self) -> None:
         """Ask the loop to end; from any thread or a signal handler."""
@@ -91,11 +100,14 @@ class Loop:
 
     def run(self) -> None:
         """Run until asked to stop; raise whatever the capability raises."""
-        kind = registry.find(self._config.kind, Path(self._config.home), trial=False)
-        make = kind.load()
+        kind, make = self._find()
         streams = self._wake.set if getattr(make, "woken_by_streams", True) else None
         ctx = ProcessContext(self._config, kind, self._reporter, self._wake.set, streams)
-        self._capability = capability = make(ctx)
+        try:
+            self._capability = capability = make(ctx)
+        except BaseException:
+            ctx.close()
+            raise
         if kind.moves:
             self._garbage.wait_for_us()
         retry_s, opened = RETRY_FIRST_S, time.monotonic()
@@ -103,7 +115,9 @@ class Loop:
             said = self._reporter.said
             try:
                 capability.open()
-                self._garbage.settle(self)
+                if not self._settled:
+                    self._settled = True
+                    self._garbage.settle()
                 opened = time.monotonic()
                 self._loop(ctx, capability, said)
             except DeviceError as err:
@@ -115,6 +129,21 @@ class Loop:
         self._reporter.phase("stopping")
         capability.close()
         ctx.close()
+
+    @property
+    def began(self) -> bool:
+        """Whether there is a capability: before, it could do nothing."""
+        return self._capability is not None
+
+    def _find(self) -> tuple[Kind, type]:
+        """Return the kind and its class; of several loops of a process one after the other imports what they need."""
+        while not _finding.acquire(timeout=BEAT_S):
+            self._reporter.beat({})
+        try:
+            kind = registry.find(self._config.kind, Path(self._config.home), trial=False)
+            return kind, kind.load()
+        finally:
+            _finding.release()
 
     def close(self) -> None:
         """Stop the motion of a capability that crashed; the caller sets a bound."""

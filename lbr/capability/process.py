@@ -79,12 +79,15 @@ def _heed(ends: Ends) -> None:
 def _share(config: ProcessConfig, lines: Iterator[bytes], fd: int) -> None:
     """Be the process that several share; the main thread hears orders."""
     shared = SharedProcess(fd)
-    wire.on_callback_error = shared.crash
-    threading.excepthook = lambda args: shared.crash(args.exc_value or RuntimeError("thread died"))
-    _heed(shared)
-    shared.begin(config)
-    _obey(lines, shared)
-    shared.wait()
+    try:
+        wire.on_callback_error = shared.crash
+        threading.excepthook = lambda args: shared.crash(args.exc_value or RuntimeError("thread died"))
+        _heed(shared)
+        shared.begin(config)
+        _obey(lines, shared)
+        shared.wait()
+    except BaseException as err:  # noqa: BLE001 - this thread's outermost frame: stop the motion and leave
+        shared.crash(err)
 
 
 def main() -> None:

@@ -25,7 +25,7 @@ from lbr.capability.tape import Tape
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import Code, Reason
-from lbr.messages.leases import CommandReply
+from lbr.messages.leases import CommandReply, refused
 from lbr.messages.rows import Row, RowSet, by_table, changes, with_rows
 from lbr.messages.system import EstopRequest, Event
 
@@ -386,7 +386,10 @@ class ProcessContext:
         return {name: publishers[0].count for name, publishers in self._outputs.items() if publishers}
 
     def close(self) -> None:
-        """Leave the bus; the token goes with it."""
+        """Refuse what waits, and leave the bus; the token goes with it."""
+        for served, _ in self._commands.values():
+            for request in served.take():
+                request.reply(refused(Reason("shutting_down", f"'{self.name}' ends")), self.name)
         self.estop.close()
         self._bus.close()
 

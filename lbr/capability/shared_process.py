@@ -3,9 +3,11 @@
     executive ── Order, by standard input ──► main thread ──► a thread for each loop ── Report, with its name ──► executive
 
 They share the interpreter, the session on the bus and its rights there. Each ends when it is asked to, without the
-others; what fails takes them along, because nobody knows what of the process is still good.
+others; what fails takes them along, because nobody knows what of the process is still good. One that does not even begin
+has done nothing, and leaves alone.
 """
 
+import contextlib
 import os
 import sys
 import threading
@@ -57,7 +59,9 @@ class SharedProcess:
             self._members[order.stop].loop.stop()
 
     def begin(self, config: ProcessConfig) -> None:
-        """Let one more capability run; one of its name has ended before."""
+        """Let one more capability run; one of its name has ended before. None begins where all are to end."""
+        if self._stopping:
+            return
         member = self._members[config.name] = Member(config, self._fd, self._garbage, self._run)
         member.thread.start()
 
@@ -74,22 +78,23 @@ class SharedProcess:
             member.thread.join()
 
     def crash(self, err: BaseException, of: Member | None = None) -> None:
-        """End the process: who failed closes first, then the others as far as there is time. Never returns."""
+        """End the process, with each loop as far as there is time. Never returns."""
         self._crashing.acquire()
         try:
             leaving.within(leaving.CLOSE_LIMIT_S)
-            failed = [of] if of is not None else list(self._members.values())
-            for member in failed:
+            members = list(self._members.values())
+            for member in [of] if of is not None else members:
                 member.reporter.phase("failed", leaving.told(err), "failed")
-            if of is not None:
-                of.loop.close()
-            until = time.monotonic() + PART_OF_CLOSING * leaving.CLOSE_LIMIT_S
-            others = [member for member in self._members.values() if member.thread is not threading.current_thread()]
-            for member in others:
+            for member in members:
                 member.loop.stop()
-            for member in others:
-                member.thread.join(max(0.0, until - time.monotonic()))
             leaving.trace(err)
+            if of is not None:
+                with contextlib.suppress(Exception):  # it has failed already, and the others are still to end
+                    of.loop.close()
+            until = time.monotonic() + PART_OF_CLOSING * leaving.CLOSE_LIMIT_S
+            for member in members:
+                if member.thread is not threading.current_thread() and member.thread.is_alive():
+                    member.thread.join(max(0.0, until - time.monotonic()))
         finally:
             os._exit(leaving.CRASHED)
 
@@ -98,11 +103,16 @@ class SharedProcess:
             member.reporter.begins()
             member.loop.run()
         except BaseException as err:  # noqa: BLE001 - this thread's outermost frame: stop the motion and leave
-            self.crash(err, member)
+            if member.loop.began:
+                self.crash(err, member)
+            leaving.trace(err)
+            ended = ("left", leaving.told(err), "failed")
+        else:
+            ended = ("ended", "", "")
         if self._crashing.locked():  # the process ends: who made it end is told, not this
             return
         del self._members[member.name]
-        member.reporter.phase("ended")
+        member.reporter.phase(*ended)
         self._leave_with_the_last()
 
     def _leave_with_the_last(self) -> None:

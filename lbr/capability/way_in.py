@@ -1,25 +1,37 @@
 """How a capability comes onto the bus: by a session of its own, or by one that it shares with those of its process."""
 
 import threading
+from collections import defaultdict
 
 from lbr.bus import session
 from lbr.bus.shared_session import SharedSession
 from lbr.capability.config import ProcessConfig
 
-_shared: dict[tuple[str, ...], SharedSession] = {}
-"""By where they come in: routers know what those of one process may do as one."""
-_entering = threading.Lock()
+
+class Place:
+    """Where those of one process come in: routers know what they may do as one. Who opens it holds up nobody elsewhere."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.session: SharedSession | None = None
+
+    def leave(self) -> None:
+        """Open it anew for the next one."""
+        self.session = None
+
+
+_places: defaultdict[tuple[str, ...], Place] = defaultdict(Place)
 
 
 def enter(config: ProcessConfig) -> session.Session:
     """Enter as a capability; raise BusError if the robot's router does not let it in."""
     if not config.process:
         return enter_alone(config)
-    with _entering:
-        place = config.endpoints
-        if place not in _shared:
-            _shared[place] = SharedSession(enter_alone(config), lambda: _shared.pop(place), _entering)
-        return _shared[place].enter()
+    place = _places[config.endpoints]
+    with place.lock:
+        if place.session is None:
+            place.session = SharedSession(enter_alone(config), place.leave, place.lock)
+        return place.session.enter()
 
 
 def enter_alone(config: ProcessConfig) -> session.Session:

@@ -329,6 +329,7 @@ class Executive:
         leaving = terminal.leave()
         self._hosts.end()
         self._supervisor.shut_down(self._wait_and_answer)
+        self._shared.sweep()
         while leaving is not None and leaving.is_alive():  # its last lines may still ask something of this thread
             self._wait(0.02)
         self._external.close()
@@ -352,6 +353,7 @@ class Executive:
         while not self._stopping:
             now = time.monotonic()
             due = self._supervisor.step()
+            self._shared.sweep()
             for text in self._doors.tidy(child.endpoint for child in self._children()):
                 self._happened("link_mended", "executive", text, "warning")
             again = min(self._emergency.step(now), self._hosts.step(now), self._pairings.step(now))
@@ -401,7 +403,12 @@ class Executive:
 
     def _planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
         """Plan for rows that are not written yet; from any thread."""
-        return planner.make(rows, self._profile, self._site, machine.this_machine(len(self.plan.here)))
+        return planner.make(
+            rows,
+            self._profile,
+            self._site,
+            machine.this_machine(machine.processes(self.plan.rows.capabilities, self.plan.here)),
+        )
 
     def _begun_elsewhere(self, name: str) -> None:
         self._emergency.forget(name)
@@ -482,7 +489,7 @@ class Executive:
             unit,
             replace(config, reach=reach),
             lambda: open_log(log),
-            lambda: self._reaper.mark(guarded=any(one.guarded for one in sharing)),
+            self._reaper.mark,
             self._forks,
         )
 

@@ -13,7 +13,7 @@ FRESH_S = 3.0
 """What a driver measures comes ten times a second and more, a supply's values once: older than this, it has ceased."""
 RECENT_S = 60.0
 """After a minute of health the executive forgets how a process ended."""
-ENDS = ("crashed", "hung", "ended", "failed", "stopped")
+ENDS = ("crashed", "hung", "taken_along", "ended", "failed", "stopped")
 UNASKED = ("crashed", "hung", "ended")
 OFTEN = 3
 """A process that ends so often within `RECENT_S` will again: more than one mishap, fewer than have it given up."""

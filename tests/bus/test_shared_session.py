@@ -87,6 +87,31 @@ def test_who_leaves_is_heard_no_more_and_the_other_goes_on(shared: Shared, far: 
     assert shared.closed == ["closed"]
 
 
+def test_who_leaves_while_somebody_begins_or_ends_to_hear_it_fails_nowhere(
+    shared: Shared, far: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    errors: list[BaseException] = []
+    monkeypatch.setattr(wire, "on_callback_error", errors.append)
+    stays, over = shared.session.enter(), threading.Event()
+
+    def come_and_go() -> None:
+        while not over.is_set():
+            wire.Subscription(far, "r/a/frame").close()
+
+    coming = threading.Thread(target=come_and_go)
+    coming.start()
+    try:
+        for _ in range(300):
+            part = shared.session.enter()
+            wire.Publisher(part, "r/a/frame", "a", watching=lambda: None).put({})
+            part.close()
+    finally:
+        over.set()
+        coming.join()
+    stays.close()
+    assert errors == []
+
+
 def test_what_was_taken_back_is_not_kept(shared: Shared) -> None:
     part = shared.session.enter()
     kept = wire.Subscription(part, "r/kept")

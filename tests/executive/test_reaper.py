@@ -154,6 +154,20 @@ def test_a_drivers_guard_is_not_killed_but_continued_until_its_time_is_over(exec
 
 
 @pytest.mark.parametrize("more", [(), ("guarded",)], ids=["of a program", "beside a driver, in another session"])
+def test_a_process_that_a_driver_joins_later_is_told_as_one_with_a_guard():
+    child = programs.start([sys.executable, "-c", "import time; time.sleep(60)"])
+    try:
+        with closing(Reaper()) as reaper:
+            mark = reaper.mark()
+            mark.began(child.pid)
+            assert [word[0] for word in reaper.known.values()] == ["+"]
+            mark.guards(child.pid)
+            assert [word[0] for word in reaper.known.values()] == ["*"]
+    finally:
+        child.kill()
+        child.wait()
+
+
 def test_what_only_says_that_it_is_a_guard_is_not_spared(executive, more):
     line = f"{lifeline.LAST_WORD}=60 setsid {GUARD} & exec sleep 60"
     popen, _, (guard,) = executive(line, 1, *more)

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ pytestmark = pytest.mark.timeout(60)
 
 KIND = """
 import ctypes, sys
+from pathlib import Path
 from msgspec import Struct
 from lbr.capability import Capability, Kind, NoSettings
 from lbr.messages.leases import CommandReply
@@ -30,6 +32,12 @@ class Mate(Capability[NoSettings]):
     def open(self):
         self.n = 0
         self.heard = 0
+        self.cannot_close = False
+
+    def close(self):
+        if self.cannot_close:
+            raise OSError("and the line is dead")
+        Path(self.ctx.home, f"{self.ctx.name} closed").touch()
 
     def step(self):
         for received in self.ctx.take("others"):
@@ -41,7 +49,8 @@ class Mate(Capability[NoSettings]):
     def command(self, call):
         what = call.message.what
         call.reply(CommandReply(accepted=True, reason=f"{self.heard}"))
-        if what == "raise":
+        if what.startswith("raise"):
+            self.cannot_close = what == "raise twice"
             raise ValueError("out of cheese")
         if what == "circle":
             while True:
@@ -54,6 +63,17 @@ class Mate(Capability[NoSettings]):
 KIND = Kind(name="mate", summary="counts", family="app", entry=Mate, inputs={"others": Count}, optional=("others",),
             outputs={"count": Count}, commands={"do": Do})
 """
+HEARD_S = 1.0
+"""A line is answered in some milliseconds; a busy machine may take longer."""
+STILLBORN = """
+from lbr.capability import Capability, Kind, NoSettings
+
+class Stillborn(Capability[NoSettings]):
+    def __init__(self, ctx):
+        raise ValueError("no cheese at all")
+
+KIND = Kind(name="stillborn", summary="does not begin", family="app", entry=Stillborn)
+"""
 MATES = ("ann", "bob", "cyd")
 ROWS = "INSERT INTO capability (robot, name, kind, process) VALUES ('lbr', 'ann', 'mate', 'crew'), ('lbr', 'bob', 'mate', 'crew'), ('lbr', 'cyd', 'mate', 'crew')"
 
@@ -62,6 +82,7 @@ ROWS = "INSERT INTO capability (robot, name, kind, process) VALUES ('lbr', 'ann'
 def robot(shared_home: Path) -> Iterator[Robot]:
     (shared_home / "capabilities").mkdir(mode=0o700)
     (shared_home / "capabilities" / "mate.py").write_text(KIND)
+    (shared_home / "capabilities" / "stillborn.py").write_text(STILLBORN)
     with running(shared_home) as started:
         started.edit(ROWS)
         started.edit("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ann.count', 'bob.others')")
@@ -165,12 +186,60 @@ def test_who_fails_takes_the_others_along_and_is_named(robot: Robot, what: str, 
     assert "logs/lbr-crew.log" in ends["bob"]
 
 
+def test_who_cannot_even_close_keeps_nobody_from_ending_in_order(robot: Robot) -> None:
+    before = pids(robot)["bob"]
+    for name in MATES:
+        (robot.home / f"{name} closed").unlink(missing_ok=True)
+    do(robot, "bob", "raise twice")
+    until(in_a_new_process(robot, before), limit_s=15.0)
+    assert {path.name for path in robot.home.glob("* closed")} == {"ann closed", "cyd closed"}
+
+
+def test_who_was_taken_along_comes_back_whatever_its_row_says_of_its_own_ends(robot: Robot) -> None:
+    robot.edit("UPDATE capability SET restart = 'never' WHERE name = 'ann'")
+    until(lambda: [one["phase"] for one in mates(robot)] == ["ready"] * 3)
+    before = pids(robot)["bob"]
+    do(robot, "bob", "raise")
+    until(in_a_new_process(robot, before), limit_s=15.0)
+    robot.edit("UPDATE capability SET restart = 'on-failure' WHERE name = 'ann'")
+
+
+def test_who_does_not_even_begin_fails_alone(robot: Robot) -> None:
+    before = pids(robot)
+    robot.edit("INSERT INTO capability (robot, name, kind, process) VALUES ('lbr', 'eve', 'stillborn', 'crew')")
+    eve = until(
+        lambda: next((one for one in units(robot) if one["name"] == "eve" and one["phase"] == "failed"), None),
+        limit_s=20.0,
+    )
+    assert "no cheese at all" in eve["last_end"]
+    assert pids(robot) == before
+    robot.edit("DELETE FROM capability WHERE name = 'eve'")
+    until(lambda: all(one["name"] != "eve" for one in units(robot)))
+
+
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
 def test_their_process_is_started_again_however_it_ends(robot: Robot, number: signal.Signals) -> None:
     before = pids(robot)["ann"]
     os.kill(before, number)
     until(in_a_new_process(robot, before), limit_s=15.0)
     assert len(set(pids(robot).values())) == 1
+
+
+def test_a_frozen_process_that_more_are_to_join_holds_up_nobody_and_goes_on(robot: Robot) -> None:
+    before = pids(robot)["ann"]
+    os.kill(before, signal.SIGSTOP)
+    rows = ", ".join(f"('lbr', 'more{n}', 'mate', 'crew')" for n in range(6))
+    robot.edit(f"INSERT INTO capability (robot, name, kind, process) VALUES {rows}")
+
+    def all_there() -> bool:
+        begun = time.monotonic()
+        assert robot.line("s")["code"] == 0
+        assert time.monotonic() - begun < HEARD_S
+        return [one["phase"] for one in mates(robot)] == ["ready"] * 9
+
+    until(all_there, limit_s=15.0)
+    robot.edit("DELETE FROM capability WHERE name LIKE 'more%'")
+    until(lambda: set(pids(robot)) == set(MATES), limit_s=15.0)
 
 
 def test_the_base_drives_on_while_they_fail(robot: Robot) -> None:

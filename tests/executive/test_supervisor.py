@@ -10,6 +10,7 @@ from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.process_specs import ProcessSpec
+from lbr.executive.processes.managed_process import TERM_S
 from lbr.executive.processes.starvation import Look, Thread
 from lbr.executive.processes.supervisor import (
     DEGRADED_PATIENCE_S,
@@ -19,7 +20,6 @@ from lbr.executive.processes.supervisor import (
     HANG_S,
     HANG_STARTING_S,
     SETTLING_S,
-    TERM_S,
     Supervisor,
 )
 
@@ -28,6 +28,7 @@ class FakeProcess:
     def __init__(self, unit, log):
         self.unit, self.log = unit, log
         self.pid = self.thread = 4000 + len(log)
+        self.patience_s = TERM_S
         self.said = deque()
         self.code = None
         self.obeys = True

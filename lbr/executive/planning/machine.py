@@ -3,7 +3,7 @@
 import contextlib
 import os
 import resource
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from pathlib import Path
 
 from msgspec import Struct
@@ -49,14 +49,19 @@ def problems(
         for row, what in lacking
         if what
     ]
-    processes = len({row.process or f"{row.name} alone" for row in here})
-    if processes > machine.most:
-        found.append(_too_many(robot, processes, machine.bound))
+    count = processes(here, {row.name for row in here})
+    if count > machine.most:
+        found.append(_too_many(robot, count, machine.bound))
     for host, names in profile.hosts.items():
         there = sum(row.name in names for row in chosen)
         if there > MOST_CAPABILITIES:
             found.append(_too_many(robot, there, f"{ANY.bound}, also the host '{host}'"))
     return found
+
+
+def processes(rows: Iterable[CapabilityRow], names: Container[str]) -> int:
+    """Return how many processes the capabilities of these names are."""
+    return len({row.process or f"{row.name} alone" for row in rows if row.name in names})
 
 
 def _too_many(robot: str, count: int, bound: str) -> Problem:

@@ -27,7 +27,7 @@ from lbr.errors import MalformedError
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.fork_server import Forked, ForkServer
-from lbr.executive.processes.managed_process import ManagedProcess, Started
+from lbr.executive.processes.managed_process import TERM_S, ManagedProcess, Started
 from lbr.executive.processes.reaper import Mark
 
 LARGEST_DOCUMENT_BYTES = 1 << 20
@@ -53,6 +53,11 @@ class Here(ABC):
     def thread(self) -> int:
         """The thread that its main loop runs in: a process's first one has its number."""
         return self.pid
+
+    @property
+    def patience_s(self) -> float:
+        """How long it may take to end when it is asked to."""
+        return TERM_S
 
     @property
     def heard(self) -> bool:

@@ -7,6 +7,9 @@ from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes.starvation import Look
 from lbr.messages.system import CapabilityPhase
 
+TERM_S = 0.8
+"""How long a process may take to end when it is asked to."""
+
 
 class Started(Protocol):
     """What the supervisor needs of a process."""
@@ -16,6 +19,10 @@ class Started(Protocol):
     @property
     def thread(self) -> int:
         """The kernel's number of the thread that its main loop runs in."""
+
+    @property
+    def patience_s(self) -> float:
+        """How long it may take to end when it is asked to."""
 
     def reports(self) -> list[Report]:
         """Return what it has said since the last call."""
@@ -66,7 +73,7 @@ class ManagedProcess:
         self.end_code: str = ""
         self.due_at: float | None = 0.0
         self.kill_at: float | None = None
-        self.hung = False
+        self.hung = self.taken_along = False
         self.wanted = True
         self.counts: dict[str, int] = {}
         self.rates: dict[str, float] = {}

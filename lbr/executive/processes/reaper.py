@@ -48,6 +48,12 @@ class Mark:
         said = self._reaper.known[self._number] = f"{self._began}{self._number} {pid}"
         self._reaper.say(said)
 
+    def guards(self, pid: int) -> None:
+        """Say that it may leave a guard behind from now on."""
+        if self._began != "*":
+            self._began = "*"
+            self.began(pid)
+
     def ended(self, *, kept: bool = False) -> None:
         """Say that it is no more: what it has left behind is ended now, or `kept` until the run ends."""
         if (began := self._reaper.known.pop(self._number, None)) is not None:

@@ -25,9 +25,10 @@ class End(Enum):
     CLEAN = "ended"
     CRASHED = "crashed"
     HUNG = "hung"
+    TAKEN = "taken_along"
 
 
-CODES: dict[End, Code] = {End.CLEAN: "done", End.CRASHED: "failed", End.HUNG: "timeout"}
+CODES: dict[End, Code] = {End.CLEAN: "done", End.CRASHED: "failed", End.HUNG: "timeout", End.TAKEN: "failed"}
 """Why a process that ended so is down, by the list of codes."""
 
 
@@ -42,10 +43,13 @@ class Decision(Struct, frozen=True):
 def decide(policy: str, end: End, deaths: tuple[float, ...], now: float, jitter: float) -> Decision:
     """Decide what follows an end. `deaths` are earlier ends within the window, `jitter` is -1 to 1.
 
+    0. It was taken along by another that shares its process, and is as good as before: restart at once.
     1. Policy `never`: it stays down. 2. Policy `on-failure` and a clean end: it stays down. 3. More than five ends
     within 30 s: give up until an operator acts. 4. Otherwise restart after 0.1 s, doubled for each recent end, at most
     5 s, 20 % jitter either way. A minute of health forgets the past (the caller drops old deaths).
     """
+    if end is End.TAKEN:
+        return Decision("restart", FIRST_S)
     if policy == "never":
         return Decision("stopped" if end is End.CLEAN else "failed", reason="its restart policy is 'never'")
     if policy == "on-failure" and end is End.CLEAN:

@@ -46,7 +46,8 @@ class Rank:
         """Ask for a niceness; what the kernel does not grant at once `retry` asks for again."""
         with contextlib.suppress(OSError):
             for task in Path(f"/proc/{self._pid}/task").iterdir():
-                os.setpriority(os.PRIO_PROCESS, int(task.name), nice)
+                with contextlib.suppress(OSError):  # a thread that has ended
+                    os.setpriority(os.PRIO_PROCESS, int(task.name), nice)
         self._due = nice if self._session >= 0 else None
         self.retry()
 

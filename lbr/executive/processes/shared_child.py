@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import IO
 
 import msgspec
+from msgspec.structs import replace
 
 from lbr.capability.config import Order, ProcessConfig, Report
 from lbr.executive.planning.process_specs import ProcessSpec
@@ -23,6 +24,9 @@ from lbr.executive.processes.fork_server import ForkServer
 from lbr.executive.processes.reaper import Mark
 
 LAST_REPORTS = frozenset({"failed", "hung"})
+CRASHED = 70
+SLOW_S = 5.0
+"""A capability that is asked to end gets longer where others would end with it: a start, or a device, may take its time."""
 
 
 class SharedProcesses:
@@ -42,6 +46,7 @@ class SharedProcesses:
     ) -> "Member":
         """Start a capability in its process, which begins if it is not there."""
         self.sweep()
+        document_of(config)  # one that is too long begins nothing
         child = self._children.get(config.process)
         if child is None or child.ended:
             with log() as file:
@@ -99,12 +104,19 @@ class SharedChild:
         over = self._leaves or bool(self.because) or self.code() is not None
         return over or not (self._members or self._fresh)
 
+    @property
+    def alone(self) -> bool:
+        """Whether it has one capability, or none."""
+        return len(self._members) < 2
+
     def code(self) -> int | None:
         """Return how it ended, or None while it runs."""
         return self._process.poll()
 
     def begin(self, unit: ProcessSpec, config: ProcessConfig) -> "Member":
         """Have it begin with one more capability."""
+        if unit.guarded:
+            self._mark.guards(self.pid)
         self._send(document_of(config) if self._fresh else _line(Order(start=config)))
         self._fresh = False
         member = self._members[unit.name] = Member(unit, config, self)
@@ -184,7 +196,7 @@ class Member(Here):
         self._shared = shared
         self._heard: deque[Report] = deque()
         self._thread = 0
-        self._settled = self._ended = self._told = False
+        self._settled = self._ended = self._failed = self._told = False
         self.asked = False
         """Whether it was asked to end; one that ends unasked leaves with all the others."""
 
@@ -210,10 +222,11 @@ class Member(Here):
         return found if self._settled else min(found, scheduling.USUAL)
 
     def take(self, report: Report) -> None:
-        """Take a report of it."""
+        """Take a report of it; one that has left has failed before it began, and has ended alone."""
         self._thread = report.thread or self._thread
-        self._ended = self._ended or report.phase == "ended"
-        self._heard.append(report)
+        self._ended = self._ended or report.phase in {"ended", "left"}
+        self._failed = self._failed or report.phase == "left"
+        self._heard.append(replace(report, phase="failed") if report.phase == "left" else report)
 
     def settle(self) -> None:
         """Let it fall back to its rank."""
@@ -231,8 +244,13 @@ class Member(Here):
             because = self._shared.because
             if because not in {"", self.unit.name} and not any(one.phase in LAST_REPORTS for one in found):
                 why = f"its process '{self._shared.name}' ended with '{because}', which shares it"
-                found.append(Report(phase="failed", reason=why, code="failed"))
+                found.append(Report(phase="taken_along", reason=why, code="failed"))
         return found
+
+    @property
+    def patience_s(self) -> float:
+        """How long it may take to end when it is asked to."""
+        return super().patience_s if self._shared.alone else SLOW_S
 
     def terminate(self) -> None:
         """Ask it to end."""
@@ -246,7 +264,7 @@ class Member(Here):
     def returncode(self) -> int | None:
         """Return how it ended, or None while it runs."""
         if self._ended:
-            return 0
+            return CRASHED if self._failed else 0
         return self._shared.code() if self._told else None
 
     def close(self) -> None:

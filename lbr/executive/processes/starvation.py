@@ -5,7 +5,7 @@ waits for a lock, and who turns in circles does not wait: what is silent for lon
 """
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import inf
 from pathlib import Path
 from typing import Literal
@@ -118,11 +118,44 @@ def look(pid: int, at: float, *, all_threads: bool = True, main: int = 0) -> Loo
     A kernel that counts nothing, or a process that is gone, has waited for nothing.
     """
     main = main or pid
-    threads: dict[int, Thread] = {}
+    return _seen(_threads(pid) if all_threads else _read([Path(f"/proc/{pid}/task/{main}")]), main, at)
+
+
+class Looker:
+    """Looks as `look` does, and reads a process that several share once for all looks of one moment."""
+
+    def __init__(self) -> None:
+        self._at = -inf
+        self._threads: dict[int, dict[int, Thread]] = {}
+
+    def look(self, pid: int, at: float, *, all_threads: bool = True, main: int = 0) -> Look:
+        """Look at a process."""
+        if not all_threads:
+            return look(pid, at, all_threads=False, main=main)
+        if at != self._at:
+            self._at = at
+            self._threads.clear()
+        if pid not in self._threads:
+            self._threads[pid] = _threads(pid)
+        return _seen(self._threads[pid], main or pid, at)
+
+
+def _seen(threads: Mapping[int, Thread], main: int, at: float) -> Look:
+    others = {number: thread for number, thread in threads.items() if number != main}
+    return Look(at, threads.get(main, Thread()), others)
+
+
+def _threads(pid: int) -> dict[int, Thread]:
     with contextlib.suppress(OSError):
-        for task in Path(f"/proc/{pid}/task").iterdir() if all_threads else [Path(f"/proc/{pid}/task/{main}")]:
-            with contextlib.suppress(OSError, ValueError, IndexError):
-                ran, waited, slices = (task / "schedstat").read_text(encoding="ascii").split()
-                state = (task / "stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()[0]
-                threads[int(task.name)] = Thread(int(ran) / 1e9, int(waited) / 1e9, state == "R", int(slices))
-    return Look(at, threads.pop(main, Thread()), threads)
+        return _read(Path(f"/proc/{pid}/task").iterdir())
+    return {}
+
+
+def _read(tasks: Iterable[Path]) -> dict[int, Thread]:
+    threads: dict[int, Thread] = {}
+    for task in tasks:
+        with contextlib.suppress(OSError, ValueError, IndexError):
+            ran, waited, slices = (task / "schedstat").read_text(encoding="ascii").split()
+            state = (task / "stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()[0]
+            threads[int(task.name)] = Thread(int(ran) / 1e9, int(waited) / 1e9, state == "R", int(slices))
+    return threads

@@ -27,7 +27,6 @@ HANG_APP_S = 2.0
 HANG_PROGRAM_S = 3.0
 HANG_STARTING_S = 10.0
 HANG_DEGRADED_S = 4.0
-TERM_S = 0.8
 DEGRADED_PATIENCE_S = 1.5
 WAY_S = 0.02
 LOOK_AGAIN_S = 0.2
@@ -60,7 +59,7 @@ class Supervisor:
         dice: random.Random | None = None,
         learnt: Callable[[str, dict[str, Raw]], None] = lambda _name, _rows: None,
         at_once: int = 1000,
-        look: Callable[..., Look] = starving.look,
+        look: Callable[..., Look] | None = None,
     ) -> None:
         self.slots: dict[str, ManagedProcess] = {}
         self._leaving: list[ManagedProcess] = []
@@ -70,7 +69,7 @@ class Supervisor:
         self._present = present
         self._learnt = learnt
         self._at_once = at_once
-        self._look = look
+        self._look = look or starving.Looker().look
         self._busy = Busy()
         self._load_at = 0.0
         self._clock = clock
@@ -192,7 +191,7 @@ class Supervisor:
             slot.due_at = now + WAY_S
             return
         slot.child = child
-        slot.due_at, slot.hung, slot.started_at, slot.beat_at = None, False, now, now
+        slot.due_at, slot.hung, slot.taken_along, slot.started_at, slot.beat_at = None, False, False, now, now
         slot.told, slot.tell_at = ("", ""), None
         slot.reason = slot.code = slot.final_report = ""
         slot.phase, slot.said = "starting", None
@@ -211,9 +210,9 @@ class Supervisor:
                 self._learnt(slot.unit.name, report.learnt)
             if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
                 slot.said = (report.phase, report.reason, report.code)
-            elif report.phase in {"failed", "hung"}:
+            elif report.phase in {"failed", "hung", "taken_along"}:
                 slot.final_report = report.reason
-                slot.hung = report.phase == "hung"
+                slot.hung, slot.taken_along = report.phase == "hung", report.phase == "taken_along"
         if slot.said is not None and self._present(slot.unit.name):
             self._phase(slot, *slot.said)
             slot.said = None
@@ -321,7 +320,8 @@ class Supervisor:
             slot.phase, slot.reason, slot.code = "stopped", "", "done"
             self._tell("stopped", slot, "stopped", "info")
             return
-        end = End.HUNG if slot.hung else End.CLEAN if code == 0 and slot.unit.program is not None else End.CRASHED
+        clean = code == 0 and slot.unit.program is not None
+        end = End.HUNG if slot.hung else End.TAKEN if slot.taken_along else End.CLEAN if clean else End.CRASHED
         why = (
             slot.final_report
             if slot.final_report and end is not End.CLEAN
@@ -334,7 +334,8 @@ class Supervisor:
 
     def _after_end(self, slot: ManagedProcess, end: End, why: str, now: float) -> None:
         decision = decide(slot.unit.restart, end, slot.deaths, now, self._dice.uniform(-1, 1))
-        slot.deaths = (*(death for death in slot.deaths if now - death < WINDOW_S), now)
+        if end is not End.TAKEN:
+            slot.deaths = (*(death for death in slot.deaths if now - death < WINDOW_S), now)
         slot.rates, slot.counts = {}, {}
         slot.reason = slot.last_end = f"{end.value}: {why}"
         slot.code = slot.end_code = CODES[end]
@@ -363,7 +364,7 @@ class Supervisor:
             return
         if slot.kill_at is None:
             slot.phase = "stopping"
-            slot.kill_at = self._clock() + TERM_S
+            slot.kill_at = self._clock() + slot.child.patience_s
             slot.child.terminate()
         if slot not in self._leaving:
             self._leaving.append(slot)

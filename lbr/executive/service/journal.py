@@ -30,6 +30,7 @@ AUDITED = frozenset(
         "stopped",
         "crashed",
         "hung",
+        "taken_along",
         "ended",
         "failed",
         "fault",
