@@ -142,18 +142,6 @@ SPEAKS = {"LINE": "trap '' HUP; echo $$ >> pids; kill -STOP $$; : > spoken; exec
 """A guard has a group of its own in its driver's session."""
 
 
-def test_a_drivers_guard_is_not_killed_but_continued_until_its_time_is_over(executive):
-    line = f"{lifeline.LAST_WORD}=2 {GUARD} & exec sleep 60"
-    popen, reaper, (guard,) = executive(line, 1, "guarded")
-    until(lambda: frozen(guard))
-    killed = kill(popen)
-    until(Path("spoken").exists)
-    assert lives(guard)
-    until(lambda: not lives(guard) and not lives(reaper))
-    assert time.monotonic() - killed >= 2.0
-
-
-@pytest.mark.parametrize("more", [(), ("guarded",)], ids=["of a program", "beside a driver, in another session"])
 def test_a_process_that_a_driver_joins_later_is_told_as_one_with_a_guard():
     child = programs.start([sys.executable, "-c", "import time; time.sleep(60)"])
     try:
@@ -168,6 +156,18 @@ def test_a_process_that_a_driver_joins_later_is_told_as_one_with_a_guard():
         child.wait()
 
 
+def test_a_drivers_guard_is_not_killed_but_continued_until_its_time_is_over(executive):
+    line = f"{lifeline.LAST_WORD}=2 {GUARD} & exec sleep 60"
+    popen, reaper, (guard,) = executive(line, 1, "guarded")
+    until(lambda: frozen(guard))
+    killed = kill(popen)
+    until(Path("spoken").exists)
+    assert lives(guard)
+    until(lambda: not lives(guard) and not lives(reaper))
+    assert time.monotonic() - killed >= 2.0
+
+
+@pytest.mark.parametrize("more", [(), ("guarded",)], ids=["of a program", "beside a driver, in another session"])
 def test_what_only_says_that_it_is_a_guard_is_not_spared(executive, more):
     line = f"{lifeline.LAST_WORD}=60 setsid {GUARD} & exec sleep 60"
     popen, _, (guard,) = executive(line, 1, *more)
