@@ -16,6 +16,7 @@ from typing import IO
 import msgspec
 from msgspec.structs import replace
 
+from lbr.capability import leaving
 from lbr.capability.config import Order, ProcessConfig, Report
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
@@ -24,7 +25,6 @@ from lbr.executive.processes.fork_server import ForkServer
 from lbr.executive.processes.reaper import Mark
 
 LAST_REPORTS = frozenset({"failed", "hung"})
-CRASHED = 70
 SLOW_S = 5.0
 """A capability that is asked to end gets longer where others would end with it: a start, or a device, may take its time."""
 
@@ -264,7 +264,7 @@ class Member(Here):
     def returncode(self) -> int | None:
         """Return how it ended, or None while it runs."""
         if self._ended:
-            return CRASHED if self._failed else 0
+            return leaving.CRASHED if self._failed else 0
         return self._shared.code() if self._told else None
 
     def close(self) -> None:

@@ -16,7 +16,7 @@ from lbr.executive.planning.plan import Change
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import starvation as starving
 from lbr.executive.processes.busy import Busy
-from lbr.executive.processes.managed_process import ManagedProcess, Started
+from lbr.executive.processes.managed_process import TERM_S, ManagedProcess, Started
 from lbr.executive.processes.restart import CODES, HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.processes.scheduling import BACKGROUND, MOTION, niceness
 from lbr.executive.processes.starvation import OTHERS_STRETCH, RUNS_SHARE, STARTING_WORK_S, SUSPICIOUS_S, Look, verdict
@@ -161,7 +161,7 @@ class Supervisor:
         ]
         for wave in waves:
             for slot in reversed(wave):
-                self._retire(slot)
+                self._retire(slot, TERM_S)
             while any(slot.child is not None for slot in wave) and self._clock() < end:
                 self.step()
                 tick(0.02)
@@ -356,7 +356,7 @@ class Supervisor:
                 text = f"'{gone.unit.name}', which it needs, has {gone.reason}"
                 self._tell("need_lost", slot, text, "warning", "unreachable")
 
-    def _retire(self, slot: ManagedProcess) -> None:
+    def _retire(self, slot: ManagedProcess, patience_s: float | None = None) -> None:
         slot.wanted = False
         slot.due_at = None
         if slot.child is None:
@@ -364,7 +364,7 @@ class Supervisor:
             return
         if slot.kill_at is None:
             slot.phase = "stopping"
-            slot.kill_at = self._clock() + slot.child.patience_s
+            slot.kill_at = self._clock() + (slot.child.patience_s if patience_s is None else patience_s)
             slot.child.terminate()
         if slot not in self._leaving:
             self._leaving.append(slot)
