@@ -42,11 +42,10 @@ def main() -> int:
         "tests", nargs="*", help="for run: which of tests/kernel; for network: scenes with these words; all if left out"
     )
     parser.add_argument("--cuts", type=int, default=50, help="for service: how often its power is cut (50)")
-    parser.add_argument("--pace", type=float, default=network.PACE, help="for network: how fast its clocks go (0.2)")
     parser.add_argument("--suite", choices=image.SUITES, default="bookworm", help="Debian's release (bookworm)")
     parser.add_argument("--folder", type=Path, help="where the machine's files are (build/lab/SUITE)")
     wanted = parser.parse_args()
-    wanted.folder = wanted.folder or FOLDER / wanted.suite
+    wanted.folder = (wanted.folder or FOLDER / wanted.suite).resolve()
     if wanted.what == "table":
         if (battery := wanted.folder / "battery.xml").exists():
             print(table.of(battery.read_text()))
@@ -104,7 +103,7 @@ def _service(wanted: argparse.Namespace) -> int:
 
 def _network(wanted: argparse.Namespace) -> int:
     path = wanted.folder / network.KEPT
-    with closing(network.play(wanted.folder, _send, wanted.pace, wanted.tests)) as scenes:
+    with closing(network.play(wanted.folder, _send, wanted.tests)) as scenes:
         return _told("two machines", scenes, path, stage.kept(path) if wanted.tests else ())
 
 

@@ -22,20 +22,19 @@ deadlines mean the same however busy the host is."""
 
 
 CABLE = "cable"
-SLOWER_CLOCK = "*/faketime/libfaketimeMT.so.1"
 
 
 class Machine:
     """A machine whose files are in a folder: `disk.qcow2`, `vmlinuz`, `initrd.img` and the key for its root.
 
-    `cable` is where a second network card leads, in QEMU's words for a socket. With a `pace` its clock is as fast as that of every
-    other machine of the same pace: QEMU gets a clock of the host that is so much slower, and waits for it.
+    `cable` is where a second network card leads, in QEMU's words for a socket. One with a cable tells its time, and can be made to
+    wait, by the two sockets of `clock`.
     """
 
-    def __init__(self, folder: Path, *, cable: str = "", pace: float = 0.0) -> None:
+    def __init__(self, folder: Path, *, cable: str = "") -> None:
         self.folder = folder
+        self.clock = (folder / "clock", folder / "control")
         self._cable = cable
-        self._pace = pace
         self._port = free_port()
         self._monitor = folder / "monitor"
         self._qemu: subprocess.Popen[bytes] | None = None
@@ -101,29 +100,20 @@ class Machine:
 
     def _command(self, snapshot: str) -> Sequence[str]:
         f = self.folder
-        first, waits = "nice -n 19", ""
-        if self._pace:  # and is not to fall behind
-            first, waits = f"env LD_PRELOAD={_slower_clock()} FAKETIME='+0 x{self._pace:g}'", ",align=on"
-        words = f"""{first} qemu-system-x86_64 -accel tcg,tb-size=512 -icount {INSTRUCTIONS}{waits} -rtc clock=vm -cpu max
+        told, control = self.clock
+        words = f"""nice -n 19 qemu-system-x86_64 -accel tcg,tb-size=512 -icount {INSTRUCTIONS} -rtc clock=vm -cpu max
             -smp 1 -m 2048 -display none -no-reboot -kernel {f}/vmlinuz -initrd {f}/initrd.img
             -drive file={f}/disk.qcow2,if=virtio,cache=writeback -device virtio-rng-pci
             -nic user,model=virtio-net-pci,restrict=on,hostfwd=tcp:127.0.0.1:{self._port}-:22
             -serial file:{f}/serial.log -monitor unix:{self._monitor},server=on,wait=off"""
         kernel = "root=/dev/vda rw console=ttyS0 net.ifnames=0 mitigations=off quiet fsck.mode=auto"
-        card = (
-            f"-netdev socket,id={CABLE},{self._cable} -device virtio-net-pci,netdev={CABLE},mac={_mac(f)}"
+        with_cable = (
+            f"""-netdev socket,id={CABLE},{self._cable} -device virtio-net-pci,netdev={CABLE},mac={_mac(f)}
+            -serial unix:{told},server=on,wait=off -qmp unix:{control},server=on,wait=off"""
             if self._cable
             else ""
         )
-        return [*shlex.split(f"{words} {card}"), "-append", kernel, *(("-loadvm", snapshot) if snapshot else ())]
-
-
-def _slower_clock() -> str:
-    """Return the library that slows a program's clock."""
-    found = next(Path("/usr/lib").glob(SLOWER_CLOCK), None)
-    if found is None:
-        raise RuntimeError("the package faketime is missing here")
-    return str(found)
+        return [*shlex.split(f"{words} {with_cable}"), "-append", kernel, *(("-loadvm", snapshot) if snapshot else ())]
 
 
 def _mac(folder: Path) -> str:
