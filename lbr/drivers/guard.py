@@ -15,6 +15,8 @@ BEAT_S = 0.015
 RESTING_BEAT_S = 0.5
 DEAF_S = 0.4
 """How long a guard may leave unread what it is told: three times the silence that it grants its driver."""
+STARTS_S = 20.0
+"""How long its program may take to start, as long as nothing may move: an emulated processor needs seconds for it."""
 DISMISS_S = 0.2
 LAST_WORDS_S = 0.6
 WOKEN = "its guard process was frozen for a moment, and goes on"
@@ -38,7 +40,7 @@ class Guard:
         last_word_s: float,
     ) -> None:
         self._clock = clock
-        self._beat_at = clock()
+        self._begun = self._beat_at = clock()
         self._turning = False
         self._unheard: float | None = None
         self._listens = False
@@ -65,15 +67,19 @@ class Guard:
 
     @property
     def standing(self) -> bool:
-        """Return whether it still watches: it lives, and hears the beats."""
-        deaf = self._unheard is not None and self._beat_at - self._unheard > DEAF_S
-        return not deaf and self._process.poll() is None
+        """Return whether it still watches: it lives, and hears the beats, or is starting while nothing may move."""
+        if self._process.poll() is not None:
+            return False
+        if not self.listens and not self._turning:
+            return self._beat_at - self._begun <= STARTS_S
+        return self._unheard is None or self._beat_at - self._unheard <= DEAF_S
 
     @property
     def listens(self) -> bool:
         """Return whether its program runs and has heard its driver: before, a death of the driver is only noticed
         later."""
-        self._listens = self._listens or (self._process.poll() is None and not _unread(self._alive))
+        if not self._listens and self._process.poll() is None and not _unread(self._alive):
+            self._listens, self._unheard = True, None
         return self._listens
 
     def woken(self) -> bool:

@@ -15,6 +15,7 @@ from lbr.drivers.roboteq.protocol import ACKNOWLEDGED, STOP
 from lbr.drivers.serial_line import open_line
 from lbr.drivers.wheels.guard import PROGRAM
 from lbr.errors import DeviceError
+from lbr.messages.motors import MotorSetpoint
 from tests.drivers.peers import DriverContext, until
 from tests.support import programs
 from tests.support.machine import Stopwatch
@@ -146,6 +147,56 @@ def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
     motors.open()
     assert motors._guard.standing
     motors.close()
+
+
+@pytest.fixture
+def starting(peer):
+    """A driver whose guard's program starts when a byte is written; its context and clock."""
+    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    clock = Clock()
+    ctx.clock = clock
+    motors = Roboteq(ctx)
+    motors.open()
+    motors._guard.dismiss()
+    begin, starts = os.pipe()
+    hears = f"import os; os.read({begin}, 1); os.read(int(__import__('sys').argv[1]), 99); os.read({begin}, 1)"
+    motors._guard = Guard(lambda pipe, _driver: ["-c", hears, str(pipe)], (begin,), clock, 1.0)
+    os.close(begin)
+    yield motors, ctx, clock, starts
+    os.close(starts)
+    motors.close()
+
+
+def test_a_guard_that_takes_seconds_to_start_is_waited_for_and_nothing_moves_before(starting, peer):
+    motors, ctx, clock, starts = starting
+    for _ in range(8):
+        clock.ahead_s += 1.0
+        for power in (0.0, 0.5):
+            ctx.give(MotorSetpoint(left=power, right=power))
+            motors.step()
+    assert peer.motor == (0, 0)
+    assert ctx.state.reason == "its guard process is starting"
+    os.write(starts, b"1")
+    until(lambda: motors._guard.listens)
+
+    def goes():
+        power = 0.5 * ctx.state.armed
+        ctx.give(MotorSetpoint(left=power, right=power))
+        motors.step()
+        return peer.motor == (500, 500)
+
+    until(goes)
+
+
+def test_a_guard_that_does_not_start_at_all_is_replaced(starting):
+    motors, _ctx, clock, _starts = starting
+    for _ in range(33):
+        clock.ahead_s += 0.6
+        motors.step()
+    clock.ahead_s += 1.0
+    motors._beat()
+    with pytest.raises(DeviceError, match="hangs; reopening"):
+        motors.step()
 
 
 def test_a_frozen_guard_goes_on_with_the_next_beat_and_that_is_told(peer):

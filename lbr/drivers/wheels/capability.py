@@ -187,6 +187,8 @@ class Wheels(Capability[S], ABC):
             return Inhibit("emergency stop: the controller has not acknowledged the release", fault=False)
         if not self._enabled:
             return Inhibit("execution is disabled", fault=False)
+        if self._guard is not None and not self._guard.listens:
+            return Inhibit("its guard process is starting", fault=False)
         return self._without_source() or self._with_fault(controller) or self._held_up(now)
 
     def _without_source(self) -> Inhibit | None:
