@@ -7,5 +7,5 @@
     python -m tests.lab table     the tables of the last runs
     python -m tests.lab shell     a shell of root in it
 
-Needs root, and mmdebstrap, qemu-system-x86, qemu-utils, e2fsprogs and openssh-client; docs/lab.md has the rest.
+Needs root, and mmdebstrap, qemu-system-x86, qemu-utils, e2fsprogs and openssh-client, two machines faketime; docs/lab.md has the rest.
 """

@@ -39,7 +39,9 @@ def main() -> int:
     )
     parser.add_argument("what", choices=("build", "run", "service", "network", "table", "shell"))
     parser.add_argument(
-        "tests", nargs="*", help="for run: which of tests/kernel; for network: scenes with these words; all if left out"
+        "tests",
+        nargs="*",
+        help="for run: which of tests/kernel; for service and network: scenes with these words; all if left out",
     )
     parser.add_argument("--cuts", type=int, default=50, help="for service: how often its power is cut (50)")
     parser.add_argument("--suite", choices=image.SUITES, default="bookworm", help="Debian's release (bookworm)")
@@ -96,7 +98,9 @@ def _service(wanted: argparse.Namespace) -> int:
     machine = Machine(wanted.folder)
     try:
         machine.start(snapshot=True)
-        return _told("the service", service.play(machine, _send, wanted.cuts), wanted.folder / service.KEPT)
+        path = wanted.folder / service.KEPT
+        scenes = service.play(machine, _send, wanted.cuts, wanted.tests)
+        return _told("the service", scenes, path, stage.kept(path) if wanted.tests else ())
     finally:
         machine.cut()
 
