@@ -6,12 +6,13 @@ none. The cameras are switched off first, unless `--cameras`. Wake-ups are how o
 """
 
 import argparse
+import sqlite3
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +20,7 @@ import psutil
 
 from benchmarks import Measured
 from lbr.bus.session import leaf_environment
+from lbr.database import store
 from tests.support import programs
 from tests.support.bench import Bench, let_go, processes_of, temporary_home
 from tests.support.clients import idle
@@ -50,6 +52,7 @@ def _sum(costs: Sequence[Cost]) -> Cost:
 def options(parser: argparse.ArgumentParser) -> None:
     """Add how long, and of what."""
     parser.add_argument("--seconds", type=float, default=20.0, help="how long it is idle (default %(default)s)")
+    parser.add_argument("--apart", action="store_true", help="give each capability a process of its own")
     parser.add_argument("--cameras", action="store_true", help="leave the cameras as they come")
 
 
@@ -58,6 +61,8 @@ def measure(given: argparse.Namespace) -> Measured:
     results = Results(PROMISES)
     with temporary_home() as home:
         (home / "robot.db").unlink()
+        if given.apart:
+            _apart(home / "robot.db")
         began = time.monotonic()
         robot = start(home)
         results.sample("ready", time.monotonic() - began)
@@ -71,6 +76,13 @@ def measure(given: argparse.Namespace) -> Measured:
         Bench.pass_time(1.0)
         bare_mib = [_private_mib(process) for process in bare]
     return Measured(results=results.ordered(), load=f"idle for {given.seconds:g} s", text=_text(costs, bare_mib))
+
+
+def _apart(database: Path) -> None:
+    """Make a database whose capabilities share no process."""
+    store.create(database)
+    with closing(sqlite3.connect(database)) as rows, rows:
+        rows.execute("UPDATE capability SET process = ''")
 
 
 def _costs(robot: Robot, seconds: float) -> dict[str, Cost]:
