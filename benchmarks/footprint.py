@@ -113,7 +113,9 @@ def _woken(pid: int) -> dict[str, int]:
 
 
 def _names(robot: Robot) -> dict[int, str]:
-    units = {unit["pid"]: unit["process"] or unit["name"] for unit in robot.line("/report/health")["data"]["capabilities"]}
+    units = {
+        unit["pid"]: unit["process"] or unit["name"] for unit in robot.line("/report/health")["data"]["capabilities"]
+    }
     names = {robot.popen.pid: "executive (with the router)"} | units
     for process in processes_of(robot.home):
         names.setdefault(process.pid, f"child of {names.get(process.ppid(), process.ppid())}")
