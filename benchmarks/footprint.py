@@ -1,6 +1,6 @@
 """What a whole simulated robot costs: time to ready, CPU and wake-ups while idle, private memory, process by process.
 
-`python -m benchmarks footprint --seconds 20`. Private memory (USS) stands beside as many processes that have a zenoh
+`python -m benchmarks footprint --seconds 20 --profile bioloid-sim`. Private memory (USS) stands beside as many processes that have a zenoh
 session and nothing else. The world and what draws its pictures are listed and left out of the sum: a real robot has
 none. The cameras are switched off first, unless `--cameras`. Wake-ups are how often a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
 """
@@ -52,6 +52,7 @@ def _sum(costs: Sequence[Cost]) -> Cost:
 def options(parser: argparse.ArgumentParser) -> None:
     """Add how long, and of what."""
     parser.add_argument("--seconds", type=float, default=20.0, help="how long it is idle (default %(default)s)")
+    parser.add_argument("--profile", default="lbr-sim", help="which robot (default %(default)s)")
     parser.add_argument("--apart", action="store_true", help="give each capability a process of its own")
     parser.add_argument("--cameras", action="store_true", help="leave the cameras as they come")
 
@@ -64,7 +65,7 @@ def measure(given: argparse.Namespace) -> Measured:
         if given.apart:
             _apart(home / "robot.db")
         began = time.monotonic()
-        robot = start(home)
+        robot = start(home, profile=given.profile)
         results.sample("ready", time.monotonic() - began)
         try:
             if not given.cameras:

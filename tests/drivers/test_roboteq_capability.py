@@ -6,6 +6,7 @@ import pytest
 from lbr.bus.stamp import boot_id
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
+from lbr.drivers.roboteq.controller import Controller
 from lbr.drivers.wheels import EnableCommand, capability
 from lbr.drivers.wheels.arming import Setpoint, receive
 from lbr.errors import DeviceError
@@ -257,6 +258,22 @@ def test_disabling_execution_stops_and_enabling_waits_for_a_zero(drive, motors, 
     drive(0.5, 0.5, "L3")
     assert peer.motor == (-500, 500)
     assert [call.answer.accepted for call in (off, on)] == [True, True]
+
+
+def test_what_a_ramp_came_to_while_the_controller_took_nothing_is_not_sent_at_once(
+    drive, motors, ctx, peer, monkeypatch
+):
+    drive(0.01, 0.01)
+    with monkeypatch.context() as late:  # as when answers come too late for three commands, and no more
+        late.setattr(Controller, "fed_s_ago", 0.12)
+        ctx.give(setpoint(0.4, 0.4))
+        motors.step()
+    assert ctx.state.reason == "the controller has taken no command for 0.12 s"
+    ctx.give(setpoint(0.4, 0.4))
+    motors.step()
+    assert peer.motor == (0, 0)
+    drive(0.4, 0.4, "L2")
+    assert peer.motor == (-400, 400)
 
 
 def test_a_pause_as_long_as_the_watchdog_needs_a_new_zero(drive, motors, ctx, peer):

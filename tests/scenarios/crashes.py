@@ -82,7 +82,8 @@ def _fails(under_test: Bench, name: str, how: str, figure: str) -> None:
 def _told_differently(under_test: Bench, name: str) -> list[str]:
     """Compare what the status and the events say of the last end; the console shows the events."""
     status = under_test.unit(name)["last_end"]
-    ends = [e for e in under_test.robot.events() if e["subject"] == name and e["kind"] in {"crashed", "hung"}]
+    kinds = {"crashed", "hung", "taken_along"}
+    ends = [e for e in under_test.robot.events() if e["subject"] == name and e["kind"] in kinds]
     event = ends[-1]["text"] if ends else ""
     return [] if status and event.startswith(status) else [f"status says {status!r}, the event {event!r}"]
 

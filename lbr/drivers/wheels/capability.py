@@ -189,7 +189,7 @@ class Wheels(Capability[S], ABC):
             return Inhibit("execution is disabled", fault=False)
         if self._guard is not None and not self._guard.listens:
             return Inhibit("its guard process is starting", fault=False)
-        return self._without_source() or self._with_fault(controller) or self._held_up(now)
+        return self._without_source() or self._with_fault(controller) or self._held_up(controller, now)
 
     def _without_source(self) -> Inhibit | None:
         sources = self.ctx.sources("setpoint")
@@ -207,11 +207,15 @@ class Wheels(Capability[S], ABC):
         grave = controller.grave
         return Inhibit(f"the controller reports {', '.join(grave)}", fault=True) if grave else None
 
-    def _held_up(self, now: float) -> Inhibit | None:
-        """After a pause longer than a setpoint lives, the next one begins with zero: it may be far up its ramp."""
-        if self._stepped is None or now - self._stepped < self.ctx.settings.setpoint_valid_s:
-            return None
-        return Inhibit(f"the driver was held up for {now - self._stepped:.2f} s", fault=True)
+    def _held_up(self, controller: WheelController, now: float) -> Inhibit | None:
+        """After a pause longer than a setpoint lives, of its own or of the controller's, the next one begins with zero: it
+        may be far up its ramp."""
+        valid_s = self.ctx.settings.setpoint_valid_s
+        if self._stepped is not None and not now - self._stepped < valid_s:
+            return Inhibit(f"the driver was held up for {now - self._stepped:.2f} s", fault=True)
+        if self._arming.moving and not controller.fed_s_ago < valid_s:
+            return Inhibit(f"the controller has taken no command for {controller.fed_s_ago:.2f} s", fault=True)
+        return None
 
     def _act(self, controller: WheelController) -> None:
         state, held = self._arming, self._held_since is not None

@@ -196,7 +196,7 @@ class Member(Here):
         self._shared = shared
         self._heard: deque[Report] = deque()
         self._thread = 0
-        self._settled = self._ended = self._failed = self._told = False
+        self._settled = self._ended = self._failed = self._said_why = self._told = False
         self.asked = False
         """Whether it was asked to end; one that ends unasked leaves with all the others."""
 
@@ -226,6 +226,7 @@ class Member(Here):
         self._thread = report.thread or self._thread
         self._ended = self._ended or report.phase in {"ended", "left"}
         self._failed = self._failed or report.phase == "left"
+        self._said_why = self._said_why or report.phase in LAST_REPORTS
         self._heard.append(replace(report, phase="failed") if report.phase == "left" else report)
 
     def settle(self) -> None:
@@ -242,7 +243,7 @@ class Member(Here):
         if ended and not self._told:
             self._told = True
             because = self._shared.because
-            if because not in {"", self.unit.name} and not any(one.phase in LAST_REPORTS for one in found):
+            if because not in {"", self.unit.name} and not self._said_why:
                 why = f"its process '{self._shared.name}' ended with '{because}', which shares it"
                 found.append(Report(phase="taken_along", reason=why, code="failed"))
         return found
