@@ -54,6 +54,7 @@ PAGES = {
         "docs/containers",
         "docs/lab",
         "docs/two_machines",
+        "docs/what_it_costs",
         "docs/power",
         "docs/safety",
         "docs/security",
