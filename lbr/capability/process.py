@@ -11,7 +11,6 @@ import signal
 import threading
 from collections.abc import Iterator
 from types import FrameType
-from typing import Protocol
 
 import msgspec
 
@@ -22,13 +21,6 @@ from lbr.capability.confine import confine
 from lbr.capability.loop import Loop
 from lbr.capability.reporter import HEARTBEAT_VARIABLE, Reporter
 from lbr.capability.shared_process import SharedProcess
-
-
-class Ends(Protocol):
-    """What can be asked to end; from any thread or a signal handler."""
-
-    def stop(self) -> None:
-        """Ask it to end."""
 
 
 def _lines() -> Iterator[bytes]:
@@ -65,7 +57,7 @@ def _crash(loop: Loop | None, reporter: Reporter, err: BaseException) -> None:
         os._exit(leaving.CRASHED)
 
 
-def _heed(ends: Ends) -> None:
+def _heed(ends: SharedProcess | Loop) -> None:
     """End when asked by a signal."""
 
     def stop(_signal: int, _frame: FrameType | None) -> None:

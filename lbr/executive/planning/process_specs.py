@@ -88,9 +88,7 @@ def unit(
         settings=_compact(row.settings),
         simulated=profile.simulate,
         endpoints=() if host else site.endpoints,
-        credentials=_guest(host, row.name, rows, site)
-        if host
-        else site.credentials(sharing.user(process) if process else row.name),
+        credentials=_guest(host, row.name, rows, site) if host else site.credentials(sharing.user(row.name, process)),
         home="" if host else site.home,
         host=host,
         process=process,

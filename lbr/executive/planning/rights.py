@@ -13,8 +13,7 @@ from lbr.messages.system import Role
 
 def of_unit(plan: Plan, unit: ProcessSpec) -> dict[str, Rights]:
     """Return the users that a process needs on the bus, and what each may do: what its rows wire, and no more."""
-    process = unit.config.process
-    users = {sharing.user(process) if process else unit.name: _of_process(plan, unit)}
+    users = {sharing.user(unit.name, unit.config.process): _of_process(plan, unit)}
     if unit.lan is not None:
         users[unit.lan.link.user] = _of_lan(plan, unit)
     return users

@@ -20,9 +20,9 @@ LAN = "lan"
 """The kind that is the door to other machines."""
 
 
-def user(process: str) -> str:
-    """Return who a shared process is on the bus; no capability's name has a dot."""
-    return f"process.{process}"
+def user(name: str, process: str) -> str:
+    """Return who a capability is on the bus: itself, or the process that it shares; no capability's name has a dot."""
+    return f"process.{process}" if process else name
 
 
 def problems(

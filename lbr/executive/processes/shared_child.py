@@ -21,7 +21,7 @@ from lbr.capability.config import Order, ProcessConfig, Report
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.child import Here, document_of, launch
-from lbr.executive.processes.fork_server import ForkServer
+from lbr.executive.processes.fork_server import Forked, ForkServer
 from lbr.executive.processes.reaper import Mark
 
 LAST_REPORTS = frozenset({"failed", "hung"})
@@ -172,7 +172,7 @@ class SharedChild:
         with contextlib.suppress(OSError):
             if self._stdin is not None:
                 self._stdin.close()
-        if hasattr(self._process, "close"):
+        if isinstance(self._process, Forked):
             self._process.close()
         self.reports.close()
         self._rank.close()
