@@ -1,5 +1,6 @@
 """The docs as a site: the pages as they stand in the repository, in an order that a reader takes. Read by Sphinx."""
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -8,80 +9,11 @@ from sphinx.application import Sphinx
 
 ROOT = Path(__file__).resolve().parents[2]
 
+_ROW = re.compile(r"^\| \*\*(.+)\*\* \| (.+) \|$", re.MULTILINE)
 PAGES = {
-    "Begin": [
-        "docs/tutorial",
-        "docs/tour",
-        "docs/examples/README",
-        "docs/troubleshooting",
-        "docs/compared",
-        "docs/coming_from",
-    ],
-    "Robots": ["docs/robots/lbr", "docs/robots/bioloid", "docs/robots/uxa90"],
-    "Drive and look": [
-        "docs/web",
-        "docs/gamepad",
-        "docs/telepresence",
-        "docs/cameras",
-        "docs/speech_and_dance",
-        "docs/behaviours",
-        "docs/tracking",
-    ],
-    "A robot of your own": [
-        "docs/robot_packages",
-        "docs/devices",
-        "docs/drivers",
-        "docs/capabilities",
-        "docs/rows",
-        "docs/import",
-        "examples/so101/README",
-        "examples/rover/README",
-        "examples/roboclaw/README",
-    ],
-    "Programs": [
-        "docs/client",
-        "client/README",
-        "docs/bus",
-        "docs/rest_api",
-        "docs/robots/lbr_api",
-        "docs/outside",
-        "docs/registry",
-        "docs/gym",
-    ],
-    "Find out": ["docs/why", "docs/box", "docs/foxglove"],
-    "Run it for good": [
-        "docs/service",
-        "docs/containers",
-        "docs/lab",
-        "docs/two_machines",
-        "docs/what_it_costs",
-        "docs/power",
-        "docs/safety",
-        "docs/security",
-        "SECURITY",
-    ],
-    "Reference": [
-        "docs/reference/cli",
-        "docs/reference/console",
-        "docs/reference/topics",
-        "docs/reference/rows",
-        "docs/reference/settings",
-        "docs/reference/codes",
-    ],
-    "How it is built": [
-        "docs/architecture",
-        "docs/lease_proof",
-        "docs/servo_bus",
-        "docs/uxa90_line",
-        "docs/humanoid_world",
-        "docs/dependencies",
-        "docs/decisions/README",
-        "benchmarks/README",
-        "CONTRIBUTING",
-        "CHANGELOG",
-    ],
+    heading: re.findall(r"\]\((\S+)\.md\)", links) for heading, links in _ROW.findall((ROOT / "README.md").read_text())
 }
-"""What stands beside each page, by heading."""
+"""What stands beside each page, by heading: the table at the end of README.md."""
 
 _project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 project = _project["name"]

@@ -37,6 +37,6 @@ def test_every_page_is_listed_beside_all_others(pages):
         if not path.relative_to(ROOT).parts[-2].startswith((".", "_"))
     }
     unlisted = {page for page in there - set(pages) if not page.startswith("docs/decisions/0")}
-    assert not unlisted, f"add to docs/site/conf.py: {sorted(unlisted)}"
+    assert not unlisted, f"add to the table at the end of README.md: {sorted(unlisted)}"
     assert len(pages) == len(set(pages))
     assert not [page for page in pages if not (ROOT / f"{page}.md").is_file()]
