@@ -178,6 +178,9 @@ def test_a_guard_that_takes_seconds_to_start_is_waited_for_and_nothing_moves_bef
     assert ctx.state.reason == "its guard process is starting"
     os.write(starts, b"1")
     until(lambda: motors._guard.listens)
+    assert ctx.health == ["its guard process is starting"]
+    motors.step()
+    assert ctx.health[-1] == "ready"
 
     def goes():
         power = 0.5 * ctx.state.armed

@@ -14,6 +14,7 @@ from lbr.drivers.wheels.arming import Arming, Inhibit, Setpoint, receive, tick
 from lbr.drivers.wheels.contract import EMERGENCY_STOP, WheelController
 from lbr.drivers.wheels.guard import Guard
 from lbr.errors import DeviceError
+from lbr.messages.codes import Reason
 from lbr.messages.kinematics import TWO, Kinematics, Wheel, base_of
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState, MotorState
@@ -24,6 +25,7 @@ IDLE_QUERY_S = 0.04
 REPORT_PERIOD_S = 5.0
 FEW = 8
 """How many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
+GUARD_STARTS = "its guard process is starting"
 UNASKED = (
     "the controller's emergency stop is engaged, but not by this robot: "
     "release it at the controller, or engage and reset the emergency stop"
@@ -59,6 +61,7 @@ class Wheels(Capability[S], ABC):
         self._published = 0.0
         self._shown: tuple[object, ...] = ()
         self._faults: tuple[str, ...] = ()
+        self._lacks: Reason | None = None
         self._unanswered = 0
         self._reported = 0.0
 
@@ -78,6 +81,7 @@ class Wheels(Capability[S], ABC):
         self._held_since = None
         self._stepped = None
         self._faults = ()
+        self._lacks = None
         self._unanswered = 0
         self._publish()
 
@@ -95,6 +99,7 @@ class Wheels(Capability[S], ABC):
         self._act(controller)
         self._ask(controller)
         self._report(controller)
+        self._tell_what_lacks()
         self._publish_when_due(controller)
 
     def command(self, call: Call) -> None:
@@ -188,7 +193,7 @@ class Wheels(Capability[S], ABC):
         if not self._enabled:
             return Inhibit("execution is disabled", fault=False)
         if self._guard is not None and not self._guard.listens:
-            return Inhibit("its guard process is starting", fault=False)
+            return Inhibit(GUARD_STARTS, fault=False)
         return self._without_source() or self._with_fault(controller) or self._held_up(controller, now)
 
     def _without_source(self) -> Inhibit | None:
@@ -205,7 +210,7 @@ class Wheels(Capability[S], ABC):
         if EMERGENCY_STOP in faults:
             return Inhibit(UNASKED, fault=True)
         grave = controller.grave
-        return Inhibit(f"the controller reports {', '.join(grave)}", fault=True) if grave else None
+        return Inhibit(_said(grave), fault=True) if grave else None
 
     def _held_up(self, controller: WheelController, now: float) -> Inhibit | None:
         """After a pause longer than a setpoint lives, of its own or of the controller's, the next one begins with zero: it
@@ -249,12 +254,23 @@ class Wheels(Capability[S], ABC):
     def _tell_faults(self, faults: tuple[str, ...]) -> None:
         self._faults = faults
         if faults:
-            text = UNASKED if EMERGENCY_STOP in faults else f"the controller reports {', '.join(faults)}"
-            self.ctx.event("fault", text, level="error", data={"faults": list(faults)})
-            self.ctx.warn(text, "latched")
+            self.ctx.event("fault", _said(faults), level="error", data={"faults": list(faults)})
         else:
             self.ctx.event("fault", "the controller reports no fault any more")
-            self.ctx.ready()
+
+    def _tell_what_lacks(self) -> None:
+        """Say whether it is ready: not with a fault, nor before its guard listens, since until then no wheel turns."""
+        lacks = None
+        if self._faults:
+            lacks = Reason("latched", _said(self._faults))
+        elif self._guard is not None and not self._guard.listens:
+            lacks = Reason("not_ready", GUARD_STARTS)
+        if lacks != self._lacks:
+            self._lacks = lacks
+            if lacks:
+                self.ctx.warn(lacks)
+            else:
+                self.ctx.ready()
 
     def _tell_trip(self, before: Arming) -> None:
         if self._arming.trips > before.trips:
@@ -315,6 +331,10 @@ class Wheels(Capability[S], ABC):
             return 0.0, 0.0
         left, right, _ = base.sides([applied[motor] for motor in base.motors])
         return left, right
+
+
+def _said(faults: Sequence[str]) -> str:
+    return UNASKED if EMERGENCY_STOP in faults else f"the controller reports {', '.join(faults)}"
 
 
 def _at_rest(state: Arming, *, estop: bool) -> MotorsState:
