@@ -5,6 +5,7 @@ import threading
 import time
 from itertools import pairwise
 from math import inf, nan, radians
+from types import ModuleType
 
 import pytest
 from hypothesis import given
@@ -185,6 +186,8 @@ def library():
     """Phidgets' own, where this machine can load it."""
     try:
         from Phidget22.Devices.Spatial import Spatial as OnUsb
+
+        OnUsb()
     except (ImportError, OSError) as err:
         if needs.IN_CI:
             raise
@@ -209,6 +212,17 @@ def test_the_stand_in_has_the_calls_of_the_library(library):
 def test_without_the_library_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "Phidget22.Devices.Spatial", None)
     with pytest.raises(DeviceError, match="extra 'phidgets'"):
+        find(Device("imu", "phidget_spatial", "usb:", {}))
+
+
+def test_without_what_is_native_of_it_the_system_s_library_is_named(monkeypatch):
+    def missing():
+        raise OSError("libusb-1.0.so.0: cannot open shared object file")
+
+    devices = ModuleType("Phidget22.Devices.Spatial")
+    devices.Spatial = missing
+    monkeypatch.setitem(sys.modules, "Phidget22.Devices.Spatial", devices)
+    with pytest.raises(DeviceError, match="libusb-1.0"):
         find(Device("imu", "phidget_spatial", "usb:", {}))
 
 

@@ -57,10 +57,11 @@ def find(device: Device) -> Opened:
     try:
         from Phidget22.Devices.Spatial import Spatial as OnUsb  # noqa: PLC0415 - only with the extra
         from Phidget22.PhidgetException import PhidgetException  # noqa: PLC0415
+
+        unit = OnUsb()  # loads what is native
     except (ImportError, OSError) as err:
         said = f"Phidgets' library cannot be used ({err})"
         raise DeviceError(f"{said}; install lbr with its extra 'phidgets', and the system's libusb-1.0") from err
-    unit = OnUsb()
     if found[1]:
         unit.setDeviceSerialNumber(int(found[1]))
     return Opened(unit, (PhidgetException, OSError))
