@@ -21,10 +21,10 @@ from lbr.database.store import create
 from lbr.errors import InputError
 from lbr.executive.planning import credentials
 from lbr.executive.service.latch import UNREADABLE, Latch
-from tests.support import programs
+from tests.support import needs, programs
 
 STRANGER = 4321
-AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root can act as somebody else")
+AS_ROOT = needs.root("can act as somebody else")
 
 
 @pytest.fixture

@@ -5,12 +5,11 @@ import sys
 from pathlib import Path
 
 import psutil
-import pytest
 
 from lbr.capability import confine as confined
 from lbr.capability import fork_server
 from lbr.executive.processes.reaper import PROGRAM
-from tests.support import programs
+from tests.support import needs, programs
 from tests.support.bench import processes_of
 from tests.support.robot import Robot, until
 
@@ -20,7 +19,8 @@ from lbr.capability.confine import confine
 confine(sys.argv[1:])
 print(open('/proc/self/status').read())
 """
-root_only = pytest.mark.skipif(os.geteuid() != 0, reason="only root has something to give up")
+HELD = ("Eff", "Prm", "Inh", "Amb", *(("Bnd",) if os.geteuid() == 0 else ()))
+"""Rights of the kernel that nothing has; an ordinary user cannot bound what he has not."""
 
 
 def field(status: str, name: str) -> str:
@@ -44,7 +44,7 @@ def holders(robot: Robot, *beginnings: str) -> set[int]:
     return {process.pid for process in processes_of(robot.home) if holds(process)}
 
 
-@root_only
+@needs.root("has something to give up")
 def test_root_keeps_nothing_unless_a_place_belongs_to_another(tmp_path):
     foreign = tmp_path / "foreign"
     foreign.touch()
@@ -64,13 +64,14 @@ def test_every_process_but_the_executive_its_reaper_and_its_fork_server_is_confi
     for process in others:
         for task in Path(f"/proc/{process.pid}/task").iterdir():
             status = (task / "status").read_text()
-            assert {field(status, f"Cap{which}") for which in ("Eff", "Prm", "Inh", "Amb", "Bnd")} == {"0" * 16}
+            assert {field(status, f"Cap{which}") for which in HELD} == {"0" * 16}
             assert field(status, "NoNewPrivs") == "1"
         assert field(status, "Umask") == "0077"
         assert process.rlimit(psutil.RLIMIT_CORE) == (0, 0)
     robot.edit("DELETE FROM capability WHERE name = 'sleeper'")
 
 
+@needs.LOOKING_INSIDE
 def test_only_drivers_and_the_emulated_hardware_hold_devices_and_only_the_executive_the_rows(robot: Robot):
     pids = {unit["name"]: unit["pid"] for unit in robot.status()["capabilities"]}
     guards = {child.pid for child in psutil.Process(pids["motors"]).children()}

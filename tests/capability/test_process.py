@@ -22,6 +22,7 @@ from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Reaper
 from lbr.executive.processes.restart import UNSEEN, ended_by
 from lbr.messages.system import EstopState
+from tests.support import needs
 from tests.support.machine import Stopwatch
 from tests.support.robot import until
 
@@ -210,6 +211,7 @@ def test_a_process_starts_in_an_interpreter_of_its_own_where_there_is_no_fork_se
     assert fresh.ended() == 70
 
 
+@needs.LOOKING_INSIDE
 def test_a_forked_process_is_seen_by_its_own_words_and_mark(stage):
     stage.start().ready()
     found = process_of(stage)

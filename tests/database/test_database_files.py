@@ -14,9 +14,10 @@ from lbr.database.restore import restore
 from lbr.database.store import Database, create
 from lbr.errors import InputError, LbrError, RowError
 from lbr.messages.system import Event
+from tests.support import needs
 from tests.support.machine import Stopwatch
 
-AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
+AS_ROOT = needs.root("can give files away")
 
 
 def refusal(path) -> str:

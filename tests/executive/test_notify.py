@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from lbr.executive.notify import Notifier
+from tests.support import needs
 from tests.support.machine import Stopwatch
 from tests.support.robot import start, until
 
@@ -94,7 +95,7 @@ def test_a_robot_says_when_it_is_ready_beats_while_its_main_loop_goes_round_and_
     assert any(one.startswith("STATUS=stopping") for one in manager.said)
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root sees what a capability was started with")
+@needs.LOOKING_INSIDE
 def test_no_capability_is_told_where_the_service_manager_listens(home, manager, monkeypatch):
     monkeypatch.setenv("NOTIFY_SOCKET", str(manager.path))
     robot = start(home)

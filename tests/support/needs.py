@@ -16,6 +16,15 @@ def program(name: str, package: str) -> pytest.MarkDecorator:
     return pytest.mark.skipif(not there, reason=f"{name} is not installed here: sudo apt install {package}")
 
 
+def root(what: str) -> pytest.MarkDecorator:
+    """Skip a test where an ordinary user runs it: only root can do `what`."""
+    return pytest.mark.skipif(os.geteuid() != 0, reason=f"only root {what}")
+
+
+LOOKING_INSIDE = root("looks into a process that has given up being looked at")
+"""For what a capability was started with, and what it has open."""
+
+
 def modules(*names: str) -> None:
     """Skip a module of tests where a package of the extras is not installed."""
     absent = [name for name in names if importlib.util.find_spec(name) is None]
