@@ -4,6 +4,7 @@ import pytest
 
 from tests.intrusion import credentials, kinds, processes, programs, python_lines
 from tests.intrusion.promises import PROMISES
+from tests.support import needs
 from tests.support.figures import Results
 
 pytestmark = pytest.mark.timeout(60)
@@ -33,5 +34,6 @@ def test_shell_signs_are_words_like_any_other(results):
     programs.programs(results, programs.WORDS[::3])
 
 
+@needs.LOOKING_INSIDE
 def test_processes_hold_no_privilege_and_nothing_that_is_anothers(results):
     processes.processes(results)

@@ -18,6 +18,7 @@ from lbr import cli
 from lbr.bus import tokens
 from lbr.commands import token as token_command
 from lbr.errors import InputError
+from tests.support import needs
 from tests.support.door import Door, add_token, answer
 from tests.support.robot import lbr, until
 
@@ -160,6 +161,7 @@ def test_comings_and_goings_are_told_and_go_into_the_trail(door: Door):
     assert (door.robot.home / "credentials" / "bus.key").stat().st_mode & 0o077 == 0
 
 
+@needs.LOOKING_INSIDE
 def test_a_secret_is_in_no_file_and_no_process_of_the_robot(own_door: Door):
     secret = own_door.tokens["phone"].secret.encode()
     assert own_door.by("phone", "send", "/r/0.1/90", "--hold", "0.2").returncode == 0
