@@ -10,25 +10,27 @@ from contextlib import closing
 from pathlib import Path
 
 from tests.lab import __doc__ as about
-from tests.lab import image, network, service, stage, table
+from tests.lab import first_start, image, network, service, stage, table
 from tests.lab.machine import SNAPSHOT, Machine
+from tests.lab.processor import HERE, PROCESSORS
 from tests.lab.stage import Scene
 from tests.support import programs
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "lab"
 SENT = (
-    "tests/__init__.py",
-    "tests/conftest.py",
-    "tests/support",
-    "tests/kernel",
-    "tests/lab",
-    "examples/roboclaw",
-    "examples/so101",
+    "benchmarks",
+    "client",
+    "docs",
+    "examples",
+    "launch_profiles",
     "pyproject.toml",
+    "README.md",
     "robot.db.sql",
+    "tests",
 )
 """What of the source is wanted beside the wheel that is in it."""
+KEPT = {"the service": service.KEPT, "the first start": first_start.KEPT, "two machines": network.KEPT}
 BATTERY_S = 7200.0
 PYTEST = "/opt/lbr/bin/python -m pytest -p no:cacheprovider -o faulthandler_timeout=3000 -o junit_family=xunit1 -o junit_duration_report=call --junitxml=/tmp/battery.xml"
 
@@ -37,34 +39,33 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         prog="python -m tests.lab", description=about, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("what", choices=("build", "run", "service", "network", "table", "shell"))
+    parser.add_argument("what", choices=("table", *DONE_BY))
     parser.add_argument(
         "tests",
         nargs="*",
-        help="for run: which of tests/kernel; for service and network: scenes with these words; all if left out",
+        help="for run: which tests, instead of tests/kernel; for service and network: scenes with these words; all if left out",
     )
     parser.add_argument("--cuts", type=int, default=50, help="for service: how often its power is cut (50)")
     parser.add_argument("--suite", choices=image.SUITES, default="bookworm", help="Debian's release (bookworm)")
-    parser.add_argument("--folder", type=Path, help="where the machine's files are (build/lab/SUITE)")
+    parser.add_argument("--arch", choices=PROCESSORS, default=HERE, help=f"Debian's name of its processor ({HERE})")
+    parser.add_argument("--folder", type=Path, help="where the machine's files are (build/lab/SUITE-ARCH)")
     wanted = parser.parse_args()
-    wanted.folder = (wanted.folder or FOLDER / wanted.suite).resolve()
+    wanted.folder = (wanted.folder or FOLDER / f"{wanted.suite}-{wanted.arch}").resolve()
     if wanted.what == "table":
         if (battery := wanted.folder / "battery.xml").exists():
             print(table.of(battery.read_text()))
-        for name, kept in (("the service", service.KEPT), ("two machines", network.KEPT)):
+        for name, kept in KEPT.items():
             print(table.of_scenes(name, stage.kept(wanted.folder / kept)))
         return 0
-    if why := image.why_not():
+    if why := image.why_not(wanted.arch):
         print(f"no machine here: {why}", file=sys.stderr)
         return 2
-    return {"build": _build, "run": _run, "service": _service, "network": _network, "shell": _shell}[wanted.what](
-        wanted
-    )
+    return DONE_BY[wanted.what](wanted)
 
 
 def _build(wanted: argparse.Namespace) -> int:
     began = time.monotonic()
-    image.build(wanted.folder, wanted.suite)
+    image.build(wanted.folder, wanted.suite, wanted.arch)
     built = time.monotonic()
     machine = Machine(wanted.folder)
     try:
@@ -101,6 +102,15 @@ def _service(wanted: argparse.Namespace) -> int:
         path = wanted.folder / service.KEPT
         scenes = service.play(machine, _send, wanted.cuts, wanted.tests)
         return _told("the service", scenes, path, stage.kept(path) if wanted.tests else ())
+    finally:
+        machine.cut()
+
+
+def _first(wanted: argparse.Namespace) -> int:
+    machine = Machine(wanted.folder)
+    try:
+        machine.start(snapshot=True)
+        return _told("the first start", first_start.play(machine), wanted.folder / first_start.KEPT)
     finally:
         machine.cut()
 
@@ -144,6 +154,15 @@ def _packed() -> bytes:
             tar.add(ROOT / name, name, filter=lambda one: None if "__pycache__" in one.name else one)
     return found.getvalue()
 
+
+DONE_BY = {
+    "build": _build,
+    "run": _run,
+    "service": _service,
+    "first": _first,
+    "network": _network,
+    "shell": _shell,
+}
 
 if __name__ == "__main__":
     raise SystemExit(main())

@@ -3,20 +3,25 @@
 import os
 import shutil
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
+from tests.lab import processor
+from tests.lab.processor import PROCESSORS
 from tests.support import programs
 
 ROOT = Path(__file__).resolve().parents[2]
 SUITES = {"bookworm": "3.11", "trixie": "3.13"}
 """Debian's releases, and the Python that each has."""
-WHEELS_FOR = ("manylinux2014_x86_64", "manylinux_2_28_x86_64")
-PROGRAMS = ("mmdebstrap", "qemu-system-x86_64", "qemu-img", "mke2fs", "ssh", "ssh-keygen")
+PROGRAMS = ("mmdebstrap", "qemu-img", "mke2fs", "ssh", "ssh-keygen")
 PACKAGES = (
     "systemd-sysv", "dbus", "polkitd", "udev", "kmod", "iproute2", "openssh-server", "procps", "psmisc", "python3-venv",
-    "ca-certificates", "alsa-utils", "espeak-ng", "ir-keytable", "i2c-tools", "initramfs-tools", "zstd", "linux-image-amd64",
+    "ca-certificates", "cloud-init", "git", "sqlite3", "sudo", "alsa-utils", "espeak-ng", "ir-keytable", "i2c-tools", "initramfs-tools", "zstd",
 )  # fmt: skip
 FOR_TESTS = ("linuxpy", "pytest", "pytest-timeout", "hypothesis")
+FOR_SOURCE = ("hatchling",)
+"""What builds the project from its source there."""
+WHEELS = "/opt/wheels"
 LEFT_OUT = ("man", "doc", "locale", "info")
 DISK = "3G"
 MASKED = (
@@ -26,6 +31,8 @@ MASKED = (
 FILES = {
     "etc/initramfs-tools/conf.d/lab": "MODULES=list\nRESUME=none\n",
     "etc/initramfs-tools/modules": "virtio_pci\nvirtio_blk\next4\ncrc32c_generic\n",
+    "etc/cloud/cloud-init.disabled": "",
+    "etc/cloud/cloud.cfg.d/lab.cfg": "datasource_list: [NoCloud]\ndisable_root: false\nnetwork: {config: disabled}\n",
     "etc/hostname": "lab\n",
     "etc/hosts": "127.0.0.1 localhost lab\n",
     "etc/fstab": "/dev/vda / ext4 errors=remount-ro 0 1\n",
@@ -46,34 +53,35 @@ WantedBy=multi-user.target
 """An address that is known from the start: nothing waits for a network to be configured."""
 
 
-def why_not() -> str:
-    """Return why no machine can be built here; nothing if one can."""
+def why_not(arch: str) -> str:
+    """Return why no machine of that processor can be built here; nothing if one can."""
     if os.geteuid() != 0:
         return "only root may build a root file system"
-    missing = [name for name in PROGRAMS if shutil.which(name) is None]
+    missing = [name for name in (*PROGRAMS, *PROCESSORS[arch].programs) if shutil.which(name) is None]
     return f"missing here: {', '.join(missing)}; docs/lab.md names their packages" if missing else ""
 
 
-def build(folder: Path, suite: str) -> None:
+def build(folder: Path, suite: str, arch: str) -> None:
     """Make `disk.qcow2`, `vmlinuz`, `initrd.img` and `key` in a folder."""
+    kind = PROCESSORS[arch]
     root, wheels = folder / "root", folder / "wheels"
     for place in (root, wheels):
         shutil.rmtree(place, ignore_errors=True)
     folder.mkdir(parents=True, exist_ok=True)
     wheels.mkdir()
-    _collect(wheels, SUITES[suite])
+    processor.keep(folder, arch)
+    _collect(wheels, SUITES[suite], kind.platforms)
     if not (folder / "key").exists():
         _do("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(folder / "key"))
     _do(
         "mmdebstrap", "--mode=root", "--variant=minbase", "--quiet", "--format=directory",
-        f"--include={','.join(PACKAGES)}",
+        f"--architectures={arch}", f"--include={','.join((*PACKAGES, kind.kernel))}",
         *(f"--dpkgopt=path-exclude=/usr/share/{name}/*" for name in LEFT_OUT),
         f"--essential-hook=cp -r {_laid_out(folder)}/. $1/",
-        f"--customize-hook=mkdir -p $1/opt/wheels && cp {wheels}/* $1/opt/wheels/",
+        f"--customize-hook=mkdir -p $1{WHEELS} && cp {wheels}/* $1{WHEELS}/",
         "--customize-hook=chroot $1 python3 -m venv /opt/lbr",
         "--customize-hook=chroot $1 env -u PIP_FIND_LINKS -u PIP_INDEX_URL /opt/lbr/bin/pip install -q --no-index "
-        f"--find-links /opt/wheels 'lbr[sim]' {' '.join(FOR_TESTS)}",
-        "--customize-hook=rm -r $1/opt/wheels",
+        f"--find-links {WHEELS} 'lbr[sim]' {' '.join(FOR_TESTS)}",
         "--customize-hook=chroot $1 systemctl -q enable lab-network ssh",
         f"--customize-hook=chroot $1 systemctl -q mask {' '.join(MASKED)}",
         suite, str(root),
@@ -89,16 +97,16 @@ def build(folder: Path, suite: str) -> None:
     shutil.rmtree(wheels)
 
 
-def _collect(wheels: Path, python: str) -> None:
+def _collect(wheels: Path, python: str, tags: Sequence[str]) -> None:
     """Gather the project's wheel, what it depends on as the lock has it, and what the tests need besides."""
     pip = (sys.executable, "-m", "pip")
     _do(*pip, "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(wheels), str(ROOT))
     lock = ROOT / "requirements" / "lock.txt"
-    platforms = (word for name in WHEELS_FOR for word in ("--platform", name))
+    platforms = (word for name in tags for word in ("--platform", name))
     meant_for = ("--implementation", "cp", "--python-version", python, *platforms)
     download = (*pip, "download", "-q", "--only-binary", ":all:", *meant_for, "-d", str(wheels))
     _do(*download, "--require-hashes", "-r", str(lock))
-    _do(*download, *FOR_TESTS)
+    _do(*download, *FOR_TESTS, *FOR_SOURCE)
 
 
 def _laid_out(folder: Path) -> Path:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from tests.lab import processor
 from tests.support import programs
 from tests.support.robot import free_port
 
@@ -17,8 +18,8 @@ START_S = 1800.0
 """On a machine that has much else to do; alone it takes half a minute."""
 ANSWER_S = 900.0
 INSTRUCTIONS = "shift=0"
-"""One instruction a nanosecond of its own clock: a processor of 1 GIPS, which waits for nothing of the host's, so that
-deadlines mean the same however busy the host is."""
+"""One instruction a nanosecond of QEMU's clock, which waits for nothing of the host's, so that deadlines mean the same
+however busy the host is."""
 
 
 CABLE = "cable"
@@ -29,7 +30,8 @@ what the host withholds from it is time that it loses: half a second of that is 
 
 
 class Machine:
-    """A machine whose files are in a folder: `disk.qcow2`, `vmlinuz`, `initrd.img` and the key for its root.
+    """A machine whose files are in a folder: `disk.qcow2`, `vmlinuz`, `initrd.img`, the key for its root, and what
+    processor it has.
 
     `cable` is where a second network card leads, in QEMU's words for a socket. One with a cable tells its time, and can be made to
     wait, by the two sockets of `clock`.
@@ -103,15 +105,15 @@ class Machine:
         self.monitor(f"set_link {CABLE} {'on' if there else 'off'}")
 
     def _command(self, snapshot: str) -> Sequence[str]:
-        f = self.folder
+        f, kind = self.folder, processor.of(self.folder)
         told, control = self.clock
         slower = f"env LD_PRELOAD={_slower_clock()} FAKETIME='+0 x{PACE:g}'" if self._cable else ""
-        words = f"""nice -n 19 {slower} qemu-system-x86_64 -accel tcg,tb-size=512 -icount {INSTRUCTIONS} -rtc clock=vm -cpu max
-            -smp 1 -m 2048 -display none -no-reboot -kernel {f}/vmlinuz -initrd {f}/initrd.img
+        words = f"""nice -n 19 {slower} {kind.command(f)} -accel tcg,tb-size=512 -icount {INSTRUCTIONS} -rtc clock=vm
+            -display none -no-reboot -kernel {f}/vmlinuz -initrd {f}/initrd.img
             -drive file={f}/disk.qcow2,if=virtio,cache=writeback -device virtio-rng-pci
             -nic user,model=virtio-net-pci,restrict=on,hostfwd=tcp:127.0.0.1:{self._port}-:22
             -serial file:{f}/serial.log -monitor unix:{self._monitor},server=on,wait=off"""
-        kernel = "root=/dev/vda rw console=ttyS0 net.ifnames=0 mitigations=off quiet fsck.mode=auto"
+        kernel = f"root=/dev/vda rw console={kind.console} net.ifnames=0 mitigations=off quiet fsck.mode=auto"
         with_cable = (
             f"""-netdev socket,id={CABLE},{self._cable} -device virtio-net-pci,netdev={CABLE},mac={_mac(f)}
             -serial unix:{told},server=on,wait=off -qmp unix:{control},server=on,wait=off"""

@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from tests.lab import abreast, stage
+from tests.lab import abreast, processor, stage
 from tests.lab.abreast import Abreast
 from tests.lab.machine import Machine
 from tests.lab.stage import AS_SERVICE, PLAYED, WAIT_S, Scene, SceneError, Stage, until, within
@@ -482,9 +482,10 @@ def _is_made(folder: Path, own: Path) -> bool:
 def _make(folder: Path, own: Path, send: Send) -> None:
     """Make a machine of its own from the one that was built: it starts by itself, and is kept as it is then."""
     own.mkdir(exist_ok=True)
-    for name in ("vmlinuz", "initrd.img", "key"):
+    for name in ("vmlinuz", "initrd.img", "key", processor.KEPT, processor.TREE):
         (own / name).unlink(missing_ok=True)
-        (own / name).symlink_to(folder / name)
+        if (folder / name).exists():
+            (own / name).symlink_to(folder / name)
     shutil.copy(folder / "disk.qcow2", own / "disk.qcow2")
     made = Stage(Machine(own), send, UNIT)
     try:

@@ -22,7 +22,7 @@ from tests.support.usb import robots as usb_robots
 from tests.support.usb.rig import ARDUINO, ROBOTEQ, USB2AX, CdcAcm, adaptor, given_to, on_line
 
 HOME = Path("/var/lib/lbr")
-CONSOLE = Path("/dev/ttyS0")
+CONSOLE = Path("/dev/console")
 LOW = Path("/run/lab-low")
 """While it is there, the supply's battery is empty."""
 FULL_V, EMPTY_V = 12.6, 9.5
