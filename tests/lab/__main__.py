@@ -10,7 +10,7 @@ from contextlib import closing
 from pathlib import Path
 
 from tests.lab import __doc__ as about
-from tests.lab import first_start, image, network, service, stage, table
+from tests.lab import first_start, image, network, robots, service, stage, table
 from tests.lab.machine import SNAPSHOT, Machine
 from tests.lab.processor import HERE, PROCESSORS
 from tests.lab.stage import Scene
@@ -30,7 +30,12 @@ SENT = (
     "tests",
 )
 """What of the source is wanted beside the wheel that is in it."""
-KEPT = {"the service": service.KEPT, "the first start": first_start.KEPT, "two machines": network.KEPT}
+KEPT = {
+    "the simulated robots": robots.KEPT,
+    "the service": service.KEPT,
+    "the first start": first_start.KEPT,
+    "two machines": network.KEPT,
+}
 BATTERY_S = 7200.0
 PYTEST = "/opt/lbr/bin/python -m pytest -p no:cacheprovider -o faulthandler_timeout=3000 -o junit_family=xunit1 -o junit_duration_report=call --junitxml=/tmp/battery.xml"
 
@@ -43,7 +48,7 @@ def main() -> int:
     parser.add_argument(
         "tests",
         nargs="*",
-        help="for run: which tests, instead of tests/kernel; for service and network: scenes with these words; all if left out",
+        help="for run: which tests, instead of tests/kernel; for robots, service and network: scenes with these words; all if left out",
     )
     parser.add_argument("--cuts", type=int, default=50, help="for service: how often its power is cut (50)")
     parser.add_argument("--suite", choices=image.SUITES, default="bookworm", help="Debian's release (bookworm)")
@@ -93,6 +98,17 @@ def _run(wanted: argparse.Namespace) -> int:
     print(table.of(xml.decode()))
     print(f"from the snapshot in {back_s:.0f} s, battery in {time.monotonic() - began:.0f} s of this machine's time")
     return done.returncode
+
+
+def _robots(wanted: argparse.Namespace) -> int:
+    machine = Machine(wanted.folder)
+    try:
+        machine.start(snapshot=True)
+        path = wanted.folder / robots.KEPT
+        scenes = robots.play(machine, _send, wanted.tests)
+        return _told("the simulated robots", scenes, path, stage.kept(path) if wanted.tests else ())
+    finally:
+        machine.cut()
 
 
 def _service(wanted: argparse.Namespace) -> int:
@@ -158,6 +174,7 @@ def _packed() -> bytes:
 DONE_BY = {
     "build": _build,
     "run": _run,
+    "robots": _robots,
     "service": _service,
     "first": _first,
     "network": _network,
