@@ -2,6 +2,7 @@
 
 import argparse
 import io
+import shlex
 import sys
 import tarfile
 import time
@@ -36,6 +37,10 @@ KEPT = {
     "the first start": first_start.KEPT,
     "two machines": network.KEPT,
 }
+KERNEL = "tests/kernel"
+BATTERY, OTHERS = "battery.xml", "tests.xml"
+REPORTS = {BATTERY: table.of, OTHERS: table.of_parts}
+"""Of tests/kernel test by test, of all others part by part."""
 BATTERY_S = 7200.0
 PYTEST = "/opt/lbr/bin/python -m pytest -p no:cacheprovider -o faulthandler_timeout=3000 -o junit_family=xunit1 -o junit_duration_report=call --junitxml=/tmp/battery.xml"
 
@@ -48,7 +53,7 @@ def main() -> int:
     parser.add_argument(
         "tests",
         nargs="*",
-        help="for run: which tests, instead of tests/kernel; for robots, service and network: scenes with these words; all if left out",
+        help="for run: which tests, instead of tests/kernel, in pytest's words; for robots, service and network: scenes with these words; all if left out",
     )
     parser.add_argument("--cuts", type=int, default=50, help="for service: how often its power is cut (50)")
     parser.add_argument("--suite", choices=image.SUITES, default="bookworm", help="Debian's release (bookworm)")
@@ -57,8 +62,9 @@ def main() -> int:
     wanted = parser.parse_args()
     wanted.folder = (wanted.folder or FOLDER / f"{wanted.suite}-{wanted.arch}").resolve()
     if wanted.what == "table":
-        if (battery := wanted.folder / "battery.xml").exists():
-            print(table.of(battery.read_text()))
+        for name, shown in REPORTS.items():
+            if (report := wanted.folder / name).exists():
+                print(shown(report.read_text()))
         for name, kept in KEPT.items():
             print(table.of_scenes(name, stage.kept(wanted.folder / kept)))
         return 0
@@ -84,18 +90,20 @@ def _build(wanted: argparse.Namespace) -> int:
 
 
 def _run(wanted: argparse.Namespace) -> int:
+    asked = wanted.tests or [KERNEL]
+    name = BATTERY if all(one.startswith((KERNEL, "-")) for one in asked) else OTHERS
     machine = Machine(wanted.folder)
     try:
         back_s = machine.start(snapshot=True)
         _send(machine)
         began = time.monotonic()
-        words = f"cd /opt/lab && {PYTEST} {' '.join(wanted.tests) or 'tests/kernel'}"
+        words = f"cd /opt/lab && {PYTEST} {shlex.join(asked)}"
         done = machine.run(words, check=False, limit_s=BATTERY_S, show=True)
         xml = machine.run("cat /tmp/battery.xml").stdout
     finally:
         machine.cut()
-    (wanted.folder / "battery.xml").write_bytes(xml)
-    print(table.of(xml.decode()))
+    (wanted.folder / name).write_bytes(xml)
+    print(REPORTS[name](xml.decode()))
     print(f"from the snapshot in {back_s:.0f} s, battery in {time.monotonic() - began:.0f} s of this machine's time")
     return done.returncode
 
