@@ -11,7 +11,7 @@ from contextlib import closing
 from pathlib import Path
 
 from tests.lab import __doc__ as about
-from tests.lab import first_start, image, network, robots, service, stage, table
+from tests.lab import image, network, robots, service, stage, table
 from tests.lab.machine import SNAPSHOT, Machine
 from tests.lab.processor import HERE, PROCESSORS
 from tests.lab.stage import Scene
@@ -34,7 +34,6 @@ SENT = (
 KEPT = {
     "the simulated robots": robots.KEPT,
     "the service": service.KEPT,
-    "the first start": first_start.KEPT,
     "two machines": network.KEPT,
 }
 KERNEL = "tests/kernel"
@@ -70,6 +69,9 @@ def main() -> int:
         return 0
     if why := image.why_not(wanted.arch):
         print(f"no machine here: {why}", file=sys.stderr)
+        return 2
+    if wanted.what == "network" and not PROCESSORS[wanted.arch].two_lines:
+        print(f"no two machines of {wanted.arch}: each would need a second serial line", file=sys.stderr)
         return 2
     return DONE_BY[wanted.what](wanted)
 
@@ -130,15 +132,6 @@ def _service(wanted: argparse.Namespace) -> int:
         machine.cut()
 
 
-def _first(wanted: argparse.Namespace) -> int:
-    machine = Machine(wanted.folder)
-    try:
-        machine.start(snapshot=True)
-        return _told("the first start", first_start.play(machine), wanted.folder / first_start.KEPT)
-    finally:
-        machine.cut()
-
-
 def _network(wanted: argparse.Namespace) -> int:
     path = wanted.folder / network.KEPT
     with closing(network.play(wanted.folder, _send, wanted.tests)) as scenes:
@@ -184,7 +177,6 @@ DONE_BY = {
     "run": _run,
     "robots": _robots,
     "service": _service,
-    "first": _first,
     "network": _network,
     "shell": _shell,
 }

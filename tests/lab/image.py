@@ -16,12 +16,9 @@ SUITES = {"bookworm": "3.11", "trixie": "3.13"}
 PROGRAMS = ("mmdebstrap", "qemu-img", "mke2fs", "ssh", "ssh-keygen")
 PACKAGES = (
     "systemd-sysv", "dbus", "polkitd", "udev", "kmod", "iproute2", "openssh-server", "procps", "psmisc", "python3-venv",
-    "ca-certificates", "cloud-init", "git", "sqlite3", "sudo", "alsa-utils", "espeak-ng", "ir-keytable", "i2c-tools", "initramfs-tools", "zstd",
+    "ca-certificates", "alsa-utils", "espeak-ng", "ir-keytable", "i2c-tools", "initramfs-tools", "zstd",
 )  # fmt: skip
 FOR_TESTS = ("linuxpy", "pytest", "pytest-timeout", "hypothesis")
-FOR_SOURCE = ("hatchling",)
-"""What builds the project from its source there."""
-WHEELS = "/opt/wheels"
 LEFT_OUT = ("man", "doc", "locale", "info")
 DISK = "3G"
 MASKED = (
@@ -31,8 +28,6 @@ MASKED = (
 FILES = {
     "etc/initramfs-tools/conf.d/lab": "MODULES=list\nRESUME=none\n",
     "etc/initramfs-tools/modules": "virtio_pci\nvirtio_blk\next4\ncrc32c_generic\n",
-    "etc/cloud/cloud-init.disabled": "",
-    "etc/cloud/cloud.cfg.d/lab.cfg": "datasource_list: [NoCloud]\ndisable_root: false\nnetwork: {config: disabled}\n",
     "etc/hostname": "lab\n",
     "etc/hosts": "127.0.0.1 localhost lab\n",
     "etc/fstab": "/dev/vda / ext4 errors=remount-ro 0 1\n",
@@ -78,10 +73,11 @@ def build(folder: Path, suite: str, arch: str) -> None:
         f"--architectures={arch}", f"--include={','.join((*PACKAGES, kind.kernel))}",
         *(f"--dpkgopt=path-exclude=/usr/share/{name}/*" for name in LEFT_OUT),
         f"--essential-hook=cp -r {_laid_out(folder)}/. $1/",
-        f"--customize-hook=mkdir -p $1{WHEELS} && cp {wheels}/* $1{WHEELS}/",
+        f"--customize-hook=mkdir -p $1/opt/wheels && cp {wheels}/* $1/opt/wheels/",
         "--customize-hook=chroot $1 python3 -m venv /opt/lbr",
         "--customize-hook=chroot $1 env -u PIP_FIND_LINKS -u PIP_INDEX_URL /opt/lbr/bin/pip install -q --no-index "
-        f"--find-links {WHEELS} 'lbr[sim]' {' '.join(FOR_TESTS)}",
+        f"--find-links /opt/wheels 'lbr[sim]' {' '.join(FOR_TESTS)}",
+        "--customize-hook=rm -r $1/opt/wheels",
         "--customize-hook=chroot $1 systemctl -q enable lab-network ssh",
         f"--customize-hook=chroot $1 systemctl -q mask {' '.join(MASKED)}",
         suite, str(root),
@@ -106,7 +102,7 @@ def _collect(wheels: Path, python: str, tags: Sequence[str]) -> None:
     meant_for = ("--implementation", "cp", "--python-version", python, *platforms)
     download = (*pip, "download", "-q", "--only-binary", ":all:", *meant_for, "-d", str(wheels))
     _do(*download, "--require-hashes", "-r", str(lock))
-    _do(*download, *FOR_TESTS, *FOR_SOURCE)
+    _do(*download, *FOR_TESTS)
 
 
 def _laid_out(folder: Path) -> Path:

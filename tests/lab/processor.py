@@ -27,6 +27,8 @@ class Processor(Struct, frozen=True):
     kernel: str
     console: str
     wheels: str
+    two_lines: bool
+    """It has a second serial line, on which it tells its time."""
     gips: int = 1
 
     @property
@@ -55,9 +57,15 @@ class Processor(Struct, frozen=True):
 
 
 PROCESSORS = {
-    "amd64": Processor("qemu-system-x86_64", "-cpu max", "linux-image-amd64", "ttyS0", "x86_64"),
+    "amd64": Processor("qemu-system-x86_64", "-cpu max", "linux-image-amd64", "ttyS0", "x86_64", two_lines=True),
     "arm64": Processor(
-        "qemu-system-aarch64", "-machine virt -cpu cortex-a76", "linux-image-arm64", "ttyAMA0", "aarch64", gips=4
+        "qemu-system-aarch64",
+        "-machine virt -cpu cortex-a76",
+        "linux-image-arm64",
+        "ttyAMA0",
+        "aarch64",
+        two_lines=False,
+        gips=4,
     ),
 }
 """The second has a core as a Raspberry Pi 5 has four of."""
