@@ -58,7 +58,7 @@ def main() -> int:
     parser.add_argument("--suite", choices=image.SUITES, default="bookworm", help="Debian's release (bookworm)")
     parser.add_argument("--arch", choices=PROCESSORS, default=HERE, help=f"Debian's name of its processor ({HERE})")
     parser.add_argument("--folder", type=Path, help="where the machine's files are (build/lab/SUITE-ARCH)")
-    wanted = parser.parse_args()
+    wanted = parser.parse_intermixed_args()
     wanted.folder = (wanted.folder or FOLDER / f"{wanted.suite}-{wanted.arch}").resolve()
     if wanted.what == "table":
         for name, shown in REPORTS.items():

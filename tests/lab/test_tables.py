@@ -40,7 +40,7 @@ def test_what_came_of_the_last_runs_is_shown_for_the_processor_that_is_asked_for
     stage.keep(place / robots.KEPT, [Scene("waves", True, "played to its end")])
     (place / lab.OTHERS).write_text(REPORT)
     for arch, seen in (("arm64", True), ("amd64", False)):
-        monkeypatch.setattr("sys.argv", ["lab", "table", "--suite", "trixie", "--arch", arch])
+        monkeypatch.setattr("sys.argv", ["lab", "table", "--suite", "trixie", "--arch", arch, "words"])
         assert lab.main() == 0
         said = capsys.readouterr().out
         assert ("| waves | passed | played to its end |" in said) is seen
