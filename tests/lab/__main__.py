@@ -20,17 +20,22 @@ from tests.support import programs
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "lab"
 SENT = (
-    "benchmarks",
-    "client",
-    "docs",
-    "examples",
-    "launch_profiles",
+    "tests/__init__.py",
+    "tests/conftest.py",
+    "tests/support",
+    "tests/kernel",
+    "tests/lab",
+    "examples/roboclaw",
+    "examples/so101",
     "pyproject.toml",
-    "README.md",
     "robot.db.sql",
-    "tests",
 )
 """What of the source is wanted beside the wheel that is in it."""
+SENT_FOR_OTHERS = (
+    *("benchmarks", "client", "docs", "examples", "launch_profiles", "tests"),
+    *("pyproject.toml", "README.md", "robot.db.sql"),
+)
+"""What is wanted where any part of the tests may be run."""
 KEPT = {
     "the simulated robots": robots.KEPT,
     "the service": service.KEPT,
@@ -97,7 +102,7 @@ def _run(wanted: argparse.Namespace) -> int:
     machine = Machine(wanted.folder)
     try:
         back_s = machine.start(snapshot=True)
-        _send(machine)
+        _send(machine, SENT if name == BATTERY else SENT_FOR_OTHERS)
         began = time.monotonic()
         words = f"cd /opt/lab && {PYTEST} {shlex.join(asked)}"
         done = machine.run(words, check=False, limit_s=BATTERY_S, show=True)
@@ -150,9 +155,9 @@ def _told(name: str, scenes: Generator[Scene], path: Path, others: Sequence[Scen
     return 0 if all(one.passed for one in seen.values()) else 1
 
 
-def _send(machine: Machine) -> None:
+def _send(machine: Machine, names: Sequence[str] = SENT) -> None:
     """Put the tests into the machine as they are here, beside the wheel that it has."""
-    machine.run("mkdir -p /opt/lab && tar -C /opt/lab -xzf -", data=_packed())
+    machine.run("mkdir -p /opt/lab && tar -C /opt/lab -xzf -", data=_packed(names))
 
 
 def _shell(wanted: argparse.Namespace) -> int:
@@ -164,10 +169,10 @@ def _shell(wanted: argparse.Namespace) -> int:
         machine.cut()
 
 
-def _packed() -> bytes:
+def _packed(names: Sequence[str]) -> bytes:
     found = io.BytesIO()
     with tarfile.open(fileobj=found, mode="w:gz", compresslevel=1) as tar:
-        for name in SENT:
+        for name in names:
             tar.add(ROOT / name, name, filter=lambda one: None if "__pycache__" in one.name else one)
     return found.getvalue()
 

@@ -1,10 +1,10 @@
 """The simulated robots in the machine, as a user starts them: `lbr run`, lines, a world, wheels and joints that are seen to move.
 
-In the machine `python -m tests.lab.robots WORDS` plays the scenes, of all robots or of those with these words, and tells of each as it
-ends. Times are by the machine's own clock.
+In the machine `python -m tests.lab.robots WORDS` plays all scenes, or those with these words, and tells of each as it ends. Times are by the machine's own clock.
 """
 
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ def play(machine: Machine, send: Callable[[Machine], None], words: Sequence[str]
     """Have the machine play the scenes, as a user without rights, and pass on what it tells of each."""
     send(machine)
     machine.run(MAKE_USER)
-    command = f"cd /opt/lab && runuser -u {USER} -- /opt/lbr/bin/python -B -m tests.lab.robots {' '.join(words)}"
+    command = f"cd /opt/lab && runuser -u {USER} -- /opt/lbr/bin/python -B -m tests.lab.robots {shlex.join(words)}"
     playing = programs.start([*machine.ssh(), command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)
     assert playing.stdout is not None
     with playing.stdout:
@@ -54,14 +55,9 @@ def play(machine: Machine, send: Callable[[Machine], None], words: Sequence[str]
 class Wheels:
     """The robot lbr in its room."""
 
-    def __init__(self, found: robot.Robot, began: float) -> None:
+    def __init__(self, found: robot.Robot) -> None:
         self.robot = found
         self._trace = Trace(found.trace)
-        self._began = began
-
-    def starts(self) -> str:
-        """Tell how long it took, and what runs."""
-        return _up(self.robot, self._began)
 
     def drives(self) -> str:
         """Drive ahead until the encoders have counted a way, and stop, though the sender goes on."""
@@ -138,38 +134,32 @@ class Wheels:
 class Humanoid:
     """A robot on legs in its world, held by a hand until its joints hold it."""
 
-    def __init__(self, found: robot.Robot, began: float) -> None:
+    def __init__(self, found: robot.Robot) -> None:
         self.robot = found
-        self._began = began
-
-    def starts(self) -> str:
-        return _up(self.robot, self._began)
 
     def waves(self) -> str:
         """Switch its joints on, and have it wave: its shoulder is looked at in the world, not in what its servos say."""
         robot.until(self._stands_by_itself, limit_s=START_S, what="it stands by itself")
-        seen = self._watched("/play/wave", lambda pose: pose["joints"]["right_shoulder_roll"])
+        said, seen = self._watched("/play/wave", lambda pose: pose["joints"]["right_shoulder_roll"])
         if max(seen) - min(seen) < MOVED_RAD:
             raise SceneError(f"its shoulder moved by {max(seen) - min(seen):.2f} rad only")
         pose = _told(self.robot, "world/pose")
-        return f"{self.said}; its shoulder moved by {max(seen) - min(seen):.2f} rad, on its feet: {pose['on_floor']}"
+        return f"{said}; its shoulder moved by {max(seen) - min(seen):.2f} rad, on its feet: {pose['on_floor']}"
 
     def stands_up(self) -> str:
         """Have it stand up from where it sits."""
-        heights = self._watched("/play/reset", lambda pose: pose["z_m"])
+        said, heights = self._watched("/play/reset", lambda pose: pose["z_m"])
         pose = robot.until(
             lambda: (found := _told(self.robot, "world/pose"))["stands"] and found, limit_s=SOON_S, what="it stands"
         )
-        return f"{self.said}; its trunk {heights[0]:.2f} m above the floor before, {pose['z_m']:.2f} m then"
-
-    said = ""
+        return f"{said}; its trunk {heights[0]:.2f} m above the floor before, {pose['z_m']:.2f} m then"
 
     def _stands_by_itself(self) -> bool:
         self.robot.say("/torque/on")
         return not _told(self.robot, "world/pose")["held"]
 
-    def _watched(self, line: str, look: Callable[[dict[str, Any]], float]) -> list[float]:
-        """Say a line as `lbr send` does, and return what was seen of the world until it was done."""
+    def _watched(self, line: str, look: Callable[[dict[str, Any]], float]) -> tuple[str, list[float]]:
+        """Say a line as `lbr send` does; return what it said, and what was seen of the world until it was done."""
         seen = [look(_told(self.robot, "world/pose"))]
         words = [*robot.LBR, "send", line]
         sender = programs.start(
@@ -182,10 +172,10 @@ class Humanoid:
                 time.sleep(0.1)
         finally:
             sender.kill()
-            self.said = " ".join(sender.communicate()[0].split())
+            said = " ".join(sender.communicate()[0].split())
         if sender.returncode:
-            raise SceneError(f"'{line}': {self.said or 'not done in time'}")
-        return seen
+            raise SceneError(f"'{line}': {said or 'not done in time'}")
+        return said, seen
 
 
 def _piped() -> str:
@@ -241,41 +231,54 @@ def _told(found: robot.Robot, key: str) -> dict[str, Any]:
     return dict(robot.until(lambda: found.ask(key), limit_s=SOON_S, what=f"{key} is told"))
 
 
-SCENES: dict[str, tuple[type[Wheels] | type[Humanoid], tuple[tuple[str, str], ...]]] = {
+PIPED = "lines piped into `lbr run`"
+SCENES: dict[str, tuple[Callable[[robot.Robot], Any], dict[str, Callable[[Any], str]]]] = {
     "lbr-sim": (
         Wheels,
-        (
-            ("starts", "starts"),
-            ("drives ahead, and is stopped", "drives"),
-            ("its sender is killed", "loses_its_sender"),
-            ("emergency stop in motion, and reset", "is_stopped_by_emergency"),
-        ),
+        {
+            "drives ahead, and is stopped": Wheels.drives,
+            "its sender is killed": Wheels.loses_its_sender,
+            "emergency stop in motion, and reset": Wheels.is_stopped_by_emergency,
+        },
     ),
-    "bioloid-sim": (Humanoid, (("starts", "starts"), ("waves", "waves"))),
-    "uxa90-sim": (Humanoid, (("starts", "starts"), ("stands up", "stands_up"))),
+    "bioloid-sim": (Humanoid, {"waves": Humanoid.waves}),
+    "uxa90-sim": (Humanoid, {"stands up": Humanoid.stands_up}),
 }
+"""By launch profile. That it starts is told first of each."""
 
 
 def scenes(words: Sequence[str]) -> Iterator[Scene]:
-    """Play them, on one robot after the other."""
-    if not words or "piped" in words:
-        yield stage.tell("lines piped into `lbr run`", _piped)
+    """Play those with one of these words, or all, on one robot after the other."""
+
+    def wanted(what: str) -> bool:
+        return not words or any(one in what for one in words)
+
+    if wanted(PIPED):
+        yield stage.tell(PIPED, _piped)
     for profile, (kind, parts) in SCENES.items():
-        if words and not any(one in profile for one in words):
-            continue
-        with tempfile.TemporaryDirectory(prefix="lbr-") as place:
-            home, began = robot.prepare(Path(place) / "h", whole=True), time.monotonic()
-            try:
-                found = robot.start(home, profile=profile, limit_s=START_S)
-            except AssertionError as err:
-                yield Scene(f"{profile}: starts", False, str(err)[:400])
-                continue
-            try:
-                played = kind(found, began)
-                for what, name in parts:
-                    yield stage.tell(f"{profile}: {what}", getattr(played, name))
-            finally:
-                found.close()
+        chosen = {f"{profile}: {what}": scene for what, scene in parts.items() if wanted(f"{profile}: {what}")}
+        if chosen:
+            yield from _on_a_robot(profile, kind, chosen)
+
+
+def _on_a_robot(
+    profile: str, kind: Callable[[robot.Robot], Any], parts: dict[str, Callable[[Any], str]]
+) -> Iterator[Scene]:
+    starts = f"{profile}: starts"
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
+        home, began = robot.prepare(Path(place) / "h", whole=True), time.monotonic()
+        try:
+            found = robot.start(home, profile=profile, limit_s=START_S)
+        except AssertionError as err:
+            yield Scene(starts, False, str(err)[:400])
+            return
+        try:
+            yield stage.tell(starts, lambda: _up(found, began))
+            played = kind(found)
+            for what, scene in parts.items():
+                yield stage.tell(what, partial(scene, played))
+        finally:
+            found.close()
 
 
 def main() -> None:

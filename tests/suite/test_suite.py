@@ -1,6 +1,7 @@
 """The suite itself: what a test process started ends with it, a slow test fails alone, nothing is left unseen."""
 
 import json
+import os
 import sys
 from contextlib import suppress
 from pathlib import Path
@@ -99,7 +100,7 @@ def test_nothing_of_a_killed_test_process_is_left(tmp_path):
     code, said = run(tmp_path, f"NOTE = {str(note)!r}\n{DIES}")
     assert code == -9, said
     place, *pids = json.loads(note.read_text())
-    assert len(pids) >= 5  # an ordinary user does not see those that gave up being looked at
+    assert len(pids) > (5 if os.geteuid() == 0 else 4)  # only root sees those that gave up being looked at
     until(lambda: not running(pids), limit_s=1.5, what="by the kernel, before the sweeper")
     until(lambda: not Path(place).exists(), limit_s=9.0, what="by the sweeper")
 
