@@ -162,13 +162,16 @@ class Looking:
         return Looked(robot=robot, devices=known, proposals=offers, hints=self._hints)
 
     def write(self, robot: str, offers: Collection[Offer]) -> "Became":
-        """Write the rows of some proposals, all or none."""
+        """Write the rows of some proposals, all or none; a row that several of them want is written once."""
         from lbr.commands.row_past import end_left_trial  # noqa: PLC0415
         from lbr.commands.rows import opened  # noqa: PLC0415
 
+        changes: list[RowChange] = []
+        for one in offers:
+            changes += (each for each in one.changes if each not in changes)
         with opened(self._database) as rows:
             end_left_trial(rows)
-            return self._become(rows, robot, [each for one in offers for each in one.changes], dry_run=False)
+            return self._become(rows, robot, changes, dry_run=False)
 
     def _whose(self, rows: "Database") -> str:
         from lbr.commands.row_past import running_here  # noqa: PLC0415

@@ -1,16 +1,15 @@
 """Which rows would have a robot use what is attached: a device, its capability, its channels. Pure; nothing is written."""
 
 from collections.abc import Collection, Iterator, Mapping
+from itertools import chain, count
 
 import msgspec
 from msgspec import Struct
 
 from lbr.capability.kind import Kind
 from lbr.commands.recognised import Attached, node_of
-from lbr.database.rows import DeviceRow, RobotRows
+from lbr.database.rows import ChannelRow, DeviceRow, RobotRows
 from lbr.messages.manage import RowChange
-
-MOST_ALIKE = 100
 
 
 class Proposal(Struct, frozen=True, kw_only=True):
@@ -40,7 +39,7 @@ def propose(
         for row in rows.devices
         if node_of(row) not in there and row.address.partition(":")[0] not in {"sim", "alsa"}
     ]
-    names = {row.name for row in rows.devices}, {row.name for row in rows.capabilities}
+    names = set(rows.names("device")), set(rows.names("capability"))
     proposals = []
     for one in known:
         if not one.type or one.row or one.held:
@@ -59,6 +58,7 @@ def propose(
             proposals.append(Proposal(address=one.address, text=text))
         else:
             proposals.append(_new(one, rows, kinds, names, called))
+            rows = _wired(rows, proposals[-1].changes)
     return known, proposals
 
 
@@ -130,6 +130,12 @@ def _needed(one: Attached, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterat
             yield RowChange(table=table, after=dict(values))
 
 
+def _wired(rows: RobotRows, changes: Collection[RowChange]) -> RobotRows:
+    """Return the rows with these channels: what one device is to feed, the next one finds fed."""
+    channels = (ChannelRow(**change.after) for change in changes if change.table == "channel" and change.after)
+    return msgspec.structs.replace(rows, channels=(*rows.channels, *channels))
+
+
 def _channels(name: str, kind: Kind, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[RowChange]:
     """Yield the channels to what the robot has and nothing feeds yet; what kinds wire by themselves needs no row."""
     targets, sources = {row.target for row in rows.channels}, {row.source for row in rows.channels}
@@ -153,6 +159,5 @@ def _channel(source: str, target: str) -> RowChange:
 
 def _free(wanted: str, taken: Collection[str]) -> str:
     """Return a name that no row has yet."""
-    return next(
-        name for name in (wanted, *(f"{wanted}_{number}" for number in range(2, MOST_ALIKE))) if name not in taken
-    )
+    names = chain((wanted,), (f"{wanted}_{number}" for number in count(2)))
+    return next(name for name in names if name not in taken)

@@ -7,13 +7,14 @@ import json
 import os
 import pty
 import select
+import sqlite3
 import subprocess
 import sys
 import threading
 import time
 import tty
 from collections import Counter
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -291,6 +292,57 @@ def test_the_proposal_of_a_gamepad_is_written_over_the_shipped_rows(tmp_path):
     with store.Database.open(tmp_path / "robot.db") as database:
         on = {row.name for row in database.load("lbr").capabilities if row.enabled}
     assert {"gamepad", "teleop"} <= on
+
+
+@pytest.mark.timeout(40)
+@pytest.mark.parametrize(
+    ("type_", "gone", "is_so"),
+    [
+        ("gamepad", (), "SELECT enabled = 1 FROM capability WHERE robot = 'lbr' AND name = 'teleop'"),
+        (
+            "ld06",
+            ("DELETE FROM range_sensor WHERE robot = 'lbr'",),
+            "SELECT count(*) = 1 FROM channel WHERE robot = 'lbr' AND target = 'drive.scans'",
+        ),
+        (
+            "roboteq",
+            (
+                "DELETE FROM channel WHERE robot = 'lbr' AND 'motors' IN (substr(source, 1, 6), substr(target, 1, 6))",
+                "DELETE FROM capability WHERE robot = 'lbr' AND name = 'motors'",
+                "DELETE FROM device WHERE robot = 'lbr' AND type = 'roboteq'",
+                "UPDATE capability SET needs = '[]' WHERE robot = 'lbr' AND name = 'drive'",
+            ),
+            "SELECT count(*) = 1 FROM channel WHERE robot = 'lbr' AND source = 'drive.setpoint'",
+        ),
+    ],
+)
+def test_two_alike_that_are_new_are_written_together_and_only_the_first_is_wired(tmp_path, type_, gone, is_so):
+    assert said(["db", "init"], tmp_path).returncode == 0
+    with closing(sqlite3.connect(tmp_path / "robot.db")) as database, database:
+        for sql in gone:
+            database.execute(sql)
+    two = [
+        recognised.Attached(place="serial", address=at, path=at, type=type_, what=type_)
+        for at in ("/dev/ttyA", "/dev/ttyB")
+    ]
+    looking = Looking("lbr", tmp_path / "robot.db", "", wait_s=1.0, ask=True)
+    with store.Database.open(tmp_path / "robot.db") as database:
+        _, offers = proposing.propose(database.load("lbr"), looking.kinds, two, {one.path for one in two})
+    assert not looking.write("lbr", offers).problems
+    with closing(sqlite3.connect(tmp_path / "robot.db")) as database:
+        assert database.execute(is_so).fetchone() == (1,)
+        kept = database.execute("SELECT name FROM device WHERE robot = 'lbr' AND type = ?", (type_,)).fetchall()
+    assert kept == [(type_,), (f"{type_}_2",)]
+
+
+def test_of_many_alike_each_has_a_name_of_its_own(tmp_path):
+    kinds, _, _ = recognised.known_kinds(tmp_path)
+    many = [
+        recognised.Attached(place="serial", address=f"/dev/tty{n}", path=f"/dev/tty{n}", type="ld06", what="a lidar")
+        for n in range(200)
+    ]
+    _, offers = proposing.propose(RobotRows(robot=RobotRow(name="two")), kinds, many, set())
+    assert len({one.after["name"] for offer in offers for one in offer.changes if one.table == "device"}) == 200
 
 
 @pytest.mark.timeout(40)
