@@ -30,6 +30,8 @@ class Segment:
             sync_folder(path.parent)
         except OSError:
             self.close()
+            with contextlib.suppress(OSError):
+                path.unlink()  # what has no beginning is no recording, and in the way of the next try
             raise
 
     def __enter__(self) -> Self:

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -125,7 +126,8 @@ from lbr.recording.shelf import Shelf
 
 shelf = Shelf(Path(sys.argv[1]), "lbr")
 bounds = Bounds(bytes=10**9, seconds=1e9, kept_bytes=0, kept_seconds=1e9, free_bytes=0)
-disk = Disk(shelf.next_file, "a test", shelf=shelf, bounds=bounds)
+own = {"shelf": shelf, "bounds": bounds} if sys.argv[2] == "box" else {}
+disk = Disk(shelf.next_file if own else lambda: Path(sys.argv[1], "one.mcap"), "a test", **own)
 channels = Channels()
 number = channels.number(Channel("drive/state"))
 limit = (20_000, resource.getrlimit(resource.RLIMIT_FSIZE)[1])
@@ -138,7 +140,7 @@ def put(n, begin):
     while disk.messages + disk.lost == done:
         time.sleep(0.001)
 
-resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+resource.setrlimit(resource.RLIMIT_FSIZE, limit if sys.argv[3] == "later" else (0, limit[1]))
 for n in range(1, 13):
     put(n, n == 1)
 print("lost", disk.lost, disk.trouble)
@@ -150,17 +152,26 @@ disk.close(5.0)
 """
 
 
-def test_a_disk_that_takes_nothing_is_told_of_costs_nothing_written_and_is_used_again_once_it_does(tmp_path):
+@pytest.mark.parametrize("whose", ["box", "on purpose"])
+@pytest.mark.parametrize("full", ["later", "from the beginning"])
+def test_a_disk_that_takes_nothing_is_told_of_costs_nothing_written_and_is_used_again_once_it_does(
+    tmp_path, whose, full
+):
     done = programs.run(
-        [sys.executable, "-c", LIMITED, str(tmp_path)], stdout=subprocess.PIPE, text=True, check=True, timeout=30
+        [sys.executable, "-c", LIMITED, str(tmp_path), whose, full],
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+        timeout=30,
     )
     first, second = done.stdout.splitlines()
     lost = int(first.split()[1])
-    assert 3 <= lost <= 8
+    assert 3 <= lost <= 8 if full == "later" else lost == 12
     assert "nothing is recorded until it does" in first
     assert second.split() == ["now", str(lost)]
     damage = selection.Damage()
-    read = [one.sequence for one in selection.messages(Shelf(tmp_path, "lbr").files(), damage=damage)]
+    files = Shelf(tmp_path, "lbr").files() if whose == "box" else [tmp_path / "one.mcap"]
+    read = [one.sequence for one in selection.messages(files, damage=damage)]
     assert read == [*range(1, 13 - lost), *range(13, 17)]
     assert damage.places == 0
 

@@ -61,7 +61,8 @@ class Disk:
     """Writes one file after the other, where `place` says. What it tells may be read from any thread.
 
     With `shelf` and `bounds` it is the box: old files go, and what is kept is linked. `trouble` is what is wrong, in one
-    line. After a failure it takes nothing until a chunk begins another file (`broken`).
+    line. After a failure it takes nothing until a chunk begins another file (`broken`). Without a shelf there is one
+    file alone, which then goes on.
     """
 
     def __init__(
@@ -140,6 +141,9 @@ class Disk:
             self._prune()
 
     def _begin(self, about: dict[str, str]) -> None:
+        if self._segment is not None and self._shelf is None:
+            self.broken = False
+            return
         if self._segment is not None:
             self._segment.finish()
             self._segment = None
@@ -207,7 +211,7 @@ class Disk:
         self.lost += job.messages
         self.trouble = why
         self.broken = True
-        if self._segment is not None:
+        if self._segment is not None and self._shelf is not None:
             self._segment.close()
             self._segment = None
         if code in FULL and self._shelf is not None and len(self._shelf.files()) > 1:
