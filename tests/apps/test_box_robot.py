@@ -172,3 +172,20 @@ def test_what_it_holds_is_written_and_deleted_by_name(robot):
     done = lbr(robot.home, "box", "delete", "box")
     assert done.returncode == 0
     assert len(shelf(robot).files()) == 1, "the one that is being written stays"
+
+
+def test_a_recording_whose_folder_cannot_be_or_goes_away_is_refused_or_ended_and_the_box_goes_on(robot):
+    recordings, pid = robot.home / "recordings", robot.capability("box")["pid"]
+    recordings.rename(robot.home / "aside")
+    recordings.touch()
+    refused = robot.ask("box/record", {"name": "nowhere"}, timeout_s=5.0)
+    recordings.unlink()
+    assert refused["code"] == "failed"
+    assert "cannot be written (Not a directory)" in refused["reason"]
+    assert robot.ask("box/record", {"name": "short"}, timeout_s=5.0)["accepted"]
+    recordings.rename(robot.home / "away")
+    until(lambda: not robot.ask("box/state")["recording"], limit_s=20, what="it is ended")
+    (robot.home / "aside").rename(recordings)
+    told = [one["text"] for one in robot.events() if one["kind"] == "recorded"]
+    assert "cannot be looked at (No such file or directory)" in told[-1]
+    assert (robot.capability("box")["phase"], robot.capability("box")["pid"]) == ("ready", pid)

@@ -342,9 +342,13 @@ class Box(Capability[BoxSettings]):
             return BoxReply(accepted=False, reason=reason, code="busy")
         name = asked.name.removesuffix(SUFFIX) or time.strftime("%Y%m%d-%H%M%S")
         path = self._shelf.recordings_folder / f"{name}{SUFFIX}"
+        try:
+            self._shelf.make()
+        except OSError as err:
+            reason = f"{path} cannot be written ({err.strerror}): check the disk"
+            return BoxReply(accepted=False, reason=reason, code="failed")
         if path.exists():
             return BoxReply(accepted=False, reason=f"{path} is there already: choose another name", code="bad_value")
-        self._shelf.make()
         now = self.ctx.clock()
         self._made = Tape(Disk(lambda: path, self._library), None)
         self._made_since = now

@@ -48,8 +48,11 @@ class Bounds(Struct, frozen=True, kw_only=True):
     free_bytes: int
 
     def lacks_room(self, folder: Path) -> str:
-        """Return why others have too little room on a folder's disk; empty while they have enough."""
-        found = os.statvfs(folder)
+        """Return why others have too little room on a folder's disk, or that it is gone; empty while they have enough."""
+        try:
+            found = os.statvfs(folder)
+        except OSError as err:
+            return f"{folder} cannot be looked at ({err.strerror})"
         free = found.f_bavail * found.f_frsize
         wanted = min(self.free_bytes, found.f_blocks * found.f_frsize // 20)
         return (
