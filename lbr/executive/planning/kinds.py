@@ -2,10 +2,12 @@
 
 import threading
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 
 from lbr.capability import registry
 from lbr.capability.kind import Kind, KindError
+from lbr.executive import beside
 
 
 class KindsBeside:
@@ -30,8 +32,7 @@ class KindsBeside:
         """Say whether all of them are known as they are now; those that are not are found beside."""
         new = {name: mark for name, mark in marks.items() if mark and self._known.get(name, ("",))[0] != mark}
         if new and (self._thread is None or not self._thread.is_alive()):
-            self._thread = threading.Thread(target=self.try_now, args=(new,), name="kinds", daemon=True)
-            self._thread.start()
+            self._thread = beside.begin(partial(self.try_now, new), "kinds")
         return not new
 
     def find(self, name: str, home: Path) -> Kind:

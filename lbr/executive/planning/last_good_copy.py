@@ -4,10 +4,12 @@ import os
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 from lbr.database import copies
 from lbr.errors import LbrError
+from lbr.executive import beside
 
 RUN_WELL_S = 5.0
 AGAIN_AFTER_S = 60.0
@@ -43,9 +45,10 @@ class LastGoodCopy:
             if self._why and self._due is None:
                 self._due = now + AGAIN_AFTER_S
         if self._due is not None and now >= self._due:
-            self._due = None
-            self._thread = threading.Thread(target=self._keep, args=(digest,), name="keeper", daemon=True)
-            self._thread.start()
+            self._thread = beside.begin(partial(self._keep, digest), "keeper")
+            self._due = None if self._thread is not None else now + AGAIN_AFTER_S
+            if self._thread is None:
+                self._trouble(NOT_COPIED, beside.NO_THREAD)
 
     def _keep(self, digest: str) -> None:
         with suppress(OSError):

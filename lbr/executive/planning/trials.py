@@ -14,6 +14,7 @@ from lbr.database import becoming
 from lbr.database.past import Trial
 from lbr.database.store import Database
 from lbr.errors import LbrError
+from lbr.executive import beside
 from lbr.executive.planning.plan import Change
 from lbr.messages.system import CapabilityStatus
 
@@ -162,8 +163,7 @@ class Trials:
                 except LbrError:
                     time.sleep(AGAIN_AFTER_S)  # the file is locked, or the disk is full
 
-        self._writing = threading.Thread(target=write, name="trial", daemon=True)
-        self._writing.start()
+        self._writing = beside.begin(write, "trial")  # or judged again at the next look
 
     def _end(self) -> None:
         if self._writing is None or self._writing.is_alive():

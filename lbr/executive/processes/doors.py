@@ -25,6 +25,7 @@ from lbr import home
 from lbr.bus import session
 from lbr.bus.access import TOOLS, Credentials, Rights, everything
 from lbr.errors import BusError
+from lbr.executive import beside
 from lbr.executive.planning import rights
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import ProcessSpec
@@ -218,9 +219,9 @@ class Doors:
         with self._changed:
             self._over = True
             self._changed.notify_all()
-        closing = threading.Thread(target=self._close_all, name="doors close", daemon=True)
-        closing.start()
-        closing.join(CLOSES_WITHIN_S)
+        closing = beside.begin(self._close_all, "doors close")
+        if closing is not None:
+            closing.join(CLOSES_WITHIN_S)
 
     def _close_all(self) -> None:
         self._worker.join(CLOSES_WITHIN_S)

@@ -5,9 +5,9 @@ Only a server for people may ask here; it looks at the role of who asks before i
 
 import contextlib
 import os
-import threading
 from collections import deque
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from lbr.database.reading import Problem
 from lbr.database.rows import CORE, CapabilityRow, DeviceRow, RobotRows
 from lbr.database.store import Database
 from lbr.errors import InputError, LbrError, MalformedError
+from lbr.executive import beside
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning.live_rows import Happened
 from lbr.executive.planning.plan import Plan
@@ -273,7 +274,9 @@ class Desk:
             written = bool(job.notes)
         if self._job is None and self._waiting:
             self._job = self._waiting.popleft()
-            threading.Thread(target=self._run, args=(self._job,), name="desk", daemon=True).start()
+            if beside.begin(partial(self._run, self._job), "desk") is None:
+                self._job.reply = ManageReply(accepted=False, code="busy", reason=beside.NO_THREAD)
+                self._wake()
         return written
 
     def close(self) -> None:

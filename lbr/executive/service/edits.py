@@ -1,9 +1,9 @@
 """Edits of rows that capabilities ask for: written beside the main loop, as a client of SQLite's would, and answered."""
 
-import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -18,6 +18,7 @@ from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
 from lbr.database.store import Database
 from lbr.errors import InputError, LbrError, MalformedError, RowError
+from lbr.executive import beside
 from lbr.executive.planning.live_rows import Happened
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.wiring import EXECUTIVE
@@ -183,7 +184,11 @@ class Edits:
     def _begin(self, job: _Job) -> None:
         self._job = job
         self._rows.held = True
-        threading.Thread(target=self._run, args=(job,), name="edit", daemon=True).start()
+        if beside.begin(partial(self._run, job), "edit") is None:
+            job.reply = EditReply(
+                accepted=False, code="busy", reason=beside.NO_THREAD, revision=self._rows.plan.rows.revision
+            )
+            self._wake()
 
     def _run(self, job: _Job) -> None:
         try:

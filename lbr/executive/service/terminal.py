@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from lbr.bus.session import Session
 from lbr.errors import LbrError
+from lbr.executive import beside
 from lbr.executive.service.dispatch import Dispatcher
 from lbr.messages.system import ConsoleResult
 
@@ -36,10 +37,8 @@ def start(
 
 
 def leave() -> threading.Thread | None:
-    """Begin to close the console, if there is one; return the thread that waits until it has ended."""
+    """Begin to close the console, if there is one; return the thread that waits until it has ended, if there can be one."""
     local = sys.modules.get("lbr.console.local")
     if local is None:
         return None
-    leaving = threading.Thread(target=local.leave, name="leave-terminal")
-    leaving.start()
-    return leaving
+    return beside.begin(local.leave, "leave-terminal")
