@@ -19,7 +19,7 @@ import msgspec
 from lbr.capability import leaving
 from lbr.capability.config import Order, ProcessConfig
 from lbr.capability.loop import Garbage, Loop
-from lbr.capability.reporter import Reporter
+from lbr.capability.reporter import Reporter, Said
 
 PART_OF_CLOSING = 0.8
 """How much of the time to leave the others get to end in order."""
@@ -63,7 +63,10 @@ class SharedProcess:
         if self._stopping:
             return
         member = self._members[config.name] = Member(config, self._fd, self._garbage, self._run)
-        member.thread.start()
+        try:
+            member.thread.start()
+        except RuntimeError as err:  # this machine gives no more threads now
+            self._gone(member, _left(err))
 
     def stop(self) -> None:
         """Ask all of them to end, and the process with the last of them."""
@@ -105,12 +108,13 @@ class SharedProcess:
         except BaseException as err:  # noqa: BLE001 - this thread's outermost frame: stop the motion and leave
             if member.loop.began:
                 self.crash(err, member)
-            leaving.trace(err)
-            ended = ("left", leaving.told(err), "failed")
+            ended: Said = _left(err)
         else:
-            ended = ("ended", "", "")
-        if self._crashing.locked():  # the process ends: who made it end is told, not this
-            return
+            ended = "ended", "", ""
+        if not self._crashing.locked():  # the process ends: who made it end is told, not this
+            self._gone(member, ended)
+
+    def _gone(self, member: Member, ended: Said) -> None:
         del self._members[member.name]
         member.reporter.phase(*ended)
         self._leave_with_the_last()
@@ -118,3 +122,9 @@ class SharedProcess:
     def _leave_with_the_last(self) -> None:
         if self._stopping and not self._members:
             os._exit(0)
+
+
+def _left(err: BaseException) -> Said:
+    """Return what is reported of one that did not begin, and write down why."""
+    leaving.trace(err)
+    return "left", leaving.told(err), "failed"

@@ -14,7 +14,7 @@ from tests.support.robot import Robot, lbr, running, until
 pytestmark = pytest.mark.timeout(60)
 
 KIND = """
-import ctypes, sys
+import ctypes, sys, threading
 from pathlib import Path
 from msgspec import Struct
 from lbr.capability import Capability, Kind, NoSettings
@@ -25,6 +25,11 @@ class Count(Struct, frozen=True):
 
 class Do(Struct, frozen=True):
     what: str = ""
+
+START = threading.Thread.start
+
+def refused(thread):
+    raise RuntimeError("can't start new thread")
 
 class Mate(Capability[NoSettings]):
     rate_hz = 50.0
@@ -52,6 +57,8 @@ class Mate(Capability[NoSettings]):
         if what.startswith("raise"):
             self.cannot_close = what == "raise twice"
             raise ValueError("out of cheese")
+        if what.startswith("threads"):
+            threading.Thread.start = refused if what == "threads: none" else START
         if what == "circle":
             while True:
                 pass
@@ -215,6 +222,20 @@ def test_who_does_not_even_begin_fails_alone(robot: Robot) -> None:
     assert pids(robot) == before
     robot.edit("DELETE FROM capability WHERE name = 'eve'")
     until(lambda: all(one["name"] != "eve" for one in units(robot)))
+
+
+def test_who_gets_no_thread_to_begin_in_fails_alone_and_begins_once_there_is_one(robot: Robot) -> None:
+    before = pids(robot)
+    do(robot, "ann", "threads: none")
+    robot.edit("INSERT INTO capability (robot, name, kind, process) VALUES ('lbr', 'dan', 'mate', 'crew')")
+    told = "crashed: RuntimeError: can't start new thread"
+    until(lambda: any(one["name"] == "dan" and told in one["last_end"] for one in units(robot)))
+    do(robot, "ann", "threads: as ever")
+    robot.line("/restart/dan")
+    until(lambda: robot.capability("dan")["phase"] == "ready")
+    assert pids(robot) == {**before, "dan": before["ann"]}
+    robot.edit("DELETE FROM capability WHERE name = 'dan'")
+    until(lambda: pids(robot) == before)
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
