@@ -169,7 +169,11 @@ class ProcessContext:
         self._complained: dict[str, float] = {}
         self._throttle = Throttle()
         self._dropped: dict[str, int] = {}
-        self._bus = way_in.enter(config)
+        try:
+            self._bus = way_in.enter(config)
+        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+            self.estop.close()
+            raise
         self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
         taps = {device.name: device.tap for device in self.devices} if self.device is not None else {}
         self._tape = Tape(self._bus, config.robot, config.name, taps)
