@@ -66,6 +66,22 @@ def test_a_program_has_no_privileges_and_gains_none(commands):
     assert (status["CapEff"], status["NoNewPrivs"], status["Umask"]) == ("0" * 16, "1", "0077")
 
 
+def test_a_program_whose_row_is_gone_is_asked_to_end_once_and_has_its_time_for_it(commands, tmp_path):
+    script = (
+        "import signal, sys, time; asked = []\n"
+        "signal.signal(signal.SIGTERM, lambda *_: asked.append(time.monotonic()))\n"
+        "print('up', flush=True)\n"
+        "while not asked or time.monotonic() < asked[0] + 0.5: time.sleep(0.01)\n"
+        "print('asked', len(asked), flush=True)"
+    )
+    row = ExternalCommandRow(name="probe", argv=("python", "-c", script), blocking=False)
+    command = commands.start(row, ())
+    log = tmp_path / "probe.log"
+    until(lambda: "up" in log.read_text(), what="it runs")
+    until(lambda: commands.prune(set()) or command.over, what="it has ended")
+    assert log.read_text().split() == ["up", "asked", "1"]
+
+
 def test_a_program_whose_row_is_gone_ends_also_if_it_does_not_want_to(commands, tmp_path, monkeypatch):
     monkeypatch.setattr(external, "STOP_S", 0.2)
     script = (

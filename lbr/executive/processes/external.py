@@ -130,19 +130,20 @@ class ExternalCommands:
         return f"'{name}' has ended"
 
     def prune(self, names: set[str]) -> None:
-        """End commands whose rows are gone, by force after two seconds, and forget those that have ended by themselves."""
+        """Ask commands whose rows are gone to end, once, and end them by force after two seconds. Forget what has ended."""
         now = time.monotonic()
         for name, command in list(self._running.items()):
             if command.over:
                 del self._running[name]
                 self._asked_at.pop(command.pid, None)
                 command.mark.ended(kept=name in names and not command.row.blocking)
-            elif name not in names:
-                asked_at = self._asked_at.setdefault(command.pid, now)
-                if now - asked_at < STOP_S:
-                    _ask(command.popen)
-                else:
-                    _signal(command.popen, signal.SIGKILL)
+            elif name in names:
+                self._asked_at.pop(command.pid, None)
+            elif command.pid not in self._asked_at:
+                self._asked_at[command.pid] = now
+                _ask(command.popen)
+            elif now - self._asked_at[command.pid] >= STOP_S:
+                _signal(command.popen, signal.SIGKILL)
 
     def close(self) -> None:
         """End them all, in the same third of a second."""
