@@ -1,6 +1,7 @@
 """What a machine has no room for is refused in words, before anything starts."""
 
 import resource
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -8,9 +9,13 @@ from hypothesis import strategies as st
 
 from lbr.capability.kind import Kind, NoSettings
 from lbr.database.rows import CapabilityRow
+from lbr.database.store import Database
 from lbr.executive.planning import machine
 from lbr.executive.planning.machine import ANY, MOST_CAPABILITIES, Machine, this_machine
-from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.profile import Profile, load
+from lbr.executive.planning.run_identity import RunIdentity
+from lbr.executive.planning.watch import RowWatch
+from tests.support import databases
 
 KIND = Kind(name="k", summary="s", family="app", entry="nowhere:Nothing", settings=NoSettings)
 HERE = Profile(robot="r")
@@ -66,3 +71,22 @@ def test_limits_are_raised_to_what_a_full_robot_needs_and_no_further(monkeypatch
     wanted = machine.FILES_WANTED
     assert asked == [(512, 512), (wanted, 1_000_000), (wanted, resource.RLIM_INFINITY)]
     assert wanted >= machine.FILES_BESIDE + machine.FILES_EACH * MOST_CAPABILITIES
+
+
+def test_an_edit_has_the_room_of_the_processes_that_run_however_many_capabilities_share_them(tmp_path: Path) -> None:
+    databases.fresh(tmp_path / "robot.db")
+    running: list[int] = []
+
+    def room(processes: int) -> Machine:
+        running.append(processes)
+        return ANY
+
+    site = RunIdentity(home=str(tmp_path), endpoints=("tcp/h:1",), secret=b"secret", token_key=b"key")
+    with Database.open(tmp_path / "robot.db") as database:
+        watch = RowWatch(database, load("lbr-sim"), site, room)
+        plan = watch.first()
+        watch.look_again()
+        watch.look(plan)
+    names = {unit.config.process or name for name, unit in plan.here.items()}
+    assert len(names) < len(plan.here)
+    assert running == [0, len(names)]

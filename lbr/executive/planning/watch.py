@@ -14,7 +14,7 @@ from lbr.errors import InputError, LbrError, RowError
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning import planner
 from lbr.executive.planning.kinds import KindsBeside
-from lbr.executive.planning.machine import Machine
+from lbr.executive.planning.machine import Machine, processes
 from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
@@ -86,9 +86,7 @@ class RowWatch:
             self._version = UNKNOWN_VERSION
             return self._locked_out(plan, rows) if rows.tokens != plan.rows.tokens else None
         self._version, self._files = seen, files
-        new, problems = planner.make(
-            rows, self._profile, self._site, self._machine(len(plan.here)), find=self._kinds.find
-        )
+        new, problems = planner.make(rows, self._profile, self._site, self._room_beside(plan), find=self._kinds.find)
         self._kinds.forget_faults()
         self._problems = tuple(str(problem) for problem in problems)
         if new is None and rows.tokens != plan.rows.tokens:
@@ -99,8 +97,12 @@ class RowWatch:
 
     def _locked_out(self, plan: Plan, rows: RobotRows) -> News:
         """Return the old plan with the tokens of now."""
-        new = planner.with_tokens(plan, rows.tokens, self._profile, self._site, self._machine(len(plan.here)))
+        new = planner.with_tokens(plan, rows.tokens, self._profile, self._site, self._room_beside(plan))
         return self._news(plan, new) if new is not None else News(problems=self._problems)
+
+    def _room_beside(self, plan: Plan) -> Machine:
+        """Return the machine as it is while a plan runs on it."""
+        return self._machine(processes(plan.rows.capabilities, plan.here))
 
     def _news(self, plan: Plan, new: Plan) -> News:
         edited = self._edited(plan.rows, new.rows)
