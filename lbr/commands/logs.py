@@ -52,7 +52,7 @@ def command(name: str, robot: str | None, follow: bool, lines: int, begin: str |
         for one, path in sorted(there.items()):
             click.echo(f"{one:<30}  {path.stat().st_size / 1000:8.1f} kB")
         return 0
-    chosen = [one for one in there if one == name or one.rpartition("/")[2] == name] or _shared(name, there)
+    chosen = _chosen(name, there)
     if len(chosen) != 1:
         known = ", ".join(sorted(there)) or "none"
         raise InputError(
@@ -82,9 +82,11 @@ def _names(folder: Path, robot: str | None) -> dict[str, Path]:
     return found
 
 
-def _shared(name: str, there: Collection[str]) -> list[str]:
-    """Return the logs of the processes that capabilities of that name share with others."""
-    return sorted({log for one, log in _sharing() if name in {one, one.rpartition("/")[2]} and log in there})
+def _chosen(name: str, there: Collection[str]) -> list[str]:
+    """Return the logs that a name means: of a capability that shares a process that one's, also if it has one from before."""
+    shared = {one: log for one, log in _sharing() if log in there}
+    named = {one for one in (*there, *shared) if name in {one, one.rpartition("/")[2]}}
+    return sorted({shared.get(one, one) for one in named})
 
 
 def _sharing() -> list[tuple[str, str]]:
@@ -132,11 +134,13 @@ def _recorded(name: str, robot: str | None, begin: str | None, end: str | None) 
     from lbr.commands import box  # noqa: PLC0415
     from lbr.recording import export, selection, times  # noqa: PLC0415
 
+    shared = {log.rpartition("/")[2] for one, log in _sharing() if name in {one, one.rpartition("/")[2]}}
+    wanted = {name, *shared}
     chosen, start_ns, end_ns = box.selected("", robot, begin, end, None)
     now, count = time.time_ns(), 0
     for one in selection.messages(chosen.files, start_ns, end_ns):
         said = export.decoded(one) if one.topic == "@log" else None
-        if isinstance(said, dict) and name in {"", said.get("name")}:
+        if isinstance(said, dict) and (not name or said.get("name") in wanted):
             count += 1
             click.echo(_clean(f"{times.shown(one.log_ns, now)} {said.get('name')}: {said.get('message')}"))
     return 0 if count else 1

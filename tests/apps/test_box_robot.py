@@ -158,6 +158,14 @@ def test_a_recording_on_purpose_is_a_file_of_its_own(robot):
     assert "walk.mcap" in lbr(robot.home, "box", "list").stdout
 
 
+def test_lines_of_a_process_that_several_share_are_found_by_the_name_of_each(robot):
+    with (robot.home / "logs" / "lbr-base.log").open("a") as log:
+        log.write("a wheel squeaks\n")
+    until(lambda: "base: a wheel squeaks" in lbr(robot.home, "logs", "motors", "--from", "5m").stdout, limit_s=20)
+    assert lbr(robot.home, "logs", "base", "--from", "5m").stdout.count("a wheel squeaks") == 1
+    assert "a wheel squeaks" not in lbr(robot.home, "logs", "ranges", "--from", "5m").stdout
+
+
 def test_what_it_holds_is_written_and_deleted_by_name(robot):
     out = robot.home / "out"
     done = lbr(robot.home, "box", "export", "walk", "--csv", str(out), "--topic", "drive/*")

@@ -273,8 +273,11 @@ def test_the_base_drives_on_while_they_fail(robot: Robot) -> None:
 
 def test_the_table_of_what_runs_and_the_logs_name_the_process(robot: Robot) -> None:
     assert f"{pids(robot)['ann']} crew" in lbr(robot.home, "status").stdout
+    of_before = robot.home / "logs" / "lbr-bob.log"
+    of_before.write_text("alone then\n")
     do(robot, "ann", "raise")
     until(lambda: "out of cheese" in lbr(robot.home, "logs", "bob").stdout, limit_s=15.0)
+    of_before.unlink()
 
 
 @pytest.mark.parametrize(
