@@ -126,6 +126,11 @@ def flush_log(path: Path) -> None:
         raise RowError((f"database {path} cannot be brought onto the disk: {err.strerror}",)) from err
 
 
+def settle(connection: Connection) -> None:
+    """Have all that was committed in the file itself, so that it may take another name; without room for it this raises."""
+    pragma(connection, "wal_checkpoint(TRUNCATE)")
+
+
 @contextmanager
 def sentences(path: Path) -> Iterator[None]:
     """Turn SQLite's errors into RowErrors that say what to do."""

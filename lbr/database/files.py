@@ -40,6 +40,11 @@ def check_side_files(path: Path) -> None:
     _refuse(path, ownership.side_file_faults(Path(os.path.realpath(path))))
 
 
+def log_files(path: Path) -> tuple[Path, Path]:
+    """Return the names of what SQLite has beside a database while it is open: the log, and its index."""
+    return path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}-shm")
+
+
 def check_folder(path: Path) -> None:
     """Raise RowError if others could put files of theirs where a database is to be built."""
     _refuse(path, (*ownership.faults(path), *ownership.side_file_faults(Path(os.path.realpath(path)))))

@@ -9,8 +9,8 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 from lbr.database import adopted, copies
-from lbr.database.connection import connect, sentences
-from lbr.database.files import check_folder, check_side_files
+from lbr.database.connection import connect, sentences, settle
+from lbr.database.files import check_folder, check_side_files, log_files
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.database.tokens import revoked
@@ -33,7 +33,7 @@ def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
     new = path.with_name(f"{path.name}.restoring-{os.getpid()}")
     try:
         copies.copy_whole(chosen, new)
-        aside = _aside(path) if any(file.exists() for file in (path, *_companions(path))) else None
+        aside = _aside(path) if any(file.exists() for file in (path, *log_files(path))) else None
         _complete(new, path, chosen, aside)
         if aside is not None:
             _set_aside(path, aside)
@@ -42,7 +42,7 @@ def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
     except OSError as err:
         raise InputError(f"database {path} cannot be restored ({err.strerror}): check the folder") from err
     finally:
-        for name in (new, *_companions(new)):
+        for name in (new, *log_files(new)):
             with suppress(OSError):
                 name.unlink()
     return chosen, aside
@@ -69,6 +69,8 @@ def _complete(new: Path, path: Path, source: Path, aside: Path | None) -> None:
         entry = AuditRow(wall_ns=time.time_ns(), kind="restored", subject="database", source="lbr db", text=text)
         database.append_events((), (entry,))
         database.outdo(revision, text)
+    with sentences(new), closing(connect(new)) as connection:
+        settle(connection)
 
 
 def _remains(path: Path) -> tuple[set[str], int]:
@@ -79,7 +81,7 @@ def _remains(path: Path) -> tuple[set[str], int]:
             shutil.copyfile(path, copy)
             with suppress(LbrError, FileNotFoundError):
                 check_side_files(path)  # a stranger's log could make a revoked token good again
-                shutil.copyfile(_companions(path)[0], _companions(copy)[0])
+                shutil.copyfile(log_files(path)[0], log_files(copy)[0])
             with sentences(copy), closing(connect(copy)) as connection:
                 return revoked(connection), adopted.revision(connection)
     return set(), 0
@@ -88,7 +90,7 @@ def _remains(path: Path) -> tuple[set[str], int]:
 def _set_aside(path: Path, aside: Path) -> None:
     with suppress(FileNotFoundError):
         aside.hardlink_to(path)  # so that there is always a file in the database's place
-    for companion, kept_as in zip(_companions(path), _companions(aside), strict=True):
+    for companion, kept_as in zip(log_files(path), log_files(aside), strict=True):
         with suppress(FileNotFoundError):
             companion.replace(kept_as)
 
@@ -98,10 +100,6 @@ def _aside(path: Path) -> Path:
     while (found := path.with_name(f"{path.name}.before-restore-{number}")).exists():
         number += 1
     return found
-
-
-def _companions(path: Path) -> tuple[Path, Path]:
-    return path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}-shm")
 
 
 def _in_use(path: Path) -> bool:

@@ -37,10 +37,11 @@ from lbr.database.connection import (
     insert,
     pragma,
     sentences,
+    settle,
     short_values,
     transaction,
 )
-from lbr.database.files import check_file, check_folder
+from lbr.database.files import check_file, check_folder, log_files
 from lbr.database.migrate import bring_up_to_date
 from lbr.database.packaged import Brought, Judge
 from lbr.database.reading import Problem, RawTables
@@ -105,12 +106,14 @@ def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ())
                     raise
                 raise RowError((f"{sql}, {why}",)) from err
             _take(connection, brought)
+            settle(connection)
         path.hardlink_to(building)  # unlike a rename, never over a file that another process built meanwhile
     except OSError as err:
         raise InputError(f"database {path} cannot be built ({err.strerror}): check the folder") from err
     finally:
-        with suppress(OSError):
-            building.unlink()
+        for name in (building, *log_files(building)):
+            with suppress(OSError):
+                name.unlink()
     return brought.refused
 
 

@@ -16,6 +16,7 @@ from lbr.errors import InputError, LbrError, RowError
 from lbr.messages.system import Event
 from tests.support import needs
 from tests.support.machine import Stopwatch
+from tests.support.small_disk import can_mount, small_disk
 
 AS_ROOT = needs.root("can give files away")
 
@@ -336,3 +337,22 @@ def test_sql_with_a_mistake_leaves_nothing_behind(tmp_path):
     with pytest.raises(RowError, match="syntax error"):
         create(tmp_path / "robot.db", sql)
     assert [file.name for file in tmp_path.iterdir()] == ["bad.sql"]
+
+
+@pytest.mark.parametrize("size_kb", range(256, 1537, 128))
+def test_a_disk_too_small_for_a_new_database_gets_a_whole_one_or_none(size_kb):
+    if not can_mount():
+        pytest.skip("needs the right to mount a small disk")
+    with small_disk(f"{size_kb}k") as disk:
+        refused = ""
+        try:
+            create(disk / "robot.db")
+        except RowError as err:
+            refused = str(err)
+        if refused:
+            assert "cannot grow, because the disk is full: make room" in refused
+            assert list(disk.iterdir()) == []
+        else:
+            with closing(sqlite3.connect(f"file:{disk / 'robot.db'}?immutable=1", uri=True)) as reader:
+                assert connection.damage(reader) == ""
+                assert reader.execute("SELECT name FROM robot WHERE name = 'lbr'").fetchone()

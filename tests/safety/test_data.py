@@ -9,6 +9,7 @@ from tests.safety.limits import holds
 from tests.scenarios import data_audit, data_damage, data_disk, data_kills, data_life, data_mutations
 from tests.scenarios.data_promises import PROMISES
 from tests.support.figures import Results
+from tests.support.small_disk import can_mount
 
 pytestmark = pytest.mark.timeout(40)
 SEED = 1
@@ -50,6 +51,6 @@ def test_a_locked_database_holds_up_no_stop():
 
 
 def test_a_full_disk_holds_up_no_stop_and_is_got_over():
-    if not data_disk.can_mount():
+    if not can_mount():
         pytest.skip("needs the right to mount a small disk")
     assert held(data_disk.full_disk).of("E6 full").n == 1

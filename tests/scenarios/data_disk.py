@@ -1,13 +1,11 @@
 """D4 and E6: a disk that is full, a database that somebody else has locked; the robot drives, stops, says so, recovers."""
 
-import os
 import select
 import sqlite3
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 import psutil
@@ -17,26 +15,16 @@ from tests.support import programs
 from tests.support.bench import Bench, let_go, prepare, processes_of
 from tests.support.figures import Results
 from tests.support.robot import LBR, environment, start
+from tests.support.small_disk import can_mount, small_disk
 
 SMALL = "6m"
 START_S = 4.0
 NOT_WRITTEN = "events and the audit trail are not written down"
 
 
-def can_mount() -> bool:
-    """Say whether this machine lets us make a disk that is small."""
-    if os.geteuid() != 0:
-        return False
-    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
-        made = _mount(place)
-        if made:
-            programs.run(["umount", place], check=True)
-        return made
-
-
 def full_disk(results: Results) -> None:
     """Fill the disk under a driving robot, stop it, make room, kill it, fill the disk before a start."""
-    with _small_disk() as disk:
+    with small_disk(SMALL) as disk:
         home = _home(disk)
         robot = start(home)
         under_test = Bench(robot, results)
@@ -139,25 +127,6 @@ def _latched_at_start(results: Results, home: Path) -> None:
         results.check("E2", wrong)
     finally:
         let_go(robot)
-
-
-@contextmanager
-def _small_disk() -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix="lbr-") as place:
-        disk = Path(place) / "d"
-        disk.mkdir()
-        assert _mount(str(disk)), "needs the right to mount"
-        try:
-            yield disk
-        finally:
-            programs.run(["umount", "-l", str(disk)], check=True)
-
-
-def _mount(place: str) -> bool:
-    made = programs.run(
-        ["mount", "-t", "tmpfs", "-o", f"size={SMALL},mode=700", "tmpfs", place], check=False, capture_output=True
-    )
-    return made.returncode == 0
 
 
 def _home(disk: Path) -> Path:
