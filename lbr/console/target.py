@@ -56,7 +56,7 @@ def find(robot: str | None, connect: str | None, token_file: Path | None = None)
         return _local_target(one)
     names = listed([one.robot for one in here], "and")
     if robot is not None:
-        there = f"{names} run here" if here else "none runs here"
+        there = f"{names} {'runs' if len(here) == 1 else 'run'} here" if here else "none runs here"
         raise BusError(f"robot '{shown(robot)}' does not run here ({there}); 'lbr run' starts one")
     if not here:
         raise BusError("no robot runs here; 'lbr run' starts one, and --connect ENDPOINT reaches one elsewhere")

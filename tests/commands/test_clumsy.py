@@ -24,7 +24,7 @@ def test_an_empty_name_is_a_name(monkeypatch: pytest.MonkeyPatch) -> None:
         robot="lbr", pid=1, profile="lbr-sim", database="", endpoints=("unixsock-stream//x",), core="", password=""
     )
     monkeypatch.setattr(home, "running", lambda: [only])
-    with pytest.raises(BusError, match="robot '' does not run here"):
+    with pytest.raises(BusError, match=r"robot '' does not run here \(lbr runs here\)"):
         target.find("", None)
 
 
