@@ -67,7 +67,7 @@ def list_box(robot: str | None, as_json: bool) -> int:
     else:
         click.echo(f"box of {name}: empty")
     for one in kept:
-        why = f"{one.why.kind} {one.why.subject}: {one.why.text}" if one.why is not None else "why is not readable"
+        why = "why is not readable" if one.why is None else str(one.why)
         again = f" (and {one.why.again} more)" if one.why is not None and one.why.again else ""
         click.echo(_line(f"kept       {one.path.name}  {one.bytes / MB:.1f} MB  {why}{again}"))
     for path in made:
@@ -91,7 +91,7 @@ def show(what: str, robot: str | None, begin: str | None, end: str | None, aroun
         return 0
     now = time.time_ns()
     if chosen.why is not None:
-        click.echo(_line(f"{chosen.why.kind} {chosen.why.subject}: {chosen.why.text}"))
+        click.echo(_line(str(chosen.why)))
     if not found["topics"]:
         click.echo("nothing was recorded in that time")
         _tell_damage(found["damage"])
@@ -284,7 +284,8 @@ def _tell_damage(damage: "Damage") -> None:
     for text in damage.files:
         click.echo(_line(text), err=True)
     if damage.places:
-        click.echo(f"{damage.places} damaged places ({damage.bytes} bytes) were passed over", err=True)
+        what = "1 damaged place was" if damage.places == 1 else f"{damage.places} damaged places were"
+        click.echo(f"{what} passed over ({damage.bytes} bytes)", err=True)
 
 
 def _line(text: str) -> str:

@@ -35,6 +35,9 @@ class Incident(Struct, kw_only=True):
     wall_ns: int
     again: int = 0
 
+    def __str__(self) -> str:
+        return f"{' '.join(filter(None, (self.kind, self.subject)))}: {self.text}"
+
 
 class Kept(Struct, frozen=True):
     """What led to an incident, and why it was kept; `why` is None where that cannot be read."""

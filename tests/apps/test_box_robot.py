@@ -83,7 +83,7 @@ def test_a_mark_and_an_emergency_stop_are_kept_with_why(robot):
     assert mark.files
     done = lbr(robot.home, "box", "show", mark.path.name)
     assert done.returncode == 0, done.stderr
-    assert "it limps" in done.stdout
+    assert "mark: it limps" in done.stdout.splitlines()
     assert "drive/state" in done.stdout
 
 
