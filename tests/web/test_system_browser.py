@@ -82,6 +82,27 @@ def test_a_limit_is_changed_in_a_form_that_says_what_is_wrong_and_what_restarts(
     until(lambda: robot.capability("drive")["phase"] == "ready", limit_s=8.0)
 
 
+def test_what_is_typed_key_by_key_is_what_is_meant(page, robot):
+    row(page, "capability", "drive")
+    form = page.get_by_role("dialog")
+    power, joined = form.get_by_label("max power"), form.get_by_label("needs")
+    wanted = "0.05" if page.viewport_size["width"] < 500 else "0.06"
+    power.fill("")
+    power.press_sequentially(wanted)
+    expect(power).to_have_value(wanted)
+    joined.fill("[")
+    with page.expect_response("**/api/rows*", timeout=SLOWLY_MS):  # looked up anew, and the form drawn again
+        robot.edit("UPDATE capability SET help = help || '.' WHERE robot = 'lbr' AND name = 'box'")
+    expect(form.get_by_text("JSON")).to_be_visible()
+    joined.press_sequentially('"motors" , "ranges"]')
+    expect(joined).to_have_value('["motors" , "ranges"]')
+    expect(form.get_by_text("Restarts drive.")).to_be_visible(timeout=SLOWLY_MS)
+    form.get_by_role("button", name="Save").click()
+    expect(form).to_have_count(0, timeout=SLOWLY_MS)
+    assert f'"max_power": {wanted}' in setting(robot, "settings")
+    assert json.loads(setting(robot, "needs")) == ["motors", "ranges"]
+
+
 def test_a_row_that_changed_under_an_open_form_is_told_and_either_is_kept(page, robot):
     row(page, "capability", "drive")
     form = page.get_by_role("dialog")

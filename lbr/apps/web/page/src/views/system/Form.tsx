@@ -1,4 +1,5 @@
 // A form made from a schema: each problem stands beside its field.
+import { useState } from "preact/hooks";
 import { useOwnId } from "../../parts";
 import { plain } from "../../format";
 import { t } from "../../words";
@@ -38,7 +39,13 @@ function One({ field, value, fixed, wrong, theirs, onChange }: { field: FieldOf;
   const about = { "aria-invalid": wrong !== "", "aria-describedby": wrong || field.help ? `${id}-about` : undefined, disabled: fixed };
   const usual = field.fallback === null || field.fallback === "" ? "" : shown(field, field.fallback);
   const bounds = [field.least ?? field.above, field.most ?? field.below].some((one) => one !== null) ? `${field.least ?? field.above ?? "…"} – ${field.most ?? field.below ?? "…"}` : "";
-  const typed = (text: string): void => onChange(read(field, text));
+  const [typed, type] = useState<string | null>(null);
+  // "0." is 0 as well, and spaces in JSON say nothing: what stands for the value stays as it was typed, or nobody could type on
+  const text = typed !== null && same(read(field, typed), value) ? typed : shown(field, value);
+  const put = (next: string): void => {
+    type(next);
+    onChange(read(field, next));
+  };
   return (
     <div class={`field form-field ${wrong ? "form-bad" : ""}`}>
       {field.kind === "flag" ? (
@@ -47,14 +54,14 @@ function One({ field, value, fixed, wrong, theirs, onChange }: { field: FieldOf;
         <>
           <label class="field-label" for={id}>{plain(stem)}{unit && <span class="sr"> {plain(field.name.slice(stem.length + 1))}</span>}{bounds && <span class="form-bounds num">{bounds}</span>}</label>
           {field.kind === "choice" ? (
-            <select id={id} class="input" value={shown(field, value ?? field.fallback)} onChange={(event) => typed(event.currentTarget.value)} {...about}>
+            <select id={id} class="input" value={shown(field, value ?? field.fallback)} onChange={(event) => put(event.currentTarget.value)} {...about}>
               {field.nullable && <option value="">–</option>}
               {field.choices.map((one) => <option key={one} value={one}>{one}</option>)}
             </select>
           ) : field.kind === "json" ? (
-            <textarea id={id} class="input form-json" rows={Math.min(8, 1 + Math.ceil(shown(field, value).length / 48))} value={shown(field, value)} placeholder={usual} spellcheck={false} onChange={(event) => typed(event.currentTarget.value)} {...about} />
+            <textarea id={id} class="input form-json" rows={Math.min(8, 1 + Math.ceil(text.length / 48))} value={text} placeholder={usual} spellcheck={false} onInput={(event) => put(event.currentTarget.value)} {...about} />
           ) : (
-            <span class="form-number" data-unit={unit || undefined}><input id={id} class="input" inputMode={field.kind === "text" ? "text" : "decimal"} value={shown(field, value)} placeholder={usual} spellcheck={false} autocomplete="off" onInput={(event) => typed(event.currentTarget.value)} {...about} />{unit && <span class="form-unit" aria-hidden="true">{unit}</span>}</span>
+            <span class="form-number" data-unit={unit || undefined}><input id={id} class="input" inputMode={field.kind === "text" ? "text" : "decimal"} value={text} placeholder={usual} spellcheck={false} autocomplete="off" onInput={(event) => put(event.currentTarget.value)} {...about} />{unit && <span class="form-unit" aria-hidden="true">{unit}</span>}</span>
           )}
         </>
       )}
