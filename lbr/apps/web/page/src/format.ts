@@ -14,6 +14,13 @@ export function number(value: Maybe, digits = 0, language?: string): string {
   });
 }
 
+/** A number at an axis whose lines are so far apart: with as many digits as tell it from its neighbours. */
+export function tickText(value: Maybe, apart: number, language?: string): string {
+  let digits = 0;
+  while (digits < 12 && Math.abs(apart * 10 ** digits - Math.round(apart * 10 ** digits)) > 1e-6) digits++;
+  return number(value, digits, language);
+}
+
 export const metres = (value: Maybe): string =>
   known(value) ? (Math.abs(value) < 1 ? `${number(value * 100)} cm` : `${number(value, value < 10 ? 2 : 1)} m`) : NONE;
 export const degrees = (radians: Maybe, digits = 0): string => (known(radians) ? `${number((radians * 180) / Math.PI, digits)}°` : NONE);

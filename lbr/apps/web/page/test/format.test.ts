@@ -1,7 +1,7 @@
 import "./stage";
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { age, between, degrees, heading, metres, NONE, number, percent, plain, timeOfDay, wind } from "../src/format";
+import { age, between, degrees, heading, metres, NONE, number, percent, plain, tickText, timeOfDay, wind } from "../src/format";
 
 test("what is not known is a dash, never a number", () => {
   for (const nothing of [null, undefined, NaN, Infinity]) {
@@ -14,6 +14,13 @@ test("numbers are written by the page's language, and minus nothing is nothing",
   assert.equal(number(1234.5, 1, "en"), "1,234.5");
   assert.equal(number(1234.5, 1, "de"), "1.234,5");
   assert.equal(number(-0.004, 1, "en"), "0.0");
+});
+
+test("no two lines of an axis say the same", () => {
+  const axis = (apart: number, language: string): string[] => [-1, 0, 1, 2].map((line) => tickText(line * apart, apart, language));
+  assert.deepEqual(axis(0.0005, "de"), ["-0,0005", "0,0000", "0,0005", "0,0010"]);
+  assert.deepEqual(axis(0.25, "en"), ["-0.25", "0.00", "0.25", "0.50"]);
+  assert.deepEqual(axis(200, "en"), ["-200", "0", "200", "400"]);
 });
 
 test("lengths and ages have the unit that people would say", () => {

@@ -4,7 +4,7 @@ import type uPlot from "uplot";
 import { listen, type Sample } from "../../live";
 import { Button, Choice, Empty } from "../../parts";
 import { robot, streamOfType } from "../../robot";
-import { plain } from "../../format";
+import { plain, tickText } from "../../format";
 import { remember, remembered } from "../../kept";
 import { t } from "../../words";
 import { csv, numbers } from "./numbers";
@@ -117,7 +117,7 @@ function Plot({ names, rows, frozen }: { names: string[]; rows: { current: Row[]
       plot = new Plotter({
         width: shown.clientWidth, height: shown.clientHeight, legend: { show: false }, cursor: { drag: { x: frozen, y: false } },
         scales: { x: frozen ? { time: false } : { time: false, range: () => [-LAST_S, 0] } },
-        axes: [{ ...axis, values: (_, ticks) => ticks.map((tick) => `${tick} s`) }, { ...axis, size: 64 }],
+        axes: [{ ...axis, values: (_, ticks) => ticks.map((tick) => `${tick} s`) }, { ...axis, size: 64, values: (_, ticks, _axis, _space, apart) => ticks.map((tick) => tickText(tick, apart)) }],
         series: [{}, ...names.map((name, number) => ({ label: name, stroke: colour(COLOURS[number]!), width: 2, spanGaps: false, points: { show: false } }))],
       }, [[], ...names.map(() => [])], shown);
       show();
