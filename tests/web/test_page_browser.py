@@ -443,6 +443,10 @@ def test_it_speaks_german_and_keeps_what_was_chosen(opened, robot):
     page = opened.page(locale="de-DE")
     expect(page.get_by_role("link", name="Fahren")).to_be_visible()
     assert page.evaluate("document.documentElement.lang") == "de"
+    page.get_by_role("link", name="System").click()
+    page.get_by_role("radio", name="Kameras").click()
+    expect(page.get_by_text("sendet", exact=True)).to_be_visible()
+    page.get_by_role("link", name="Fahren").click()
     page.get_by_role("button", name="Einstellungen").click()
     page.get_by_role("radio", name="Hell").click()
     page.get_by_role("radio", name="English").click()

@@ -6,7 +6,7 @@ import { notice } from "../../notices";
 import { Badge, Button, Icon, Stale, Toggle } from "../../parts";
 import { capabilities, command, may } from "../../robot";
 import { Picture, PREFIX } from "../../stream";
-import { t } from "../../words";
+import { maybe, t } from "../../words";
 
 export function Cameras() {
   return <div class="cameras">{capabilities("camera").map((one) => <Camera key={one.name} of={one} />)}</div>;
@@ -24,7 +24,7 @@ function Camera({ of }: { of: Capability }) {
       <div class="system-part-head">
         <h3 class="cut">{plain(of.name.replace(PREFIX, ""))}</h3>
         <Stale sample={state} after={4000} />
-        {told && <Badge tone={told.on ? (told.phase === "ready" || told.phase === "streaming" ? "good" : "calm") : "calm"}>{told.on ? told.phase : t("cameras.private.off")}</Badge>}
+        {told && <Badge tone={told.on ? (told.phase === "ready" || told.phase === "streaming" ? "good" : "calm") : "calm"}>{told.on ? maybe(`cameras.phase.${told.phase}`) || told.phase : t("cameras.phase.off")}</Badge>}
       </div>
       <div class="camera-picture">{told && !told.on ? <><Icon name="nocamera" /><p>{t("cameras.off")}</p></> : <Picture name={of.name} />}</div>
       <p class="camera-facts muted num">{told?.width_px ? `${told.width_px} × ${told.height_px}` : ""}{told?.fps ? ` · ${number(told.fps, 1)} / s` : ""}{told?.reason ? ` ${told.reason}` : ""}</p>
