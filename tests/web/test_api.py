@@ -62,6 +62,19 @@ def test_a_robot_says_what_it_is_and_what_its_asker_may(served):
     assert served.ask("GET", "/api/").status == 200
 
 
+@pytest.mark.parametrize(
+    ("method", "path", "sentence"),
+    [
+        ("POST", "/api/consol", "there is no POST /api/consol; GET /api and /openapi.json name what there is"),
+        ("GET", "/API/console", "there is no GET /API/console; it takes POST"),
+        ("DELETE", "/api", "there is no DELETE /api; it takes GET, HEAD"),
+    ],
+)
+def test_a_path_or_method_that_the_api_has_not_is_refused_like_all_else(served, method, path, sentence):
+    answer = served.ask(method, path)
+    assert (answer.status, answer.json) == (404, {"message": sentence, "code": "unknown_name"})
+
+
 def test_how_capabilities_are_follows_the_status(served):
     served.bus.say("@status", status())
     phase = lambda: {one["name"]: one["phase"] for one in served.ask("GET", "/api").json["capabilities"]}  # noqa: E731

@@ -160,7 +160,7 @@ def application(
     async def otherwise(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "websocket":
             raise Refused(404, f"there is no WebSocket at {scope['path'][:80]}")
-        found = _options(scope, endpoints, gate) if scope["method"] == "OPTIONS" else no_route(scope)
+        found = _options(scope, endpoints, gate) if scope["method"] == "OPTIONS" else no_route(scope, endpoints)
         await found(scope, receive, send)
 
     closest = sorted(routes, key=lambda route: (not route.accept, route.path.count("{")))
@@ -180,8 +180,12 @@ def application(
     )
 
 
-def no_route(scope: Scope) -> Response:
-    """Return the page that Express shows for what it does not know."""
+def no_route(scope: Scope, endpoints: Iterable[Endpoint]) -> Response:
+    """Return the page that Express shows for what it does not know; what is below `/api` is refused in the API's own form."""
+    if f"{asked_path(scope).lower()}/".startswith("/api/"):
+        there = routing.methods(endpoints, asked_path(scope))
+        instead = f"it takes {', '.join(there)}" if there else "GET /api and /openapi.json name what there is"
+        raise Refused(404, f"there is no {scope['method']} {asked_path(scope)[:80]}; {instead}")
     path = quote(asked_path(scope), safe="/%:@!$&()*+,;=~-._")
     shown = escape(f"Cannot {scope['method']} {path}", quote=True)
     return text(NO_ROUTE.format(shown), 404, HTML, **{"Content-Security-Policy": "default-src 'none'"})
@@ -191,7 +195,7 @@ def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Respons
     """Answer a preflight, or just say which methods there are."""
     headers, methods = headers_of(scope), routing.methods(endpoints, asked_path(scope))
     if not methods:
-        return no_route(scope)
+        return no_route(scope, endpoints)
     allowed = ",".join(methods)
     if "access-control-request-method" not in headers:
         return text(allowed, Allow=allowed)
