@@ -24,7 +24,7 @@ def survey(session: zenoh.Session, key: str, *, source: str, timeout_s: float = 
         )
         return [wire.raw(reply.ok) for reply in replies if reply.ok is not None]
     except zenoh.ZError as err:
-        raise BusError(f"{key}: {err}") from err
+        raise BusError(f"{key}: {wire.plain(err)}") from err
 
 
 @dataclass(frozen=True, slots=True)

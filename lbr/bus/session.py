@@ -3,7 +3,6 @@
 import base64
 import json
 import os
-import re
 import resource
 from collections.abc import Sequence
 from typing import Any
@@ -23,6 +22,7 @@ from msgspec import Struct  # noqa: E402
 
 from lbr.bus import access  # noqa: E402
 from lbr.bus.access import Credentials, Limits, Rights  # noqa: E402
+from lbr.bus.wire import plain  # noqa: E402
 from lbr.errors import BusError  # noqa: E402
 
 Session = zenoh.Session
@@ -180,12 +180,7 @@ def _open(settings: dict[str, Any], what: str) -> Session:
     try:
         return zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
     except zenoh.ZError as err:
-        raise BusError(f"{what}: {_plain(err)}") from err
-
-
-def _plain(err: Exception) -> str:
-    """Leave out where in the library's source an error was raised."""
-    return re.sub(r" at /\S+", "", str(err)).rstrip(". !")
+        raise BusError(f"{what}: {plain(err)}") from err
 
 
 def leaf_environment() -> dict[str, str]:

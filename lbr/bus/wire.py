@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import re
 import threading
 import time
 import traceback
@@ -40,6 +41,19 @@ def raw(sample: zenoh.Sample) -> RawMessage:
     attachment = sample.attachment
     taken = attachment.to_bytes() if attachment is not None else b""
     return RawMessage(str(sample.key_expr), sample.payload.to_bytes(), taken, time.monotonic())
+
+
+def plain(err: Exception) -> str:
+    """Leave out where in the library's source an error was raised."""
+    return re.sub(r" at /\S+", "", str(err)).rstrip(". !")
+
+
+def canonical(key: str) -> str:
+    """Return a key expression as the library takes it; BusError if it is none."""
+    try:
+        return str(zenoh.KeyExpr.autocanonize(key))
+    except zenoh.ZError as err:
+        raise BusError(plain(err)) from err
 
 
 def _leave(err: BaseException) -> None:
@@ -150,7 +164,10 @@ class Subscription:
     ) -> None:
         self._slots: deque[RawMessage] = deque(maxlen=depth)
         self._wake = wake
-        self._subscriber = session.declare_subscriber(key, direct(self._store))
+        try:
+            self._subscriber = session.declare_subscriber(key, direct(self._store))
+        except zenoh.ZError as err:
+            raise BusError(f"{key}: {plain(err)}") from err
 
     def take(self) -> list[RawMessage]:
         """Return what arrived since the last call, oldest first."""
@@ -322,7 +339,7 @@ class PendingQuery:
                 express=True,
             )
         except zenoh.ZError as err:
-            raise BusError(f"{key}: {err}") from err
+            raise BusError(f"{key}: {plain(err)}") from err
 
     def _reply(self, reply: zenoh.Reply) -> None:
         if reply.ok is not None:
@@ -364,7 +381,7 @@ def ask(
         )
         return [raw(reply.ok) for reply in replies if reply.ok is not None]
     except zenoh.ZError as err:
-        raise BusError(f"{key}: {err}") from err
+        raise BusError(f"{key}: {plain(err)}") from err
 
 
 def ask_all(
@@ -406,7 +423,7 @@ def put(
             express=urgent,
         )
     except zenoh.ZError as err:
-        raise BusError(f"{key}: {err}") from err
+        raise BusError(f"{key}: {plain(err)}") from err
 
 
 def forward(session: zenoh.Session, key: str, payload: bytes, attachment: bytes) -> None:

@@ -14,7 +14,7 @@ from lbr.bus.codec import Decoder, decode
 from lbr.bus.session import Session
 from lbr.console.fields import Field, properties
 from lbr.console.printable import listed, shown
-from lbr.errors import InputError, MalformedError
+from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.system import RANKS, EstopRequest, Event, Role, Status
 
 UNDESCRIBED = "(heard; no schema)"
@@ -114,10 +114,13 @@ def choose(topics: Iterable[Topic], name: str) -> Topic:
 def key_of(robot: str, name: str) -> str:
     """Return the key of a topic as people type it: `drive/state`, `/drive/state`, `lbr/drive/state`, `@event`."""
     name = name.strip("/")
-    good = name and all(part and not part.isspace() for part in name.split("/")) and name.isprintable()
-    if not good or any(char in name for char in "#?$ "):
-        raise InputError(f"'{shown(name)}' is not a topic; topics look like drive/state, and * stands for any one part")
-    return name if name.startswith(f"{robot}/") else f"{robot}/{name}"
+    key = name if name.startswith(f"{robot}/") else f"{robot}/{name}"
+    try:
+        if name.isprintable() and not any(char in name for char in "$ "):
+            return wire.canonical(key)
+    except BusError:
+        pass
+    raise InputError(f"'{shown(name)}' is not a topic; topics look like drive/state, and * stands for any one part")
 
 
 def fields_of(topic: Topic) -> list[Field]:

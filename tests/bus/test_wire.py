@@ -37,6 +37,13 @@ def served(router, request):
     server.close()
 
 
+@pytest.mark.parametrize("listen", [wire.Subscription, lambda bus, key: wire.ask(bus, key, {}, source="test")])
+def test_what_is_no_key_is_refused_without_a_place_in_the_librarys_source(client, listen):
+    with pytest.raises(BusError, match=r"^r/\*x: Invalid Key Expr") as refused:
+        listen(client, "r/*x")
+    assert ".rs" not in str(refused.value)
+
+
 def test_a_question_waits_until_it_is_answered_and_is_answered_once(client, served):
     asked = wire.PendingQuery(client, served.key, b'{"n": 1}', timeout_s=5.0, source="test")
     (request,) = until(served.take)

@@ -6,9 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lbr.bus import wire
 from lbr.bus.wire import RawMessage
 from lbr.commands import topic
+from lbr.console import topics
 from lbr.console.rates import Rate
+from lbr.errors import InputError
 
 KEY = "lbr/drive/command"
 OURS = "lbr topic 7"
@@ -22,6 +25,23 @@ JSON = st.recursive(
 def printed(payload: bytes, capsys, *, named: bool = False, as_json: bool = False) -> str:
     topic._print_message(RawMessage("lbr/a/b", payload, b"", 0.0), as_json=as_json, raw=False, named=named)
     return capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "name", ["", "#", "a?", "$x", "drive//state", "drive/*x", "***/state", "a b", "a\nb", "\ud800"]
+)
+def test_what_is_no_topic_is_told_before_the_bus_is_asked(name):
+    with pytest.raises(InputError, match="is not a topic; topics look like drive/state"):
+        topics.key_of("lbr", name)
+
+
+@given(st.text() | st.text(alphabet="*/@a$"))
+def test_whatever_is_typed_is_a_key_of_the_bus_or_no_topic(name):
+    try:
+        key = topics.key_of("lbr", name)
+    except InputError:
+        return
+    assert wire.canonical(key) == key
 
 
 @given(st.binary(max_size=60) | JSON.map(lambda value: json.dumps(value).encode()))
