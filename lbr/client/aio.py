@@ -69,10 +69,10 @@ class AsyncRobot:
 
     async def latest(self, name: str) -> Message:
         """Return the newest message of a stream, or what else answers on a key; raise BusError if nothing does."""
-        return await self.ask(name)
+        return await _apart(self.blocking.latest, name)
 
     async def ask(self, name: str, **message: Any) -> Message:
-        """Give a command that borrows nothing, and return its reply; raise BusError if nothing answers."""
+        """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing answers."""
         return await _apart(self.blocking.ask, name, **message)
 
     async def stream(self, name: str, *, within_s: float = 2.0) -> AsyncGenerator[Message, None]:

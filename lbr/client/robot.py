@@ -91,10 +91,16 @@ class Robot:
 
     def latest(self, name: str) -> Message:
         """Return the newest message of a stream, or what else answers on a key; raise BusError if nothing does."""
-        return self.ask(name)
+        return self._answer(name, {})
 
     def ask(self, name: str, **message: Any) -> Message:
-        """Give a command that borrows nothing, and return its reply; raise BusError if nothing answers."""
+        """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing answers."""
+        reply = self._answer(name, message)
+        if reply.get("accepted") is False:
+            raise RefusalError(reply.get("code", ""), reply.get("reason", ""))
+        return reply
+
+    def _answer(self, name: str, message: Message) -> Message:
         for raw in wire.ask(self.session, self.key(name), message or None, source=self.source):
             found: Message = msgspec.json.decode(raw.payload)
             return found

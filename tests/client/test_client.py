@@ -82,6 +82,13 @@ def test_a_line_that_is_refused_says_why_in_words_and_by_code(robot, line, code)
     assert str(refused.value)
 
 
+def test_a_command_that_is_refused_raises_its_sentence_and_code(robot):
+    assert robot.ask("drive/stop")["accepted"]
+    with pytest.raises(client.RefusalError, match=r"Expected `bool`, got `str` - at `\$\.enabled`") as refused:
+        robot.ask("motors/enable", enabled="of course")
+    assert refused.value.code == "malformed"
+
+
 def test_borrowed_motion_goes_on_while_it_is_kept_changes_and_ends_with_its_with(robot, running):
     with borrowed(robot, power=0.1, angle_deg=180) as motion:
         until(lambda: motion.keep() and turning(running))
