@@ -10,6 +10,8 @@ from lbr.messages.camera import JpegFrame
 from lbr.messages.unreadable import UNREADABLE
 
 T = TypeVar("T")
+LONGEST = 200
+"""Of what is said of a message that cannot be read; it comes to every console."""
 
 
 class Decoder(Generic[T]):
@@ -23,11 +25,18 @@ class Decoder(Generic[T]):
         try:
             return self._decoder.decode(data)
         except msgspec.ValidationError as err:
-            raise MalformedError(str(err)) from err
-        except (RecursionError, OverflowError) as err:
+            raise MalformedError(_bounded(str(err))) from err
+        except RecursionError as err:
+            raise MalformedError("the JSON is nested too deeply") from err
+        except OverflowError as err:
             raise MalformedError(f"not sensible: {err}") from err
         except UNREADABLE as err:
             raise MalformedError(f"not JSON: {err}") from err
+
+
+def _bounded(text: str) -> str:
+    """Leave out the middle of what quotes a long value: what was expected stands before it, and the field behind."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]}…{text[-LONGEST // 2 :]}"
 
 
 class PictureDecoder:

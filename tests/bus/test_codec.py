@@ -9,6 +9,7 @@ from lbr.bus import codec, pictures
 from lbr.errors import MalformedError
 from lbr.messages.drive import DriveCommand
 from lbr.messages.motors import MotorSetpoint
+from lbr.messages.tracking import LookCommand
 
 drive = codec.Decoder(DriveCommand)
 json_values = st.recursive(
@@ -38,6 +39,12 @@ def test_any_json_is_a_message_or_malformed(value):
     assert refused(msgspec.json.encode(value)) != ""
 
 
+def test_a_long_value_that_is_refused_is_not_quoted_whole():
+    with pytest.raises(MalformedError, match=r"^Invalid enum value '(far)+.?.?….*' - at `\$\.target`$") as err:
+        codec.Decoder(LookCommand).decode(b'{"target": "' + b"far" * 5000 + b'"}')
+    assert len(str(err.value)) <= codec.LONGEST + 1
+
+
 @pytest.mark.parametrize("text", ["NaN", "Infinity", "-Infinity", "1e999", "-1e999", '"0.5"', "null", "[]", "true"])
 @pytest.mark.parametrize("field", ["power", "angle_deg"])
 def test_no_number_that_means_nothing_reaches_a_motor(field, text):
@@ -62,7 +69,7 @@ def test_no_setpoint_beyond_full_power_is_a_message(wheel, text):
         (b"\xff\xfe", "not JSON"),
         (b'{"power": 0.5', "not JSON"),
         (b'"\xed\xa0\x80"', "not JSON|Expected"),
-        (b'{"more":' * 100_000, "not sensible|not JSON"),
+        (b'{"more":' * 100_000, "nested too deeply|not JSON"),
         (b'{"power": ' + b"9" * 5000 + b"}", "out of range"),
         (b"{}", "missing required field"),
     ],
