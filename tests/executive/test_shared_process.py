@@ -277,6 +277,7 @@ def test_the_table_of_what_runs_and_the_logs_name_the_process(robot: Robot) -> N
     of_before.write_text("alone then\n")
     do(robot, "ann", "raise")
     until(lambda: "out of cheese" in lbr(robot.home, "logs", "bob").stdout, limit_s=15.0)
+    assert lbr(robot.home, "logs", "lbr/bob").stdout == "alone then\n"
     of_before.unlink()
 
 
