@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, datetime
+from itertools import chain, count
 from pathlib import Path
 from typing import IO, Any
 
@@ -28,12 +29,12 @@ def to_mcap(path: Path, found: Iterable[Message], library: str) -> int:
     new = path.with_name(f"{path.name}.new")
     try:
         with new.open("wb") as file:
-            count = _write_mcap(file, found, library)
+            written = _write_mcap(file, found, library)
         new.replace(path)
     except OSError as err:
         new.unlink(missing_ok=True)
         raise InputError(f"{path} cannot be written: {err.strerror}") from err
-    return count
+    return written
 
 
 def _write_mcap(file: IO[bytes], found: Iterable[Message], library: str) -> int:
@@ -41,7 +42,7 @@ def _write_mcap(file: IO[bytes], found: Iterable[Message], library: str) -> int:
     writer.start(profile="lbr", library=library)
     schemas: dict[tuple[str, bytes], int] = {}
     channels: dict[Channel, int] = {}
-    count = 0
+    written = 0
     for one in found:
         channel = one.channel
         if channel not in channels:
@@ -50,31 +51,33 @@ def _write_mcap(file: IO[bytes], found: Iterable[Message], library: str) -> int:
                 schemas[key] = writer.register_schema(channel.schema_name, "jsonschema", channel.schema)
             channels[channel] = writer.register_channel(channel.topic, channel.encoding, schemas.get(key, 0))
         writer.add_message(channels[channel], one.log_ns, one.data, one.publish_ns, one.sequence)
-        count += 1
+        written += 1
     writer.finish()
-    return count
+    return written
 
 
 def to_csv(folder: Path, again: Again) -> dict[str, int]:
     """Write a table for each topic into a folder, and pictures as files beside them; return the rows of each.
 
-    InputError says why it cannot be. Columns are the fields, those within others behind a dot.
+    InputError says why it cannot be. Columns are the fields, those within others behind a dot; `time` and `time_s` are the
+    recording's, and a message's own of these names `message.time` and `message.time_s`.
     """
     columns: dict[str, dict[str, None]] = {}
     for one in again():
         columns.setdefault(one.topic, {}).update(dict.fromkeys(_fields(one)))
     counts: dict[str, int] = {}
+    called = file_names(columns)
     files: dict[str, IO[str]] = {}
     tables: dict[str, Any] = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for topic, names in columns.items():
-            files[topic] = (folder / f"{file_name(topic)}.csv").open("w", newline="", encoding="utf-8")
+            files[topic] = (folder / f"{called[topic]}.csv").open("w", newline="", encoding="utf-8")
             tables[topic] = csv.DictWriter(files[topic], [TIME, SECONDS, *names], extrasaction="ignore")
             tables[topic].writeheader()
         for one in again():
             if one.topic in tables:
-                tables[one.topic].writerow(_row(one, folder))
+                tables[one.topic].writerow(_row(one, folder, called[one.topic]))
                 counts[one.topic] = counts.get(one.topic, 0) + 1
         for file in files.values():
             file.flush()
@@ -86,9 +89,14 @@ def to_csv(folder: Path, again: Again) -> dict[str, int]:
     return counts
 
 
-def file_name(topic: str) -> str:
-    """Return what a topic's file is called."""
-    return re.sub(r"[^A-Za-z0-9_.-]+", "_", topic).strip("_.") or "topic"
+def file_names(topics: Iterable[str]) -> dict[str, str]:
+    """Return what each topic's file is called; one whose name another has already gets a number."""
+    found: dict[str, str] = {}
+    for topic in topics:
+        name = re.sub(r"[^A-Za-z0-9_.-]+", "_", topic).strip("_.") or "topic"
+        names = chain((name,), (f"{name}-{number}" for number in count(2)))
+        found[topic] = next(one for one in names if one not in found.values())
+    return found
 
 
 def fields(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -120,15 +128,21 @@ def decoded(one: Message) -> Any:
 def _fields(one: Message) -> list[str]:
     if one.channel.schema_name == PICTURES:
         return ["file"]
-    return [name for name, _value in fields(decoded(one))]
+    return [name for name, _value in _columns(one)]
 
 
-def _row(one: Message, folder: Path) -> dict[str, Any]:
+def _columns(one: Message) -> Iterator[tuple[str, Any]]:
+    """Yield the plain values of a message by the names of their columns."""
+    for name, value in fields(decoded(one)):
+        yield (f"message.{name}" if name in {TIME, SECONDS} else name), value
+
+
+def _row(one: Message, folder: Path, called: str) -> dict[str, Any]:
     at = datetime.fromtimestamp(one.log_ns / 1e9, UTC)
     row: dict[str, Any] = {TIME: at.isoformat(timespec="microseconds"), SECONDS: f"{one.log_ns / 1e9:.6f}"}
     if one.channel.schema_name == PICTURES:
-        return row | {"file": _picture(one, folder, at)}
-    return row | {name: _cell(value) for name, value in fields(decoded(one))}
+        return row | {"file": _picture(one, folder, called, at)}
+    return row | {name: _cell(value) for name, value in _columns(one)}
 
 
 def _cell(value: Any) -> Any:
@@ -148,10 +162,10 @@ def picture_in(one: Message) -> bytes | None:
         return None
 
 
-def _picture(one: Message, folder: Path, at: datetime) -> str:
+def _picture(one: Message, folder: Path, called: str, at: datetime) -> str:
     data = picture_in(one)
     if data is None:
         return ""
-    name = f"{file_name(one.topic)}-{at:%Y%m%dT%H%M%S.%f}.jpg"
+    name = f"{called}-{at:%Y%m%dT%H%M%S.%f}.jpg"
     (folder / name).write_bytes(data)
     return name

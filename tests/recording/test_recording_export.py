@@ -40,6 +40,20 @@ def test_a_table_for_each_topic_with_a_column_for_each_field(tmp_path):
     assert (rows[0]["power"], rows[0]["loop.rate_hz"], rows[1]["reason"]) == ("0.5", "50", "a, b\n")
 
 
+def test_a_field_named_as_the_recordings_own_time_has_a_column_of_its_own(tmp_path):
+    export.to_csv(tmp_path, lambda: [said(b'{"time_s": 12.5, "time": "noon"}', 3, Channel("imu/sample"))])
+    (header, row) = csv.reader((tmp_path / "imu_sample.csv").read_text().splitlines())
+    assert header == ["time", "time_s", "message.time_s", "message.time"]
+    assert row[1:] == ["3.000000", "12.5", "noon"]
+
+
+def test_topics_whose_files_would_be_called_the_same_have_a_file_each(tmp_path):
+    found = [said(b'{"x": 1}', 1, Channel("a_b/c")), said(b'{"y": 2}', 2, Channel("a/b_c"))]
+    export.to_csv(tmp_path, lambda: found)
+    tables = {path.name: path.read_text().split(",")[2].split()[0] for path in tmp_path.iterdir()}
+    assert tables == {"a_b_c.csv": "x", "a_b_c-2.csv": "y"}
+
+
 def test_pictures_become_files(tmp_path):
     import base64
 
