@@ -27,7 +27,7 @@ class MainThread:
         os.set_blocking(self.wake_fd, False)
 
     def call(self, do: Callable[[], T]) -> T:
-        """Run `do` there and return its result; raise what it raises."""
+        """Run `do` there and return its result; raise what it raises. What is not begun in time is never done: LbrError."""
         if threading.get_ident() == self._ident:
             return do()
         future: Future[T] = Future()
@@ -35,8 +35,12 @@ class MainThread:
         self.wake()
         try:
             return future.result(timeout=ANSWER_LIMIT_S)
-        except (FutureTimeout, CancelledError):
-            raise LbrError("the executive is busy or ends; try again") from None
+        except FutureTimeout:
+            if not future.cancel():  # it has begun, or has raised this itself
+                return future.result()
+        except CancelledError:
+            pass
+        raise LbrError("the executive is busy or ends; try again")
 
     def post(self, do: Callable[[], object]) -> None:
         """Run `do` there, soon, and return at once."""
@@ -66,6 +70,8 @@ class MainThread:
                 do, future = self._calls.get_nowait()
             except queue.Empty:
                 return
+            if not future.set_running_or_notify_cancel():
+                continue
             try:
                 future.set_result(do())
             except Exception as err:  # noqa: BLE001 - it belongs to the caller
