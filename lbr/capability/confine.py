@@ -23,7 +23,7 @@ def confine(places: Iterable[str] = ()) -> None:
     a home that is mounted into a container, a device that was given to another user.
     """
     libc = ctypes.CDLL(None, use_errno=True)
-    kept = {CAP_DAC_OVERRIDE} if _needs_override(places) else set()
+    kept = {CAP_DAC_OVERRIDE} if needs_override(places) else set()
     for number in range(LAST_CAPABILITY + 1):
         if number not in kept:
             libc.prctl(PR_CAPBSET_DROP, number, 0, 0, 0)  # refused to a process that has none anyway
@@ -40,7 +40,8 @@ def keep_private() -> None:
     ctypes.CDLL(None).prctl(PR_SET_DUMPABLE, 0, 0, 0, 0)
 
 
-def _needs_override(places: Iterable[str]) -> bool:
+def needs_override(places: Iterable[str]) -> bool:
+    """Say whether root, to reach all of these, must keep the right to open the files of others."""
     return os.geteuid() == 0 and any(Path(place).exists() and Path(place).stat().st_uid != 0 for place in places)
 
 

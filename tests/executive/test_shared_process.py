@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from tests.support import needs
 from tests.support.robot import Robot, lbr, running, until
 
 pytestmark = pytest.mark.timeout(60)
@@ -70,6 +71,23 @@ class Mate(Capability[NoSettings]):
 KIND = Kind(name="mate", summary="counts", family="app", entry=Mate, inputs={"others": Count}, optional=("others",),
             outputs={"count": Count}, commands={"do": Do})
 """
+TOUCHER = """
+from msgspec import Struct
+from lbr.capability import Capability, Kind
+from lbr.errors import DeviceError
+
+class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    device: str
+
+class Toucher(Capability[Settings]):
+    def open(self):
+        try:
+            open(self.ctx.device.address).close()
+        except OSError as err:
+            raise DeviceError(str(err)) from err
+
+KIND = Kind(name="toucher", summary="opens a file", family="driver", entry=Toucher, settings=Settings, device="thing")
+"""
 HEARD_S = 1.0
 """A line is answered in some milliseconds; a busy machine may take longer."""
 STILLBORN = """
@@ -90,6 +108,7 @@ def robot(shared_home: Path) -> Iterator[Robot]:
     (shared_home / "capabilities").mkdir(mode=0o700)
     (shared_home / "capabilities" / "mate.py").write_text(KIND)
     (shared_home / "capabilities" / "stillborn.py").write_text(STILLBORN)
+    (shared_home / "capabilities" / "toucher.py").write_text(TOUCHER)
     with running(shared_home) as started:
         started.edit(ROWS)
         started.edit("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ann.count', 'bob.others')")
@@ -306,6 +325,32 @@ def test_who_may_not_share_is_told_so_and_nothing_changes(robot: Robot, edit: st
         f"UPDATE capability SET process = {processes} WHERE robot = 'lbr' AND name IN ('drive', 'world') OR kind = 'mate'"
     )
     until(lambda: not robot.status()["problems"])
+
+
+@needs.root("opens the files of others")
+def test_a_device_of_another_users_that_comes_later_is_reached_in_a_new_process(robot: Robot, tmp_path: Path) -> None:
+    ours, theirs = tmp_path / "ours", tmp_path / "theirs"
+    for path in (ours, theirs):
+        path.touch(0o600)
+    os.chown(theirs, 65534, 65534)
+    robot.edit(
+        "INSERT INTO device (robot, name, type, address) VALUES ('lbr', 'one', 'thing', ?), ('lbr', 'two', 'thing', ?)",
+        *map(str, (ours, ours)),
+    )
+    robot.edit(
+        "INSERT INTO capability (robot, name, kind, process, settings) VALUES"
+        """ ('lbr', 'fay', 'toucher', 'hands', '{"device": "one"}'), ('lbr', 'gus', 'toucher', 'hands', '{"device": "two"}')"""
+    )
+    until(lambda: {robot.capability(name)["phase"] for name in ("fay", "gus")} == {"ready"}, limit_s=15.0)
+    before = robot.capability("fay")["pid"]
+    assert robot.capability("gus")["pid"] == before
+    robot.edit("UPDATE device SET address = ? WHERE name = 'two'", str(theirs))
+    until(lambda: robot.capability("gus")["pid"] not in {None, before}, what="it begins elsewhere", limit_s=15.0)
+    until(lambda: robot.capability("gus")["phase"] == "ready", what="it reaches its device")
+    assert robot.capability("fay")["pid"] == before
+    robot.edit("DELETE FROM capability WHERE kind = 'toucher'")
+    robot.edit("DELETE FROM device WHERE type = 'thing'")
+    until(lambda: all(one["kind"] != "toucher" for one in units(robot)))
 
 
 def test_nothing_of_them_outlives_the_executive(robot: Robot) -> None:

@@ -18,6 +18,7 @@ from msgspec.structs import replace
 
 from lbr.capability import leaving
 from lbr.capability.config import Order, ProcessConfig, Report
+from lbr.capability.confine import needs_override
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.child import Here, document_of, launch
@@ -44,11 +45,14 @@ class SharedProcesses:
         mark: Callable[[], Mark],
         forks: ForkServer | None = None,
     ) -> "Member":
-        """Start a capability in its process, which begins if it is not there."""
+        """Start a capability in its process, which begins if it is not there, or could not open the capability's device.
+
+        In that case the others stay in the one of before, which has given up the right to.
+        """
         self.sweep()
         document_of(config)  # one that is too long begins nothing
         child = self._children.get(config.process)
-        if child is None or child.ended:
+        if child is None or child.ended or not child.reaches(config):
             with log() as file:
                 child = SharedChild(config, file, mark(), forks, self._done)
             self._children[config.process] = child
@@ -76,6 +80,7 @@ class SharedChild:
         done: Callable[["SharedChild"], None],
     ) -> None:
         self.name = config.process
+        self._override = needs_override(_places(config))
         self._mark = mark
         self._done = done
         self._process, self.reports = launch(config, self.name, mark, log, forks)
@@ -103,6 +108,10 @@ class SharedChild:
         """Whether nothing more can begin there."""
         over = self._leaves or bool(self.because) or self.code() is not None
         return over or not (self._members or self._fresh)
+
+    def reaches(self, config: ProcessConfig) -> bool:
+        """Say whether it may open what those who are to share it now have for devices."""
+        return self._override or not needs_override(_places(config))
 
     @property
     def alone(self) -> bool:
@@ -271,6 +280,10 @@ class Member(Here):
     def close(self) -> None:
         """Let it go, after its end."""
         self._shared.leave(self.unit.name)
+
+
+def _places(config: ProcessConfig) -> tuple[str, ...]:
+    return (config.home, *config.reach)
 
 
 def _line(order: Order) -> bytes:
