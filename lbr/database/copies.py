@@ -32,8 +32,13 @@ class Copy(Struct, frozen=True, kw_only=True):
     fault: str = ""
 
 
+class EditedError(RowError):
+    """The rows are others than those that run: they were edited a moment ago, or the edit is refused."""
+
+
 def keep(path: Path, digest: str) -> Path | None:
-    """Copy a database whose rows are known to run; None if the newest copy holds the same. Raises RowError."""
+    """Copy a database whose rows are known to run; None if the newest copy holds the same. Raises RowError, EditedError if
+    others are in it now."""
     try:
         with _one_at_a_time(path.parent):
             return _keep(path, path.with_name(f"{path.name}.good-new"), digest)
@@ -114,8 +119,10 @@ def _keep(path: Path, new: Path, digest: str) -> Path | None:
     try:
         copy_whole(path, new)
         found = look(new)
-        if found.fault or found.digest != digest:
-            raise RowError((f"database {path} is not as it runs ({found.fault or 'its rows differ'}): not copied",))
+        if found.fault:
+            raise RowError((f"database {path} is not as it runs ({found.fault}): not copied",))
+        if found.digest != digest:
+            raise EditedError((f"database {path} is not as it runs (its rows differ): not copied",))
         newest = _name(path, 1)
         if newest.exists() and _same(newest, new):
             return None
