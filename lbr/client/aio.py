@@ -211,7 +211,7 @@ class AsyncMotion:
 
 
 def connect(
-    robot: str | None = None, *, at: str | None = None, token_file: Path | None = None, name: str = ""
+    robot: str | None = None, *, at: str | None = None, token_file: Path | str | None = None, name: str = ""
 ) -> AsyncRobot:
     """Return the robot that `lbr.client.connect` would, for an `async with`, which connects."""
     return AsyncRobot(lambda: connect_blocking(robot, at=at, token_file=token_file, name=name))

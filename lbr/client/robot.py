@@ -199,11 +199,11 @@ def _leave(robot: "ref[Robot]") -> None:
 
 
 def connect(
-    robot: str | None = None, *, at: str | None = None, token_file: Path | None = None, name: str = ""
+    robot: str | None = None, *, at: str | None = None, token_file: Path | str | None = None, name: str = ""
 ) -> Robot:
     """Connect to the named robot, the one at an endpoint, or the only one that runs here; raise BusError or InputError.
 
     At another machine's door (`tls/HOST:PORT`) a token lets us in: `token_file`, $LBR_TOKEN, or one that `lbr` has
     saved. `name` is what refusals and events call this program.
     """
-    return Robot(target.find(robot, at, token_file), target.source(name or "program"))
+    return Robot(target.find(robot, at, Path(token_file) if token_file else None), target.source(name or "program"))

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from lbr import client
 from lbr.bus import certificates
 from tests.support import programs
 from tests.support.door import Door, opened
@@ -69,6 +70,9 @@ def test_a_token_can_be_in_a_file(door: Door):
     path.write_text(f"{door.tokens['eye']}\n")
     assert door.lbr("send", "stop", "--token-file", str(path)).returncode == 0
     assert "cannot be read" in said(door.lbr("send", "stop", "--token-file", str(path) + "x"))
+    for named in (path, str(path)):
+        with client.connect(at=door.endpoint, token_file=named) as robot:
+            assert robot.role == "view"
 
 
 @pytest.mark.parametrize(
