@@ -49,6 +49,7 @@ export function Import({ owner, tables, onTaken }: { owner: string; tables: Summ
     return () => { document.removeEventListener("dragover", over); document.removeEventListener("drop", drop); };
   });
   const good = nameFrom(name) === name;
+  const wrong = good ? "" : t("behaviours.name.rule");
   const errors = taken?.faults.filter((one) => one.error) ?? [];
   const done = async (): Promise<void> => {
     const answer = await read(owner, name, taken!.file, taken!.content);  // the rows bear the name of their table
@@ -68,6 +69,7 @@ export function Import({ owner, tables, onTaken }: { owner: string; tables: Summ
         actions={<><Button kind="quiet" onClick={() => take(null)}>{t("dialog.cancel")}</Button><Button kind="primary" icon="check" disabled={!good || errors.length > 0 || !taken?.rows.length} onClick={() => void done()}>{tables.some((one) => one.name === name) ? t("behaviours.import.replace", { name: plain(name) }) : t("behaviours.import.take")}</Button></>}
       >
         <Field label={t("behaviours.name")} value={name} maxLength={40} aria-invalid={!good} onInput={(event) => call(event.currentTarget.value)} />
+        {wrong && <p class="form-wrong" role="alert">{wrong}</p>}
         <p><Badge tone={errors.length > 0 ? "warn" : "good"} icon={errors.length > 0 ? "warn" : "check"}>{errors.length > 0 ? t("behaviours.faults", { count: errors.length }) : t("behaviours.import.rows", { count: taken?.rows.length ?? 0 })}</Badge></p>
         {taken && taken.faults.length > 0 && <ul class="behaviours-found">{[...errors, ...taken.faults.filter((one) => !one.error)].map((one) => <li key={`${one.line} ${one.column} ${one.text}`} class={one.error ? "form-wrong" : "muted"}><strong>{where(one)}</strong> {one.text}</li>)}</ul>}
       </Dialog>
@@ -79,7 +81,8 @@ export function New({ tables, onMade }: { tables: Summary[]; onMade: (name: stri
   const [open, show] = useState(false);
   const [name, call] = useState("");
   const [help, say] = useState("");
-  const good = name !== "" && nameFrom(name) === name && !tables.some((one) => one.name === name);
+  const there = tables.some((one) => one.name === name);
+  const wrong = name === "" ? "" : nameFrom(name) !== name ? t("behaviours.name.rule") : there ? t("behaviours.name.there", { name: plain(name) }) : "";
   const make = async (): Promise<void> => {
     if (!(await keep(name, help, first(name), tables))) return;
     show(false);
@@ -88,8 +91,9 @@ export function New({ tables, onMade }: { tables: Summary[]; onMade: (name: stri
   return (
     <>
       <Button icon="plus" onClick={() => show(true)}>{t("behaviours.new")}</Button>
-      <Dialog title={t("behaviours.new")} open={open} onClose={() => show(false)} actions={<Button kind="primary" icon="plus" disabled={!good} onClick={() => void make()}>{t("behaviours.make")}</Button>}>
-        <Field label={t("behaviours.name")} value={name} maxLength={40} placeholder="my_patrol" aria-invalid={name !== "" && !good} onInput={(event) => call(event.currentTarget.value)} />
+      <Dialog title={t("behaviours.new")} open={open} onClose={() => show(false)} actions={<Button kind="primary" icon="plus" disabled={name === "" || wrong !== ""} onClick={() => void make()}>{t("behaviours.make")}</Button>}>
+        <Field label={t("behaviours.name")} value={name} maxLength={40} placeholder="my_patrol" aria-invalid={wrong !== ""} onInput={(event) => call(event.currentTarget.value)} />
+        {wrong && <p class="form-wrong" role="alert">{wrong}</p>}
         <Field label={t("behaviours.help")} value={help} maxLength={200} onInput={(event) => say(event.currentTarget.value)} />
       </Dialog>
     </>
