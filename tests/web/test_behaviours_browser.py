@@ -88,8 +88,14 @@ def test_a_table_from_a_file_is_run_watched_and_edited_while_it_runs(page, robot
     time.press("Enter")
     expect(page.get_by_role("alert").first).to_be_visible()
     assert ">= 3600" in (kept(robot, 1) or "")  # what cannot be read is not kept, and stays to be mended
+    near = cell(page, "Forward", 2)
+    near.fill("< 2")
+    near.press("Enter")
+    until(lambda: "< 2" in (kept(robot, 2) or ""), what="the robot's rows")
+    expect(time).to_have_attribute("aria-invalid", "true")  # also when another cell was kept since
     time.fill(">= 1800")
     time.press("Enter")
+    expect(time).to_have_attribute("aria-invalid", "false")
     expect(page.get_by_text("it counts from the next time")).to_be_visible()
     until(lambda: ">= 1800" in (kept(robot, 1) or ""), what="the robot's rows")
     page.get_by_role("button", name="Pause").click()

@@ -82,6 +82,9 @@ interface CellProps { name: string; row: number; value: string; wrong: string; e
 /** What is typed is kept on Enter or on leaving the cell; what was refused stays to be mended, Escape takes it back. */
 function Cell({ name, row, value, wrong, editable, list, live, onKeep }: CellProps) {
   const [typed, type] = useState<string | null>(null);
+  const why = useRef("");
+  why.current = typed === null ? "" : wrong || why.current;  // stays with a text that is not kept, whatever is kept elsewhere
+  const bad = wrong || why.current;
   const box = useRef<HTMLInputElement>(null);
   useEffect(() => type(null), [value]);
   const keep = async (): Promise<void> => {
@@ -91,10 +94,10 @@ function Cell({ name, row, value, wrong, editable, list, live, onKeep }: CellPro
   const missed = live !== undefined && live !== true;
   const text = typed ?? value;
   return (
-    <td class={`${wrong ? "form-bad" : ""} ${live === undefined ? "" : missed ? "behaviours-unmet" : "behaviours-met"}`}>
+    <td class={`${bad ? "form-bad" : ""} ${live === undefined ? "" : missed ? "behaviours-unmet" : "behaviours-met"}`}>
       {editable ? (
         <input
-          ref={box} class="input behaviours-cell" value={text} list={list} maxLength={300} spellcheck={false} autocomplete="off" aria-invalid={wrong !== ""} aria-label={t("behaviours.cell", { column: name, row })}
+          ref={box} class="input behaviours-cell" value={text} list={list} maxLength={300} spellcheck={false} autocomplete="off" aria-invalid={bad !== ""} aria-label={t("behaviours.cell", { column: name, row })}
           style={{ width: `${Math.max(6, Math.min(24, text.length + 3.5))}ch` }}
           onInput={(event) => type(event.currentTarget.value)} onBlur={() => void keep()}
           onKeyDown={(event) => {
@@ -104,7 +107,7 @@ function Cell({ name, row, value, wrong, editable, list, live, onKeep }: CellPro
         />
       ) : <span class="behaviours-text">{value}</span>}
       {missed && <p class="behaviours-miss">{miss(live)}</p>}
-      {wrong && <p class="form-wrong" role="alert">{wrong}</p>}
+      {bad && <p class="form-wrong" role="alert">{bad}</p>}
     </td>
   );
 }
