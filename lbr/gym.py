@@ -63,7 +63,8 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
 
     An action is a twist, two shares from -1 to 1: of MOST_MPS ahead, and of MOST_RPS anticlockwise; it holds for STEP_S.
     An episode ends when the dock charges the robot, and is cut off after `max_s` seconds of the robot's time. `database` and
-    `robot` say whose rows; the shipped rows of `lbr` if left out. InputError: these make no robot on wheels, or there is no such file.
+    `robot` say whose rows; the shipped rows of `lbr` if left out. InputError: these make no robot on wheels, there is no such file,
+    or `max_s` is no time.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012 - as Gymnasium declares it
@@ -78,6 +79,8 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
     ) -> None:
         if render_mode is not None:
             raise InputError(f"'{ID}' draws nothing: leave render_mode out", "bad_value")
+        if not max_s > 0.0:  # this way round, NaN is refused
+            raise InputError(f"max_s {max_s:g} is no number of seconds above 0", "bad_value")
         self.render_mode = None
         self._max_s = max_s
         self._robot = robot

@@ -80,6 +80,12 @@ def test_a_start_without_room_is_refused(room, start):
         room.reset(options={"start": start})
 
 
+@pytest.mark.parametrize("max_s", [0.0, -1.0, float("nan")])
+def test_a_length_that_is_no_time_is_refused(max_s):
+    with pytest.raises(InputError, match="is no number of seconds above 0"):
+        gym.Room(max_s=max_s)
+
+
 def test_a_robot_without_wheels_and_one_that_is_not_there_are_refused():
     with pytest.raises(InputError, match="no wheels in a room"):
         gym.Room(robot="bioloid")
