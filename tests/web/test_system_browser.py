@@ -73,6 +73,11 @@ def test_a_limit_is_changed_in_a_form_that_says_what_is_wrong_and_what_restarts(
     power.fill("7")
     expect(form.get_by_text("At most 1")).to_be_visible()
     expect(form.get_by_role("button", name="Save")).to_be_disabled()
+    power.fill("")
+    form.get_by_label("kind").fill("No Such")
+    expect(form.get_by_text("'No Such' is not a name")).to_be_visible(timeout=SLOWLY_MS)
+    expect(form.get_by_text("Something below is not right yet")).to_be_visible()
+    form.get_by_label("kind").fill("drive")
     wanted = "0.55" if page.viewport_size["width"] < 500 else "0.65"
     power.fill(wanted)
     expect(form.get_by_text("Restarts drive.")).to_be_visible(timeout=SLOWLY_MS)

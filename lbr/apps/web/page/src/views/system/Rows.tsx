@@ -139,7 +139,7 @@ function Edit({ of, row, editable, onClose }: { of: Table; row: Row | null; edit
           </>
         ) : elsewhere.length > 0 ? elsewhere.map((one) => <p key={one.table + one.row + one.column} class="form-wrong">{`${plain(one.table)} ${one.row}, ${one.column}: ${one.text}`}</p>)
           : touched ? <p>{effects.length === 0 ? t("rows.nothing") : effects.map((what) => t(`rows.${what}`, { names: touched[what].map(plain).join(", ") })).join(" ")}</p>
-            : editable ? <p class="muted">{local.size > 0 && dirty ? t("rows.mend") : dirty ? t("rows.trying") : t("rows.hint")}</p> : <p class="muted">{of.fixed || t("rows.look")}</p>}
+            : editable ? <p class="muted">{local.size + remote.length > 0 && dirty ? t("rows.mend") : dirty ? t("rows.trying") : t("rows.hint")}</p> : <p class="muted">{of.fixed || t("rows.look")}</p>}
       </div>
       <Form fields={fields} value={now} wrong={wrong} theirs={theirs} fixed={(path) => !editable || (before !== null && of.key.includes(path)) || (of.table === "robot" && !["model", "description", "owner"].includes(path))} onChange={edit} />
     </Dialog>
