@@ -1,12 +1,29 @@
 """The command `lbr`: Ctrl-C counts from its first moment on, also while it is still loaded."""
 
+import _thread
+import sys
+import threading
+
 INTERRUPTED = 130
+AGAIN_S = 0.02
+"""Longer than what lets nothing out takes, so that the same Ctrl-C counts behind it."""
 
 
 def main() -> int:
     """Run `lbr`; return its exit code."""
+    sys.unraisablehook = _lost
     try:
         from lbr.cli import main as run  # noqa: PLC0415 - loading it takes a fifth of a second
     except KeyboardInterrupt:
         return INTERRUPTED
     return run()
+
+
+def _lost(what: "sys.UnraisableHookArgs") -> None:
+    """Have a Ctrl-C count that came where Python lets no exception out: it looks after its own locks at each import."""
+    if what.exc_type is not KeyboardInterrupt:
+        sys.__unraisablehook__(what)
+        return
+    again = threading.Timer(AGAIN_S, _thread.interrupt_main)
+    again.daemon = True
+    again.start()

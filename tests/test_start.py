@@ -1,8 +1,18 @@
 """The command `lbr` before it is loaded."""
 
+import signal
 import sys
+import time
+import weakref
+
+import pytest
 
 from lbr import cli, start
+
+
+@pytest.fixture(autouse=True)
+def own_hook(monkeypatch):
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
 
 
 class Interrupting:
@@ -17,6 +27,19 @@ def test_ctrl_c_while_the_command_is_loaded_is_no_traceback(monkeypatch):
     monkeypatch.delitem(sys.modules, "lbr.cli")
     monkeypatch.setattr(sys, "meta_path", [Interrupting(), *sys.meta_path])
     assert start.main() == cli.INTERRUPTED
+
+
+def test_ctrl_c_counts_where_python_lets_no_exception_out(monkeypatch, capfd):
+    def loading(*_arguments, **_options):
+        one = Interrupting()
+        gone = weakref.ref(one, lambda _gone: signal.raise_signal(signal.SIGINT))
+        del one
+        assert gone() is None
+        time.sleep(9)
+
+    monkeypatch.setattr(cli.cli, "main", loading)
+    assert start.main() == cli.INTERRUPTED
+    assert capfd.readouterr().err == ""
 
 
 def test_it_is_the_command(monkeypatch, capsys):
