@@ -13,6 +13,9 @@ def main() -> int:
     """Run `lbr`; return its exit code."""
     sys.unraisablehook = _lost
     try:
+        from lbr import surroundings  # noqa: PLC0415 - see below
+
+        surroundings.note_signals()
         from lbr.cli import main as run  # noqa: PLC0415 - loading it takes a fifth of a second
     except KeyboardInterrupt:
         return INTERRUPTED

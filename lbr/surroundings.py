@@ -5,6 +5,7 @@ import errno
 import os
 import resource
 import select
+import signal
 import stat
 import sys
 from collections.abc import Iterable
@@ -40,6 +41,16 @@ def plug_streams() -> None:
             os.dup2(plug, fd)
             os.close(plug)
         setattr(sys, name, open(fd, mode, closefd=False, encoding="utf-8"))  # noqa: SIM115 - it stays open
+
+
+def note_signals() -> None:
+    """Have Python write each signal down from now on: some C code drops what the handler of one raises.
+
+    The file has no name. Who handles signals otherwise is given it by `signal.set_wakeup_fd`, and closes it.
+    """
+    noted = os.memfd_create("signals")
+    os.set_blocking(noted, False)
+    signal.set_wakeup_fd(noted, warn_on_full_buffer=False)
 
 
 def lift_limits() -> None:

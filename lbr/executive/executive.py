@@ -30,7 +30,7 @@ from lbr.database import store
 from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
 from lbr.errors import LbrError
-from lbr.executive.lastresort import SIGNALS, LastResort
+from lbr.executive.lastresort import SIGNALS, LastResort, noted_signals
 from lbr.executive.notify import Notifier
 from lbr.executive.planning import machine, planner, wiring
 from lbr.executive.planning import plan as plans
@@ -128,9 +128,11 @@ class Executive:
     def run(self, *, console: bool) -> int:
         """Open the bus, start everything, and stay until told to shut down."""
         self._last_resort = LastResort(self._main.wake, signals=SIGNALS)
-        signal.set_wakeup_fd(self._last_resort.signal_fd, warn_on_full_buffer=False)
+        noted = signal.set_wakeup_fd(self._last_resort.signal_fd, warn_on_full_buffer=False)
         for number in SIGNALS:
             signal.signal(number, lambda n, _frame: self._stop(f"signal {signal.Signals(n).name}"))
+        if signal.SIGINT in noted_signals(noted):
+            raise KeyboardInterrupt
         with closing(Reaper()) as self._reaper:
             self._reaper.beat()
             with (

@@ -69,6 +69,16 @@ class LastResort:
             self._end(f"the shutdown takes longer than {self._over_s:g} s")
 
 
+def noted_signals(fd: int) -> bytes:
+    """Return the signals that were written down before this module heard of them, and close that file; -1 is none."""
+    if fd < 0:
+        return b""
+    try:
+        return os.pread(fd, os.fstat(fd).st_size, 0)
+    finally:
+        os.close(fd)
+
+
 def leave_for_certain() -> None:
     """Let nothing disturb the interpreter's end, where Python would die of a second signal, and bound it by the kernel."""
     for number in SIGNALS:

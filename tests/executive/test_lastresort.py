@@ -12,12 +12,14 @@ from pathlib import Path
 
 import pytest
 
+from lbr.cli import INTERRUPTED
 from lbr.executive.lastresort import FORCED, LastResort
 from tests.support import programs
-from tests.support.robot import prepare, running
+from tests.support.robot import environment, prepare, running
 
 HANGS = """
 import os, signal, sys, threading
+from lbr.cli import INTERRUPTED
 from lbr.executive.lastresort import SIGNALS, LastResort
 
 resort = LastResort(lambda: None, signals=SIGNALS, heard_s=0.2)
@@ -31,6 +33,37 @@ while True:
     except InterruptedError:
         pass
 """
+
+LOSES_CTRL_C = """
+import signal, sys
+from lbr import start
+from lbr.executive.planning import joining
+
+join = joining.join
+
+def loses(*given):
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt:
+        return join(*given)
+
+joining.join = loses
+sys.argv = ["lbr", "run", "--no-console"]
+sys.exit(start.main())
+"""
+
+
+def test_a_ctrl_c_that_was_lost_while_a_robot_was_loaded_ends_it_before_it_starts(tmp_path) -> None:
+    home = prepare(tmp_path / "h")
+    done = programs.run(
+        [sys.executable, "-c", LOSES_CTRL_C],
+        env=environment(home),
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        timeout=9,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr.strip()) == (INTERRUPTED, b"", b"")
 
 
 def test_sigterm_ends_a_process_whose_main_thread_never_returns() -> None:
