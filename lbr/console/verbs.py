@@ -49,7 +49,7 @@ CONFIRMED = "confirmed"
 
 OWN = "executive"
 """Whose words are lbr's own, as targets name it."""
-_LEAVE = "Ctrl-D leaves the console, 'Shutdown' shuts the robot down"
+_LEAVE = "Ctrl-D leaves 'lbr console' and the robot runs on; at 'lbr run' it shuts the robot down, as 'Shutdown' does"
 _HINTS = {"quit": _LEAVE, "exit": _LEAVE, "?": "'help' lists what can be said"}
 
 Parsed = VerbCall | ExternalCall | ExternalStop | PythonLine
