@@ -243,7 +243,8 @@ class Walk:
         return self._link(part, unit, *ENDS, text=texts[unit.phase] + (f": {why}" if why else ""))
 
     def _ready(self, part: Part, unit: CapabilityStatus) -> Link:
-        lately = unit.last_end and (unit.uptime_s or 0.0) < RECENT_S
+        up_s = unit.uptime_s or 0.0
+        lately = unit.last_end and up_s < RECENT_S
         text = f"its process is {unit.phase}, pid {unit.pid}"
         often = sum(
             one.kind in UNASKED and (self.now.ago_s(one) or 0.0) <= RECENT_S for one in self.now.newest(part.name)
@@ -259,6 +260,7 @@ class Walk:
                 evidence=f"@status: {unit.restarts} restarts; events {' or '.join(UNASKED)}",
                 do=f"read {self._log(unit)}, and see what ends it",
             )
+        lately = lately and not self._commanded(part, up_s)
         if lately:
             text = f"'{part.name}' was started again, what it did is over: {unit.last_end}"
         return Link(
@@ -271,6 +273,14 @@ class Walk:
             evidence=f"@status: {unit.restarts} restarts",
             do="say again what it shall do" if lately else "",
         )
+
+    def _commanded(self, part: Part, within_s: float) -> bool:
+        """Say whether a part, or one that needs it, took a command of late: then nothing is to be said again."""
+        over = {part.name}
+        while more := {one.name for one in self.facts.parts.values() if over.intersection(one.needs)} - over:
+            over |= more
+        took = (one for one in self.now.events if one.kind == "holder" and "took" in one.data and one.subject in over)
+        return any((ago_s := self.now.ago_s(one)) is not None and ago_s < within_s for one in took)
 
     def _log(self, unit: CapabilityStatus) -> str:
         return f"logs/{self.facts.robot}-{unit.process or unit.name}.log"

@@ -477,6 +477,28 @@ def test_what_ends_again_and_again_is_told_before_what_was_refused_for_want_of_i
     assert "3 times within a minute" in explain(often, "drive").text
 
 
+def took(now: Snapshot, who: str, part: str, ago_s: float) -> Snapshot:
+    event = Event(
+        kind="holder",
+        subject=part,
+        text=f"{who} took {part}",
+        data={"took": who},
+        wall_ns=now.wall_ns - int(ago_s * 1e9),
+    )
+    return replace(now, events=(*now.events, event))
+
+
+@pytest.mark.parametrize("crashed", ["drive", "motors"])
+def test_after_a_command_that_was_taken_a_crash_before_it_is_no_reason_to_say_it_again(robots, crashed):
+    lately = with_unit(robots["lbr"], crashed, uptime_s=20.0, last_end="crashed: exit code 1", end_code="failed")
+    for before in (lately, took(lately, "console", "drive", 25.0), took(lately, "console", "dock", 5.0)):
+        assert explain(before, crashed).do == "say again what it shall do"
+        assert explain(before, "drive").state == "past"
+    after = took(lately, "console", "drive", 5.0)
+    for part in (crashed, "drive", ""):
+        assert (explain(after, part).state, explain(after, part).do) == ("ok", "")
+
+
 def rows_changed(now: Snapshot, *touched: str) -> Snapshot:
     text = "update capability 'motors': restart motors"
     data = {"revision": 3, "touched": list(touched)}
