@@ -93,7 +93,7 @@ def command(
         raise InputError("--json goes with --check")
     first, last = selection.span_ns(chosen.files)
     start_ns, end_ns = max(start_ns, first), min(end_ns, last)
-    if not chosen.files or end_ns <= start_ns:
+    if not last or end_ns < start_ns:
         raise InputError("nothing was recorded in that time ('lbr box list' shows what there is)")
     with _robot(name) as bus, interruptible(), contextlib.suppress(KeyboardInterrupt), _typed() as keys:
         stage = Stage(bus, name)

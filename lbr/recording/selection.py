@@ -114,7 +114,7 @@ def span_ns(files: Iterable[Path]) -> tuple[int, int]:
         try:
             with reader.opened(path) as found:
                 if found.spans:
-                    begins = _begins_ns(found)
+                    begins = _plays_from_ns(found)
                     first = min(first or begins, begins)
                     last = max(last, found.end_ns)
         except InputError:
@@ -125,3 +125,11 @@ def span_ns(files: Iterable[Path]) -> tuple[int, int]:
 def _begins_ns(found: reader.Recording) -> int:
     """Return when a file begins: its first chunk also has what was said last before."""
     return found.spans[1].start_ns if len(found.spans) > 1 else found.spans[0].end_ns
+
+
+def _plays_from_ns(found: reader.Recording) -> int:
+    """Return from when on there is something to play: of a file that was cut after its first chunk, the last round of that."""
+    only = found.spans[0]
+    if len(found.spans) > 1:
+        return _begins_ns(found)
+    return max(only.start_ns, only.end_ns - BEGINS_NS) if found.about else only.start_ns  # others repeat nothing

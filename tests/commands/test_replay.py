@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.messages.system import CapabilityStatus, EstopState, Status
-from lbr.recording import chunks
+from lbr.recording import chunks, reader
 from lbr.recording.chunks import Channel, Channels
 from lbr.recording.player import Player
 from lbr.recording.segments import Segment
@@ -107,6 +107,18 @@ def test_it_is_looked_at_as_another_robot_paused_and_moved_to_and_fro(home):
         popen.communicate()
         os.close(ours)
         os.close(theirs)
+
+
+def test_what_was_cut_after_its_first_chunk_is_played_and_a_time_without_anything_is_refused(home, tmp_path):
+    walk, cut = home / "recordings" / "lbr" / "walk.mcap", tmp_path / "cut.mcap"
+    with reader.opened(walk) as found:
+        cut.write_bytes(walk.read_bytes()[: found.spans[1].at + 40])
+    played = lbr(home, "replay", str(cut), "--robot", "lbr", limit_s=15)
+    assert (played.returncode, played.stdout) == (0, "")
+    assert "replays cut.mcap" in played.stderr
+    refused = lbr(home, "replay", str(cut), "--robot", "lbr", "--from", "1m")
+    assert refused.returncode == 2
+    assert "nothing was recorded in that time" in refused.stderr
 
 
 def test_it_ends_at_its_end_or_when_it_is_told_and_leaves_nothing(home):

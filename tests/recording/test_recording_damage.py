@@ -204,3 +204,19 @@ def test_a_pipe_in_a_recordings_place_keeps_nobody_waiting(tmp_path):
     assert list(selection.messages([tmp_path / "pipe.mcap"], damage=damage)) == []
     assert "it is not a file" in damage.files[0]
     assert not in_use(tmp_path / "pipe.mcap")
+
+
+@pytest.mark.parametrize(
+    ("repeated_s", "about", "length_s"), [(0.4, {"robot": "lbr"}, 0.4), (61.0, {"robot": "lbr"}, 1.0), (61.0, {}, 61.0)]
+)
+def test_a_recording_of_one_chunk_spans_its_last_round_without_what_was_said_long_before(
+    tmp_path, repeated_s, about, length_s
+):
+    path, channels, end_ns = tmp_path / "one.mcap", Channels(), 1_700_000_000 * 10**9
+    number = channels.number(DRIVE)
+    times = [end_ns - round(repeated_s * 1e9), end_ns]
+    parts = [chunks.message(number, n, at, at, b"{}") for n, at in enumerate(times, start=1)]
+    with Segment(path, "a test", about) as segment:
+        segment.write(chunks.chunk([channels.schemas, channels.of([number]), *parts], *times))
+    first, last = selection.span_ns([path])
+    assert ((last - first) / 1e9, last) == (length_s, end_ns)
