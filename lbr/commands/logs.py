@@ -63,6 +63,8 @@ def command(name: str, robot: str | None, follow: bool, lines: int, begin: str |
         )
     path = there[chosen[0]]
     last, size = _tail(path, lines)
+    if not size:
+        click.echo(f"the log '{chosen[0]}' is empty", err=True)
     for line in last:
         click.echo(_clean(line))
     if follow:

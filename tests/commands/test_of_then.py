@@ -78,6 +78,12 @@ def test_numbers_are_plotted_live_and_out_of_the_box(robot):
     assert "no field of a stream" in asked(robot, "plot", "drive", code=2)
 
 
+def test_of_a_log_without_a_line_it_is_said_that_it_is_empty(robot):
+    (robot.home / "logs" / "lbr-mute.log").touch()
+    done = lbr(robot.home, "logs", "mute")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "the log 'lbr/mute' is empty\n")
+
+
 def test_a_log_is_followed_also_after_it_was_cut(robot):
     log = robot.home / "logs" / "lbr-ranges.log"
     log.write_text("one\ntwo\nthree\n")
