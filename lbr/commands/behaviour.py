@@ -285,21 +285,28 @@ def _name_of(path: Path) -> str:
 
 
 def _read(path: Path, name: str) -> "Read":
-    """Return what is in a file; RowError names all that could not be read in it."""
+    """Return what is in a file, and what could not be read of it."""
     from lbr.apps.behaviours import files  # noqa: PLC0415 - kept out of `lbr --help`
     from lbr.database import given_files  # noqa: PLC0415
 
     content = given_files.read(path, files.LARGEST_BYTES)
-    found = files.read(content, name, json=path.suffix.lower() == ".json")
-    if found.faults:
-        raise RowError(tuple(one_line(f"{path}, {fault}") for fault in found.faults))
-    return found
+    return files.read(content, name, json=path.suffix.lower() == ".json")
 
 
 def _fits(path: Path, table: BehaviourTable, found: "Read", rows: "RobotRows | None") -> "Compiled":
-    """Return a table of a file, checked beside the robot's own; RowError names all that is wrong with it."""
-    from lbr.apps.behaviours.table import compile_table, linked  # noqa: PLC0415 - kept out of `lbr --help`
+    """Return a table of a file, checked beside the robot's own; RowError names all that is wrong with it.
 
+    Of one that cannot all be read that is all cells: what lacks some says nothing of its states and their ways.
+    """
+    from lbr.apps.behaviours.table import cell_faults, compile_table, linked  # noqa: PLC0415 - kept out of `lbr --help`
+
+    if found.faults:
+        told = [(one.line, f"{path}, {one}") for one in found.faults]
+        told += [
+            (found.lines.get(one.step, 0), _told(str(path), one, found.lines))
+            for one in cell_faults(found.rows, _parts(rows))
+        ]
+        raise RowError(tuple(one_line(text) for _, text in sorted(told, key=lambda one: one[0])))
     compiled = {
         **(_alone(rows) if rows is not None else {}),
         table.name: compile_table(table, found.rows, _parts(rows)),

@@ -446,6 +446,13 @@ def test_a_file_that_is_no_table_is_told_by_its_line(file, content, line):
     assert fault.line == line, found.faults
 
 
+def test_all_cells_of_a_file_are_told_also_beside_one_that_no_table_can_have():
+    content = b"Type,Current State,Forward,Next State,Deadline\nstart,Go,> ninety,Home,-1\nend,Home,,,\n"
+    found = Stage().say("read", ReadBehaviour(name="round", file="a.csv", content=content)).answer
+    assert [(one.line, one.column) for one in found.faults] == [(2, "Deadline"), (2, "Forward")]
+    assert found.rows == ()
+
+
 def test_a_table_that_is_not_there_is_not_written():
     assert Stage().say("write", WriteBehaviour(name="nowhere")).answer.code == "unknown_name"
 

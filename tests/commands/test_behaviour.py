@@ -78,6 +78,28 @@ def test_a_faulty_file_is_refused_with_line_and_column_and_nothing_is_written(ho
     assert "has no behaviour 'mine'" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        (
+            "round.csv",
+            "Type,Current State,Forward,O:level,Next State,Deadline\nstart,A,> ninety,0.3,B,-1\n,A,,9,B,\nfine,A,far,,B,5\n",
+            ["line 2, Deadline:", "line 2, Forward:", "line 3, O:level:", "line 4, Type:", "line 4, Forward:"],
+        ),
+        (
+            "round.json",
+            '{"A": [{"Inputs": {"Forward": [1], "Left": "> ninety"}}, {"Inputs": {"Forward": "far"}}]}',
+            ["state 'A', row 1, Forward:", "row 1, Left:", "row 2, Forward:"],
+        ),
+    ],
+)
+def test_a_cell_that_no_table_can_have_hides_no_fault_of_another(home, capsys, name, text, said):
+    assert main(["behaviour", "check", table(home, text, name)]) == 2
+    told = [line.partition(f"{name}, ")[2] for line in capsys.readouterr().err.splitlines()]
+    assert [one for one in said if not any(line.startswith(one) for line in told)] == []
+    assert len(told) == len(said), told
+
+
 def test_a_picture_is_drawn(home):
     assert main(["behaviour", "show", "patrol", "--svg", "--to", str(home / "patrol.svg")]) == 0
     assert (home / "patrol.svg").read_text().startswith("<svg")

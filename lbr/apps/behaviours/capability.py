@@ -14,7 +14,7 @@ from lbr.apps.behaviours.kernel import DONE, Run
 from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LowBattery
 from lbr.apps.behaviours.outputs import Aside, Halt, Motion
 from lbr.apps.behaviours.senses import Senses
-from lbr.apps.behaviours.table import Compiled, Fault, Parts, Table, compile_table, linked
+from lbr.apps.behaviours.table import Compiled, Fault, Parts, Table, cell_faults, compile_table, linked
 from lbr.bus.lease_client import LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, PendingReply, Received
@@ -445,11 +445,12 @@ class Behaviours(Capability[BehaviourSettings]):
         return _told(linked({**self._compiled, name: compile_table(table, mine, self._parts())})[name].faults, lines)
 
     def _read(self, message: ReadBehaviour) -> BehaviourChecked:
-        """Return what is in a file; one that cannot be read has no rows."""
+        """Return what is in a file; one that cannot all be read has no rows."""
         found = files.read(message.content, message.name, json=message.file.lower().endswith(".json"))
         if found.faults:
             faults = tuple(BehaviourFault(line=one.line, column=one.column, text=one.text) for one in found.faults)
-            return BehaviourChecked(accepted=True, faults=faults)
+            more = _told(cell_faults(found.rows, self._parts()), found.lines)
+            return BehaviourChecked(accepted=True, faults=(*faults, *more))
         faults = self._faults(message.name, found.rows, found.lines)
         return BehaviourChecked(accepted=True, faults=faults, rows=found.rows)
 

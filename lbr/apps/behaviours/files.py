@@ -34,7 +34,7 @@ class FileFault(NamedTuple):
 
 
 class Read(NamedTuple):
-    """The rows of a file, the line of each by its step, and what could not be read."""
+    """The rows of a file, the line of each by its step, and what could not be read: a row lacks its cells of which that is so."""
 
     rows: tuple[BehaviourRow, ...]
     lines: Mapping[int, int]
@@ -124,9 +124,8 @@ def _of_csv(content: bytes, name: str) -> Read:
                 faults.append(FileFault(line, "", f"the rest is not read: {MOST_ROWS} rows are the most"))
                 break
             row = _row(name, len(rows) + 1, line, header, cells, delimiter, faults)
-            if row is not None:
-                lines[row.step] = line
-                rows.append(row)
+            lines[row.step] = line
+            rows.append(row)
     except csv.Error as err:
         faults.append(FileFault(reader.line_num + skipped, "", f"it is no CSV: {err}"))
     return Read(tuple(rows), lines, tuple(faults))
@@ -156,7 +155,7 @@ def _row(
     cells: Sequence[str],
     delimiter: str,
     faults: list[FileFault],
-) -> BehaviourRow | None:
+) -> BehaviourRow:
     given = {column: cell.strip() for column, cell in zip(header, cells, strict=False) if column}
     beyond = [cell for cell in cells[len(header) :] if cell.strip()]
     if beyond:
@@ -170,15 +169,16 @@ def _row(
     return _made(name, step, line, given, faults)
 
 
-def _made(name: str, step: int, line: int, given: Mapping[str, str], faults: list[FileFault]) -> BehaviourRow | None:
-    """Return a row of its cells; what is no row is told."""
+def _made(name: str, step: int, line: int, given: Mapping[str, str], faults: list[FileFault]) -> BehaviourRow:
+    """Return a row of its cells; those that cannot be in one are told, and left out."""
     kind = given.get(TYPE, "").strip()
     kind = kind if kind in _TYPES else kind.lower() if kind.lower() in _TYPES else "#" if kind[:1] == "#" else kind
-    before = len(faults)
+    good: dict[str, str] = {}
     if kind not in _TYPES:
         faults.append(
             FileFault(line, TYPE, f"'{kind[:40]}' is no type: leave it empty, or write start, entry, end, fail or #")
         )
+        kind = ""
     for column, cell in given.items():
         most = 80 if column in {STATE, NEXT} else LONGEST_CELL
         if len(cell) > most:
@@ -187,22 +187,22 @@ def _made(name: str, step: int, line: int, given: Mapping[str, str], faults: lis
             faults.append(
                 FileFault(line, column[:80], "it has a line break or another character that cannot be printed")
             )
-    deadline = _deadline(given.get(DEADLINE, ""), line, faults)
-    if len(faults) > before:
-        return None
+        else:
+            good[column] = cell
+    deadline = _deadline(good.get(DEADLINE, ""), line, faults)
     own = {TYPE, STATE, NEXT, DEADLINE}
     return BehaviourRow(
         behaviour=name,
         step=step,
         type=kind,  # type: ignore[arg-type]
-        state=given.get(STATE, ""),
-        conditions={column: cell for column, cell in given.items() if cell and column not in own and ":" not in column},
+        state=good.get(STATE, ""),
+        conditions={column: cell for column, cell in good.items() if cell and column not in own and ":" not in column},
         outputs={
             column[len(OUTPUT) :].strip() or "O:": cell
-            for column, cell in given.items()
+            for column, cell in good.items()
             if cell and column.startswith(OUTPUT)
         },
-        next_state=given.get(NEXT, ""),
+        next_state=good.get(NEXT, ""),
         deadline_s=deadline,
     )
 
@@ -243,12 +243,11 @@ def _of_json(content: bytes, name: str) -> Read:
     rows = []
     for step, (place, one) in enumerate(given[:MOST_ROWS], start=1):
         cells = _json_cells(place, one, faults)
-        if cells is not None and not typed:
+        if not typed:
             cells[TYPE] = "end" if cells[STATE] in ends else "start" if step == 1 else ""
         own = len(faults)
-        row = _made(name, step, 0, cells, faults) if cells is not None else None
+        rows.append(_made(name, step, 0, cells, faults))
         faults[own:] = [fault._replace(column=f"{place}, {fault.column}") for fault in faults[own:]]
-        rows += [row] if row is not None else []
     if len(given) > MOST_ROWS:
         faults.append(FileFault(0, "", f"it has {len(given)} rows, and {MOST_ROWS} are the most"))
     return Read(tuple(rows), {}, tuple(faults[:MOST_FAULTS]))
@@ -274,10 +273,9 @@ def _json_rows(found: Any, faults: list[FileFault]) -> Iterator[tuple[str, dict[
                 faults.append(FileFault(0, f"{place}, row {number}", "it is no object"))
 
 
-def _json_cells(place: str, one: Mapping[str, Any], faults: list[FileFault]) -> dict[str, str] | None:
+def _json_cells(place: str, one: Mapping[str, Any], faults: list[FileFault]) -> dict[str, str]:
     known = {"Row", TYPE, STATE, NEXT, DEADLINE, "Inputs", "Outputs"}
     cells: dict[str, str] = {}
-    before = len(faults)
     for column in (TYPE, STATE, NEXT, DEADLINE):
         cells[column] = _text(one.get(column), f"{place}, {column}", faults)
     for part, prefix in (("Inputs", ""), ("Outputs", OUTPUT)):
@@ -294,7 +292,7 @@ def _json_cells(place: str, one: Mapping[str, Any], faults: list[FileFault]) -> 
                 cells[prefix + column] = _text(value, f"{place}, {column}", faults)
     there = f"there is no such field: {', '.join(sorted(known))}"
     faults += [FileFault(0, f"{place}, {column[:80]}", there) for column in sorted(set(one) - known)]
-    return cells if len(faults) == before else None
+    return cells
 
 
 def _text(value: Any, place: str, faults: list[FileFault]) -> str:

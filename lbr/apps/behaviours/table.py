@@ -148,6 +148,19 @@ def compile_table(table: BehaviourTable, rows: Iterable[BehaviourRow], robot: Pa
     return Compiled(None if any(fault.error for fault in faults) else made, tuple(faults))
 
 
+def cell_faults(rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT) -> tuple[Fault, ...]:
+    """Return what keeps cells from being read, each by itself: of rows that are not the whole table no more can be said."""
+
+    def told() -> Iterator[Fault]:
+        for row in rows:
+            found: list[Fault] = []
+            if row.type != "#":
+                _line(row, robot, found)
+            yield from (fault for fault in found if fault.error)
+
+    return tuple(islice(told(), MOST_FAULTS))
+
+
 def linked(compiled: Mapping[str, Compiled]) -> dict[str, Compiled]:
     """Return tables with what is wrong between them: one that another runs is not there, is faulty or runs that again."""
     found = {}
