@@ -34,7 +34,24 @@ class _Open:
     def __init__(self) -> None:
         self.over = threading.Event()
         self.over.set()
-        self.close: Callable[[], None] = lambda: None
+        self.leaving = False
+        self._close: Callable[[], None] = lambda: None
+
+    def opened(self, close: Callable[[], None]) -> None:
+        """Say what closes it; if that was asked for meanwhile, close it."""
+        self._close = close
+        if self.leaving:
+            close()
+
+    def leave(self) -> None:
+        """Close it, or have that done as soon as it can be."""
+        self.leaving = True
+        self._close()
+
+    def end(self) -> None:
+        """Say that it has closed bus and terminal."""
+        self.leaving, self._close = False, lambda: None
+        self.over.set()
 
 
 _open = _Open()
@@ -50,14 +67,14 @@ def run_local(robot: str, connect: Callable[[], session.Session], submit: Callab
             operator = BusOperator(bus, robot, LOCAL_SOURCE, submit=submit, streams=streams)
             return _run(operator, local=True)
     finally:
-        _open.over.set()
+        _open.end()
         atexit.unregister(leave)
 
 
 def leave() -> None:
     """End the console of this process from another thread, and wait until it has closed bus and terminal."""
     if not _open.over.is_set():
-        _open.close()
+        _open.leave()
         _open.over.wait(LEAVE_S)
 
 
@@ -84,7 +101,7 @@ def _run_lines(operator: BusOperator, *, local: bool, hold_s: float | None) -> i
     outlet = Outlet()
     out, err = (cast("IO[str]", Stream(outlet, stream.fileno(), strict=True)) for stream in (sys.stdout, sys.stderr))
     lines = Lines(operator, out, err, hold_s=hold_s)
-    _open.close = lines.close
+    _open.opened(lines.close)
     try:
         if local:
             _wait_ready(operator, lines)
@@ -100,8 +117,10 @@ def _run_lines(operator: BusOperator, *, local: bool, hold_s: float | None) -> i
 def _run_terminal(operator: BusOperator, *, local: bool) -> int:
     from lbr.console.terminal import Terminal  # noqa: PLC0415 - prompt-toolkit is for those who have a terminal
 
+    if _open.leaving:  # while that was loaded
+        return 0
     terminal = Terminal(operator, local=local, history=home.home() / "history")
-    _open.close = terminal.close
+    _open.opened(terminal.close)
     modes = termios.tcgetattr(sys.stdin)
     try:
         with interruptible(lambda _number, _frame: terminal.close()):
