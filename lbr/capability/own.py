@@ -45,6 +45,8 @@ def find(name: str, path: Path) -> Kind:
                 found.append(load(name, path))
             except KindError as err:
                 found.append(err)
+            except KeyboardInterrupt as err:  # no Ctrl-C: that comes to the main thread alone
+                found.append(_unloaded(path, err))
 
     thread = threading.Thread(target=run, name=f"import {name}", daemon=True)
     thread.start()
@@ -97,10 +99,12 @@ def load(name: str, path: Path) -> Kind:
     try:
         try:
             loader.exec_module(module)
+        except KeyboardInterrupt:  # a person's Ctrl-C is no fault of the file
+            raise
         except BaseException as err:  # a file may raise anything, and is told of what it raised
-            raise KindError(f"{_place(path, _line(err, path))} does not load: {_told(err)}") from err
+            raise _unloaded(path, err) from err
         return _whole(name, path, module)
-    except KindError:
+    except (KindError, KeyboardInterrupt):
         if before is not None:  # what runs goes on to look its types up there
             sys.modules[module_name] = before
         else:
@@ -152,6 +156,10 @@ def _whole(name: str, path: Path, module: object) -> Kind:
     if found := faults(kind):
         raise KindError(f"{place}: {'; '.join(found)}")
     return kind
+
+
+def _unloaded(path: Path, err: BaseException) -> KindError:
+    return KindError(f"{_place(path, _line(err, path))} does not load: {_told(err)}")
 
 
 def _line_of_kind(path: Path) -> int | None:
@@ -215,6 +223,8 @@ def main() -> None:
         text = GOOD
     except KindError as err:
         text = f"fault\n{err}".encode(errors="replace")
+    except KeyboardInterrupt as err:  # no terminal's: this process has none, so the file raised it
+        text = f"fault\n{_unloaded(path, err)}".encode(errors="replace")
     faulthandler.cancel_dump_traceback_later()
     os.write(said, text)
     os._exit(0)  # whatever it has started meanwhile
