@@ -4,6 +4,7 @@
     python -m tests.lab run       the tests of tests/kernel in it, or those that are named, from the snapshot; prints a table
     python -m tests.lab robots    the simulated robots, each by `lbr run`: drive, stop, wave, stand up; prints a table
     python -m tests.lab service   the robot as a service: boot, kills, shutdown in motion, power cuts; prints a table
+    python -m tests.lab first     the recipe for a Raspberry Pi, followed at the first start of a machine of its own; prints a table
     python -m tests.lab network   two machines and a cable: found, driven, cut, frozen, killed, clocks set; prints a table
     python -m tests.lab table     the tables of the last runs
     python -m tests.lab shell     a shell of root in it

@@ -11,7 +11,7 @@ from contextlib import closing
 from pathlib import Path
 
 from tests.lab import __doc__ as about
-from tests.lab import image, network, robots, service, stage, table
+from tests.lab import first_start, image, network, robots, service, stage, table
 from tests.lab.machine import SNAPSHOT, Machine
 from tests.lab.processor import HERE, PROCESSORS
 from tests.lab.stage import Scene
@@ -39,6 +39,7 @@ SENT_FOR_OTHERS = (
 KEPT = {
     "the simulated robots": robots.KEPT,
     "the service": service.KEPT,
+    "the first start": first_start.KEPT,
     "two machines": network.KEPT,
 }
 KERNEL = "tests/kernel"
@@ -137,6 +138,11 @@ def _service(wanted: argparse.Namespace) -> int:
         machine.cut()
 
 
+def _first(wanted: argparse.Namespace) -> int:
+    with closing(first_start.play(wanted.folder / "first", wanted.suite, wanted.arch)) as scenes:
+        return _told("the first start", scenes, wanted.folder / first_start.KEPT)
+
+
 def _network(wanted: argparse.Namespace) -> int:
     path = wanted.folder / network.KEPT
     with closing(network.play(wanted.folder, _send, wanted.tests)) as scenes:
@@ -182,6 +188,7 @@ DONE_BY = {
     "run": _run,
     "robots": _robots,
     "service": _service,
+    "first": _first,
     "network": _network,
     "shell": _shell,
 }

@@ -3,7 +3,7 @@
 import os
 import shutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tests.lab import processor
@@ -19,6 +19,10 @@ PACKAGES = (
     "ca-certificates", "alsa-utils", "espeak-ng", "ir-keytable", "i2c-tools", "initramfs-tools", "zstd",
 )  # fmt: skip
 FOR_TESTS = ("linuxpy", "pytest", "pytest-timeout", "hypothesis")
+FOR_FIRST_START = ("cloud-init", "git", "sqlite3", "sudo")
+FOR_SOURCE = ("hatchling",)
+"""What builds the project from its source."""
+WHEELS = "/opt/wheels"
 LEFT_OUT = ("man", "doc", "locale", "info")
 DISK = "3G"
 MASKED = (
@@ -46,6 +50,10 @@ WantedBy=multi-user.target
 """,
 }
 """An address that is known from the start: nothing waits for a network to be configured."""
+FIRST_START_FILES = {
+    "etc/cloud/cloud.cfg.d/lab.cfg": "datasource_list: [NoCloud]\ndisable_root: false\nlocale: false\nnetwork: {config: disabled}\n",
+    "etc/pip.conf": f"[global]\nno-index = true\nfind-links = {WHEELS}\n",
+}
 
 
 def why_not(arch: str) -> str:
@@ -57,7 +65,31 @@ def why_not(arch: str) -> str:
 
 
 def build(folder: Path, suite: str, arch: str) -> None:
-    """Make `disk.qcow2`, `vmlinuz`, `initrd.img` and `key` in a folder."""
+    """Make `disk.qcow2`, `vmlinuz`, `initrd.img` and `key` in a folder: a machine with the project and what its tests need."""
+    pip = f"env -u PIP_FIND_LINKS -u PIP_INDEX_URL /opt/lbr/bin/pip install -q --no-index --find-links {WHEELS}"
+    _make(
+        folder, suite, arch, (), FILES, FOR_TESTS,
+        "chroot $1 python3 -m venv /opt/lbr",
+        f"chroot $1 {pip} 'lbr[sim]' {' '.join(FOR_TESTS)}",
+        f"rm -r $1{WHEELS}",
+    )  # fmt: skip
+
+
+def build_for_first_start(folder: Path, suite: str, arch: str) -> None:
+    """Make the same of a machine that cloud-init makes a robot of: it has wheels of the project, and no network to fetch any."""
+    files = {**FILES, **FIRST_START_FILES}
+    _make(folder, suite, arch, FOR_FIRST_START, files, FOR_SOURCE, "truncate -s 0 $1/etc/apt/sources.list")
+
+
+def _make(
+    folder: Path,
+    suite: str,
+    arch: str,
+    packages: Sequence[str],
+    files: Mapping[str, str],
+    wheels_for: Sequence[str],
+    *hooks: str,
+) -> None:
     kind = PROCESSORS[arch]
     root, wheels = folder / "root", folder / "wheels"
     for place in (root, wheels):
@@ -65,19 +97,16 @@ def build(folder: Path, suite: str, arch: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     wheels.mkdir()
     processor.keep(folder, arch)
-    _collect(wheels, SUITES[suite], kind.platforms)
+    _collect(wheels, SUITES[suite], kind.platforms, wheels_for)
     if not (folder / "key").exists():
         _do("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(folder / "key"))
     _do(
         "mmdebstrap", "--mode=root", "--variant=minbase", "--quiet", "--format=directory",
-        f"--architectures={arch}", f"--include={','.join((*PACKAGES, kind.kernel))}",
+        f"--architectures={arch}", f"--include={','.join((*PACKAGES, kind.kernel, *packages))}",
         *(f"--dpkgopt=path-exclude=/usr/share/{name}/*" for name in LEFT_OUT),
-        f"--essential-hook=cp -r {_laid_out(folder)}/. $1/",
-        f"--customize-hook=mkdir -p $1/opt/wheels && cp {wheels}/* $1/opt/wheels/",
-        "--customize-hook=chroot $1 python3 -m venv /opt/lbr",
-        "--customize-hook=chroot $1 env -u PIP_FIND_LINKS -u PIP_INDEX_URL /opt/lbr/bin/pip install -q --no-index "
-        f"--find-links /opt/wheels 'lbr[sim]' {' '.join(FOR_TESTS)}",
-        "--customize-hook=rm -r $1/opt/wheels",
+        f"--essential-hook=cp -r {_laid_out(folder, files)}/. $1/",
+        f"--customize-hook=mkdir -p $1{WHEELS} && cp {wheels}/* $1{WHEELS}/",
+        *(f"--customize-hook={hook}" for hook in hooks),
         "--customize-hook=chroot $1 systemctl -q enable lab-network ssh",
         f"--customize-hook=chroot $1 systemctl -q mask {' '.join(MASKED)}",
         suite, str(root),
@@ -93,8 +122,8 @@ def build(folder: Path, suite: str, arch: str) -> None:
     shutil.rmtree(wheels)
 
 
-def _collect(wheels: Path, python: str, tags: Sequence[str]) -> None:
-    """Gather the project's wheel, what it depends on as the lock has it, and what the tests need besides."""
+def _collect(wheels: Path, python: str, tags: Sequence[str], others: Sequence[str]) -> None:
+    """Gather the project's wheel, what it depends on as the lock has it, and what is needed besides."""
     pip = (sys.executable, "-m", "pip")
     _do(*pip, "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(wheels), str(ROOT))
     lock = ROOT / "requirements" / "lock.txt"
@@ -102,14 +131,14 @@ def _collect(wheels: Path, python: str, tags: Sequence[str]) -> None:
     meant_for = ("--implementation", "cp", "--python-version", python, *platforms)
     download = (*pip, "download", "-q", "--only-binary", ":all:", *meant_for, "-d", str(wheels))
     _do(*download, "--require-hashes", "-r", str(lock))
-    _do(*download, *FOR_TESTS)
+    _do(*download, *others)
 
 
-def _laid_out(folder: Path) -> Path:
+def _laid_out(folder: Path, files: Mapping[str, str]) -> Path:
     """Write the machine's own files, and the key that opens it, as they will lie in it."""
     place = folder / "files"
     shutil.rmtree(place, ignore_errors=True)
-    for name, text in FILES.items():
+    for name, text in files.items():
         (place / name).parent.mkdir(parents=True, exist_ok=True)
         (place / name).write_text(text)
     (place / "root/.ssh").mkdir(parents=True, mode=0o700)

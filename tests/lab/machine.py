@@ -23,6 +23,7 @@ however busy the host is."""
 
 
 CABLE = "cable"
+SEED_LABEL = "CIDATA"
 SLOWER_CLOCK = "*/faketime/libfaketimeMT.so.1"
 PACE = 0.2
 """How fast the host's clock is for machines with a cable. One that has nothing to do at the moment goes on by that clock, so
@@ -34,11 +35,12 @@ class Machine:
     processor it has.
 
     `cable` is where a second network card leads, in QEMU's words for a socket. One with a cable tells its time, and can be made to
-    wait, by the two sockets of `clock`.
+    wait, by the two sockets of `clock`. `seed` is a folder that it finds as a volume of the label by which cloud-init knows its own.
     """
 
-    def __init__(self, folder: Path, *, cable: str = "") -> None:
+    def __init__(self, folder: Path, *, cable: str = "", seed: Path | None = None) -> None:
         self.folder = folder
+        self._seed = seed
         self.clock = (folder / "clock", folder / "control")
         self._cable = cable
         self._port = free_port()
@@ -120,7 +122,14 @@ class Machine:
             if self._cable
             else ""
         )
-        return [*shlex.split(f"{words} {with_cable}"), "-append", kernel, *(("-loadvm", snapshot) if snapshot else ())]
+        volume = f"format=raw,readonly=on,file.driver=vvfat,file.dir={self._seed},file.label={SEED_LABEL}"
+        with_seed = f"-drive if=virtio,{volume}" if self._seed else ""
+        return [
+            *shlex.split(f"{words} {with_cable} {with_seed}"),
+            "-append",
+            kernel,
+            *(("-loadvm", snapshot) if snapshot else ()),
+        ]
 
 
 def _slower_clock() -> str:

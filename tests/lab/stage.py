@@ -73,12 +73,12 @@ def kept(path: Path) -> list[Scene]:
     return msgspec.json.decode(path.read_bytes(), type=list[Scene]) if path.exists() else []
 
 
-def until(look: Callable[[], T], what: str) -> T:
+def until(look: Callable[[], T], what: str, limit_s: float = WAIT_S) -> T:
     """Look until something is seen, and return it; the limit is for a machine that has much else to do."""
-    end = time.monotonic() + WAIT_S
+    end = time.monotonic() + limit_s
     while not (found := look()):
         if time.monotonic() > end:
-            raise SceneError(f"not within {WAIT_S:g} s of this machine's time: {what}")
+            raise SceneError(f"not within {limit_s:g} s of this machine's time: {what}")
         time.sleep(LOOK_S)
     return found
 
