@@ -146,6 +146,20 @@ def test_pages_that_lead_to_each_other_are_one_motion_and_what_has_no_place_is_t
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("called", "names"),
+    [
+        (("Bow 2", "Bow", "Bow"), ["bow_2", "bow", "bow_3"]),
+        (("Bow", "Bow", "Bow 2"), ["bow", "bow_3", "bow_2"]),
+        (("Bow", "bow!", "BOW"), ["bow", "bow_2", "bow_3"]),
+        (("b" * 50, "b" * 45), ["b" * 40, "b" * 36 + "_2"]),
+    ],
+)
+def test_no_two_motions_of_a_file_have_one_name(rows, called, names):
+    found, _ = motion_file.read(content(*(Page(name, BOW) for name in called))).motions(rows["bioloid"])
+    assert [one.name for one in found] == names
+
+
 def test_servos_without_a_joint_of_another_type_or_beyond_their_range_stay_and_are_told(rows):
     file = MtnFile((Page("bow", (step(s5=5000),)),), (*ENABLED, 19), (0, 2, *[0] * 24))
     (bow,), notes = motion_file.read(mtn.write(file)).motions(rows["bioloid"])

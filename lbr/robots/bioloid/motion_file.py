@@ -9,7 +9,7 @@ from lbr.messages.faces import Motor
 from lbr.messages.joints import MAX_FRAMES, Joint, KeyFrame, Motion
 from lbr.robots.bioloid import mtn
 from lbr.robots.bioloid.mtn import MtnFile, Page, Step
-from lbr.robots.motion_file import DIGITS, LONGEST_S, SHORTEST_S, RobotRows, name_from, sparse, split
+from lbr.robots.motion_file import DIGITS, LONGEST_NAME, LONGEST_S, SHORTEST_S, RobotRows, name_from, sparse, split
 from lbr.robots.old_data import Note
 
 COUNT_RAD, MIDDLE, MOST = radians(300.0 / 1023.0), 512, 1023
@@ -43,13 +43,10 @@ class MtnMotions:
         }
         if not usable:
             raise InputError("it moves no servo that a joint of that robot is on: name another with --robot")
-        taken: dict[str, int] = {}
+        names = _names(self.file.pages, _chains(self.file.pages))
         found = []
-        for chain in _chains(self.file.pages):
+        for name, chain in names.items():
             page = self.file.pages[chain[0] - 1]
-            plain = name_from(page.name)
-            taken[plain] = taken.get(plain, 0) + 1
-            name = plain if taken[plain] == 1 else f"{plain[:36]}_{taken[plain]}"
             if name != page.name:
                 text = f"'{page.name}' is called '{name}' here; its help has the whole name"
                 notes.append(Note("changed", TABLE, str(chain[0]), "name", text))
@@ -145,6 +142,20 @@ def _chains(pages: tuple[Page, ...]) -> list[list[int]]:
         while 1 <= (after := pages[chain[-1] - 1].next) <= len(pages) and after not in chain and pages[after - 1].steps:
             chain.append(after)
         found.append(chain)
+    return found
+
+
+def _names(pages: tuple[Page, ...], chains: list[list[int]]) -> dict[str, list[int]]:
+    """Return the chains by the names of their motions: each as its first page says, with a number where that is taken."""
+    plain = {chain[0]: name_from(pages[chain[0] - 1].name) for chain in chains}
+    said = set(plain.values())
+    found: dict[str, list[int]] = {}
+    for chain in chains:
+        name, number = plain[chain[0]], 1
+        while name in found or (number > 1 and name in said):
+            number += 1
+            name = f"{plain[chain[0]][: LONGEST_NAME - 4]}_{number}"
+        found[name] = chain
     return found
 
 
