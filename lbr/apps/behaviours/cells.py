@@ -249,7 +249,7 @@ class _Reader:
         return self._between(low, high)
 
     def _between(self, low: float, high: float) -> Fits:
-        if self._turning and low <= high and (low < 0.0 or high > FULL_TURN):
+        if self._turning and not (0.0 <= low <= FULL_TURN and 0.0 <= high <= FULL_TURN):
             low, high = (low % FULL_TURN, high % FULL_TURN) if high - low < FULL_TURN else (0.0, FULL_TURN)
         if low <= high:
             found = Fits(((low, high),))
