@@ -154,7 +154,11 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
 
     def _start(self, options: dict[str, Any], random: Random) -> StartPose:
         if "start" not in options:
-            return starts(self._world, 2, random.randrange(1 << 30))[1]
+            if len(found := starts(self._world, 2, random.randrange(1 << 30))) < 2:
+                raise InputError(
+                    "there is no room for the robot to turn anywhere: see the walls of its world", "bad_value"
+                )
+            return found[1]
         try:
             x_m, y_m, yaw_rad = (float(one) for one in options["start"])
         except (TypeError, ValueError) as err:

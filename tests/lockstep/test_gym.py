@@ -4,9 +4,12 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from msgspec.structs import replace
 
 from lbr import gym
 from lbr.errors import InputError
+from lbr.lockstep import places
+from lbr.simulation.settings import BoxSettings
 
 AHEAD = np.array([1.0, 0.0], np.float32)
 BEFORE_A_WALL = (3.0, 0.0, 0.0)
@@ -91,3 +94,11 @@ def test_a_robot_without_wheels_and_one_that_is_not_there_are_refused():
         gym.Room(robot="bioloid")
     with pytest.raises(InputError, match="no robot 'nothing'"):
         gym.Room(robot="nothing")
+
+
+def test_a_room_without_room_to_turn_is_refused(room, monkeypatch):
+    block = BoxSettings(name="block", x_m=0.0, y_m=0.0, length_m=20.0, width_m=20.0)
+    monkeypatch.setattr(places, "MOST_TRIES", 2)
+    monkeypatch.setattr(room, "_world", replace(room._world, walls=(block,)))
+    with pytest.raises(InputError, match="no room for the robot to turn anywhere"):
+        room.reset(seed=1)
