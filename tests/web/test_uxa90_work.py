@@ -153,6 +153,18 @@ def test_a_motion_that_waits_for_motors_to_stand_does_not_begin_after_a_stop(ben
     assert bench.sent("play") == []
 
 
+def test_no_motor_takes_the_joints_back_while_a_motion_waits_for_them_to_stand(bench):
+    bench.motor("id=23&pos=100")
+    bench.automatic = False
+    promise = bench.begin(bench.work.play("4"))
+    bench.run(0.1)
+    assert refusal(bench.motor, "id=24&pos=120") == (409, "busy: 'walk_forward_short' begins")
+    assert len(bench.sent()) == 1
+    bench.automatic = True
+    bench.run(0.1)
+    assert promise.result(0).message == "callMotionById"
+
+
 def test_what_was_to_follow_a_move_is_forgotten_if_a_stop_comes_before_the_move_is_answered(bench):
     bench.automatic = False
     items = [{"id": 23, "pos": 20}, {"id": 24, "pos": 110, "delay": 500}]

@@ -45,6 +45,7 @@ class Service:
         self._looked = False
         self._stepped = inf
         self._given_up = (0, "")  # how often, and why
+        self._next = ""  # the motion that begins once motors have stopped
 
     def step(self, now: float) -> None:
         """Go on with all that is under way."""
@@ -148,7 +149,11 @@ class Service:
         self.jobs.drop(why)
         released = self._mover.release(why)
         if released is not None:
-            await until(lambda: released.answers() is not None)
+            self._next = motion
+            try:
+                await until(lambda: released.answers() is not None)
+            finally:
+                self._next = ""
             self._refuse_given_up(before)
         await self._player.play(motion)
 
@@ -166,7 +171,7 @@ class Service:
             self.motors.told[turn.motor.id] = turn.position
 
     def _refuse_busy(self) -> None:
-        if why := self._player.busy(self._robot.now()):
+        if why := self._player.busy(self._robot.now()) or (f"busy: '{self._next}' begins" if self._next else ""):
             raise Refused(409, why, code="busy")
 
     def _refuse_given_up(self, before: tuple[int, str]) -> None:
