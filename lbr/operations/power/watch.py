@@ -57,7 +57,7 @@ def decide(watch: Watch, event: Event, now: float, settings: PowerSettings) -> O
 
 def refusal(watch: Watch, event: Arm | Cancel) -> str:
     """Return why a request is refused, or nothing."""
-    if watch.phase in TOO_LATE:
+    if watch.phase in TOO_LATE and not _pretends(watch):
         return "too late: the computer is going down"
     if isinstance(event, Cancel):
         return "" if watch.phase in PENDING else f"there is no shutdown to cancel: {watch.phase}"
@@ -140,7 +140,7 @@ def _next(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
             outcome = _power_off(watch, "parking took too long", now, settings)
         case "powering_off" if now >= watch.until_s:
             outcome = _answered(watch, f"logind did not answer within {settings.answer_s:g} s", now, settings)
-        case "off" if watch.until_s == inf and _well(watch, settings):
+        case "off" if _pretends(watch) and _well(watch, settings):
             outcome = _rest(watch), ()
         case "off" if now >= watch.until_s:
             trouble = f"it still runs {settings.off_s:g} s after logind agreed"
@@ -192,6 +192,11 @@ def _power_off(watch: Watch, trouble: str, now: float, settings: PowerSettings) 
 def _pretended(watch: Watch) -> Outcome:
     text = "the supply is emulated: a real robot would power off now, this computer stays on"
     return replace(watch, phase="off", reason=text, until_s=inf), (Told("shutdown_pretended", text),)
+
+
+def _pretends(watch: Watch) -> bool:
+    """Return whether it is off only so to speak: the computer stays on, and people go on deciding."""
+    return watch.phase == "off" and watch.until_s == inf
 
 
 def _answered(watch: Watch, trouble: str, now: float, settings: PowerSettings) -> Outcome:

@@ -135,6 +135,18 @@ def test_an_emulated_supply_powers_nothing_off_and_a_good_voltage_ends_it():
     assert bench.read(GOOD, GOOD, GOOD) == "watching"
 
 
+def test_what_an_emulated_supply_has_brought_down_can_be_disarmed():
+    bench = bench_in("powering_off")
+    bench.happen(Answered(pretended=True))
+    assert "no shutdown to cancel" in refusal(bench.watch, Cancel("console"))
+    assert refusal(bench.watch, Arm(armed=True, warn_v=11.0)) == ""
+    assert bench.happen(Arm(armed=True, warn_v=11.0)) == "off"
+    assert refusal(bench.watch, Arm(armed=False)) == ""
+    assert bench.happen(Arm(armed=False)) == "disarmed"
+    bench.read(*[LOW] * 60)
+    assert (bench.watch.phase, bench.done.count("power_off")) == ("disarmed", 1)
+
+
 # -- what must not lead there ---------------------------------------------------------------------------------------
 
 
