@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.apps.behaviours import drawing, files, texts
+from lbr.apps.behaviours import drawing, files, outputs, texts
 from lbr.apps.behaviours.table import Parts, compile_table, linked
 from lbr.messages.behaviour import BehaviourRow, BehaviourState, BehaviourTable
 
@@ -268,6 +268,11 @@ def test_a_good_table_has_no_faults():
 def test_a_fault_is_told_with_row_and_column(lines, said):
     told = faults(table(*lines), Parts(sensors=frozenset({"forward", "back"})))
     assert any(one.startswith(said) for one in told), told
+
+
+def test_a_motion_that_cannot_be_a_name_is_told_in_words():
+    told = "'Wave' is no motion's name: small letters, digits, underscores"
+    assert list(outputs.faults({"motion": "wave | Wave", "times": "2"})) == [("motion", told)]
 
 
 def test_an_output_that_no_command_takes_is_named():

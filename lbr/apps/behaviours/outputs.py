@@ -238,6 +238,8 @@ def _moving(way: str, given: Mapping[str, str], numbers: Mapping[str, float], du
         return CallTable(given["run"])
     fields: dict[str, tuple[str, Any]]
     if way == "motion":
+        if not re.fullmatch(NAME_PATTERN, given["motion"]):
+            raise OutputError("motion", f"'{given['motion']}' is no motion's name: small letters, digits, underscores")
         fields = {"motion": ("motion", given["motion"]), "times": ("times", _whole(numbers))}
         played: PlayCommand = _command(PlayCommand, fields)
         return played
