@@ -69,6 +69,7 @@ class _Taking:
         self._shipped = shipped
         self._replacing = replacing
         self._states: dict[tuple[str, str], _State] = {}
+        self._wanted: dict[tuple[str, str, str], Any] = {}
         self._notes: list[Note] = []
         self._kept: list[str] = []
 
@@ -112,7 +113,14 @@ class _Taking:
         return self._states[want.table, _told(key)]
 
     def _column(self, want: Want, state: _State, told: str, column: str, value: Any) -> bool:
-        """Apply a column, and say whether that changes it."""
+        """Apply a column, and say whether that changes it; of two that contradict each other the first counts."""
+        place = want.table, told, column
+        if place in self._wanted:
+            if (first := self._wanted[place]) != value:
+                text = f"{want.source}: {shown(value)}, and before that {shown(first)}, which counts"
+                self._notes.append(Note("no_place", *place, text))
+            return False
+        self._wanted[place] = value
         old = _get(state.after, column)
         if state.before is not None and old == value:
             self._notes.append(Note("same", want.table, told, column, want.source))

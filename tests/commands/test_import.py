@@ -245,6 +245,19 @@ def test_the_first_apis_tables_and_settings(place, capsys):
             ("file", "link.mtn", ""), ("motor", "x", "min, max"), ("motor", "24", "min, max")} <= told(found, "no_place")  # fmt: skip
 
 
+def test_of_rows_that_contradict_each_other_the_first_counts_also_a_second_time(place, capsys):
+    neck = {"id": 23, "name": "neck", "min": 1, "max": 254, "default": 127}
+    (place / "motors.json").write_text(json.dumps([neck, neck, {**neck, "name": "head", "min": 50}]))
+    for kind in ("added", "same"):
+        found = report(capsys, place / "motors.json")
+        assert [(row.name, row.lowest) for row in rows(place, "uxa90").of(Motor) if row.layer == "original"] == [
+            ("neck", 1)
+        ]
+        assert told(found, "no_place") == {("motor", "original/23", "name"), ("motor", "original/23", "lowest")}
+        assert len([note for note in found["report"] if note["kind"] == "added"]) == (kind == "added")
+        assert ("motor", "original/23", "name") in told(found, kind) or kind == "added"
+
+
 def test_motions_of_both_makers_and_a_second_time(place, capsys):
     (place / "moves.mtn").write_bytes(motion_file(Page("Bow", BOW), Page("Far", (step(s13=900),))))
     found = report(capsys, place / "moves.mtn")
