@@ -484,6 +484,18 @@ def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain, dri
     process.wait(5.0)
 
 
+def test_a_guard_lets_servos_go_of_which_none_was_heard_when_the_driver_died(chain, driving):
+    process = driving(1.0)
+    chain.answer = lambda _request, _usual: b""
+    process.kill()
+    process.wait(5.0)
+    chain.log.clear()
+    until(lambda: {request[2] for request in chain.log} >= {1, 2, 3}, 5.0)
+    chain.answer = lambda _request, _usual: None
+    until(lambda: not any(servo.torque for servo in chain.servos.values()), 5.0)
+    assert all(servo.goal == 540 for servo in chain.servos.values())
+
+
 def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(chain, driving):
     process = driving(60.0)
     process.kill()

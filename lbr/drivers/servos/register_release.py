@@ -23,7 +23,7 @@ class RegisterRelease:
     def hold(self) -> bool:
         """Give every servo that has torque the place where it is for its goal."""
         self._hold(len(self._unheard))
-        return bool(self._limits) or 0 < len(self._unheard) < len(self._servos)
+        return bool(self._limits or self._unheard)
 
     def keep(self) -> None:
         """Do the same to one that was not heard yet; reading notices a line that is gone."""
