@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import time
+from itertools import count
 from pathlib import Path
 
 from lbr.errors import InputError
@@ -35,7 +36,20 @@ def save(home: str, name: str, picture: bytes) -> Path:
     return path
 
 
+def save_now(home: str, camera: str, picture: bytes) -> Path:
+    """Write a new file named after camera and time, and return it; InputError says in words why that cannot be."""
+    return save(home, free(Path(home) / "pictures" / f"{name_now(camera)}.jpg").stem, picture)
+
+
 def name_now(camera: str) -> str:
     """Return a name made of camera and time, down to milliseconds."""
     now = time.time()
     return f"{camera}-{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{int(now * 1000) % 1000:03d}"
+
+
+def free(path: Path) -> Path:
+    """Return the path, with a number behind its name if there is a file already."""
+    if not os.path.lexists(path):
+        return path
+    numbered = (path.with_name(f"{path.stem}-{number}{path.suffix}") for number in count(2))
+    return next(one for one in numbered if not os.path.lexists(one))

@@ -164,7 +164,7 @@ class World(Capability[WorldSettings]):
             return
         pose, around, trail = physics.pose, _as_ranges(physics.ranges_m), tuple(self._trail)
         size = {"width": request.width_px, "height": request.height_px}
-        self._painter.ask(call, path, lambda: image(scene, pose, around, trail=trail, **size))
+        self._painter.ask(call, path, lambda: image(scene, pose, around, trail=trail, **size), named=bool(request.path))
 
 
 def _as_ranges(ranges_m: dict[str, float | None]) -> Ranges:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lbr.capability.context import Call
+from lbr.capability.picture_files import free
 from lbr.errors import InputError
 from lbr.simulation.requests import PictureReply
 
@@ -22,16 +23,19 @@ class Painter:
 
     def __init__(self) -> None:
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="painter", initializer=_rank_as_usual)
-        self._calls: list[tuple[Call, Path, Future[None]]] = []
+        self._calls: list[tuple[Call, Path, Future[Path]]] = []
 
-    def ask(self, call: Call, path: Path, draw: Callable[[], "Image"]) -> None:
-        """Have a picture drawn and saved as a new file; one that is there stays as it is."""
+    def ask(self, call: Call, path: Path, draw: Callable[[], "Image"], *, named: bool = True) -> None:
+        """Have a picture drawn and saved as a new file; one that is there stays as it is.
+
+        `named`: somebody chose this path; without, the file gets another name if there is one already.
+        """
         if path.suffix != ".png" or not path.is_absolute():
             call.refuse(f"a picture's path is absolute and ends in .png; '{path}' is not", "bad_value")
         elif len(self._calls) >= _WAITING:
             call.refuse(f"{_WAITING} pictures are waiting already", "busy")
         else:
-            self._calls.append((call, path, self._worker.submit(_save, path, draw)))
+            self._calls.append((call, path, self._worker.submit(_save, path, draw, named)))
 
     def finish(self) -> None:
         """Answer for every picture that is done."""
@@ -40,7 +44,7 @@ class Painter:
         for call, path, work in done:
             error = work.exception()
             if error is None:
-                call.reply(PictureReply(accepted=True, path=str(path)))
+                call.reply(PictureReply(accepted=True, path=str(work.result())))
             elif isinstance(error, OSError):
                 call.refuse(f"cannot write {path}: {error.strerror or error}", "failed")
             else:
@@ -72,7 +76,10 @@ def picture_path(robot: str) -> Path:
     return folder / f"{robot}-{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{int(now * 1000) % 1000:03d}.png"
 
 
-def _save(path: Path, draw: Callable[[], "Image"]) -> None:
+def _save(path: Path, draw: Callable[[], "Image"], named: bool) -> Path:
     picture = draw()
+    if not named:
+        path = free(path)
     with path.open("xb") as file:
         picture.save(file, format="PNG", compress_level=1)
+    return path

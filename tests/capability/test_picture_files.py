@@ -81,3 +81,10 @@ def test_a_name_made_of_the_time_is_a_name(at):
         name = picture_files.name_now("front_camera")
     assert re.fullmatch(r"front_camera-\d{8}-\d{6}-\d{3}", name)
     assert Path(f"{name}.jpg").name == f"{name}.jpg"
+
+
+def test_pictures_without_a_name_in_the_same_millisecond_are_all_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(picture_files.time, "time", lambda: 1e9)
+    paths = [picture_files.save_now(str(tmp_path), "front", picture) for picture in (b"1", b"2", b"3")]
+    assert [path.read_bytes() for path in paths] == [b"1", b"2", b"3"]
+    assert [path.stem.removeprefix(paths[0].stem) for path in paths] == ["", "-2", "-3"]

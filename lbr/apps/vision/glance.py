@@ -56,7 +56,7 @@ class Glance:
         self._looking = None
         try:
             found = looked.result()
-            path = picture_files.save(self._ctx.home, picture_files.name_now(self._ctx.name), found.picture)
+            path = picture_files.save_now(self._ctx.home, self._ctx.name, found.picture)
         except InputError as err:
             call.reply(SnapshotReply(accepted=False, reason=str(err), code=err.code))
         else:

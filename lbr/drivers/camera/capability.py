@@ -163,7 +163,10 @@ class Camera(Capability[CameraSettings]):
                 accepted=False, reason=reason if self._on else f"{self.ctx.name} is off", code="unreachable"
             )
         try:
-            path = picture_files.save(self.ctx.home, name or picture_files.name_now(self.ctx.name), newest.data)
+            if name:
+                path = picture_files.save(self.ctx.home, name, newest.data)
+            else:
+                path = picture_files.save_now(self.ctx.home, self.ctx.name, newest.data)
         except InputError as err:
             return SnapshotReply(accepted=False, reason=str(err), code=err.code)
         return SnapshotReply(accepted=True, reason=f"saved as {path}", path=str(path))

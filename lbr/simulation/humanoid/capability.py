@@ -138,7 +138,7 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
         path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.robot)
         pose, view, body = physics.pose, physics.view, engine.body
         size = (request.width_px, request.height_px)
-        self._painter.ask(call, path, lambda: portrait(body, view, pose, size))
+        self._painter.ask(call, path, lambda: portrait(body, view, pose, size), named=bool(request.path))
 
 
 def _stance(pose: HumanoidPose) -> str:
