@@ -290,6 +290,34 @@ def test_stop_is_above_a_dialogue_and_held_for_a_second_it_is_the_emergency_stop
     expect(page.get_by_role("alert")).to_have_count(0)
 
 
+@both
+def test_neither_a_notice_nor_a_dialogue_covers_the_alarm_of_the_emergency_stop(opened, robot, size):
+    page = opened.page(size)
+    page.get_by_role("button", name="Settings").click()
+    page.get_by_role("dialog").wait_for()
+    robot.estop = "pressed at the robot"
+    expect(page.get_by_role("alert")).to_contain_text("pressed at the robot")
+    page.keyboard.press("Escape")
+    expect(page.locator(".notice")).to_contain_text("Stopped")
+    page.get_by_role("button", name="Settings").click()
+    page.get_by_role("dialog").wait_for()
+    covered = """([alarm, ...others]) => others.map((one) => one.getBoundingClientRect().top - alarm.getBoundingClientRect().bottom)"""
+    boxes = [page.locator(one).element_handle() for one in (".alarm-stop", ".notice", ".dialog")]
+    assert within(page, lambda: min(page.evaluate(covered, boxes)) >= 0)
+    page.get_by_role("button", name="Release").click()
+    page.get_by_role("dialog").get_by_role("button", name="Release").click()
+    assert within(page, lambda: ("reset", None) in robot.asked)
+
+
+def test_on_a_phone_what_stands_in_for_the_picture_is_beside_the_radar(opened):
+    page = opened.page("phone", path="/icon.svg")
+    page.route("**/stream.mjpg*", lambda route: route.fulfill(status=401))
+    page.goto(page.url.replace("icon.svg", "#drive"))
+    between = "([said, radar]) => radar.getBoundingClientRect().left - said.getBoundingClientRect().right"
+    boxes = [page.locator(one).element_handle() for one in (".drive-nopicture p", ".drive-inset")]
+    assert within(page, lambda: page.evaluate(between, boxes) >= 0)
+
+
 def test_a_refusal_is_told_by_its_code_and_sentence_and_who_holds_it_can_be_followed(opened, robot):
     page = opened.page()
     robot.refusal = {"code": "held", "reason": "console holds it", "holder": "console"}

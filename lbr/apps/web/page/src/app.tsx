@@ -1,7 +1,7 @@
 // The shell: what is above, beside and below every view.
 import { signal } from "@preact/signals";
-import { Component, type ComponentType } from "preact";
-import { useEffect, useState } from "preact/hooks";
+import { Component, type ComponentType, type Ref } from "preact";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { unknown } from "./access";
 import { loadAgain, outdated } from "./build";
 import { Asked } from "./handover";
@@ -92,12 +92,29 @@ function Waiting() {
   return <div class="loading" role="status"><div class="pulse" />{t("shell.loading")}</div>;
 }
 
+/** Keeps the rest of the page clear of what this element covers: `--alarms` is how high it is. */
+function useClearance(): Ref<HTMLDivElement> {
+  const box = useRef<HTMLDivElement>(null);
+  useLayoutEffect(() => {
+    const { style } = document.documentElement;
+    const seen = new ResizeObserver(() => {
+      const high = box.current?.offsetHeight ?? 0;
+      if (high > 0) style.setProperty("--alarms", `${high}px`);
+      else style.removeProperty("--alarms");
+    });
+    seen.observe(box.current!);
+    return () => { seen.disconnect(); style.removeProperty("--alarms"); };
+  }, []);
+  return box;
+}
+
 function Alarms() {
   const [asks, ask] = useState(false);
+  const box = useClearance();
   const { engaged, told, reason, source } = estop.value;
   const lost = link.value === "lost" && robot.value !== null;
   return (
-    <div class="alarms">
+    <div class="alarms" ref={box}>
       {engaged && (
         <div class="alarm alarm-stop" role="alert">
           <Icon name="stop" />

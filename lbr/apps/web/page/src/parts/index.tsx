@@ -179,8 +179,7 @@ function Opened({ title, onClose, actions, children }: DialogProps) {
     if (event.key === "Escape") onClose();
     if (event.key !== "Tab" || !box.current) return;
     const inside = [...box.current.querySelectorAll<HTMLElement>("button, input, select, textarea, a[href], [tabindex='0']")].filter((one) => !one.hasAttribute("disabled"));
-    const stop = document.getElementById("stop");
-    const ring = stop ? [...inside, stop] : inside;
+    const ring = [...inside, ...document.querySelectorAll<HTMLElement>(".alarm button, #stop")];
     const at = ring.indexOf(document.activeElement as HTMLElement);
     event.preventDefault();
     ring[(at + (event.shiftKey ? -1 : 1) + ring.length) % ring.length]?.focus();
