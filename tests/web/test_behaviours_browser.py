@@ -125,6 +125,14 @@ def test_a_name_that_cannot_be_says_why(page, robot):
     expect(form.get_by_role("button", name="Begin it")).to_be_enabled()
 
 
+def test_a_cell_takes_no_more_than_the_robot_does(page, robot):
+    page.get_by_role("button", name="New table").click()
+    page.get_by_label("Name").fill("long_names")
+    page.get_by_role("button", name="Begin it").click()
+    for column, most in (("Current State", 80), ("Next State", 80)):
+        expect(cell(page, column, 1)).to_have_attribute("maxlength", str(most))
+
+
 def test_a_table_that_is_taken_away_while_it_is_looked_at_leaves_the_page_whole(page, robot):
     page.get_by_role("button", name="New table").click()
     page.get_by_label("Name").fill("short_one")

@@ -5,6 +5,8 @@ import { Button, Choice } from "../../parts";
 import { t } from "../../words";
 import { COLUMNS, headings, OUTPUT, TYPES, type Fault, type Step, type Unmet } from "./data";
 
+const LONGEST_STATE = 80, LONGEST_CELL = 300; // characters, as the robot takes them
+
 interface SheetProps {
   rows: Step[]; faults: Fault[]; at: string; unmet: Map<number, Unmet[]>; picked: string; only: boolean; editable: boolean;
   extra: { conditions: string[]; outputs: string[] };
@@ -49,14 +51,14 @@ export function Sheet({ rows, faults, at, unmet, picked, only, editable, extra, 
             return (
               <tr key={row.step} class={`${row.state === at ? "behaviours-row-at" : ""} ${row.type === "#" ? "behaviours-comment" : ""}`}>
                 <td class="num behaviours-number">{row.step}{wrong("") && <p class="form-wrong">{wrong("")}</p>}</td>
-                <Cell {...cell} name={COLUMNS.state} value={row.state} list="behaviours-states" wrong={wrong(COLUMNS.state)} onKeep={(state) => put({ state })} />
+                <Cell {...cell} name={COLUMNS.state} value={row.state} list="behaviours-states" longest={LONGEST_STATE} wrong={wrong(COLUMNS.state)} onKeep={(state) => put({ state })} />
                 {conditions.map((one) => (
                   <Cell key={one} {...cell} name={one} value={row.conditions[one] ?? ""} wrong={wrong(one)} live={live && (row.conditions[one] ?? "") !== "" ? live.find((miss) => miss.column === one) ?? true : undefined} onKeep={(text) => cells("conditions", one, text)} />
                 ))}
                 {outputs.map((one) => (
                   <Cell key={`O:${one}`} {...cell} name={OUTPUT + one} value={row.outputs[one] ?? ""} wrong={wrong(OUTPUT + one)} onKeep={(text) => cells("outputs", one, text)} />
                 ))}
-                <Cell {...cell} name={COLUMNS.next} value={row.next_state} list="behaviours-states" wrong={wrong(COLUMNS.next)} onKeep={(next_state) => put({ next_state })} />
+                <Cell {...cell} name={COLUMNS.next} value={row.next_state} list="behaviours-states" longest={LONGEST_STATE} wrong={wrong(COLUMNS.next)} onKeep={(next_state) => put({ next_state })} />
                 {timed && <Cell {...cell} name={COLUMNS.deadline} value={row.deadline_s === null ? "" : String(row.deadline_s)} wrong={wrong(COLUMNS.deadline)} onKeep={(text) => put({ deadline_s: text.trim() === "" ? null : Number(text.replace(",", ".")) })} />}
                 <td class="behaviours-type">
                   {editable ? <Choice label={t("behaviours.cell", { column: COLUMNS.type, row: row.step })} value={row.type} options={TYPES.map((one) => ({ value: one, text: one === "" ? "–" : one }))} onChange={(type) => void put({ type })} /> : row.type}
@@ -77,10 +79,10 @@ export function Sheet({ rows, faults, at, unmet, picked, only, editable, extra, 
   );
 }
 
-interface CellProps { name: string; row: number; value: string; wrong: string; editable: boolean; list?: string; live?: Unmet | true; onKeep: (text: string) => Promise<boolean> }
+interface CellProps { name: string; row: number; value: string; wrong: string; editable: boolean; list?: string; longest?: number; live?: Unmet | true; onKeep: (text: string) => Promise<boolean> }
 
 /** What is typed is kept on Enter or on leaving the cell; what was refused stays to be mended, Escape takes it back. */
-function Cell({ name, row, value, wrong, editable, list, live, onKeep }: CellProps) {
+function Cell({ name, row, value, wrong, editable, list, longest = LONGEST_CELL, live, onKeep }: CellProps) {
   const [typed, type] = useState<string | null>(null);
   const why = useRef("");
   why.current = typed === null ? "" : wrong || why.current;  // stays with a text that is not kept, whatever is kept elsewhere
@@ -97,7 +99,7 @@ function Cell({ name, row, value, wrong, editable, list, live, onKeep }: CellPro
     <td class={`${bad ? "form-bad" : ""} ${live === undefined ? "" : missed ? "behaviours-unmet" : "behaviours-met"}`}>
       {editable ? (
         <input
-          ref={box} class="input behaviours-cell" value={text} list={list} maxLength={300} spellcheck={false} autocomplete="off" aria-invalid={bad !== ""} aria-label={t("behaviours.cell", { column: name, row })}
+          ref={box} class="input behaviours-cell" value={text} list={list} maxLength={longest} spellcheck={false} autocomplete="off" aria-invalid={bad !== ""} aria-label={t("behaviours.cell", { column: name, row })}
           style={{ width: `${Math.max(6, Math.min(24, text.length + 3.5))}ch` }}
           onInput={(event) => type(event.currentTarget.value)} onBlur={() => void keep()}
           onKeyDown={(event) => {
