@@ -23,6 +23,10 @@ start,Waiting,>= 3600,,,Done
 end,Done,,,,
 fail,Stuck,,,,
 """
+FORKS = "Type,Current State,Time,Next State\nstart,Waiting,> 9,A\n" + "".join(
+    f",Waiting,> {9 - n},{state}\n" for n, state in enumerate("BCDEFGH", start=1)
+)
+WIDE = FORKS + "".join(f",{state},> 1,Done\n" for state in "ABCDEFGH") + "end,Done,,\nfail,Stuck,,\n"
 
 
 @pytest.fixture(scope="module")
@@ -131,6 +135,19 @@ def test_a_cell_takes_no_more_than_the_robot_does(page, robot):
     page.get_by_role("button", name="Begin it").click()
     for column, most in (("Current State", 80), ("Next State", 80)):
         expect(cell(page, column, 1)).to_have_attribute("maxlength", str(most))
+
+
+def test_a_graph_that_is_wider_than_the_page_opens_with_its_first_state_in_sight(page, robot):
+    take(page, "forks.csv", WIDE)
+    page.get_by_role("button", name="Take it").click()
+    expect(page.get_by_role("heading", name="forks")).to_be_visible()
+    graph, first = page.locator(".behaviours-graph").bounding_box(), page.locator(".behaviours-start").bounding_box()
+    assert graph is not None
+    assert first is not None
+    assert page.locator(".behaviours-graph").evaluate("(one) => one.scrollWidth > one.clientWidth")
+    assert graph["x"] <= first["x"]
+    assert first["x"] + first["width"] <= graph["x"] + graph["width"]
+    assert graph["y"] <= first["y"]
 
 
 def test_a_table_that_is_taken_away_while_it_is_looked_at_leaves_the_page_whole(page, robot):

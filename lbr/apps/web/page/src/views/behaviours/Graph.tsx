@@ -1,5 +1,5 @@
 // A table as a picture of its states: where the robot is, and where it came from; a state that is tapped is the one whose rows are shown.
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { t } from "../../words";
 import type { Step } from "./data";
 import { draw, HIGH, WIDE } from "./layout";
@@ -10,12 +10,15 @@ const short = (text: string, most: number): string => (text.length > most ? `${t
 export function Graph({ rows, at, came, picked, onPick }: { rows: Step[]; at: string; came: string; picked: string; onPick: (state: string) => void }) {
   const drawing = useMemo(() => draw(rows), [rows]);
   const box = useRef<HTMLDivElement>(null);
-  useEffect(() => {
-    const here = drawing.boxes.find((one) => one.state === at), view = box.current;
+  const show = (state: string | undefined, behavior: ScrollBehavior): void => {
+    const here = drawing.boxes.find((one) => one.state === state), view = box.current;
     if (!here || !view) return;
     const scale = view.scrollWidth / drawing.width;
-    view.scrollTo({ left: here.x * scale - view.clientWidth / 2, top: here.y * scale - view.clientHeight / 2, behavior: "smooth" });
-  }, [at, drawing]);
+    view.scrollTo({ left: here.x * scale - view.clientWidth / 2, top: here.y * scale - view.clientHeight / 2, behavior });
+  };
+  const first = drawing.boxes[0]?.state;
+  useLayoutEffect(() => show(first, "instant"), [first]);
+  useEffect(() => show(at, "smooth"), [at, drawing]);
   if (drawing.boxes.length === 0) return null;
   const size = { width: drawing.width, height: drawing.height };
   return (
