@@ -47,6 +47,10 @@ class Lender(Protocol):
     source: str
 
     @property
+    def perhaps(self) -> str:
+        """Return why a command that is there may not answer us; empty where nothing keeps us from it."""
+
+    @property
     def session(self) -> Session:
         """Our session of the bus."""
 
@@ -73,8 +77,10 @@ class Motion:
             self._client.step()
         if not self._client.holds:
             self._results.close()
-            why = self._client.ended
-            raise RefusalError(why.code, why.text) if why else BusError(f"'{key}' does not answer")
+            why, hint = self._client.ended, f"; {robot.perhaps}" if robot.perhaps else ""
+            if why is None:
+                raise BusError(f"'{key}' does not answer{hint}")
+            raise RefusalError(why.code, f"{why.text}{hint}" if self._client.silent else why.text)
 
     def __enter__(self) -> Self:
         return self

@@ -47,6 +47,7 @@ class Robot:
         self.name = found.robot
         self.role = found.role
         self.source = source
+        self._by_token = found.proof is not None
         self._process = os.getpid()
         self._session = open_client(found.endpoints, found.credentials, certificate=found.certificate)
         self._operator = BusOperator(
@@ -85,6 +86,12 @@ class Robot:
         if os.getpid() != self._process:
             raise BusError(FORKED)
 
+    @property
+    def perhaps(self) -> str:
+        """Return why a command that is there may not answer us; empty where nothing keeps us from it."""
+        # the bus says nothing when it drops what a role does not allow (docs/bus.md)
+        return f"the role '{self.role}' may be too low for it" if self._by_token and self.role != "admin" else ""
+
     def key(self, name: str) -> str:
         """Return the whole key of `drive/state`, `@status` and their like."""
         return f"{self.name}/{name}"
@@ -95,16 +102,17 @@ class Robot:
 
     def ask(self, name: str, **message: Any) -> Message:
         """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing answers."""
-        reply = self._answer(name, message)
+        reply = self._answer(name, message, self.perhaps)
         if reply.get("accepted") is False:
             raise RefusalError(reply.get("code", ""), reply.get("reason", ""))
         return reply
 
-    def _answer(self, name: str, message: Message) -> Message:
+    def _answer(self, name: str, message: Message, perhaps: str = "") -> Message:
         for raw in wire.ask(self.session, self.key(name), message or None, source=self.source):
             found: Message = msgspec.json.decode(raw.payload)
             return found
-        raise BusError(f"nothing answers on '{name}'; 'lbr topic list' names what there is")
+        hint = f"{perhaps}; " if perhaps else ""
+        raise BusError(f"nothing answers on '{name}'; {hint}'lbr topic list' names what there is")
 
     def stream(self, name: str, *, within_s: float = 2.0) -> Generator[Message, None, None]:
         """Yield the messages of a stream as they come, always the newest; raise BusError after a silence."""

@@ -75,6 +75,25 @@ def test_a_token_can_be_in_a_file(door: Door):
             assert robot.role == "view"
 
 
+def test_a_program_whose_role_is_too_low_is_told_that_this_may_be_why_nothing_answers(door: Door):
+    low = "the role 'view' may be too low for it"
+    eye, boss = (door.away / f"{name}.token" for name in ("eye", "boss"))
+    eye.write_text(str(door.tokens["eye"]))
+    boss.write_text(str(door.tokens["boss"]))
+    with client.connect(at=door.endpoint, token_file=eye) as robot:
+        with pytest.raises(client.BusError, match=f"nothing answers on 'drive/turn'; {low}; 'lbr topic list'"):
+            robot.ask("drive/turn", angle_deg=10)
+        with pytest.raises(client.RefusalError, match=f"does not answer; {low}"):
+            robot.borrow("drive/command", power=0.1, angle_deg=0)
+        with pytest.raises(client.BusError, match="nothing answers on 'no/stream'; 'lbr topic list'"):
+            robot.latest("no/stream")
+    with (
+        client.connect(at=door.endpoint, token_file=boss) as robot,
+        pytest.raises(client.BusError, match="nothing answers on 'no/word'; 'lbr topic list'"),
+    ):
+        robot.ask("no/word")
+
+
 @pytest.mark.parametrize(
     ("change", "code", "words"),
     [
