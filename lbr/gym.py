@@ -8,7 +8,7 @@
 The drive's rules, limits and ramps count as on the robot: what would run into something is slowed and refused. Nothing outside moves.
 """
 
-from math import cos, inf, radians, sin
+from math import cos, isfinite, radians, sin
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
@@ -163,8 +163,12 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
             x_m, y_m, yaw_rad = (float(one) for one in options["start"])
         except (TypeError, ValueError) as err:
             raise InputError("options['start'] is x and y in metres and yaw in radians", "bad_value") from err
+        if not all(isfinite(one) for one in (x_m, y_m, yaw_rad)):
+            raise InputError(
+                f"options['start'] is of finite numbers; {x_m:g}, {y_m:g}, {yaw_rad:g} is not", "bad_value"
+            )
         start = StartPose(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
-        if not all(abs(one) < inf for one in (x_m, y_m, yaw_rad)) or not free(self._world, start):
+        if not free(self._world, start):
             raise InputError(f"there is no room for the robot to turn at {x_m:g}, {y_m:g}", "bad_value")
         return start
 

@@ -77,7 +77,13 @@ def test_it_ends_when_the_dock_charges_the_robot(room):
     assert seen["beacon"].any()
 
 
-@pytest.mark.parametrize("start", [(2.0, 0.9, 1.57), (float("nan"), 0.0, 0.0), (1.0,), "there"])
+@pytest.mark.parametrize("start", [(float("nan"), 0.0, 0.0), (0.0, float("inf"), 0.0), (0.0, 0.0, -float("inf"))])
+def test_a_start_that_is_no_place_is_said_to_be_none(room, start):
+    with pytest.raises(InputError, match="is of finite numbers"):
+        room.reset(options={"start": start})
+
+
+@pytest.mark.parametrize("start", [(2.0, 0.9, 1.57), (1.0,), "there"])
 def test_a_start_without_room_is_refused(room, start):
     with pytest.raises(InputError, match=r"room|yaw"):
         room.reset(options={"start": start})
