@@ -1,5 +1,6 @@
 """What there is on a robot's bus: every stream and command with its type, as its owner describes it."""
 
+import difflib
 import time
 from collections import Counter
 from collections.abc import Iterable
@@ -85,7 +86,7 @@ def silence(topics: Iterable[Topic], key: str, seconds: float) -> str:
     if "*" in name:
         return nothing
     if name not in known:
-        return f"{nothing}, and there is no '{shown(name)}'; there are {listed(list(known), 'and')}"
+        return f"{nothing}, and there is no '{shown(name)}'; {_near(name, known)}"
     if known[name].role == "command":
         return f"{nothing}: it is a command, which says nothing by itself; 'lbr topic info {name}' shows what it takes"
     return nothing
@@ -104,10 +105,10 @@ def why_not_publish(topics: Iterable[Topic], key: str, role: Role) -> str:
 
 
 def choose(topics: Iterable[Topic], name: str) -> Topic:
-    """Return the topic of that name; InputError names those there are."""
+    """Return the topic of that name; InputError says which may have been meant."""
     known = {topic.name: topic for topic in topics}
     if name not in known:
-        raise InputError(f"there is no '{shown(name)}'; there are {listed(list(known), 'and')}", "unknown_name")
+        raise InputError(f"there is no '{shown(name)}'; {_near(name, known)}", "unknown_name")
     return known[name]
 
 
@@ -126,6 +127,11 @@ def key_of(robot: str, name: str) -> str:
 def fields_of(topic: Topic) -> list[Field]:
     """Return a message's fields."""
     return properties(topic.json_schema)
+
+
+def _near(name: str, known: dict[str, Topic]) -> str:
+    near = difflib.get_close_matches(name[:64], known, n=3, cutoff=0.5)
+    return f"{f'did you mean {listed(near)}? ' if near else ''}'lbr topic list' names what there is"
 
 
 def _placed(topics: list[Topic], bus: Session, robot: str, source: str) -> list[Topic]:

@@ -7,7 +7,8 @@ from msgspec import Meta, Struct
 from lbr.messages.codes import ReasonCode
 
 Text = Annotated[str, Meta(max_length=200)]
-FileStem = Annotated[str, Meta(pattern=r"^$(?!\n)|^[A-Za-z0-9][A-Za-z0-9_.-]*$(?!\n)", max_length=60)]
+FILE_STEM_PATTERN = r"^$(?!\n)|^[A-Za-z0-9][A-Za-z0-9_.-]*$(?!\n)"
+FileStem = Annotated[str, Meta(pattern=FILE_STEM_PATTERN, max_length=60)]
 FILE_STEM = "letters, digits, '.', '_' and '-', the first a letter or a digit, 60 at most"
 """What a `FileStem` is, in words."""
 

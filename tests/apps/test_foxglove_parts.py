@@ -133,6 +133,15 @@ def test_a_twist_that_is_none_is_refused_or_no_number_that_moves(said):
         motion(TELEOP, said, Known)
 
 
+@pytest.mark.parametrize(
+    ("said", "wrong"),
+    [(b'{"linear": {"x": 1e999}}', "/cmd_vel: Number out of range"), (b"{", "/cmd_vel: not JSON: .*truncated")],
+)
+def test_a_message_that_cannot_be_read_says_what_is_wrong(said, wrong):
+    with pytest.raises(InputError, match=wrong):
+        motion(TELEOP, said, Known)
+
+
 def test_only_what_is_held_can_be_published():
     say = protocol.Published(id=1, topic="speech/say", encoding="json")
     with pytest.raises(InputError, match="service"):

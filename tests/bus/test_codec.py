@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from lbr.bus import codec, pictures
 from lbr.errors import MalformedError
+from lbr.messages.box import RecordCommand
 from lbr.messages.drive import DriveCommand
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.tracking import LookCommand
@@ -140,3 +141,8 @@ def test_what_does_not_begin_and_end_like_a_picture_is_none(data):
 def test_a_whole_picture_is_taken_as_it_is():
     data = jpeg(frame(4, 3))
     assert codec.PictureDecoder().decode(data).data == data
+
+
+def test_a_name_that_cannot_be_is_told_by_the_characters_it_may_have():
+    with pytest.raises(MalformedError, match=r"Expected a file's name \(letters, digits, '\.', '_' and '-'.*\$\.name`"):
+        codec.Decoder(RecordCommand).decode(b'{"name": "a/b"}')

@@ -74,12 +74,19 @@ def test_what_no_capability_describes_is_explained(lbr, name, said):
     assert said in out
 
 
+def test_a_topic_that_is_not_there_is_told_with_those_that_may_be_meant(lbr):
+    code, _, err = lbr("topic", "info", "drive/comand")
+    assert code != 0
+    assert "there is no 'drive/comand'; did you mean drive/command" in err
+    assert "@estop" not in err
+
+
 @pytest.mark.parametrize(
     ("name", "said"),
     [
         ("drive/command", "it is a command"),
         ("drive/stop", "there is no 'drive/stop'"),
-        ("nothing", "there is no 'nothing'; there are drive/command"),
+        ("nothing", "there is no 'nothing'; 'lbr topic list' names what there is"),
     ],
 )
 def test_echo_once_asks_no_command_and_says_why_nothing_came(described, lbr, monkeypatch, name, said):

@@ -7,8 +7,8 @@ from typing import Any
 import msgspec
 from msgspec import Struct
 
-from lbr.errors import InputError
-from lbr.messages.unreadable import UNREADABLE
+from lbr.bus.codec import decode
+from lbr.errors import InputError, MalformedError
 
 STOP, ESTOP = "stop", "estop"
 LONGEST_VALUE = 1000
@@ -81,9 +81,9 @@ def told(number: int, service: Service) -> dict[str, Any]:
 def read(payload: bytes) -> dict[str, Any]:
     """Return the fields of a request; InputError says why there are none."""
     try:
-        found = msgspec.json.decode(payload or b"{}")
-    except UNREADABLE as err:
-        raise InputError(f"the request is no JSON ({type(err).__name__})", "malformed") from None
+        found = decode(payload or b"{}")
+    except MalformedError as err:
+        raise InputError(f"the request: {err}", "malformed") from None
     if not isinstance(found, dict):
         raise InputError("the request is no JSON object, such as {}", "malformed")
     return found

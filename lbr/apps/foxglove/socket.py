@@ -30,7 +30,8 @@ from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.requests import source_of
 from lbr.apps.web.api.service import Api
 from lbr.apps.web.face import Client, Refused
-from lbr.errors import InputError
+from lbr.bus.codec import decode
+from lbr.errors import InputError, MalformedError
 from lbr.messages.unreadable import UNREADABLE
 
 STALLED_S = 5.0
@@ -373,9 +374,9 @@ def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, 
     A Twist, as a Teleop panel publishes it, goes to the base; what is published on a command's own topic goes there.
     """
     try:
-        said = msgspec.json.decode(payload)
-    except (msgspec.MsgspecError, ValueError, RecursionError) as err:
-        raise InputError(f"{channel.topic}: this is no JSON ({type(err).__name__})", "malformed") from None
+        said = decode(payload)
+    except MalformedError as err:
+        raise InputError(f"{channel.topic}: {err}", "malformed") from None
     if not isinstance(said, dict):
         raise InputError(f"{channel.topic}: this is no JSON object", "malformed")
     known, topic = api.known, channel.topic.lstrip("/")
