@@ -10,6 +10,7 @@ from msgspec import Struct
 
 from lbr.console.printable import listed, shown
 from lbr.errors import InputError
+from lbr.messages.box import FILE_STEM, FILE_STEM_PATTERN
 from lbr.messages.units import NAME_OR_NONE_PATTERN, NAME_PATTERN
 
 Schema = Mapping[str, Any]
@@ -32,7 +33,10 @@ _UNITS = {
     "hz": "Hz",
     "percent": "percent",
 }
-_PATTERNS = {NAME_PATTERN: "is not a name: those are of lower-case letters, digits and _, a letter first"}
+_PATTERNS = {
+    NAME_PATTERN: "is not a name: those are of lower-case letters, digits and _, a letter first",
+    FILE_STEM_PATTERN: f"is not a file's name: those are of {FILE_STEM}",
+}
 _NAMES = (NAME_PATTERN, NAME_OR_NONE_PATTERN)
 """Names have no capitals: who types one, as in Forward, means the small letter."""
 _FLAGS = {"true": True, "yes": True, "1": True, "on": True, "false": False, "no": False, "0": False, "off": False}

@@ -3,10 +3,12 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from lbr.console.fields import Message
 from lbr.console.verbs import ExternalCall, ExternalStop, PythonLine, VerbCall, Vocabulary
 from lbr.database import builtin
 from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.errors import InputError
+from lbr.messages.box import RecordCommand
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import StopCommand
 
@@ -276,3 +278,8 @@ def test_an_emergency_stop_with_words_after_it_is_one_and_gives_them_as_the_reas
 def test_a_word_of_a_capability_does_not():
     with pytest.raises(InputError, match="nothing may follow 'f'"):
         OWN.parse("f 0.3")
+
+
+def test_a_recordings_name_that_cannot_be_is_told_by_the_characters_it_may_have():
+    with pytest.raises(InputError, match=r"name 'a b' is not a file's name: those are of letters, digits"):
+        Message(RecordCommand).field("name").read("a b")
