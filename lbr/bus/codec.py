@@ -6,23 +6,13 @@ import msgspec
 
 from lbr.bus import pictures
 from lbr.errors import MalformedError
-from lbr.messages.box import FILE_STEM, FILE_STEM_PATTERN
 from lbr.messages.camera import JpegFrame
-from lbr.messages.units import A_NAME, NAME_OR_NONE_PATTERN, NAME_PATTERN
+from lbr.messages.in_words import in_words
 from lbr.messages.unreadable import UNREADABLE
 
 T = TypeVar("T")
 LONGEST = 200
 """Of what is said of a message that cannot be read; it comes to every console."""
-
-_MEANT = {
-    f"`str` matching regex {pattern!r}": meant
-    for pattern, meant in (
-        (FILE_STEM_PATTERN, f"a file's name ({FILE_STEM})"),
-        (NAME_PATTERN, A_NAME["meant"]),
-        (NAME_OR_NONE_PATTERN, A_NAME["meant"]),
-    )
-}
 
 
 class Decoder(Generic[T]):
@@ -36,20 +26,13 @@ class Decoder(Generic[T]):
         try:
             return self._decoder.decode(data)
         except msgspec.ValidationError as err:
-            raise MalformedError(_bounded(_in_words(str(err)))) from err
+            raise MalformedError(_bounded(in_words(str(err)))) from err
         except RecursionError as err:
             raise MalformedError("the JSON is nested too deeply") from err
         except OverflowError as err:
             raise MalformedError(f"not sensible: {err}") from err
         except UNREADABLE as err:
             raise MalformedError(f"not JSON: {err}") from err
-
-
-def _in_words(said: str) -> str:
-    """Say which characters a name may have, where msgspec shows the regular expression."""
-    for regex, meant in _MEANT.items():
-        said = said.replace(regex, meant)
-    return said
 
 
 def _bounded(text: str) -> str:

@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from lbr.console.printable import listed, shown
 from lbr.errors import InputError
-from lbr.messages.box import FILE_STEM, FILE_STEM_PATTERN
+from lbr.messages.in_words import MEANT
 from lbr.messages.units import NAME_OR_NONE_PATTERN, NAME_PATTERN
 
 Schema = Mapping[str, Any]
@@ -32,10 +32,6 @@ _UNITS = {
     "v": "volts",
     "hz": "Hz",
     "percent": "percent",
-}
-_PATTERNS = {
-    NAME_PATTERN: "is not a name: those are of lower-case letters, digits and _, a letter first",
-    FILE_STEM_PATTERN: f"is not a file's name: those are of {FILE_STEM}",
 }
 _NAMES = (NAME_PATTERN, NAME_OR_NONE_PATTERN)
 """Names have no capitals: who types one, as in Forward, means the small letter."""
@@ -138,7 +134,8 @@ class Field(Struct, frozen=True):
         if pattern in _NAMES and re.search(pattern, text.lower()):
             return text.lower()
         if pattern is not None and not re.search(pattern, text):
-            why = _PATTERNS.get(pattern, "does not fit the pattern " + shown(pattern.replace("$(?!\\n)", "$")))
+            meant, asked = MEANT.get(pattern), shown(pattern.replace("$(?!\\n)", "$"))
+            why = f"is not {meant}" if meant else f"does not fit the pattern {asked}"
             raise InputError(f"{self.word} '{shown(text)}' {why}")
         return text
 

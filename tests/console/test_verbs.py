@@ -281,5 +281,5 @@ def test_a_word_of_a_capability_does_not():
 
 
 def test_a_recordings_name_that_cannot_be_is_told_by_the_characters_it_may_have():
-    with pytest.raises(InputError, match=r"name 'a b' is not a file's name: those are of letters, digits"):
+    with pytest.raises(InputError, match=r"name 'a b' is not a file's name \(letters, digits"):
         Message(RecordCommand).field("name").read("a b")

@@ -135,7 +135,7 @@ def test_a_parameter_that_does_not_fit_is_named(query, said):
 
 
 def test_what_is_no_name_is_told_in_words():
-    with pytest.raises(Refused, match="name: names are small letters, digits and _, a letter first"):
+    with pytest.raises(Refused, match=r"name: Expected a name \(small letters, digits, underscores; at most 40\)"):
         routing.decoded(b'{"name": "Nod"}', Named)
 
 

@@ -16,12 +16,11 @@ from starlette.routing import BaseRoute, Match
 from starlette.types import Receive, Scope, Send
 
 from lbr.apps.web.face import Refused, Route
-from lbr.messages.units import NAME_PATTERN
+from lbr.messages.in_words import in_words
 from lbr.messages.unreadable import UNREADABLE
 
 MOST_PARAMETERS = 64
 _KEY = re.compile(r"\{([a-z_]+\*?)\}")
-_NO_NAME = "names are small letters, digits and _, a letter first"
 _PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`\Z")
 
 
@@ -128,7 +127,7 @@ def decoded(body: bytes, kind: Any) -> Any:
 
 def plain(err: Exception) -> str:
     """Return what is wrong with some data, the place first."""
-    text = str(err).replace(f"Expected `str` matching regex {NAME_PATTERN!r}", _NO_NAME).replace("$(?!\\\\n)", "$")
+    text = in_words(str(err)).replace("$(?!\\\\n)", "$")
     found = _PLACE.search(text)
     if found is None:
         return text
