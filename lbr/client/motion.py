@@ -47,7 +47,7 @@ class Lender(Protocol):
     source: str
 
     @property
-    def perhaps(self) -> str:
+    def why_unanswered(self) -> str:
         """Return why a command that is there may not answer us; empty where nothing keeps us from it."""
 
     @property
@@ -77,7 +77,7 @@ class Motion:
             self._client.step()
         if not self._client.holds:
             self._results.close()
-            why, hint = self._client.ended, f"; {robot.perhaps}" if robot.perhaps else ""
+            why, hint = self._client.ended, f"; {robot.why_unanswered}" if robot.why_unanswered else ""
             if why is None:
                 raise BusError(f"'{key}' does not answer{hint}")
             raise RefusalError(why.code, f"{why.text}{hint}" if self._client.silent else why.text)

@@ -87,7 +87,7 @@ class Robot:
             raise BusError(FORKED)
 
     @property
-    def perhaps(self) -> str:
+    def why_unanswered(self) -> str:
         """Return why a command that is there may not answer us; empty where nothing keeps us from it."""
         # the bus says nothing when it drops what a role does not allow (docs/bus.md)
         return f"the role '{self.role}' may be too low for it" if self._by_token and self.role != "admin" else ""
@@ -102,16 +102,16 @@ class Robot:
 
     def ask(self, name: str, **message: Any) -> Message:
         """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing answers."""
-        reply = self._answer(name, message, self.perhaps)
+        reply = self._answer(name, message, self.why_unanswered)
         if reply.get("accepted") is False:
             raise RefusalError(reply.get("code", ""), reply.get("reason", ""))
         return reply
 
-    def _answer(self, name: str, message: Message, perhaps: str = "") -> Message:
+    def _answer(self, name: str, message: Message, why: str = "") -> Message:
         for raw in wire.ask(self.session, self.key(name), message or None, source=self.source):
             found: Message = msgspec.json.decode(raw.payload)
             return found
-        hint = f"{perhaps}; " if perhaps else ""
+        hint = f"{why}; " if why else ""
         raise BusError(f"nothing answers on '{name}'; {hint}'lbr topic list' names what there is")
 
     def stream(self, name: str, *, within_s: float = 2.0) -> Generator[Message, None, None]:

@@ -9,6 +9,7 @@ from contextlib import closing
 import pytest
 
 from lbr import client
+from lbr.client import RefusalError
 from lbr.errors import InputError
 from lbr.recording import selection
 from lbr.rerun import check
@@ -33,7 +34,8 @@ def home(tmp_path_factory):
                 with found.drive(0.3, 90):
                     until(lambda: abs(robot.ask("motors/state")["left"]) > 0.25, what="motion")
                     pass_time(robot, 0.5)
-                assert found.ask("drive/turn", angle_deg="no number")["code"] == "malformed"
+                with pytest.raises(RefusalError, match="malformed"):
+                    found.ask("drive/turn", angle_deg="no number")
             pass_time(robot, 2.0)
             recording.send_signal(signal.SIGINT)
             recording.wait(20)
