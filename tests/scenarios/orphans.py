@@ -44,15 +44,15 @@ def killed_with_frozen(results: Results, home: Path, profile: str, dice: random.
             {*executive.children(recursive=True), *processes_of(home)} - {executive}, key=lambda one: one.pid
         )
         frozen = dice.sample(family, dice.choice((1, 1, 1, 2, 5, len(family))))
+        with_it = f"; frozen: {', '.join(map(_named, frozen))}"
         for process in frozen:
             process.send_signal(signal.SIGSTOP)
         under_test.pass_time(dice.choice((0.0, 0.0, 0.05, 0.3)))
         fault_ns = under_test.kill(executive.pid)
-        zero = under_test.stopped_after("S6 frozen stop", fault_ns, limit_s=STOP_S) if mover else None
+        zero = under_test.stopped_after("S6 frozen stop", fault_ns, limit_s=STOP_S, with_it=with_it) if mover else None
         left = _left(under_test, family, fault_ns)
         if left:
-            told = f"still there after {LEFT_S:g} s: {', '.join(left)}; frozen: {', '.join(map(_named, frozen))}"
-            results.check("S6 frozen", [f"{profile}: {told}"])
+            results.check("S6 frozen", [f"{profile}: still there after {LEFT_S:g} s: {', '.join(left)}{with_it}"])
         else:
             results.sample("S6 frozen", (time.monotonic_ns() - fault_ns) * 1e-6)
         if mover:

@@ -157,14 +157,14 @@ class Bench:
         os.kill(pid, number)
         return at_ns
 
-    def stopped_after(self, figure: str, fault_ns: int, *, limit_s: float = 2.0) -> Output | None:
-        """Measure from a fault to both outputs zero."""
+    def stopped_after(self, figure: str, fault_ns: int, *, limit_s: float = 2.0, with_it: str = "") -> Output | None:
+        """Measure from a fault to both outputs zero; `with_it` is what else was done to the robot, told if they are not."""
         zero = self.trace.first_zero(fault_ns, limit_s)
         before = self.trace.at(fault_ns)  # now that all until then is read
         if not before.least >= ALMOST:
             self.results.disturbed.append(f"{figure}: the motors were at {before.left:g} {before.right:g} before")
         elif zero is None:
-            self.results.check(figure, [f"the motors still turn {limit_s:g} s after the fault"])
+            self.results.check(figure, [f"the motors still turn {limit_s:g} s after the fault{with_it}"])
         else:
             self.results.sample(figure, (zero.at_ns - fault_ns) * 1e-6)
         return zero
