@@ -104,5 +104,7 @@ def _nothing_moved(under_test: Bench, since_ns: int, how: str, sent: list[float]
     if moved and pause_s > 0.8 * PERSISTENT_S:
         under_test.results.disturbed.append(f"E3: the stream by {how} itself paused for {pause_s:.2f} s")
         return
-    text = [f"a stream by {how} moved the robot after the reset: {moved[0]}"] if moved or zero is None else []
+    text = [f"a stream by {how} moved the robot after the reset: {one}" for one in moved[:1]]
+    if zero is None and not under_test.trace.now().zero:  # without a zero in that time they may have stood before
+        text.append(f"under a stream by {how} the motors did not come to rest")
     under_test.results.check("E3", text)
