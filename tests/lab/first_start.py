@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.lab import image, stage
-from tests.lab.machine import Machine
+from tests.lab.machine import SEED_LABEL, Machine
 from tests.lab.stage import AS_SERVICE, Scene, SceneError, Stage, until
 from tests.support import programs
 
@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 RECIPE = ROOT / "docs" / "examples" / "raspberry-pi" / "user-data"
 UNIT = "lbr@lbr-sim.service"
 VOLUME, BUNDLE = "/mnt", "lbr.bundle"
-MOUNTED = f"mount -o ro /dev/disk/by-label/CIDATA {VOLUME}"
+MOUNTED = f"mount -o ro /dev/disk/by-label/{SEED_LABEL} {VOLUME}"
 RESULT = "/run/cloud-init/result.json"
 SCREEN = "iconv -f UCS-4LE -t UTF-8 /dev/vcsu1"
 INSTALLED_S = 7200.0
