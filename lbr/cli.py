@@ -1,6 +1,5 @@
 """The `lbr` command. Every subcommand is imported only when it runs, so that all of them start fast."""
 
-import difflib
 import importlib
 import re
 import sys
@@ -10,6 +9,7 @@ import click
 
 from lbr import surroundings
 from lbr.errors import AlreadyRunningError, InputError, LbrError, RowError
+from lbr.names import near
 
 FAILED, BAD_INPUT, ALREADY_RUNNING, INTERRUPTED = 1, 2, 3, 130
 
@@ -151,8 +151,8 @@ def _meant(err: click.UsageError, context: click.Context) -> str:
     typed = _NO_COMMAND.fullmatch(text)  # newer versions of click know those that are loaded
     if typed is None or not isinstance(context.command, click.Group):
         return text
-    near = difflib.get_close_matches(typed[1][:80], context.command.list_commands(context), n=1)
-    return f"{text} Did you mean '{near[0]}'?" if near else text
+    close = near(typed[1], context.command.list_commands(context))
+    return f"{text} Did you mean '{close[0]}'?" if close else text
 
 
 def code_of(err: LbrError) -> int:

@@ -30,7 +30,7 @@ AROUND = [
     if path.parent != COPIED
 ]
 
-GROUND = {"errors", "messages"}
+GROUND = {"errors", "messages", "names"}
 BUS = GROUND | {"bus"}
 CAPABILITY = BUS | {"capability", "ownership", "plugins"}
 ROBOTS = {"errors", "messages", "plugins", "resources", "robots"}
@@ -42,10 +42,11 @@ FLOORS = {
     "surroundings": {"errors"},
     "plugins": {"errors"},
     "resources": {"errors"},
+    "names": set(),
     "qr": set(),
     "robots": ROBOTS,
     "bodies": ROBOTS | {"bodies"},
-    "recording": {"errors", "messages", "recording"},
+    "recording": GROUND | {"recording"},
     "bus": BUS,
     "capability": CAPABILITY,
     "drivers": CAPABILITY | {"drivers"},

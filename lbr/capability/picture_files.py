@@ -4,10 +4,10 @@ import os
 import re
 import shutil
 import time
-from itertools import count
 from pathlib import Path
 
 from lbr.errors import InputError
+from lbr.names import first_free
 
 KEPT_FREE_BYTES = 100 << 20
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
@@ -41,15 +41,13 @@ def save_now(home: str, camera: str, picture: bytes) -> Path:
     return save(home, free(Path(home) / "pictures" / f"{name_now(camera)}.jpg").stem, picture)
 
 
-def name_now(camera: str) -> str:
-    """Return a name made of camera and time, down to milliseconds."""
+def name_now(of: str) -> str:
+    """Return a name made of what it is a picture of, and the time down to milliseconds."""
     now = time.time()
-    return f"{camera}-{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{int(now * 1000) % 1000:03d}"
+    return f"{of}-{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{int(now * 1000) % 1000:03d}"
 
 
 def free(path: Path) -> Path:
     """Return the path, with a number behind its name if there is a file already."""
-    if not os.path.lexists(path):
-        return path
-    numbered = (path.with_name(f"{path.stem}-{number}{path.suffix}") for number in count(2))
-    return next(one for one in numbered if not os.path.lexists(one))
+    stem = first_free(path.stem, lambda name: os.path.lexists(path.with_stem(name)), "-")
+    return path.with_stem(stem)

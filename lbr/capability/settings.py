@@ -1,13 +1,13 @@
 """All that is wrong with settings at once: msgspec itself stops at the first fault."""
 
-import difflib
 from collections.abc import Iterable
 from typing import Any
 
 import msgspec
 from msgspec import Struct
 
-from lbr.capability.did_you_mean import with_choices
+from lbr.capability.choices import with_choices
+from lbr.names import near
 
 MOST_TOLD = 20
 
@@ -47,8 +47,8 @@ def _of_fields(kind: type[Struct], settings: dict[str, Any], at: str) -> list[st
 
 def _meant(name: str, fields: Iterable[str]) -> str:
     """Return which field it may have been, or which there are."""
-    if near := difflib.get_close_matches(name, fields, n=1):
-        return f", did you mean `{near[0]}`?"
+    if close := near(name, fields):
+        return f", did you mean `{close[0]}`?"
     return f", there is {', '.join(sorted(fields)) or 'none'}"
 
 

@@ -1,7 +1,6 @@
 """Which rows would have a robot use what is attached: a device, its capability, its channels. Pure; nothing is written."""
 
 from collections.abc import Collection, Iterator, Mapping
-from itertools import chain, count
 
 import msgspec
 from msgspec import Struct
@@ -10,6 +9,7 @@ from lbr.capability.kind import Kind
 from lbr.commands.recognised import Attached, node_of
 from lbr.database.rows import ChannelRow, DeviceRow, RobotRows
 from lbr.messages.manage import RowChange
+from lbr.names import first_free
 
 
 class Proposal(Struct, frozen=True, kw_only=True):
@@ -83,13 +83,13 @@ def _moved(one: Attached, row: DeviceRow) -> Proposal:
 def _new(
     one: Attached, rows: RobotRows, kinds: Mapping[str, Kind], names: tuple[set[str], set[str]], called: str
 ) -> Proposal:
-    name = called or _free(one.type, names[0])
+    name = called or first_free(one.type, names[0].__contains__)
     names[0].add(name)
     device = RowChange(table="device", after={"name": name, "type": one.type, "address": one.address})
     kind = next((kind for kind in kinds.values() if kind.device == one.type), None)
     if kind is None:
         return Proposal(address=one.address, text=f"add it as device '{name}'", changes=[device])
-    capability = _free(called or kind.name, names[1])
+    capability = first_free(called or kind.name, names[1].__contains__)
     names[1].add(capability)
     settings = {"device": name, **one.settings}
     row = RowChange(table="capability", after={"name": capability, "kind": kind.name, "settings": settings})
@@ -155,9 +155,3 @@ def _channels(name: str, kind: Kind, rows: RobotRows, kinds: Mapping[str, Kind])
 
 def _channel(source: str, target: str) -> RowChange:
     return RowChange(table="channel", after={"source": source, "target": target})
-
-
-def _free(wanted: str, taken: Collection[str]) -> str:
-    """Return a name that no row has yet."""
-    names = chain((wanted,), (f"{wanted}_{number}" for number in count(2)))
-    return next(name for name in names if name not in taken)

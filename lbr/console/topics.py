@@ -1,6 +1,5 @@
 """What there is on a robot's bus: every stream and command with its type, as its owner describes it."""
 
-import difflib
 import time
 from collections import Counter
 from collections.abc import Iterable
@@ -17,6 +16,7 @@ from lbr.console.fields import Field, properties
 from lbr.console.printable import listed, shown
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.system import RANKS, EstopRequest, Event, Role, Status
+from lbr.names import near
 
 UNDESCRIBED = "(heard; no schema)"
 
@@ -130,8 +130,8 @@ def fields_of(topic: Topic) -> list[Field]:
 
 
 def _near(name: str, known: dict[str, Topic]) -> str:
-    near = difflib.get_close_matches(name[:64], known, n=3, cutoff=0.5)
-    return f"{f'did you mean {listed(near)}? ' if near else ''}'lbr topic list' names what there is"
+    close = near(name, known, most=3, cutoff=0.5)
+    return f"{f'did you mean {listed(close)}? ' if close else ''}'lbr topic list' names what there is"
 
 
 def _placed(topics: list[Topic], bus: Session, robot: str, source: str) -> list[Topic]:

@@ -1,6 +1,5 @@
 """The one grammar: a line becomes what it asks for, or one sentence saying what is allowed. Pure."""
 
-import difflib
 import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -14,6 +13,7 @@ from lbr.database import arguments, builtin, patterns
 from lbr.database.rows import BUILT_IN_VERBS, ExternalCommandRow, VerbRow
 from lbr.errors import InputError
 from lbr.messages.system import Role, higher
+from lbr.names import near
 
 
 class VerbCall(Struct, frozen=True, kw_only=True):
@@ -211,8 +211,8 @@ class Vocabulary:
         words |= set(self._external)
         said = {known.lstrip("/"): known for known in sorted(words)}
         exact = [known for known in said if known.lower() == word.lower().lstrip("/")]
-        near = exact or difflib.get_close_matches(word[:80].lstrip("/"), sorted(said), n=1, cutoff=0.6)
-        hint = f"did you mean '{said[near[0]]}'? " if near else ""
+        close = exact or near(word.lstrip("/"), said)
+        hint = f"did you mean '{said[close[0]]}'? " if close else ""
         text = f"'{shown(word)}' is not a word of this robot; {hint}'help' lists what can be said"
         return InputError(text, "unknown_command")
 

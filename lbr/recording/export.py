@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, datetime
-from itertools import chain, count
 from pathlib import Path
 from typing import IO, Any
 
@@ -15,6 +14,7 @@ from mcap.writer import CompressionType, Writer
 
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
+from lbr.names import first_free
 from lbr.recording.chunks import Channel, Message
 
 Again = Callable[[], Iterable[Message]]
@@ -94,8 +94,7 @@ def file_names(topics: Iterable[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for topic in topics:
         name = re.sub(r"[^A-Za-z0-9_.-]+", "_", topic).strip("_.") or "topic"
-        names = chain((name,), (f"{name}-{number}" for number in count(2)))
-        found[topic] = next(one for one in names if one not in found.values())
+        found[topic] = first_free(name, lambda one: one in found.values(), "-")
     return found
 
 

@@ -158,7 +158,7 @@ class World(Capability[WorldSettings]):
     def _picture(self, call: Call, request: PictureRequest) -> None:
         _, physics, _, scene = self._running()
         try:
-            path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.robot)
+            path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.home, self.ctx.robot)
         except InputError as err:
             call.refuse(str(err), err.code)
             return

@@ -5,7 +5,7 @@ from typing import Annotated, Any, TypeVar
 import msgspec
 from msgspec import Meta, Struct
 
-from lbr.capability.did_you_mean import with_choices
+from lbr.capability.choices import with_choices
 from lbr.errors import InputError
 
 Probability = Annotated[float, Meta(ge=0.0, le=1.0, description="how often it happens, 0 never, 1 always")]

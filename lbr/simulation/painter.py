@@ -1,14 +1,13 @@
 """Draws pictures of the world beside its loop, and answers the asker when they are on the disk."""
 
 import os
-import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lbr.capability.context import Call
-from lbr.capability.picture_files import free
+from lbr.capability.picture_files import free, name_now
 from lbr.errors import InputError
 from lbr.simulation.requests import PictureReply
 
@@ -64,16 +63,14 @@ def _rank_as_usual() -> None:
         os.setpriority(os.PRIO_PROCESS, 0, 0)
 
 
-def picture_path(robot: str) -> Path:
+def picture_path(home: str, robot: str) -> Path:
     """Return where a picture without a name goes."""
-    home = Path(os.environ.get("LBR_HOME") or "~/.lbr").expanduser()
-    folder = home / "pictures"
+    folder = Path(home) / "pictures"
     try:
         folder.mkdir(mode=0o700, exist_ok=True)
     except OSError as err:
         raise InputError(f"{folder} cannot be made ({err.strerror}): name a file for the picture", "failed") from None
-    now = time.time()
-    return folder / f"{robot}-{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{int(now * 1000) % 1000:03d}.png"
+    return folder / f"{name_now(robot)}.png"
 
 
 def _save(path: Path, draw: Callable[[], "Image"], named: bool) -> Path:

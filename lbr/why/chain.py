@@ -1,6 +1,5 @@
 """From a snapshot and the name of a part to the answer: which link holds it first, in one sentence."""
 
-import difflib
 from collections.abc import Iterator
 from math import inf
 from typing import Literal
@@ -9,6 +8,7 @@ from msgspec.structs import replace
 
 from lbr.errors import InputError
 from lbr.messages.why import Chain, Link, LinkName
+from lbr.names import did_you_mean
 from lbr.why import bodies
 from lbr.why.snapshot import ITSELF, Facts, Part, Saying, Snapshot
 from lbr.why.telling import ago
@@ -186,10 +186,8 @@ def _saying(walk: Walk, facts: Facts, said: list[Saying]) -> Iterator[Link]:
 
 
 def _unknown(part: str, facts: Facts) -> InputError:
-    near = difflib.get_close_matches(part[:64], names(facts), n=3, cutoff=0.5)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(names(facts)[:12])}"
     shown = part[:64] if part.isprintable() else ascii(part[:64])
-    return InputError(f"there is no part '{shown}'; {hint}", "unknown_name")
+    return InputError(f"there is no part '{shown}'; {did_you_mean(part, names(facts))}", "unknown_name")
 
 
 def _well(part: str, links: tuple[Link, ...]) -> str:

@@ -1,6 +1,5 @@
 """What the columns of a table may be: names of the robot's telemetry, and of the run itself. Pure."""
 
-import difflib
 import types
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache, lru_cache
@@ -24,6 +23,7 @@ from lbr.messages.sensing import Ranges
 from lbr.messages.sighting import SightingState
 from lbr.messages.speech import SpeechState
 from lbr.messages.tracking import TrackingState
+from lbr.names import near
 
 STREAMS: Mapping[str, type[Struct]] = {
     "ranges": Ranges,
@@ -186,8 +186,8 @@ def _at(parts: tuple[str, ...]) -> Key | None:
 
 def _meant(column: str) -> str:
     last: dict[str, str] = {path[-1]: ".".join(path) for path in _known()}
-    near = difflib.get_close_matches(column, [*COLUMNS, *last, *last.values()], n=1, cutoff=0.6)
-    return f"; did you mean '{near[0]}'?" if near else "; 'lbr behaviour columns' lists what there is"
+    close = near(column, (*COLUMNS, *last, *last.values()))
+    return f"; did you mean '{close[0]}'?" if close else "; 'lbr behaviour columns' lists what there is"
 
 
 @cache

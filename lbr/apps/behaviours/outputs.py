@@ -3,7 +3,6 @@
 A number may be a variable, `$speed`; what is one of several, `a | b`, is drawn when the row is taken.
 """
 
-import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping
 from math import isfinite, isnan
@@ -20,6 +19,7 @@ from lbr.messages.sighting import WatchCommand
 from lbr.messages.speech import SayCommand
 from lbr.messages.tracking import Target
 from lbr.messages.units import NAME_PATTERN
+from lbr.names import near
 
 ALONG = ("range", "sensor", "distance", "duration", "angle")
 NUMBERS = ("level", "angle", "range", "distance", "duration", "heading", "turn", "wait", "times", "retry")
@@ -157,8 +157,8 @@ def faults(cells: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Yield each column of which no command takes what a cell says, also where that is one of several, and why."""
     for name in cells:
         if name not in ALL:
-            near = difflib.get_close_matches(name, ALL, n=1)
-            meant = f"did you mean O:{near[0]}?" if near else f"there is {', '.join(ALL)}"
+            close = near(name, ALL)
+            meant = f"did you mean O:{close[0]}?" if close else f"there is {', '.join(ALL)}"
             yield name, f"no command takes it; {meant}"
     known = {name: text for name, text in cells.items() if name in ALL}
     for name, text in known.items():

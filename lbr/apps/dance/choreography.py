@@ -6,9 +6,9 @@ from itertools import chain, repeat
 
 from msgspec import Struct
 
-from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
 from lbr.messages.dance import DanceStep
+from lbr.names import did_you_mean
 
 
 class Move(Struct, frozen=True):

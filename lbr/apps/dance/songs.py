@@ -8,8 +8,8 @@ from typing import Any
 from msgspec import Struct
 
 from lbr.apps.sound import names, wav
-from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
+from lbr.names import did_you_mean
 
 MOST_BYTES = 1_000_000
 MOST_BEATS = 10_000

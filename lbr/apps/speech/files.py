@@ -5,8 +5,8 @@ from pathlib import Path
 
 from lbr.apps.sound import formats, names, wav
 from lbr.apps.sound.wav import Wav
-from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
+from lbr.names import did_you_mean
 
 MOST_RECORDINGS = 200
 _SUFFIXES = (formats.WAV, *formats.OTHERS)

@@ -3,9 +3,9 @@
 import unicodedata
 from collections.abc import Iterable, Mapping
 
-from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
 from lbr.messages.speech import Phrase, SayCommand
+from lbr.names import did_you_mean
 
 MOST_CHARACTERS = 5000
 LAST_RESORT = "en"

@@ -5,9 +5,9 @@ from math import degrees, isfinite
 
 from msgspec import Struct
 
-from lbr.capability.did_you_mean import did_you_mean
 from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint
+from lbr.names import did_you_mean
 
 TURNING_OVER = ("_yaw", "_roll")
 """What turns about x or z turns the other way in a mirror, also in the middle of the body."""

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Mapping
 import msgspec
 from msgspec import Struct
 
-from lbr.capability.did_you_mean import did_you_mean
 from lbr.errors import InputError
 from lbr.messages.joints import KeyFrame, Motion, PlayCommand, StoredMotion
+from lbr.names import did_you_mean
 
 LONGEST_FRAME_S = 60.0
 MOST_SENT = 50

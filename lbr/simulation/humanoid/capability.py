@@ -135,7 +135,7 @@ class HumanoidWorld(Capability[HumanoidWorldSettings]):
 
     def _picture(self, call: Call, request: PictureRequest) -> None:
         _, physics, _, engine = self._running()
-        path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.robot)
+        path = Path(request.path).expanduser() if request.path else picture_path(self.ctx.home, self.ctx.robot)
         pose, view, body = physics.pose, physics.view, engine.body
         size = (request.width_px, request.height_px)
         self._painter.ask(call, path, lambda: portrait(body, view, pose, size), named=bool(request.path))

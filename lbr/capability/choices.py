@@ -1,0 +1,25 @@
+"""What a type allows, told where a value is none of it."""
+
+import re
+from collections.abc import Iterator
+from typing import Any, Literal, get_args, get_origin
+
+from lbr.names import did_you_mean
+
+_NO_CHOICE = re.compile(r"""Invalid enum value (['"])(.*?)\1(?= - at `|\Z)""")
+
+
+def with_choices(said: str, kind: Any) -> str:
+    """Return what msgspec says against a value, and where it is none of a type's choices, which may have been meant."""
+    found, names = _NO_CHOICE.search(said), tuple(_choices(kind))
+    if found is None or not names:
+        return said
+    return f"{said[: found.end()]}, {did_you_mean(found[2], names)}{said[found.end() :]}"
+
+
+def _choices(kind: Any) -> Iterator[str]:
+    for one in get_args(kind):
+        if get_origin(kind) is not Literal:
+            yield from _choices(one)
+        elif isinstance(one, str) and one:
+            yield one

@@ -1,0 +1,30 @@
+"""Names: which may have been meant, and which is still free."""
+
+import difflib
+from collections.abc import Callable, Iterable
+from itertools import chain, count
+
+MOST_TOLD = 8
+_LONGEST = 80  # what is typed may be a whole file, and comparing takes the square of its length
+
+
+def near(name: str, known: Iterable[str], *, most: int = 1, cutoff: float = 0.6) -> list[str]:
+    """Return the known names that are most like a name, the nearest first; `cutoff` from 0 (any) to 1 (the same)."""
+    return difflib.get_close_matches(name[:_LONGEST], sorted(set(known)), n=most, cutoff=cutoff)
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return which of the known names may have been meant, or which there are."""
+    names = sorted(set(known))
+    if not names:
+        return "there is none"
+    if close := near(name, names, most=3, cutoff=0.5):
+        return f"did you mean {' or '.join(close)}?"
+    more = ", …" if len(names) > MOST_TOLD else ""
+    return f"there {'is' if len(names) == 1 else 'are'} {', '.join(names[:MOST_TOLD])}{more}"
+
+
+def first_free(wanted: str, is_taken: Callable[[str], bool], mark: str = "_") -> str:
+    """Return the name, or where it is taken the first of `name_2`, `name_3`... that is not."""
+    names = chain((wanted,), (f"{wanted}{mark}{number}" for number in count(2)))
+    return next(name for name in names if not is_taken(name))
