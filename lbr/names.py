@@ -1,10 +1,15 @@
-"""Names: which may have been meant, and which is still free."""
+"""Names: which may have been meant, which is still free, and what a text becomes as one."""
 
 import difflib
+import re
+import unicodedata
 from collections.abc import Callable, Iterable
 from itertools import chain, count
 
 MOST_TOLD = 8
+LONGEST = 40
+"""Letters of a row's name."""
+_NO_NAME = re.compile(r"[^a-z0-9_]+")
 _LONGEST = 80  # what is typed may be a whole file, and comparing takes the square of its length
 
 
@@ -28,3 +33,16 @@ def first_free(wanted: str, is_taken: Callable[[str], bool], mark: str = "_") ->
     """Return the name, or where it is taken the first of `name_2`, `name_3`... that is not."""
     names = chain((wanted,), (f"{wanted}{mark}{number}" for number in count(2)))
     return next(name for name in names if not is_taken(name))
+
+
+def without_marks(text: str) -> str:
+    """Return a text without accents, umlauts' dots and the like: `Ça` is `Ca`."""
+    return "".join(one for one in unicodedata.normalize("NFKD", text) if not unicodedata.combining(one))
+
+
+def name_from(text: str, otherwise: str) -> str:
+    """Return a row's name that is as much like a text as can be; where no letter is left to begin with, after `otherwise`."""
+    found = _NO_NAME.sub("_", without_marks(text).casefold()).strip("_")
+    if not found[:1].isalpha():
+        found = f"{otherwise}_{found}"
+    return found[:LONGEST].rstrip("_")

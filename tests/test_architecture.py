@@ -33,7 +33,7 @@ AROUND = [
 GROUND = {"errors", "messages", "names"}
 BUS = GROUND | {"bus"}
 CAPABILITY = BUS | {"capability", "ownership", "plugins"}
-ROBOTS = {"errors", "messages", "plugins", "resources", "robots"}
+ROBOTS = GROUND | {"plugins", "resources", "robots"}
 FLOORS = {
     "errors": {"messages"},
     "messages": {"messages"},

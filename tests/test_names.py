@@ -1,9 +1,13 @@
 """Which name may have been meant and which is free: whatever is typed, an answer comes, and a short one."""
 
+import re
+
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.names import MOST_TOLD, did_you_mean, first_free, near
+from lbr.messages.units import NAME_PATTERN
+from lbr.names import LONGEST, MOST_TOLD, did_you_mean, first_free, name_from, near
 
 NAMES = st.text("abcdefghij_", min_size=1, max_size=12)
 
@@ -43,3 +47,29 @@ def test_a_free_name_is_the_one_that_is_wanted_or_has_the_first_number_that_is_f
     assert found not in taken
     before = [] if found == wanted else [wanted, *(f"{wanted}-{n}" for n in range(2, int(found.rpartition("-")[2])))]
     assert taken.issuperset(before)
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("GANGNAM", "gangnam"),
+        (" Walk fwd (4) ", "walk_fwd_4"),
+        ("1st", "motion_1st"),
+        ("", "motion"),
+        ("日本", "motion"),
+        ("x" * 90, "x" * 40),
+        ("été", "ete"),
+        ("Straße_2", "strasse_2"),
+        ("Đi tới", "i_toi"),
+    ],
+)
+def test_a_name_for_a_row_is_made_of_any_text(text, name):
+    assert name_from(text, "motion") == name
+
+
+@given(st.text())
+def test_a_name_for_a_row_is_one_that_a_row_may_have_and_becomes_itself(text):
+    name = name_from(text, "motion")
+    assert re.fullmatch(NAME_PATTERN, name)
+    assert len(name) <= LONGEST
+    assert name_from(name, "motion") == name

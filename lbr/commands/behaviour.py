@@ -13,6 +13,7 @@ from lbr.errors import InputError, RowError
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.messages.plain import one_line
 from lbr.messages.units import NAME_PATTERN
+from lbr.names import name_from
 
 if TYPE_CHECKING:
     from lbr.apps.behaviours.files import Read
@@ -280,8 +281,7 @@ def _is_a_file(what: str) -> bool:
 
 
 def _name_of(path: Path) -> str:
-    name = re.sub(r"[^a-z0-9_]+", "_", path.stem.removesuffix(".states").lower()).strip("_")
-    return name[:40] if re.match("[a-z]", name) else f"table_{name}"[:40]
+    return name_from(path.stem.removesuffix(".states"), "table")
 
 
 def _read(path: Path, name: str) -> "Read":

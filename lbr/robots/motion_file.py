@@ -1,6 +1,5 @@
 """Motions in files of a robot's maker: what a package declares to have them read."""
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import ceil
@@ -15,12 +14,10 @@ from lbr.robots.old_data import Note
 R = TypeVar("R", bound=Row)
 LARGEST_BYTES = 4 << 20
 """More than any motion needs; a file that is larger is not read."""
-LONGEST_NAME = 40
 SHORTEST_S, LONGEST_S = 0.01, 60.0
 """What one key frame may take; `KeyFrame` has the upper bound."""
 DIGITS = 4
 """Of an angle: a tenth of a milliradian is less than a servo's step."""
-_NO_NAME = re.compile(r"[^a-z0-9]+")
 
 
 class RobotRows(Protocol):
@@ -65,12 +62,6 @@ class MotionFormat:
     summary: str
     read: str
     write: str = ""
-
-
-def name_from(text: str) -> str:
-    """Return a name for a row that is as much like a text as can be."""
-    found = _NO_NAME.sub("_", text.lower()).strip("_")[:LONGEST_NAME].rstrip("_")
-    return found if found[:1].isalpha() else f"motion_{found}"[:LONGEST_NAME].rstrip("_")
 
 
 def split(frames: Iterable[KeyFrame], longest_s: float = LONGEST_S) -> Iterator[KeyFrame]:

@@ -13,7 +13,7 @@ from lbr.database.checks import check
 from lbr.database.shipped import shipped
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionStep
-from lbr.robots.motion_file import LARGEST_BYTES, name_from
+from lbr.robots.motion_file import LARGEST_BYTES
 from lbr.robots.uxa90 import motion_file, rbm
 from tests.support import databases
 
@@ -182,20 +182,6 @@ def test_what_was_exported_is_read_back(rows):
 def test_json_that_is_no_motion_is_refused_with_the_reason(content, why):
     with pytest.raises(InputError, match=why):
         motion_files.read(content)
-
-
-@pytest.mark.parametrize(
-    ("text", "name"),
-    [
-        ("GANGNAM", "gangnam"),
-        (" Walk fwd (4) ", "walk_fwd_4"),
-        ("1st", "motion_1st"),
-        ("", "motion"),
-        ("x" * 90, "x" * 40),
-    ],
-)
-def test_a_name_for_a_row_is_made_of_any_text(text, name):
-    assert name_from(text) == name
 
 
 def written(motion, rows):

@@ -5,10 +5,8 @@ A token is made again from the key and its row whenever it is needed, and is nev
 
 import hashlib
 import hmac
-import itertools
 import re
 import secrets
-import unicodedata
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -21,6 +19,7 @@ from lbr.database.rows import GoodFor
 from lbr.database.store import Database
 from lbr.errors import InputError
 from lbr.messages.system import TokenRole
+from lbr.names import first_free, without_marks
 
 _KEY_BYTES = 32
 _LONGEST_OF_A_DEVICE = 32
@@ -92,11 +91,9 @@ def new_token(
 
 def device_name(said: str, taken: Iterable[str]) -> str:
     """Return a token's name for a device that calls itself so: its letters and digits, and no name that is taken."""
-    plain = unicodedata.normalize("NFKD", said).encode("ascii", "ignore").decode()
-    name = re.sub(r"[^A-Za-z0-9]+", "-", plain).strip("-")[:_LONGEST_OF_A_DEVICE].strip("-") or "phone"
+    name = re.sub(r"[^A-Za-z0-9]+", "-", without_marks(said)).strip("-")[:_LONGEST_OF_A_DEVICE].strip("-") or "phone"
     there = {one.lower() for one in taken}
-    names = (name if number == 1 else f"{name}-{number}" for number in itertools.count(1))
-    return next(one for one in names if one.lower() not in there)
+    return first_free(name, lambda one: one.lower() in there, "-")
 
 
 def _text(moment: datetime) -> str:

@@ -7,9 +7,10 @@ from math import ceil, radians
 from lbr.errors import InputError
 from lbr.messages.faces import Motor
 from lbr.messages.joints import MAX_FRAMES, Joint, KeyFrame, Motion
+from lbr.names import LONGEST, name_from
 from lbr.robots.bioloid import mtn
 from lbr.robots.bioloid.mtn import MtnFile, Page, Step
-from lbr.robots.motion_file import DIGITS, LONGEST_NAME, LONGEST_S, SHORTEST_S, RobotRows, name_from, sparse, split
+from lbr.robots.motion_file import DIGITS, LONGEST_S, SHORTEST_S, RobotRows, sparse, split
 from lbr.robots.old_data import Note
 
 COUNT_RAD, MIDDLE, MOST = radians(300.0 / 1023.0), 512, 1023
@@ -147,14 +148,14 @@ def _chains(pages: tuple[Page, ...]) -> list[list[int]]:
 
 def _names(pages: tuple[Page, ...], chains: list[list[int]]) -> dict[str, list[int]]:
     """Return the chains by the names of their motions: each as its first page says, with a number where that is taken."""
-    plain = {chain[0]: name_from(pages[chain[0] - 1].name) for chain in chains}
+    plain = {chain[0]: name_from(pages[chain[0] - 1].name, "motion") for chain in chains}
     said = set(plain.values())
     found: dict[str, list[int]] = {}
     for chain in chains:
         name, number = plain[chain[0]], 1
         while name in found or (number > 1 and name in said):
             number += 1
-            name = f"{plain[chain[0]][: LONGEST_NAME - 4]}_{number}"
+            name = f"{plain[chain[0]][: LONGEST - 4]}_{number}"
         found[name] = chain
     return found
 

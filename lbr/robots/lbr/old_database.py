@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from lbr.errors import InputError
 from lbr.messages.rows import shown
-from lbr.robots.motion_file import name_from
+from lbr.names import name_from
 from lbr.robots.old_data import Choice, ForeignTables, Here, Note, OldData, Source, Want
 
 _SAME = {"robot_process", "channel", "extcmd", "calibration", "move_config"}
@@ -217,7 +217,7 @@ def _command(row: Mapping[str, Any], here: Here, folder: str) -> Iterator[Want |
         text = f"'{shown(target)}' is no program that is there: a row of external_command names one by its whole path"
         yield Note("no_place", "extcmd", said, "target", text)
         return
-    name = name_from(said)
+    name = name_from(said, "command")
     for column in ("stdin", "stdout", "stderr"):
         if row.get(column) is not None:
             yield Note("no_place", "extcmd", said, column, "output goes to the log of the command, or to the console")

@@ -7,7 +7,8 @@ from lbr.drivers.uxa90.messages import COUNT_RAD
 from lbr.errors import InputError
 from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion
-from lbr.robots.motion_file import DIGITS, SHORTEST_S, RobotRows, name_from, sparse, split
+from lbr.names import name_from
+from lbr.robots.motion_file import DIGITS, SHORTEST_S, RobotRows, sparse, split
 from lbr.robots.old_data import Note
 from lbr.robots.uxa90 import rbm
 from lbr.robots.uxa90.rbm import MOST_COUNTS, RbmFile, Scene, ServoMove
@@ -47,7 +48,7 @@ def of_rbm(file: RbmFile, rows: RobotRows) -> tuple[Motion, list[Note]]:
     joints = {row.device_id: row for row in rows.of(Joint) if row.device_id in nominal}
     if not joints:
         raise InputError(f"that robot has no joints with a motor in layer '{FACTORY}': name another")
-    name = name_from(file.name)
+    name = name_from(file.name, "motion")
     notes = _other_zeros(name, file.zeros, nominal)
     frames = [_frame({move.id: move.start for move in file.scenes[0].moves}, BEGIN_S, joints, nominal)]
     at = {move.id: move.start for move in file.scenes[0].moves}

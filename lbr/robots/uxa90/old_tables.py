@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from lbr.messages.rows import shown
-from lbr.robots.motion_file import name_from
+from lbr.names import name_from
 from lbr.robots.old_data import Choice, Here, Note, OldData, Source, Want
 
 LAYER = "original"
@@ -140,8 +140,8 @@ def _button(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
     same = known.get(number)
     if same is not None and (same["name"], same["button"]) == (name, row["button"]):
         motion = same["motion"]
-    elif any(one["name"] == name_from(name) for one in here.rows("motion")):
-        motion = name_from(name)
+    elif any(one["name"] == name_from(name, "motion") for one in here.rows("motion")):
+        motion = name_from(name, "motion")
     else:
         text = (
             f"there is no motion '{shown(name)}' here: enter a row of motion with slot {shown(number)} and the time that "

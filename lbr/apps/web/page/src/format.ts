@@ -52,6 +52,9 @@ export function wind(value: number, language?: string): string {
 /** A name of a row as people read it: left_shoulder_roll is "left shoulder roll". */
 export const plain = (name: string): string => name.replaceAll("_", " ");
 
+/** The letters that a row's name may have, of any text: "Ça va!" is "ca_va_". */
+export const nameLetters = (text: string): string => text.normalize("NFKD").replace(/\p{M}+/gu, "").toLowerCase().replace(/[^a-z0-9_]+/g, "_");
+
 /** The time of day of a wall clock in nanoseconds. */
 export const timeOfDay = (wallNs: number): string =>
   wallNs > 0 ? new Date(wallNs / 1e6).toLocaleTimeString(globalThis.document?.documentElement.lang || "en", { hourCycle: "h23" }) : NONE;

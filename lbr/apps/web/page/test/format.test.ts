@@ -1,7 +1,7 @@
 import "./stage";
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { age, between, degrees, heading, metres, NONE, number, percent, plain, tickText, timeOfDay, wind } from "../src/format";
+import { age, between, degrees, heading, metres, nameLetters, NONE, number, percent, plain, tickText, timeOfDay, wind } from "../src/format";
 
 test("what is not known is a dash, never a number", () => {
   for (const nothing of [null, undefined, NaN, Infinity]) {
@@ -32,4 +32,9 @@ test("headings stay on the compass, and turns take the shorter way", () => {
   assert.deepEqual([heading(-90), heading(720), wind(359), wind(46), wind(90, "de")], [270, 0, "N", "NE", "O"]);
   assert.deepEqual([between(350, 10), between(10, 350), between(0, 180)], [20, -20, -180]);
   assert.equal(plain("left_shoulder_roll"), "left shoulder roll");
+});
+
+test("a text keeps its letters where it becomes a name, without their accents", () => {
+  assert.equal(nameLetters("Été à l'école"), "ete_a_l_ecole");
+  assert.equal(nameLetters("walk_2"), "walk_2");
 });

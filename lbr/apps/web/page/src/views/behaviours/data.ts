@@ -1,4 +1,5 @@
 // Behaviours as the robot tells of them: its tables and what is wrong in them, their rows, and the run.
+import { nameLetters } from "../../format";
 import { fetchJson } from "../../robot";
 import type { Answer } from "../../access";
 import type { CommandReply } from "../../messages";
@@ -53,7 +54,7 @@ export const headings = (rows: Step[], which: "conditions" | "outputs"): string[
 
 /** A name that a row may have, from what a person typed or a file is called. */
 export const nameFrom = (text: string): string => {
-  const found = text.replace(/(\.states)?\.\w+$/, "").toLowerCase().replace(/[^a-z0-9_]+/g, "_").replace(/^[^a-z]+|_+$/g, "").slice(0, 40);
+  const found = nameLetters(text.replace(/(\.states)?\.\w+$/, "")).replace(/^[^a-z]+|_+$/g, "").slice(0, 40);
   return found || "table";
 };
 

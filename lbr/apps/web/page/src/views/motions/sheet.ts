@@ -1,4 +1,5 @@
 // A motion in the making: key frames one after the other. Pure: each change returns a new sheet.
+import { nameLetters } from "../../format";
 import { mirrored, type BodyModel } from "../joints/model";
 import type { KeyFrame } from "./data";
 
@@ -9,7 +10,7 @@ export const LONGEST_S = 60;
 export const MOST_FRAMES = 1000;
 
 export const good = (name: string): boolean => /^[a-z][a-z0-9_]{0,39}$/.test(name);
-export const nameFrom = (text: string): string => text.trim().toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_+/, "").slice(0, 40);
+export const nameFrom = (text: string): string => nameLetters(text.trim()).replace(/^_+/, "").slice(0, 40);
 export const lasts = (frames: readonly KeyFrame[]): number => frames.reduce((sum, frame) => sum + frame.duration_s, 0);
 
 /** The whole pose at a key frame: joints that it leaves out are where the ones before put them. */
