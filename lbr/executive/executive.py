@@ -29,7 +29,7 @@ from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.database import store
 from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
-from lbr.errors import LbrError
+from lbr.errors import InputError, LbrError
 from lbr.executive.lastresort import SIGNALS, LastResort, noted_signals
 from lbr.executive.notify import Notifier
 from lbr.executive.planning import machine, planner, wiring
@@ -68,6 +68,7 @@ from lbr.executive.service.overview import Overview
 from lbr.executive.service.pairing import GOOD_FOR_S, Code, Pairing
 from lbr.executive.service.pairing_service import Grants, PairingService
 from lbr.messages.system import CapabilityStatus, ConsoleResult, Event, Role, Status
+from lbr.names import did_you_mean
 
 LOOK_AT_ROWS_S = 0.2
 LOOK_SHARE = 5.0
@@ -197,7 +198,7 @@ class Executive:
         self._stop(f"Shutdown by {source}")
 
     def restart(self, name: str) -> None:
-        """Restart a capability."""
+        """Restart a capability; InputError if none of that name runs."""
         self._main.call(lambda: self._restart(name))
 
     def pair(self, role: Role, who: str) -> Code:
@@ -459,6 +460,8 @@ class Executive:
     # -- small parts ------------------------------------------------------------------------------------------------
 
     def _restart(self, name: str) -> None:
+        if name not in self.plan.units:
+            raise InputError(f"'{name}' does not run; {did_you_mean(name, self.plan.units)}", "unknown_name")
         if not self._hosts.restart(name):
             self._supervisor.restart(name)
 

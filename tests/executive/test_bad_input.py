@@ -157,6 +157,12 @@ def test_a_bad_line_gets_one_sentence_that_says_what_is_allowed(robot, line, cod
     assert result["text"].isprintable()
 
 
+def test_a_restart_of_what_does_not_run_says_what_may_have_been_meant(robot):
+    result = robot.line("/restart/motor")
+    assert (result["code"], result["reason_code"]) == (2, "unknown_name")
+    assert "'motor' does not run; did you mean motors" in result["text"]
+
+
 def test_a_put_that_is_refused_becomes_an_event(robot):
     heard = wire.Subscription(robot.bus, f"{robot.name}/@event", depth=64)
     said = []

@@ -151,8 +151,9 @@ class LiveRows:
         self.knows(name, edit.rows)
 
     def knows(self, name: str, rows: Collection[Row]) -> None:
-        """Take note that a capability has rows already that are written, and is not restarted for them."""
-        self._keep(plans.learnt(self.plan, name, by_table(rows)), name)
+        """Take note that a capability has rows already that are written, and is not restarted for them; unless it is gone."""
+        if name in self.plan.units:
+            self._keep(plans.learnt(self.plan, name, by_table(rows)), name)
 
     def look_again(self) -> None:
         """Read the rows at the next look: this process wrote some."""

@@ -339,8 +339,6 @@ class Dispatcher:
 
     def _restart(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
         name = str(call.payload.get("name", ""))
-        if name not in self._robot.plan.units:
-            raise InputError(f"'{name}' does not run; {', '.join(self._robot.plan.units)} do", "unknown_name")
         if (found := self._found(name)) is not None and found.host and found.phase == "waiting":
             raise InputError(f"'{name}' does not run: {found.reason}", "unreachable")
         self._robot.restart(name)

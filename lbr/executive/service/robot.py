@@ -38,7 +38,7 @@ class Robot(Protocol):
         """Begin the shutdown."""
 
     def restart(self, name: str) -> None:
-        """Restart a capability."""
+        """Restart a capability; InputError if none of that name runs."""
 
     def pair(self, role: Role, who: str) -> Code:
         """Draw a code by which a device gets a token with a role."""
