@@ -94,6 +94,6 @@ class MotorTable:
             raise Refused(
                 409, f"Motor '{motor.id}': {count} is not a position of a servo ({LOWEST} to {HIGHEST})", code="limit"
             )
-        raise Refused(
-            409, f"Motor '{motor.id}': {count} is beyond what {joint.name} may do ({lowest} to {highest})", code="limit"
-        )
+        low, high = sorted(in_degrees(joint, one) for one in (lowest, highest))
+        within = f"{lowest} to {highest}, which is {low:g} to {high:g} degrees"
+        raise Refused(409, f"Motor '{motor.id}': {count} is beyond what {joint.name} may do ({within})", code="limit")
