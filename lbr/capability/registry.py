@@ -4,6 +4,7 @@
 import contextlib
 import re
 from functools import cache, lru_cache
+from hashlib import blake2b
 from pathlib import Path
 
 from lbr import ownership, plugins
@@ -61,12 +62,19 @@ def shadowed(name: str, home: Path) -> Path | None:
 
 
 def fingerprint(name: str, home: Path) -> str:
-    """Return what changes when a user's capability file does; empty for an installed kind."""
+    """Return what changes when a user's capability file does, or is written again; empty for an installed kind."""
+    if name in plugins.installed(GROUP):
+        return ""
+    path = user_directory(home) / f"{name}.py"
     try:
-        found = (user_directory(home) / f"{name}.py").stat()
+        return f"{path.stat().st_mtime_ns}-{blake2b(path.read_bytes(), digest_size=16).hexdigest()}"
     except OSError:
         return ""
-    return "" if name in plugins.installed(GROUP) else f"{found.st_mtime_ns}-{found.st_size}"
+
+
+def same_content(fingerprint: str, other: str) -> bool:
+    """Say whether two files have the same in them, whenever and on whichever machine each was written."""
+    return fingerprint.rpartition("-")[2] == other.rpartition("-")[2]
 
 
 def mark(name: str, home: Path) -> str:

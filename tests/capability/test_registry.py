@@ -34,6 +34,18 @@ def test_a_file_of_ones_own_is_a_kind_and_an_edit_of_it_is_seen(folder, tmp_path
     assert registry.find("own", tmp_path).summary == "new"
 
 
+def test_a_copy_on_another_machine_is_the_same_file_and_one_of_the_same_length_is_not(folder, tmp_path):
+    (folder / "own.py").write_text(OWN + "# 0.3")
+    here = registry.fingerprint("own", tmp_path)
+    os.utime(folder / "own.py", (1, 1))
+    assert registry.same_content(registry.fingerprint("own", tmp_path), here)
+    (folder / "own.py").write_text(OWN + "# 0.5")
+    assert not registry.same_content(registry.fingerprint("own", tmp_path), here)
+    (folder / "own.py").unlink()
+    assert not registry.same_content(registry.fingerprint("own", tmp_path), here)
+    assert registry.same_content("", registry.fingerprint("drive", tmp_path))
+
+
 @pytest.mark.parametrize(
     "name", ["os.system", "../own", "os:system", "own.KIND", "__import__", "Own", "", "x" * 41, "\u043ewn"]
 )

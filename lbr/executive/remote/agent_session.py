@@ -227,7 +227,7 @@ class AgentSession:
     def _start(self, unit: ProcessSpec) -> Child | None:
         if self._forks.begins:
             return None
-        if _size(registry.fingerprint(unit.kind, Path(self._home))) != _size(unit.fingerprint):
+        if not registry.same_content(registry.fingerprint(unit.kind, Path(self._home)), unit.fingerprint):
             raise BusError(f"{self._home}/capabilities/{unit.kind}.py is not the file that the robot has; copy it here")
         config = replace(
             unit.config,
@@ -264,8 +264,3 @@ class AgentSession:
             self._placed[name] = one
             self._supervisor.slots[name].unit = one.unit
         self._learns.append(Learnt(name=name, rows=rows))
-
-
-def _size(fingerprint: str) -> str:
-    """Return how large a capability's file is; when it was written differs from machine to machine."""
-    return fingerprint.rpartition("-")[2]
