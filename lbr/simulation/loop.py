@@ -127,6 +127,8 @@ class WorldLoop:
                     self._share()
                 step_s = _REST_S if self._physics.resting(now) else self._physics.timestep_s
                 last, due = now, max(due + step_s, now)
+        for twin in self._twins:
+            twin.service(self._clock())  # what came due during the last step: a watchdog, the host's last bytes
 
     def _let_in(self) -> None:
         while self._coming:

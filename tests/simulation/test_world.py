@@ -2,6 +2,7 @@
 
 import json
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -159,9 +160,9 @@ def test_a_picture_replaces_no_file_and_makes_no_folder(bench, tmp_path):
     assert not (tmp_path / "new").exists()
 
 
-def test_a_picture_nobody_named_goes_home(bench, tmp_path, monkeypatch):
+def test_a_picture_nobody_named_goes_home(bench, tmp_path):
     (tmp_path / "home").mkdir()
-    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    bench.ctx.home = str(tmp_path / "home")
     call = bench.ask("picture", PictureRequest())
     assert bench.until(lambda: call.answer is not None)
     assert call.answer.path.startswith(str(tmp_path / "home" / "pictures" / "lbr-"))
@@ -382,3 +383,44 @@ def test_what_streams_by_itself_tells_something_new_each_time_also_at_rest():
     assert loop.failure is None
     assert engine.resting
     assert len({reading.gyro_rps for reading in twin.told[5:40]}) > 30
+
+
+class Stepping:
+    """Physics whose steps last; while one does, the world is closed by a thread that finds everything at rest."""
+
+    timestep_s = 0.001
+
+    def __init__(self):
+        self.entered, self.over = threading.Event(), threading.Event()
+
+    def advance(self, now, dt_s):
+        self.entered.set()
+        self.over.wait(5.0)
+
+    def resting(self, now):
+        return False
+
+    def at_rest(self, now):
+        threading.Timer(0.05, self.over.set).start()
+        return True
+
+    def imu(self):
+        return None
+
+    def look(self, now):
+        return None
+
+    def moved_by(self, twin):
+        return True
+
+
+def test_what_came_due_in_the_last_step_of_a_world_is_done_before_its_devices_are_gone():
+    physics, twin, served = Stepping(), Streaming(), []
+    twin.service = lambda now: served.append((physics.over.is_set(), now))
+    loop = WorldLoop(physics, (twin,), time.monotonic)
+    loop.open()
+    assert physics.entered.wait(5.0)
+    assert not served[-1][0]
+    loop.close()
+    assert loop.failure is None
+    assert served[-1][0]

@@ -164,7 +164,11 @@ class Bench:
         if not before.least >= ALMOST:
             self.results.disturbed.append(f"{figure}: the motors were at {before.left:g} {before.right:g} before")
         elif zero is None:
-            self.results.check(figure, [f"the motors still turn {limit_s:g} s after the fault{with_it}"])
+            last = self.trace.at(time.monotonic_ns())
+            seen = (
+                f"last {last.left:g} {last.right:g} by '{last.cause}' {(last.at_ns - fault_ns) * 1e-6:.0f} ms after it"
+            )
+            self.results.check(figure, [f"the motors still turn {limit_s:g} s after the fault ({seen}){with_it}"])
         else:
             self.results.sample(figure, (zero.at_ns - fault_ns) * 1e-6)
         return zero
