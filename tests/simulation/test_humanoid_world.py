@@ -79,8 +79,7 @@ class Client:
 
 
 @pytest.fixture
-def bench(tmp_path, monkeypatch):
-    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))  # where pictures go
+def bench(tmp_path):
     made = Bench(tmp_path)
     made.world.open()
     yield made
