@@ -77,7 +77,7 @@ PROBE = """
             self.heard.append(call.message.what)
             {"raise": self.boom, "wait": self.wait, "exit": lambda: sys.exit(0), "recurse": self.recurse, "hang": self.hang,
              "memory": lambda: bytearray(1 << 60),
-             "clutch": lambda: __import__("ctypes").PyDLL(None).sleep(60)}.get(call.message.what, lambda: None)()
+             "clutch": self.clutch}.get(call.message.what, lambda: None)()
 
         def boom(self):
             raise ValueError("out of cheese")
@@ -85,6 +85,11 @@ PROBE = """
         def wait(self):
             while not Path(self.ctx.home, "go on").exists():
                 time.sleep(0.001)
+
+        def clutch(self):
+            library = __import__("ctypes").PyDLL(None)
+            Path(self.ctx.home, "held").touch()
+            library.sleep(60)
 
         def recurse(self):
             self.recurse()
@@ -379,7 +384,8 @@ def test_a_frozen_process_that_is_asked_to_end_ends_in_order(stage):
 
 def test_one_that_holds_the_interpreter_is_killed_when_its_executive_is_gone(stage):
     stage.start().ready()
-    wire.ask(stage.bus, "r/probe/do", {"what": "clutch"}, source="test")
+    stage.ask("r/probe/do", {"what": "clutch"})
+    until((stage.home / "held").exists, what="the interpreter held")
     stage.child._process.stdin.close()
     stage.reaper.close()
     assert stage.ended(limit_s=2.0) == -signal.SIGKILL
