@@ -227,9 +227,9 @@ def test_what_is_too_large_or_too_much_is_refused_aloud_and_delays_no_stop(door:
 
 
 def test_a_name_from_afar_is_never_that_of_somebody_here(door: Door):
-    lease = door.robot.ask("drive/command", TURN, source="console")["lease"]
-    door.robot.put("drive/command", {**TURN, "lease": lease}, source="console")
     with door.client("phone") as bus:
+        lease = door.robot.ask("drive/command", TURN, source="console")["lease"]
+        door.robot.put("drive/command", {**TURN, "lease": lease}, source="console")
         found = bus.get("lbr/@console", payload="/r/0.3/0", timeout=2.0, attachment=stamp("console"))
         result = json.loads(next(iter(found)).ok.payload.to_bytes())
     assert result["code"] == 1
