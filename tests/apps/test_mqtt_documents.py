@@ -2,6 +2,7 @@
 
 import json
 import socket
+import ssl
 import struct
 import threading
 from contextlib import suppress
@@ -337,6 +338,40 @@ def test_no_broker_is_trusted_whose_certificate_is_anothers(tmp_path, monkeypatc
     ]:
         with pytest.raises(InputError, match=complaint):
             secured(*files)
+
+
+def test_an_authority_of_ones_own_need_not_say_what_its_key_is_for(tmp_path, monkeypatch):
+    """As OpenSSL makes it by its usual words; Python 3.13 and newer are strict unless told not to be."""
+    folder = tmp_path / "home" / "credentials"
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    mosquitto.certificates(folder, "broker", "robot")
+    for path in (folder, tmp_path / "home"):
+        path.chmod(0o700)
+    plain = ssl.create_default_context
+
+    def strict(**files):
+        made = plain(**files)
+        made.verify_flags |= ssl.VERIFY_X509_STRICT
+        return made
+
+    monkeypatch.setattr(ssl, "create_default_context", strict)
+    assert secured("", "", "").verify_flags & ssl.VERIFY_X509_STRICT
+    broker = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    broker.load_cert_chain(folder / "broker.crt", folder / "broker.key")
+    with pytest.raises(ssl.SSLCertVerificationError, match="key usage"):
+        shake_hands(strict(cafile=str(folder / "ca.crt")), broker)
+    shake_hands(secured("ca.crt", "robot.crt", "robot.key"), broker)
+
+
+def shake_hands(client, server):
+    there, back = ssl.MemoryBIO(), ssl.MemoryBIO()
+    ends = [client.wrap_bio(back, there, server_hostname="localhost"), server.wrap_bio(there, back, server_side=True)]
+    for _ in range(3):
+        for end in tuple(ends):
+            with suppress(ssl.SSLWantReadError):
+                end.do_handshake()
+                ends.remove(end)
+    assert not ends
 
 
 def test_a_broker_that_is_not_there_is_told_of_and_costs_nothing():

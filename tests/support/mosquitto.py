@@ -116,6 +116,7 @@ class Person:
         self._topics = topics
         self.client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, client_id=name, protocol=mqtt.MQTTv5)
         context = ssl.create_default_context(cafile=str(broker.folder / "ca.crt"))
+        context.verify_flags &= ~ssl.VERIFY_X509_STRICT
         given = broker.folder / (certificate or name)
         context.load_cert_chain(given.with_suffix(".crt"), given.with_suffix(".key"))
         self.client.tls_set_context(context)
