@@ -6,9 +6,11 @@ import os
 import struct
 import termios
 from contextlib import suppress
+from typing import Generic
 
 from lbr.capability.context import Device
 from lbr.drivers import access
+from lbr.drivers.input_events import R, RecordParser
 from lbr.errors import DeviceError
 from lbr.messages.codes import Code
 
@@ -19,31 +21,38 @@ UNKNOWN = (errno.ENOTTY, errno.EINVAL, errno.ENOSYS)
 """How what is no input device, such as an emulated one, answers what input devices are asked."""
 
 
-class InputNode:
+class InputNode(Generic[R]):
     """Raises a DeviceError that names the device row, the path and what to do, when it is missing or goes away.
 
     The path of what is nowhere is empty.
     """
 
-    def __init__(self, device: Device, path: str) -> None:
+    def __init__(self, device: Device, path: str, parser: RecordParser[R]) -> None:
         self._device = device
+        self._parser = parser
         self._fd = self._open(path)
         device.tap.opened()
         with suppress(termios.error):  # an emulated one is a tty
             termios.tcflush(self._fd, termios.TCIFLUSH)
 
-    def read(self) -> bytes:
-        """Return what has come in since the last call; nothing if nothing has."""
+    @property
+    def passed_over(self) -> int:
+        """Return how many bytes were no part of a record."""
+        return self._parser.passed_over
+
+    def poll(self) -> list[R]:
+        """Return the records that have come in since the last call."""
         try:
             data = os.read(self._fd, READ_BYTES)
         except BlockingIOError:
-            return b""
+            self._parser.pause()
+            return []
         except OSError as err:
             raise self.error(f"went away ({err.strerror}); check its cable") from err
         if not data:
             raise self.error("went away (end of file); check its cable")
         self._device.tap.came(data)
-        return data
+        return self._parser.feed(data)
 
     def ask(self, request: int, answer: int = 0) -> bytes | None:
         """Return what it answers to a request, in so many bytes; None if it knows no such request."""

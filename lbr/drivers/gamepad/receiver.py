@@ -40,8 +40,7 @@ class Receiver:
                 f"device '{device.name}' at {device.address} is neither a path (/dev/input/by-id/…-event-joystick) nor "
                 "`input:` and a name: `lbr devices` shows what is there"
             )
-        self._parser = RecordParser(EVENT.size, read_event)
-        self._node = InputNode(device, path_of(device.address))
+        self._node = InputNode(device, path_of(device.address), RecordParser(EVENT.size, read_event))
         try:
             self._node.claim()
             self.name = (self._node.ask(EVIOCGNAME, NAME_BYTES) or b"").split(b"\0")[0].decode(errors="replace")
@@ -53,19 +52,11 @@ class Receiver:
             self.close()
             raise
 
-    @property
-    def passed_over(self) -> int:
-        """Return how many bytes were no part of a record."""
-        return self._parser.passed_over
-
     def poll(self) -> list[Held]:
         """Return what was held at the end of each packet that has come in since the last call."""
-        data = self._node.read()
-        if not data:
-            self._parser.pause()
-        whole = self._parser.passed_over
-        found = self._pad.feed(self._parser.feed(data))
-        if self._parser.passed_over > whole:  # no kernel does that: of what came with it nothing is believed
+        whole = self._node.passed_over
+        found = self._pad.feed(self._node.poll())
+        if self._node.passed_over > whole:  # no kernel does that: of what came with it nothing is believed
             found, self._pad.unknown = [], True
         if self._pad.unknown:
             self._ask_what_is_held()

@@ -22,8 +22,7 @@ class Receiver:
             what = "is not a path; write /dev/lirc0 or /dev/input/by-path/… into the device row"
             raise DeviceError(f"device '{device.name}' at {device.address} {what}")
         events = _sends_events(device.address, settings)
-        self._parser = records.parser(events=events)
-        self._node = InputNode(device, device.address)
+        self._node = InputNode(device, device.address, records.parser(events=events))
         try:
             self._node.claim() if events else self._prepare_scancodes()
             self._refuse_without_decoder(settings)
@@ -31,17 +30,9 @@ class Receiver:
             self.close()
             raise
 
-    @property
-    def passed_over(self) -> int:
-        """Return how many bytes were no part of a record."""
-        return self._parser.passed_over
-
     def poll(self) -> list[Scancode]:
         """Return what has come in since the last call."""
-        data = self._node.read()
-        if not data:
-            self._parser.pause()
-        return self._parser.feed(data)
+        return self._node.poll()
 
     def close(self) -> None:
         """Close the device; never fails."""
