@@ -25,8 +25,9 @@ class LastGoodCopy:
         self._trouble = trouble
         self._due: float | None = None
         self._thread: threading.Thread | None = None
-        self._why: str | None = ""
-        """Why the last copy is none; None: the rows were edited meanwhile, which is looked at elsewhere."""
+        self._edited = False
+        """Whether the rows were edited before the last copy was made: no trouble, and looked at elsewhere."""
+        self._why = ""
 
     def touched(self, now: float) -> None:
         """Take note that the database was edited, and is well: it is copied when that has lasted for some seconds."""
@@ -42,9 +43,9 @@ class LastGoodCopy:
             if self._thread.is_alive():
                 return
             self._thread = None
-            if self._why is not None:
+            if not self._edited:
                 self._trouble(NOT_COPIED, self._why)
-            if self._why != "" and self._due is None:
+            if (self._edited or self._why) and self._due is None:
                 self._due = now + AGAIN_AFTER_S
         if self._due is not None and now >= self._due:
             self._thread = beside.begin(partial(self._keep, digest), "keeper")
@@ -55,11 +56,10 @@ class LastGoodCopy:
     def _keep(self, digest: str) -> None:
         with suppress(OSError):
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), LOWEST)
+        self._edited, self._why = False, ""
         try:
             copies.keep(self._path, digest)
         except copies.EditedError:
-            self._why = None
+            self._edited = True
         except LbrError as err:
             self._why = str(err)
-        else:
-            self._why = ""
