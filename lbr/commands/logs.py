@@ -90,8 +90,13 @@ def _chosen(name: str, there: Collection[str]) -> list[str]:
     if "/" in name and name in there:
         return [name]
     shared = {one: log for one, log in _sharing() if log in there}
-    named = {one for one in (*there, *shared) if name in {one, one.rpartition("/")[2]}}
+    named = {one for one in (*there, *shared) if _means(name, one)}
     return sorted({shared.get(one, one) for one in named})
+
+
+def _means(name: str, one: str) -> bool:
+    """Say whether a name means one of `robot/capability`, with or without its robot."""
+    return name in {one, one.rpartition("/")[2]}
 
 
 def _sharing() -> list[tuple[str, str]]:
@@ -139,7 +144,7 @@ def _recorded(name: str, robot: str | None, begin: str | None, end: str | None) 
     from lbr.commands import box  # noqa: PLC0415
     from lbr.recording import export, selection, times  # noqa: PLC0415
 
-    shared = {log.rpartition("/")[2] for one, log in _sharing() if name in {one, one.rpartition("/")[2]}}
+    shared = {log.rpartition("/")[2] for one, log in _sharing() if _means(name, one)}
     wanted = {name, *shared}
     chosen, start_ns, end_ns = box.selected("", robot, begin, end, None)
     now, count = time.time_ns(), 0
