@@ -239,9 +239,7 @@ def _rows(database: str | Path | None, robot: str) -> RobotRows:
 
 def _loaded(path: Path, robot: str) -> RobotRows:
     with store.Database.open(path, program="gym") as opened:
-        if robot not in opened.robots():
-            raise InputError(f"there is no robot '{robot}' in {path}: {', '.join(opened.robots())}", "unknown_name")
-        return opened.load(robot)
+        return opened.load(*opened.robots(robot))
 
 
 def _processes(rows: RobotRows) -> tuple[dict[str, Any], dict[str, Any]]:

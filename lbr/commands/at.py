@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lbr.commands.options import FileName, json_option, print_json
+from lbr.commands.rows import opened
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
 
@@ -162,8 +163,6 @@ def _recorded(at_ns: int, robot: str | None, place: str) -> "tuple[RecordedRows 
 
 def _goes_back_to(path: Path, recorded: "RecordedRows", robot: str | None) -> bool:
     """Say whether a database had these rows: it was not replaced by another one."""
-    from lbr.commands.rows import opened  # noqa: PLC0415
-
     if not path.exists():
         return False
     with opened(path) as rows:
@@ -175,8 +174,6 @@ def _goes_back_to(path: Path, recorded: "RecordedRows", robot: str | None) -> bo
 
 
 def _past(path: Path, at_ns: int, robot: str | None) -> tuple[int, Tables]:
-    from lbr.commands.rows import opened  # noqa: PLC0415
-
     with opened(path) as rows:
         until = [one.id for one in rows.touched(0) if _ns(one.changed_at) <= at_ns]
         revision = until[-1] if until else 0

@@ -8,7 +8,9 @@ import click
 
 from lbr.commands import behaviour_trials
 from lbr.commands.completing import complete_behaviour
-from lbr.commands.options import FileName, json_option, print_json, robot_options
+from lbr.commands.new_file import write_new
+from lbr.commands.options import FileName, database_option, json_option, print_json, robot_options
+from lbr.commands.rows import opened, problems_of, robot_in, wiring_of
 from lbr.errors import InputError, RowError
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.messages.plain import one_line
@@ -22,9 +24,6 @@ if TYPE_CHECKING:
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
 
-database_option = click.option(
-    "--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out."
-)
 robot_option = click.option("--robot", metavar="NAME", help="Whose behaviours; the usual robot's if left out.")
 
 
@@ -42,8 +41,7 @@ def check(what: str, robot: str | None, database: Path | None) -> int:
     from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of `lbr --help`
 
     if not _is_a_file(what):
-        with _opened(database) as opened:
-            rows = opened.load(_robot(opened, robot))
+        rows = _rows(database, robot)
         table, compiled = _table(rows, what), _compiled(rows)[what]
         _complain(f"behaviour '{table.name}'", compiled.faults, {})
         if compiled.errors:
@@ -89,15 +87,14 @@ def import_(
 
     A robot that runs has it at once. If it is the one that is being run, its states count from when they are next entered.
     """
-    from lbr.commands.rows import problems_of  # noqa: PLC0415 - kept out of `lbr --help`
     from lbr.database.edits import Edit  # noqa: PLC0415
 
     called = name or _name_of(file)
     if not re.fullmatch(NAME_PATTERN, called) or len(called) > 40:
         raise InputError(f"'{called}' is not a name: small letters, digits and _, a letter first; give one by --name")
-    with _opened(database) as opened:
-        whose = _robot(opened, robot)
-        rows = opened.load(whose)
+    with opened(database) as there:
+        whose = _robot(there, robot)
+        rows = there.load(whose)
         before = next((one for one in rows.of(BehaviourTable) if one.name == called), None)
         if before is not None and not replacing:
             how = "--replace puts this one in its place, --name gives it another name"
@@ -112,7 +109,7 @@ def import_(
         compiled = _fits(file, table, found, rows)
         _complain(str(file), compiled.faults, found.lines)
         edit = Edit(rows=(table, *found.rows), create=None)
-        opened.edit(whose, edit, problems_of)
+        there.edit(whose, edit, problems_of)
     if as_json:
         print_json({"robot": whose, "name": called, "rows": len(found.rows)})
     else:
@@ -149,7 +146,8 @@ def export(table: str, form: str, semicolons: bool, path: Path | None, robot: st
     if path is None:
         click.echo(content.decode().replace("\r\n", "\n"), nl=False)
         return 0
-    return _written(path, content)
+    write_new(path, content)
+    return 0
 
 
 @command.command("show")
@@ -167,7 +165,8 @@ def show(table: str, svg: bool, path: Path | None, robot: str | None, database: 
     if path is None:
         click.echo(drawn, nl=False)
         return 0
-    return _written(path, drawn.encode())
+    write_new(path, drawn.encode())
+    return 0
 
 
 @command.command("list")
@@ -178,8 +177,7 @@ def list_(robot: str | None, database: Path | None) -> int:
     from lbr.apps.behaviours import texts  # noqa: PLC0415 - kept out of `lbr --help`
     from lbr.messages.behaviour import BehaviourState  # noqa: PLC0415
 
-    with _opened(database) as opened:
-        rows = opened.load(_robot(opened, robot))
+    rows = _rows(database, robot)
     tables = {one.name: one for one in rows.of(BehaviourTable)}
     click.echo(texts.listed(tables, _compiled(rows), BehaviourState(phase="resting")))
     return 0
@@ -262,8 +260,7 @@ def chosen(
     """Return a robot's rows, and a table that can be run: of a FILE, or the robot's own by its name."""
     from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of `lbr --help`
 
-    with _opened(database) as opened:
-        rows = opened.load(_robot(opened, robot))
+    rows = _rows(database, robot)
     if _is_a_file(what):
         path = Path(what)
         table = BehaviourTable(name=_name_of(path))
@@ -350,7 +347,6 @@ def _parts(rows: "RobotRows | None") -> "Parts":
     """Return what a robot has for tables; anything if that is not known, or it has no capability that runs them."""
     from lbr.apps.behaviours.keys import EVERY  # noqa: PLC0415 - kept out of `lbr --help`
     from lbr.apps.behaviours.table import ANY_ROBOT, Parts  # noqa: PLC0415
-    from lbr.commands.rows import wiring_of  # noqa: PLC0415
     from lbr.messages.sensing import RING, RangeSensor  # noqa: PLC0415
 
     wired = wiring_of(rows, "behaviour") if rows is not None else None
@@ -361,8 +357,7 @@ def _parts(rows: "RobotRows | None") -> "Parts":
 
 
 def _found(table: str, robot: str | None, database: Path | None) -> tuple[BehaviourTable, tuple[BehaviourRow, ...]]:
-    with _opened(database) as opened:
-        rows = opened.load(_robot(opened, robot))
+    rows = _rows(database, robot)
     of_table = _table(rows, table)
     return of_table, tuple(row for row in rows.of(BehaviourRow) if row.behaviour == table)
 
@@ -375,11 +370,9 @@ def _table(rows: "RobotRows", name: str) -> BehaviourTable:
     return tables[name]
 
 
-def _opened(database: Path | None) -> "Database":
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
-
-    return opened(database or home.default_database())
+def _rows(database: Path | None, robot: str | None) -> "RobotRows":
+    with opened(database) as there:
+        return there.load(_robot(there, robot))
 
 
 def _rows_if_any(database: Path | None, robot: str | None) -> "RobotRows | None":
@@ -388,28 +381,8 @@ def _rows_if_any(database: Path | None, robot: str | None) -> "RobotRows | None"
 
     if database is None and robot is None and not home.default_database().exists():
         return None
-    with _opened(database) as opened:
-        return opened.load(_robot(opened, robot))
+    return _rows(database, robot)
 
 
-def _robot(opened: "Database", robot: str | None) -> str:
-    from lbr.commands.rows import robot_in  # noqa: PLC0415
-
-    if robot is None:
-        return robot_in(opened)
-    if robot not in opened.robots():
-        there = ", ".join(opened.robots()) or "none"
-        raise InputError(f"there is no robot '{robot}' in {opened.path}: {there}", "unknown_name")
-    return robot
-
-
-def _written(path: Path, content: bytes) -> int:
-    try:
-        with path.open("xb") as file:
-            file.write(content)
-    except FileExistsError:
-        raise InputError(f"{path} exists already; name another file, or remove it") from None
-    except OSError as err:
-        raise InputError(f"{path} cannot be written: {err.strerror}") from err
-    click.echo(f"wrote {path}")
-    return 0
+def _robot(database: "Database", robot: str | None) -> str:
+    return robot_in(database) if robot is None else database.robots(robot)[0]

@@ -10,6 +10,7 @@ import click
 from msgspec.structs import replace
 
 from lbr.commands.options import Number, database_option, json_option, print_json
+from lbr.commands.rows import planned
 from lbr.errors import InputError
 
 if TYPE_CHECKING:
@@ -221,7 +222,6 @@ def setup_of(
     begins: "Begins | None" = None,
 ) -> "Setup":
     """Return what trials of a table by a robot of these rows need; InputError says why it cannot be tried."""
-    from lbr.commands.rows import planned  # noqa: PLC0415
     from lbr.lockstep.trial import HUMANOID, RUNS, WORLD, Setup  # noqa: PLC0415
     from lbr.messages.behaviour import BehaviourRow, BehaviourTable  # noqa: PLC0415
     from lbr.messages.rows import row_set  # noqa: PLC0415

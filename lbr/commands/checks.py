@@ -12,6 +12,7 @@ from pathlib import Path
 from lbr import home, ownership
 from lbr.commands import device_checks, power_checks, service_checks, web_checks
 from lbr.commands.finding import Finding
+from lbr.commands.rows import opened
 from lbr.errors import LbrError
 from lbr.executive.planning import joining
 from lbr.robots import registry
@@ -119,8 +120,6 @@ def _disk() -> Iterator[Finding]:
 
 
 def _database() -> Iterator[Finding]:
-    from lbr.commands.rows import opened  # noqa: PLC0415 - the database is for those who read rows
-
     path = home.default_database()
     if not path.exists():
         text = f"{path} is not there yet; the first 'lbr run' makes it"

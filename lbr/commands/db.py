@@ -7,6 +7,7 @@ import click
 from lbr.commands import row_apply, row_past
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.row_past import local_time
+from lbr.commands.rows import judged, opened, said_by_kinds
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 from lbr.messages.rows import shown
@@ -41,11 +42,9 @@ def add(robot: str, database: Path | None, as_json: bool) -> int:
 
     A database that is older than a robot gets it at its first run, too; one that is older than some rows only this way.
     """
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
     from lbr.executive.planning import joining  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
+    with opened(database) as rows:
         added = joining.add(rows, robot.replace("-", "_"))
     if as_json:
         print_json(added)
@@ -65,17 +64,10 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
 
     A hint is something odd that runs all the same.
     """
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import judged, opened  # noqa: PLC0415
     from lbr.executive.planning.watch import loaded  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
-        names = rows.robots()
-        if robot is not None and robot not in names:
-            raise InputError(
-                f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}", "unknown_name"
-            )
-        all_rows = loaded(rows, [name for name in names if robot in {None, name}])
+    with opened(database) as rows:
+        all_rows = loaded(rows, rows.robots(robot))
         both = {name: judged(of_robot) for name, of_robot in all_rows.items()}
         problems = {name: bad for name, (bad, _) in both.items()}
         hints = {name: odd for name, (_, odd) in both.items()}
@@ -94,7 +86,6 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
 
 
 def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
-
     for name, found in problems.items():
         for problem in found:
             click.echo(f"{shown(name)}: {problem}", err=True)
@@ -115,11 +106,9 @@ def diff(first: int | None, second: int | None, database: Path | None, as_json: 
 
     With revision A, show what has changed since then; with A and B, from one to the other ('lbr db history' lists them).
     """
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened, said_by_kinds  # noqa: PLC0415
     from lbr.database.shipped import differences  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
+    with opened(database) as rows:
         found = (
             differences(rows, implied=said_by_kinds(rows)) if first is None else row_past.between(rows, first, second)
         )
@@ -139,10 +128,7 @@ def diff(first: int | None, second: int | None, database: Path | None, as_json: 
 @json_option
 def audit(database: Path | None, count: int, as_json: bool) -> int:
     """Show who did what to the robot: the newest entries of the audit trail. Exit code 2 if it was tampered with."""
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
-
-    with opened(database or home.default_database()) as rows:
+    with opened(database) as rows:
         entries, fault = rows.audit(count), rows.audit_fault()
     if as_json:
         print_json(entries)
@@ -194,8 +180,6 @@ def restore(source: Path | None, database: Path | None, only_list: bool, as_json
 
 def _valid_tokens(path: Path) -> list[str]:
     import datetime as dt  # noqa: PLC0415
-
-    from lbr.commands.rows import opened  # noqa: PLC0415
 
     now = dt.datetime.now(dt.UTC)
     with opened(path) as rows:

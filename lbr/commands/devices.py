@@ -11,6 +11,7 @@ from msgspec import Struct
 from msgspec.structs import asdict
 
 from lbr.commands.options import Number, complete_robot, database_option, json_option, print_json
+from lbr.commands.rows import opened, robot_in
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 
@@ -146,7 +147,6 @@ class Looking:
         """Return what is at these ends, and what is proposed."""
         from lbr.commands import attached, recognised  # noqa: PLC0415
         from lbr.commands.proposing import propose  # noqa: PLC0415
-        from lbr.commands.rows import opened  # noqa: PLC0415
 
         found = recognised.ask_all(ends, self._known, _held(), wait_s=self._wait_s, ask=self._ask)
         if not self._database.exists():
@@ -164,7 +164,6 @@ class Looking:
     def write(self, robot: str, offers: Collection[Offer]) -> "Became":
         """Write the rows of some proposals, all or none; a row that several of them want is written once."""
         from lbr.commands.row_past import end_left_trial  # noqa: PLC0415
-        from lbr.commands.rows import opened  # noqa: PLC0415
 
         changes: list[RowChange] = []
         for one in offers:
@@ -175,15 +174,10 @@ class Looking:
 
     def _whose(self, rows: "Database") -> str:
         from lbr.commands.row_past import running_here  # noqa: PLC0415
-        from lbr.commands.rows import robot_in  # noqa: PLC0415
 
-        names, running = rows.robots(), [*running_here(rows.path)]
         if self._robot is not None:
-            if self._robot not in names:
-                raise InputError(
-                    f"there is no robot '{self._robot}' in {rows.path}: {', '.join(names)}", "unknown_name"
-                )
-            return self._robot
+            return rows.robots(self._robot)[0]
+        running = [*running_here(rows.path)]
         return running[0] if len(running) == 1 else robot_in(rows)
 
     def _offer(self, rows: "Database", robot: str, proposal: "Proposal") -> Offer:
@@ -224,7 +218,6 @@ def _held() -> dict[str, str]:
     """Return what robots that run hold by their rows: of simulated ones nothing, for their devices are emulated."""
     from lbr import home  # noqa: PLC0415
     from lbr.commands import recognised  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
     from lbr.errors import LbrError  # noqa: PLC0415
     from lbr.executive.planning import profile  # noqa: PLC0415
 

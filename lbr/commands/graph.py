@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from lbr.commands.options import FileName, Whom, json_option, print_json, robot_options
+from lbr.commands.rows import opened, robot_in, with_words
 from lbr.errors import BusError, InputError
 
 if TYPE_CHECKING:
@@ -50,7 +51,6 @@ def _elsewhere(whom: Whom) -> "Graph":
 
 def _here(robot: str | None, database: Path | None) -> "Graph":
     from lbr import home  # noqa: PLC0415 - only now is the database needed
-    from lbr.commands.rows import opened, robot_in, with_words  # noqa: PLC0415
     from lbr.console import wiring  # noqa: PLC0415
 
     here = [one for one in home.running() if robot in {None, one.robot}]

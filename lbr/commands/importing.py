@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 from click.shell_completion import CompletionItem
 
-from lbr.commands.options import FileName, complete_robot, json_option, print_json
+from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
+from lbr.commands.rows import opened, problems_of
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 
@@ -50,7 +51,7 @@ def _complete_format(_context: click.Context, _parameter: click.Parameter, begun
 @click.option("--of", metavar="NAME", help="Which robot of the file, if it has several.")
 @click.option("--replace", "replacing", is_flag=True, help="Also write over what is not as shipped.")
 @click.option("--dry-run", is_flag=True, help="Only report; all is checked as if it were written.")
-@click.option("--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out.")
+@database_option
 @json_option
 def command(
     path: Path,
@@ -68,13 +69,11 @@ def command(
     file says something else, it is named and nothing is written, unless --replace is given. The report tells each thing
     that was changed, brought within limits or has no place here.
     """
-    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
-    from lbr.commands.rows import opened, problems_of  # noqa: PLC0415
     from lbr.database import old_files  # noqa: PLC0415
     from lbr.database.edits import Edit  # noqa: PLC0415
     from lbr.robots.old_data import Choice  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
+    with opened(database) as rows:
         if wanted is not None and wanted not in (known := old_files.formats()):
             raise InputError(f"there is no format '{wanted}': {', '.join(known)}", "unknown_name")
         given, others = _given(path, wanted)
@@ -126,14 +125,9 @@ def _robot(rows: "Database", robot: str | None, given: "Sequence[Given]") -> str
     """Return the robot that is meant, or the only one that all of the files are for."""
     from lbr.database.taking import Here  # noqa: PLC0415
 
-    names = rows.robots()
+    names = rows.robots(robot.replace("-", "_") if robot is not None else None)
     if robot is not None:
-        plain = robot.replace("-", "_")
-        if plain not in names:
-            raise InputError(
-                f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}", "unknown_name"
-            )
-        return plain
+        return names[0]
     tables, _ = rows.tables()
     loaded = rows.load_all(names)
     fitting = [name for name in names if all(_fits(one, Here(tables, name), loaded[name]) for one in given)]

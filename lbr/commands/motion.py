@@ -8,7 +8,9 @@ import click
 from msgspec.structs import replace
 
 from lbr.commands.completing import complete_motion
-from lbr.commands.options import FileName, json_option, print_json
+from lbr.commands.new_file import write_new
+from lbr.commands.options import FileName, database_option, json_option, print_json
+from lbr.commands.rows import opened, problems_of
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
 from lbr.messages.plain import one_line
@@ -22,9 +24,6 @@ if TYPE_CHECKING:
     from lbr.database.store import Database
     from lbr.robots.old_data import Note
 
-database_option = click.option(
-    "--db", "database", type=FileName(), metavar="FILE", help="$LBR_HOME/robot.db if left out."
-)
 robot_option = click.option("--robot", metavar="NAME", help="Whose motions; found out if left out.")
 
 
@@ -39,8 +38,8 @@ def command() -> None:
 @json_option
 def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
     """List the motions: how long they are, how many joints they move, and who keeps them."""
-    with _opened(database) as rows:
-        found = [(name, motion) for name in _robots(rows, robot) for motion in _motions(rows.load(name))]
+    with opened(database) as rows:
+        found = [(name, motion) for name in rows.robots(robot) for motion in _motions(rows.load(name))]
     if as_json:
         keys = ("robot", "name", "help", "slot", "builtin", "duration_s", "frames", "joints")
         print_json([dict(zip(keys, (name, *_figures(motion)), strict=True)) for name, motion in found])
@@ -65,10 +64,10 @@ def export(name: str, robot: str | None, path: Path | None, database: Path | Non
     """Write the motion NAME to a file, for others: as JSON, or in a maker's form; 'lbr motion import' takes it."""
     from lbr.database import motion_files  # noqa: PLC0415 - the database is for those who read rows
 
-    with _opened(database) as rows:
+    with opened(database) as rows:
         found = [
             (one, motion, of_robot)
-            for one in _robots(rows, robot)
+            for one in rows.robots(robot)
             for of_robot in (rows.load(one),)
             for motion in _motions(of_robot)
             if motion.name == name
@@ -85,14 +84,7 @@ def export(name: str, robot: str | None, path: Path | None, database: Path | Non
     if path is None:
         click.echo(content.decode(), nl=False)
         return 0
-    try:
-        with path.open("xb") as file:
-            file.write(content)
-    except FileExistsError:
-        raise InputError(f"{path} exists already; name another file, or remove it") from None
-    except OSError as err:
-        raise InputError(f"{path} cannot be written: {err.strerror}") from err
-    click.echo(f"wrote {path}")
+    write_new(path, content)
     return 0
 
 
@@ -120,14 +112,13 @@ def import_(
     A robot that runs takes it over at once; a motion that is being played is stopped for it. What the file asks of a
     joint beyond its limits is refused, and named.
     """
-    from lbr.commands.rows import problems_of  # noqa: PLC0415
     from lbr.database import motion_files  # noqa: PLC0415
     from lbr.database.edits import Edit  # noqa: PLC0415
 
     if name is not None and not re.fullmatch(NAME_PATTERN, name):
         raise InputError(f"'{name}' is not a name: those are of lower-case letters, digits and _, a letter first")
-    with _opened(database) as opened:
-        whose, motion, rows, notes = _understood(opened, file, robot, name)
+    with opened(database) as there:
+        whose, motion, rows, notes = _understood(there, file, robot, name)
         if not replacing and any(one.name == motion.name for one in rows.of(MotionRow)):
             how = "--replace puts this one in its place, --name gives it another name"
             raise InputError(f"motion '{motion.name}' is there already: {how}")
@@ -135,7 +126,7 @@ def import_(
         about = motion_files.summary(motion, rows.of(Joint), cut)
         if not dry_run:
             edit = Edit(rows=motion.rows, create=not replacing)
-            opened.edit(whose, edit, problems_of)
+            there.edit(whose, edit, problems_of)
     if as_json:
         print_json(
             {
@@ -166,12 +157,11 @@ def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: P
     last row of motion_step says by hand whether the robot may go straight to where they lead.
     """
     from lbr.commands import motion_standing  # noqa: PLC0415 - the engine is for those who ask for it
-    from lbr.commands.rows import problems_of  # noqa: PLC0415
     from lbr.database.edits import Edit  # noqa: PLC0415
 
     told = []
-    with _opened(database) as opened:
-        whose, rows = _one(opened, robot, lambda rows: bool(rows.of(Joint)))
+    with opened(database) as there:
+        whose, rows = _one(there, robot, lambda rows: bool(rows.of(Joint)))
         known = {motion.name: motion for motion in _motions(rows)}
         if unknown := sorted(set(names) - set(known)):
             raise InputError(f"there is no motion '{unknown[0]}'; 'lbr motion list' shows them", "unknown_name")
@@ -187,7 +177,7 @@ def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: P
             )
             if not dry_run and frames != motion.frames:
                 edit = Edit(rows=replace(motion, frames=frames).rows, create=False)
-                opened.edit(whose, edit, problems_of)
+                there.edit(whose, edit, problems_of)
             if not as_json:
                 click.echo(one_line(f"{motion.name}: stands in {sum(found)} of {len(found)} key frames"))
     if as_json:
@@ -252,30 +242,13 @@ def _figures(motion: Motion) -> tuple[str, str, int | None, bool, float, int, in
     return motion.name, motion.help, motion.slot, motion.builtin, round(seconds, 2), len(motion.frames), len(joints)
 
 
-def _opened(database: Path | None) -> "Database":
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
-
-    return opened(database or home.default_database())
-
-
 def _motions(rows: "RobotRows") -> tuple[Motion, ...]:
-
     return motions_of(rows.of(MotionRow), rows.of(MotionStep))
-
-
-def _robots(opened: "Database", robot: str | None) -> tuple[str, ...]:
-
-    names = opened.robots()
-    if robot is not None and robot not in names:
-        raise InputError(f"there is no robot '{robot}' in {opened.path}: {', '.join(names) or 'none'}", "unknown_name")
-    return names if robot is None else (robot,)
 
 
 def _one(opened: "Database", robot: str | None, fits: "Callable[[RobotRows], bool]") -> "tuple[str, RobotRows]":
     """Return the robot that is meant, or the only one that a file is for, with its rows."""
-
-    found = [(name, opened.load(name)) for name in _robots(opened, robot)]
+    found = [(name, opened.load(name)) for name in opened.robots(robot)]
     fitting = found if robot is not None else [(name, rows) for name, rows in found if fits(rows)]
     if len(fitting) != 1:
         names = ", ".join(name for name, _ in fitting) or "none"

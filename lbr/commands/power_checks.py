@@ -6,6 +6,7 @@ from pathlib import Path
 from lbr import home
 from lbr.commands import unitfiles
 from lbr.commands.finding import Finding
+from lbr.commands.rows import opened
 from lbr.commands.service import BOOTED, MACHINE
 
 KIND = "power"
@@ -22,8 +23,6 @@ def power(root: Path = MACHINE, booted: Path = BOOTED, bus: str = "") -> Iterato
 
 def _robots() -> list[str]:
     """Return the robots of this home that watch their supply."""
-    from lbr.commands.rows import opened  # noqa: PLC0415 - the database is for those who read rows
-
     path = home.default_database()
     if not path.exists():
         return []

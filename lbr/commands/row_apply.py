@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from lbr.commands.options import FileName, Number, complete_robot, database_option, json_option
 from lbr.commands.row_past import change_options, end_left_trial, running_here, tell
 from lbr.commands.row_touched import Touching
+from lbr.commands.rows import opened
 from lbr.errors import InputError
 
 if TYPE_CHECKING:
@@ -34,10 +35,8 @@ def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) 
     SOURCE is a file of SQL that edits rows, a copy of a database, or a folder of 'lbr db export'. Nothing is touched. Exit
     code 2 with problems.
     """
-    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
-    from lbr.commands.rows import opened  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
+    with opened(database) as rows:
         touching = Touching(rows, running_here(rows.path))
         became = _become(rows, source, robot, touching, dry_run=True)
         return tell(became, "", dry_run=True, as_json=as_json, touched=touching.told(), place=_place(source, rows))
@@ -92,14 +91,11 @@ def export(folder: Path, robot: str | None, database: Path | None, as_json: bool
 
     Files that are there are overwritten; tokens, events and the audit trail stay out of it.
     """
-    from lbr import home  # noqa: PLC0415
     from lbr.commands.options import print_json  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
     from lbr.database import row_files  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
-        if robot is not None and robot not in (names := rows.robots()):
-            raise InputError(f"there is no robot '{robot}' in {rows.path}: {', '.join(names)}", "unknown_name")
+    with opened(database) as rows:
+        rows.robots(robot)
         tables, schema = rows.tables()
         revision = rows.revision()
     files = row_files.written(tables, schema, robot)
@@ -126,10 +122,8 @@ def _apply(
     as_json: bool,
     within_s: float | None = None,
 ) -> int:
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
+    with opened(database) as rows:
         running = running_here(rows.path)
         if within_s is not None and not running:
             raise InputError(

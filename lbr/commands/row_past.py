@@ -10,6 +10,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from lbr.commands.options import F, complete_robot, database_option, json_option, print_json
+from lbr.commands.rows import opened, planned
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 
@@ -70,11 +71,9 @@ def history(
 
     The numbers are revisions: 'lbr db diff A B' compares two, 'lbr db rollback REV' goes back to one.
     """
-    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
-    from lbr.commands.rows import opened  # noqa: PLC0415
     from lbr.database import past  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
+    with opened(database) as rows:
         if table is not None and table not in (known := rows.tables()[1]):
             raise InputError(f"no table '{table}' keeps its changes: {', '.join(sorted(known))}", "unknown_name")
         changes = rows.changes()
@@ -107,10 +106,8 @@ def rollback(
     All of them or none: exit code 2 with what would be wrong, and nothing is changed. The emergency stop, tokens and the
     audit trail stay as they are. A running robot follows.
     """
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
+    with opened(database) as rows:
         became = go_back(rows, number, robot, expected, dry_run=dry_run)
     return tell(became, f"the rows are as at revision {number}", dry_run=dry_run, as_json=as_json)
 
@@ -126,10 +123,8 @@ def undo(
     A change is what 'lbr db history' tells as one. With --robot, the newest ones of that robot's rows: what others have
     changed since in other rows stays.
     """
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
 
-    with opened(database or home.default_database()) as rows:
+    with opened(database) as rows:
         if not dry_run and (taken_back := end_left_trial(rows)):
             if count > 1:
                 raise InputError(f"{taken_back}: look at 'lbr db history', and say 'lbr db undo' again", "changed")
@@ -185,16 +180,15 @@ def running_here(path: Path) -> "dict[str, Running]":
 
 def check_robot(rows: "Database", robot: str | None) -> None:
     """Raise InputError if there neither is nor was a robot of this name."""
-    if robot is None or robot in (names := rows.robots()):
-        return
-    if not any(one.row_key[:1] == (robot,) for one in rows.revisions() if one.table == "robot"):
-        raise InputError(f"there is no robot '{robot}' in {rows.path}: {', '.join(names) or 'none'}", "unknown_name")
+    try:
+        rows.robots(robot)
+    except InputError:
+        if not any(one.row_key[:1] == (robot,) for one in rows.revisions() if one.table == "robot"):
+            raise
 
 
 def problems(rows: "RobotRows") -> "tuple[Problem, ...]":
     """Return what a start would find wrong with a robot's rows."""
-    from lbr.commands.rows import planned  # noqa: PLC0415
-
     return planned(rows)[1]
 
 

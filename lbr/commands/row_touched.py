@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
+from lbr.commands.rows import planned
 from lbr.errors import InputError, LbrError
 
 if TYPE_CHECKING:
@@ -99,7 +100,6 @@ class Touching:
 
     def _planned(self, rows: "RobotRows") -> "tuple[Plan | None, tuple[Problem, ...]]":
         from lbr import home  # noqa: PLC0415 - see above
-        from lbr.commands.rows import planned  # noqa: PLC0415
         from lbr.executive.planning import planner, profile  # noqa: PLC0415
         from lbr.executive.planning.run_identity import RunIdentity  # noqa: PLC0415
 

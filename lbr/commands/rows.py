@@ -17,10 +17,13 @@ if TYPE_CHECKING:
     from lbr.executive.planning.plan import Plan
 
 
-def opened(path: Path) -> "Database":
-    """Open a database that is there, for changes in this command's name; InputError says how to make one."""
+def opened(path: Path | None = None) -> "Database":
+    """Open a database that is there, the home's if left out, for changes in this command's name; InputError says how to
+    make one."""
+    from lbr import home  # noqa: PLC0415
     from lbr.database import store  # noqa: PLC0415 - the database is for those who read rows
 
+    path = path or home.default_database()
     if not path.exists():
         raise InputError(f"there is no database {path}; 'lbr db init' makes one", "unknown_name")
     context = click.get_current_context(silent=True)

@@ -14,6 +14,7 @@ import click
 
 from lbr.commands.completing import complete_token
 from lbr.commands.options import FileName, json_option, print_json
+from lbr.commands.rows import opened
 from lbr.errors import InputError
 from lbr.messages.system import TokenRole
 
@@ -125,7 +126,6 @@ def revoke(name: str, database: Path | None) -> int:
 
 def _opened(path: Path | None) -> "Database":
     from lbr import home  # noqa: PLC0415
-    from lbr.commands.rows import opened  # noqa: PLC0415
 
     here = home.running()
     return opened(path or (Path(here[0].database) if len(here) == 1 else home.default_database()))

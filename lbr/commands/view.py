@@ -67,7 +67,6 @@ def _live(frame: Callable[[int, int], list[str]]) -> int:
 
 
 def _wait(frame: Callable[[int, int], list[str]]) -> None:
-
     until = time.monotonic() + WAIT_S
     while not frame(80, 24):
         if not time.monotonic() < until:
@@ -130,7 +129,6 @@ class _Latest(Generic[S]):
         return self._last
 
     def _hear(self, payload: bytes) -> None:
-
         with contextlib.suppress(MalformedError):  # a humanoid's world says other things than a room
             self._last, self._seen = self._decoder.decode(payload), self._clock()
 

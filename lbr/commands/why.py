@@ -9,6 +9,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from lbr.commands.options import FileName, Whom, json_option, print_json, robot_options
+from lbr.commands.rows import opened, planned
 from lbr.errors import BusError, InputError
 
 if TYPE_CHECKING:
@@ -139,7 +140,6 @@ def _silent(running: "home.Running", waited_s: float) -> "Snapshot":
 
 
 def _snapshot(facts: "Facts", executive: str, path: Path, waited_s: float = 0.0) -> "Snapshot":
-    from lbr.commands.rows import opened  # noqa: PLC0415
     from lbr.why.snapshot import Snapshot  # noqa: PLC0415
 
     events: tuple[Event, ...] = ()
@@ -157,7 +157,6 @@ def _snapshot(facts: "Facts", executive: str, path: Path, waited_s: float = 0.0)
 
 def _of_rows(path: Path, robot: str | None, profile: str = "") -> "list[Facts]":
     """Return what a database says of its robots, or of one of them."""
-    from lbr.commands.rows import opened, planned  # noqa: PLC0415
     from lbr.executive.planning import facts  # noqa: PLC0415
     from lbr.executive.planning.watch import loaded  # noqa: PLC0415
 

@@ -178,10 +178,16 @@ class Database:
             pragma(self._connection, f"busy_timeout = {PATIENCE_S * 1000:.0f}")
             return int(pragma(self._connection, "data_version"))
 
-    def robots(self) -> tuple[str, ...]:
-        """Return the names of all robots in the file."""
+    def robots(self, only: str | None = None) -> tuple[str, ...]:
+        """Return the names of all robots in the file, or `only` one of them; InputError if it is not there."""
         with self.reading() as connection:
-            return tuple(name for (name,) in connection.execute("SELECT name FROM robot ORDER BY name"))
+            names = tuple(name for (name,) in connection.execute("SELECT name FROM robot ORDER BY name"))
+        if only is None:
+            return names
+        if only not in names:
+            there = ", ".join(names) or "none"
+            raise InputError(f"there is no robot '{only}' in {self.path}: {there}", "unknown_name")
+        return (only,)
 
     def load(self, robot: str, *, patience_s: float = BUSY_TIMEOUT_S) -> RobotRows:
         """Read a robot's rows in one transaction; bad rows become problems, only an unreadable file raises RowError."""
