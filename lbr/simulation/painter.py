@@ -4,11 +4,12 @@ import os
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from lbr.capability.context import Call
+from lbr.capability.context import Call, Context
 from lbr.capability.picture_files import free, name_now
 from lbr.errors import InputError
+from lbr.messages.rows import shown
 from lbr.simulation.requests import PictureReply
 
 if TYPE_CHECKING:
@@ -20,21 +21,27 @@ _WAITING = 8
 class Painter:
     """One picture at a time, in a thread of its own; replies are sent from `finish`."""
 
-    def __init__(self) -> None:
+    def __init__(self, ctx: Context[Any]) -> None:
+        self._ctx = ctx
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="painter", initializer=_rank_as_usual)
         self._calls: list[tuple[Call, Path, Future[Path]]] = []
 
-    def ask(self, call: Call, path: Path, draw: Callable[[], "Image"], *, named: bool = True) -> None:
+    def ask(self, call: Call, wanted: str, draw: Callable[[], "Image"]) -> None:
         """Have a picture drawn and saved as a new file; one that is there stays as it is.
 
-        `named`: somebody chose this path; without, the file gets another name if there is one already.
+        Where nobody chose a path, it goes to the home's pictures, under another name if there is one already.
         """
-        if path.suffix != ".png" or not path.is_absolute():
-            call.refuse(f"a picture's path is absolute and ends in .png; '{path}' is not", "bad_value")
+        try:
+            path = Path(os.path.expanduser(wanted)) if wanted else _own_path(self._ctx)  # noqa: PTH111 - never fails
+        except InputError as err:
+            call.refuse(str(err), err.code)
+            return
+        if path.suffix != ".png" or not path.is_absolute() or "\0" in wanted:
+            call.refuse(f"a picture's path is absolute and ends in .png; '{shown(str(path))}' is not", "bad_value")
         elif len(self._calls) >= _WAITING:
             call.refuse(f"{_WAITING} pictures are waiting already", "busy")
         else:
-            self._calls.append((call, path, self._worker.submit(_save, path, draw, named)))
+            self._calls.append((call, path, self._worker.submit(_save, path, draw, bool(wanted))))
 
     def finish(self) -> None:
         """Answer for every picture that is done."""
@@ -63,14 +70,13 @@ def _rank_as_usual() -> None:
         os.setpriority(os.PRIO_PROCESS, 0, 0)
 
 
-def picture_path(home: str, robot: str) -> Path:
-    """Return where a picture without a name goes."""
-    folder = Path(home) / "pictures"
+def _own_path(ctx: Context[Any]) -> Path:
+    folder = Path(ctx.home) / "pictures"
     try:
         folder.mkdir(mode=0o700, exist_ok=True)
     except OSError as err:
         raise InputError(f"{folder} cannot be made ({err.strerror}): name a file for the picture", "failed") from None
-    return folder / f"{name_now(robot)}.png"
+    return folder / f"{name_now(ctx.robot)}.png"
 
 
 def _save(path: Path, draw: Callable[[], "Image"], named: bool) -> Path:

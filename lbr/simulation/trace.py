@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from lbr.errors import InputError
+from lbr.messages.rows import shown
 
 
 class TraceFile:
@@ -13,7 +14,7 @@ class TraceFile:
     """
 
     def __init__(self, path: str, setting: str) -> None:
-        self._file = _open(Path(path).expanduser(), setting) if path else None
+        self._file = _open(path, setting) if path else None
 
     @property
     def wanted(self) -> bool:
@@ -60,9 +61,11 @@ class OutputTrace:
             self._file.close()
 
 
-def _open(path: Path, setting: str) -> int:
+def _open(path: str, setting: str) -> int:
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
-    except OSError as err:
-        raise InputError(f"{setting}: cannot write {path}: {err.strerror or err}") from err
+        file = Path(path).expanduser()
+        file.parent.mkdir(parents=True, exist_ok=True)
+        return os.open(file, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+    except (OSError, RuntimeError, ValueError) as err:  # ~ of nobody, a NUL
+        why = err.strerror if isinstance(err, OSError) else err
+        raise InputError(f"{setting}: cannot write {shown(path)}: {why}") from err

@@ -11,23 +11,48 @@ def test_pictures_give_way_to_what_moves_the_robot(tmp_path, monkeypatch):
     ranks = []
     monkeypatch.setattr(os, "getpriority", lambda _which, _who: -10)
     monkeypatch.setattr(os, "setpriority", lambda which, who, nice: ranks.append((which, who, nice)))
-    painter = Painter()
+    painter = Painter(SimpleNamespace(home=str(tmp_path), robot="lbr"))
     painter._worker.submit(lambda: None).result(5.0)
     painter.close()
     assert ranks == [(os.PRIO_PROCESS, 0, 0)]
 
 
-@pytest.mark.parametrize(("named", "refused"), [(False, False), (True, True)])
-def test_of_two_pictures_that_are_to_be_one_file_a_nameless_one_gets_another_name(tmp_path, named, refused):
-    replies, refusals = [], []
-    call = SimpleNamespace(reply=replies.append, refuse=lambda why, _code: refusals.append(why))
-    painter = Painter()
-    for _ in range(2):
-        painter.ask(call, tmp_path / "a.png", lambda: Image.new("1", (1, 1)), named=named)
+@pytest.fixture
+def bench(tmp_path):
+    (tmp_path / "pictures").mkdir()
+    return SimpleNamespace(ctx=SimpleNamespace(home=str(tmp_path), robot="lbr"), replies=[], refused=[])
+
+
+def asked(bench, wanted, times=1):
+    call = SimpleNamespace(reply=bench.replies.append, refuse=lambda why, _code: bench.refused.append(why))
+    painter = Painter(bench.ctx)
+    for _ in range(times):
+        painter.ask(call, wanted, lambda: Image.new("1", (1, 1)))
     painter._worker.submit(lambda: None).result(5.0)
     painter.finish()
     painter.close()
-    there = ["a.png"] if refused else ["a-2.png", "a.png"]
-    assert sorted(one.name for one in tmp_path.iterdir()) == there
-    assert sorted(reply.path for reply in replies) == [str(tmp_path / one) for one in there]
-    assert len(refusals) == refused
+    return [reply.path for reply in bench.replies]
+
+
+def test_of_two_pictures_of_one_moment_the_second_gets_another_name(bench, tmp_path, monkeypatch):
+    monkeypatch.setattr("lbr.simulation.painter.name_now", lambda _of: "a")
+    assert asked(bench, "", times=2) == [str(tmp_path / "pictures" / one) for one in ("a.png", "a-2.png")]
+    assert not bench.refused
+
+
+def test_no_picture_takes_the_place_of_a_file_that_was_named(bench, tmp_path):
+    named = str(tmp_path / "a.png")
+    assert asked(bench, named, times=2) == [named]
+    assert len(bench.refused) == 1
+
+
+@pytest.mark.parametrize("path", ["~nobody-of-this-name/a.png", "/tmp/a\0.png", "a.png", "/tmp/a.gif"])
+def test_a_path_that_cannot_be_is_refused(bench, path):
+    assert asked(bench, path) == []
+    assert "absolute and ends in .png" in bench.refused[0]
+
+
+def test_a_home_without_room_for_pictures_is_refused(bench, tmp_path):
+    bench.ctx.home = str(tmp_path / "gone")
+    assert asked(bench, "") == []
+    assert "name a file" in bench.refused[0]

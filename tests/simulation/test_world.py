@@ -289,8 +289,9 @@ def test_a_fault_travels_as_json(value):
     assert msgspec.json.encode(request.value) == value
 
 
-def test_a_trace_that_cannot_be_written_is_named(tmp_path):
-    bench = Bench(tmp_path, trace=str(tmp_path))
+@pytest.mark.parametrize("place", ["", "~nobody-of-this-name/trace", "/tmp/a\0"])
+def test_a_trace_that_cannot_be_written_is_named(tmp_path, place):
+    bench = Bench(tmp_path, trace=place or str(tmp_path))
     with pytest.raises(ValueError, match="setting `trace`: cannot write"):
         bench.world.open()
     bench.world.close()
