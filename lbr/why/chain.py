@@ -10,9 +10,10 @@ from lbr.errors import InputError
 from lbr.messages.why import Chain, Link, LinkName
 from lbr.names import did_you_mean
 from lbr.why import bodies
+from lbr.why.parts import enable
 from lbr.why.snapshot import ITSELF, Facts, Part, Saying, Snapshot
 from lbr.why.telling import ago
-from lbr.why.walk import Walk, enable
+from lbr.why.walk import Walk
 
 CAMERA = "camera_"
 ORDER = ("held", "doubt", "refused", "beside", "reading", "rows", "past", "machine", "unknown", "ok")

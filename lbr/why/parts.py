@@ -1,0 +1,198 @@
+"""What holds a part itself, as links: its row, its process, and its device's line."""
+
+from collections.abc import Iterator
+
+from lbr.messages.system import CapabilityStatus
+from lbr.messages.why import Link
+from lbr.why import said
+from lbr.why.snapshot import Part, Snapshot
+
+RECENT_S = 60.0
+"""After a minute of health the executive forgets how a process ended."""
+ENDS = ("crashed", "hung", "taken_along", "ended", "failed", "stopped")
+UNASKED = ("crashed", "hung", "ended")
+OFTEN = 3
+"""A process that ends so often within `RECENT_S` will again: more than one mishap, fewer than have it given up."""
+REFUSED = ("rights", "busy")
+"""Codes of a device that is there, and that this machine does not give."""
+
+
+def row(now: Snapshot, part: Part) -> Link:
+    """Tell whether its row and the launch profile have it run."""
+    if not part.enabled:
+        return Link(
+            name="row",
+            about=part.name,
+            state="held",
+            text=f"'{part.name}' is switched off by its row: enabled is 0",
+            code="off",
+            since_s=now.since_s(part.name, ("stopped",)),
+            evidence=f"row capability.{part.name}",
+            do=enable("capability", f"name = '{part.name}'", now.facts.robot),
+        )
+    if not part.runs:
+        simulated = part.family == "simulation"
+        text = f"'{part.name}' is left out by the launch profile"
+        return Link(
+            name="row",
+            about=part.name,
+            state="ok" if simulated else "held",
+            text=f"{text}, which simulates nothing" if simulated else text,
+            code="" if simulated else "off",
+            evidence=f"profile {now.facts.profile}".strip(),
+            do=""
+            if simulated
+            else "take it out of `without`, or into `only`, of the launch profile, and start the robot again",
+        )
+    return Link(
+        name="row",
+        about=part.name,
+        state="ok",
+        text=f"enabled, of kind {part.kind}",
+        evidence=f"row capability.{part.name}",
+    )
+
+
+def process(now: Snapshot, part: Part) -> Link:
+    """Tell how its process is, and how it ended of late."""
+    unit = now.unit(part.name)
+    if unit is None:
+        nothing = "nothing says how its process is" if now.executive != "up" else "it has no process"
+        held = now.executive == "up"
+        return Link(
+            name="process",
+            about=part.name,
+            state="held" if held else "unknown",
+            text=f"'{part.name}': {nothing}",
+            code="unreachable" if held else "",
+            evidence="@status" if held else "",
+            do=f"/restart/{part.name}" if held else "",
+        )
+    if unit.phase == "degraded" and not part.device:
+        return _link(now, part, unit, f"'{part.name}' does not work as it should: {unit.reason}", "degraded")
+    if unit.phase in {"ready", "degraded"}:
+        return _ready(now, part, unit)
+    texts = {
+        "waiting": f"'{part.name}' waits to be started",
+        "starting": f"'{part.name}' is starting",
+        "stopping": f"'{part.name}' is stopping",
+        "stopped": f"'{part.name}' is stopped",
+        "failed": f"'{part.name}' has failed for good",
+    }
+    why = unit.reason or unit.last_end
+    return _link(now, part, unit, texts[unit.phase] + (f": {why}" if why else ""), *ENDS)
+
+
+def _ready(now: Snapshot, part: Part, unit: CapabilityStatus) -> Link:
+    up_s = unit.uptime_s or 0.0
+    lately = unit.last_end and up_s < RECENT_S
+    text = f"its process is {unit.phase}, pid {unit.pid}"
+    often = sum(one.kind in UNASKED and (now.ago_s(one) or 0.0) <= RECENT_S for one in now.newest(part.name))
+    if lately and often >= OFTEN:
+        return Link(
+            name="process",
+            about=part.name,
+            state="doubt",
+            text=f"'{part.name}' ends again and again, {often} times within a minute: {unit.last_end}",
+            code=unit.end_code or "failed",
+            since_s=unit.uptime_s,
+            evidence=f"@status: {unit.restarts} restarts; events {' or '.join(UNASKED)}",
+            do=f"read {_log(now, unit)}, and see what ends it",
+        )
+    lately = lately and not _commanded(now, part, up_s)
+    if lately:
+        text = f"'{part.name}' was started again, what it did is over: {unit.last_end}"
+    return Link(
+        name="process",
+        about=part.name,
+        state="past" if lately else "ok",
+        text=text,
+        code=unit.end_code or "failed" if lately else "",
+        since_s=unit.uptime_s,
+        evidence=f"@status: {unit.restarts} restarts",
+        do="say again what it shall do" if lately else "",
+    )
+
+
+def _commanded(now: Snapshot, part: Part, within_s: float) -> bool:
+    """Say whether a part, or one that needs it, took a command of late: then nothing is to be said again."""
+    over = {part.name}
+    while more := {one.name for one in now.facts.parts.values() if over.intersection(one.needs)} - over:
+        over |= more
+    took = (one for one in now.events if one.kind == "holder" and "took" in one.data and one.subject in over)
+    return any((ago_s := now.ago_s(one)) is not None and ago_s < within_s for one in took)
+
+
+def _log(now: Snapshot, unit: CapabilityStatus) -> str:
+    return f"logs/{now.facts.robot}-{unit.process or unit.name}.log"
+
+
+def _link(now: Snapshot, part: Part, unit: CapabilityStatus, text: str, *kinds: str) -> Link:
+    """Tell that a process holds a part, since the newest event of some kinds."""
+    again = unit.phase in {"waiting", "starting", "stopping"}
+    code = unit.code or (unit.end_code if unit.last_end else "") or ("not_ready" if again else "failed")
+    log = _log(now, unit)
+    return Link(
+        name="process",
+        about=part.name,
+        state="held",
+        text=text,
+        code=code,
+        since_s=now.since_s(part.name, kinds),
+        evidence=f"@status: phase {unit.phase}, {unit.restarts} restarts",
+        do=f"wait; if it lasts, read {log}" if again else f"read {log}, mend it, then /restart/{part.name}",
+    )
+
+
+def line(now: Snapshot, part: Part) -> Link | None:
+    """Tell whether a driver has its device: what it says while it is degraded, and the device's own faults."""
+    unit = now.unit(part.name)
+    if not part.device or unit is None:
+        return None
+    address = now.facts.devices.get(part.device, "")
+    evidence = f"@status: {part.name} is {unit.phase}; row device.{part.device} = {address}"
+    if unit.phase != "degraded":
+        return Link(
+            name="line",
+            about=part.device,
+            state="ok",
+            text=f"connected at {address}",
+            since_s=unit.uptime_s,
+            evidence=evidence,
+        )
+    own = unit.code not in {"unreachable", *REFUSED, ""}
+    works = said.works(now, part)
+    return Link(
+        name="fault" if own else "port" if unit.code in REFUSED else "line",
+        about=part.device,
+        state="doubt" if works else "held",
+        text=f"'{part.name}' {'works in part' if works else 'has no device'}: {unit.reason}"
+        if not own
+        else f"'{part.name}': {unit.reason}",
+        code=unit.code or "unreachable",
+        since_s=now.since_s(part.name, ("degraded",)),
+        evidence=evidence,
+        do="what it says; lbr doctor looks at this machine's side of it",
+    )
+
+
+def silence(now: Snapshot, part: Part) -> Iterator[Link]:
+    """Yield that a part which runs does not answer: it has just been frozen, or the machine leaves it no time."""
+    topics = [f"{part.name}/{port}" for port, name in part.outputs.items() if name in said.understood()]
+    unit = now.unit(part.name)
+    if not topics or unit is None or unit.phase != "ready" or any(topic in now.said for topic in topics):
+        return
+    yield Link(
+        name="process",
+        about=part.name,
+        state="doubt",
+        text=f"'{part.name}' runs and does not answer: it hangs, is starved, or has said nothing yet",
+        code="timeout",
+        evidence=f"no answer on {topics[0]}",
+        do="ask again in a second: what hangs is ended and started again",
+    )
+
+
+def enable(table: str, where: str, robot: str) -> str:
+    """Return what to type to switch a row on."""
+    return f"sqlite3 ~/.lbr/robot.db \"UPDATE {table} SET enabled = 1 WHERE robot = '{robot}' AND {where}\""  # noqa: S608 - told to people

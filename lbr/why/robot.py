@@ -1,0 +1,123 @@
+"""What holds the robot as a whole, as links: its executive, machine and rows, and the emergency stop."""
+
+from collections.abc import Iterator
+
+from lbr.messages.why import Link
+from lbr.why.snapshot import Snapshot
+
+
+def executive(now: Snapshot) -> Link:
+    """Tell whether it runs, and answers."""
+    robot, status = now.facts.robot, now.status
+    profile = now.facts.profile
+    run = f"lbr run {profile}" if profile else "lbr run PROFILE; lbr robots lists what there is"
+    if now.executive == "down":
+        return _down(now, robot, run)
+    if now.executive == "silent":
+        text = f"the robot '{robot}' runs and does not answer: its executive hangs, is stopped, or is starved"
+        evidence = f"it holds the robot's lock, and did not answer within {now.waited_s:.1f} s"
+        do = "lbr stop, then lbr run; a debugger or SIGSTOP may hold its process"
+        return Link(
+            name="executive",
+            about="executive",
+            state="held",
+            text=text,
+            code="unreachable",
+            evidence=evidence,
+            do=do,
+        )
+    up_s = status.uptime_s if status is not None else None
+    return Link(
+        name="executive", about="executive", state="ok", text="the robot runs", since_s=up_s, evidence="@status"
+    )
+
+
+def _down(now: Snapshot, robot: str, run: str) -> Link:
+    """Tell since when it does not run: it was shut down, or its process came to an end otherwise."""
+    facts = now.facts
+    in_order = facts.last_shutdown >= facts.last_start
+    text = f"the robot '{robot}' does not run on this machine"
+    if not facts.last_start:
+        text += ": it was never started"
+    elif in_order:
+        text += ": it was shut down"
+    else:
+        text += ", and was not shut down: its process was killed, or the machine lost its power"
+    return Link(
+        name="executive",
+        about="executive",
+        state="held",
+        text=text,
+        code="shutting_down" if facts.last_start and in_order else "unreachable",
+        since_s=now.ago_iso_s(facts.last_shutdown) if in_order else None,
+        evidence="no process holds the robot's lock; last_start and last_shutdown of its row",
+        do=run,
+    )
+
+
+def machine(now: Snapshot) -> Iterator[Link]:
+    """Tell that the machine is too busy, while it is: what is late then is not broken."""
+    for event in reversed(now.events):
+        if event.kind == "busy_over":
+            return
+        if event.kind == "too_busy":
+            yield Link(
+                name="machine",
+                about="machine",
+                state="doubt",
+                text=event.text,
+                code="busy",
+                since_s=now.ago_s(event),
+                evidence="event too_busy",
+                do="end what else computes there; lbr status shows who has the processor",
+            )
+            return
+
+
+def rows(now: Snapshot) -> Iterator[Link]:
+    """Yield what is wrong with its rows."""
+    status = now.status
+    codes = status.problem_codes if status is not None else ()
+    problems = status.problems if status is not None else now.facts.problems
+    for index, problem in enumerate(problems):
+        yield Link(
+            name="rows",
+            about="rows",
+            state="doubt" if now.executive == "up" else "held",
+            text=f"an edit of the rows is not in force: {problem}"
+            if status is not None
+            else f"the rows are bad: {problem}",
+            code=codes[index] if index < len(codes) else "bad_value",
+            since_s=now.since_s("rows", ("rows_refused",)),
+            evidence="@status" if status is not None else "the rows",
+            do="correct that row; lbr db check tells of all",
+        )
+
+
+def estop(now: Snapshot) -> Link:
+    """Tell whether the emergency stop is latched."""
+    status = now.status
+    if status is None and now.facts.latched:
+        why = now.facts.latched_reason or "no reason given"
+        text = f"the emergency stop is latched, by the rows, and stays so after a start: {why}"
+        evidence = f"row robot.{now.facts.robot}"
+        do = "start the robot, then reset, once nothing is in danger"
+        return Link(name="estop", about="estop", state="held", text=text, code="estop", evidence=evidence, do=do)
+    if status is None:
+        return Link(
+            name="estop", about="estop", state="unknown", text="whether the emergency stop is latched is not known"
+        )
+    latch = status.estop
+    if not latch.engaged:
+        return Link(name="estop", about="estop", state="ok", text="the emergency stop is released", evidence="@status")
+    by = f" by {latch.source}" if latch.source else ""
+    return Link(
+        name="estop",
+        about="estop",
+        state="held",
+        text=f"the emergency stop is latched{by}: {latch.reason or 'no reason given'}",
+        code="estop",
+        since_s=now.since_s("estop", ("estop",)) or now.since_s("executive", ("estop",)),
+        evidence="@status: estop",
+        do="reset, once nothing is in danger",
+    )
