@@ -334,13 +334,9 @@ def _compiled(rows: "RobotRows") -> "dict[str, Compiled]":
 
 def _alone(rows: "RobotRows") -> "dict[str, Compiled]":
     """Return every table of a robot, each checked by itself."""
-    from lbr.apps.behaviours.table import compile_table  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours.table import compiled_alone  # noqa: PLC0415 - kept out of `lbr --help`
 
-    parts, lines = _parts(rows), rows.of(BehaviourRow)
-    return {
-        one.name: compile_table(one, [row for row in lines if row.behaviour == one.name], parts)
-        for one in rows.of(BehaviourTable)
-    }
+    return compiled_alone(rows.of(BehaviourTable), rows.of(BehaviourRow), _parts(rows))
 
 
 def _parts(rows: "RobotRows | None") -> "Parts":

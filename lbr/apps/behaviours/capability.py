@@ -2,19 +2,15 @@
 
 import random
 from collections import deque
-from collections.abc import Iterable, Mapping
 from math import inf
-from typing import Any, TypeVar
+from typing import TypeVar
 
-import msgspec
-from msgspec.structs import replace
-
-from lbr.apps.behaviours import BehaviourSettings, files, outputs, texts
+from lbr.apps.behaviours import BehaviourSettings, texts
 from lbr.apps.behaviours.kernel import DONE, Run
+from lbr.apps.behaviours.library import Library
 from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LowBattery
 from lbr.apps.behaviours.outputs import Aside, Halt, Motion
 from lbr.apps.behaviours.senses import Senses
-from lbr.apps.behaviours.table import Compiled, Fault, Parts, Table, cell_faults, compile_table, linked
 from lbr.bus.lease_client import LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, PendingReply, Received
@@ -24,12 +20,7 @@ from lbr.errors import InputError
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import (
     BehaviourChecked,
-    BehaviourFault,
-    BehaviourRow,
     BehaviourState,
-    BehaviourSummary,
-    BehaviourTable,
-    BehaviourTables,
     BehaviourWritten,
     CheckBehaviour,
     NamedBehaviour,
@@ -43,9 +34,7 @@ from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import STOPPED_SINCE, CommandReply, StopCommand
 from lbr.messages.rows import Row, RowsChanged
-from lbr.messages.sensing import RING, RangeSensor
 from lbr.messages.speech import SayCommand
-from lbr.messages.unreadable import UNREADABLE
 
 R = TypeVar("R", bound=Row)
 STATE_EVERY_S, RESTING_EVERY_S = 0.25, 1.0
@@ -84,12 +73,9 @@ class Behaviours(Capability[BehaviourSettings]):
 
     def __init__(self, ctx: Context[BehaviourSettings]) -> None:
         super().__init__(ctx)
-        self._tables: dict[str, BehaviourTable] = {row.name: row for row in ctx.rows(BehaviourTable)}
-        self._rows: tuple[BehaviourRow, ...] = ctx.rows(BehaviourRow)
-        self._sensors: tuple[RangeSensor, ...] = ctx.rows(RangeSensor)
         self._senses = Senses(ctx)
+        self._library = Library(ctx, self._senses)
         self._mover = Mover(ctx, ctx.settings.ttl_s, BORROWED)
-        self._compiled: dict[str, Compiled] = {}
         self._run: Run | None = None
         self._streams: frozenset[str] = frozenset()
         self._began = 0.0
@@ -107,7 +93,7 @@ class Behaviours(Capability[BehaviourSettings]):
 
     def open(self) -> None:
         """Read the tables."""
-        self._compile()
+        self._library.compile()
 
     def step(self) -> None:
         """Go on with the run, unless it was held up for long: then what it was begun for is over."""
@@ -171,7 +157,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 self._follow(message)
                 call.reply(CommandReply(accepted=True))
             case "list":
-                call.reply(CommandReply(accepted=True, reason=texts.listed(self._tables, self._compiled, self._told)))
+                call.reply(CommandReply(accepted=True, reason=self._library.listed(self._told)))
             case "show":
                 assert isinstance(message, NamedBehaviour)
                 call.reply(CommandReply(accepted=True, reason=self._shown(message.name)))
@@ -186,11 +172,11 @@ class Behaviours(Capability[BehaviourSettings]):
         """Answer what pages ask of tables that are written."""
         match call.message:
             case CheckBehaviour(name=name, rows=rows):
-                call.reply(BehaviourChecked(accepted=True, faults=self._faults(name, rows)))
+                call.reply(BehaviourChecked(accepted=True, faults=self._library.faults(name, rows)))
             case ReadBehaviour() as message:
-                call.reply(self._read(message))
+                call.reply(self._library.read(message))
             case WriteBehaviour() as message:
-                call.reply(BehaviourWritten(accepted=True, content=self._written(message)))
+                call.reply(BehaviourWritten(accepted=True, content=self._library.written(message)))
             case _:
                 super().command(call)
 
@@ -229,14 +215,14 @@ class Behaviours(Capability[BehaviourSettings]):
             raise InputError(text, "busy")
         if self.ctx.estop.engaged:
             raise InputError(f"emergency stop: {self.ctx.estop.reason}; reset releases it", "estop")
-        table = self._runnable(name)
+        table = self._library.runnable(name)
         if call is not None:
             self._refuse_late(call)
-        reachable = self._reachable(table)
+        reachable = self._library.reachable(table)
         self._streams = frozenset(key.stream for one in reachable for key in one.keys) & self._senses.there
         self._senses.listen(self._senses.there)
         now = self._began = self.ctx.clock()
-        self._run = Run(table, self._good(), now, self.dice.randrange)
+        self._run = Run(table, self._library.good(), now, self.dice.randrange)
         self._ticket = -1
         text = f"runs {name} from '{self._run.state}'"
         self.ctx.event("behaviour_began", text, code="done", about=self.ctx.name if call is None else call.source)
@@ -258,24 +244,6 @@ class Behaviours(Capability[BehaviourSettings]):
         at, who = max(halts)
         if not call.arrived - call.waited_s > at:  # this way round, NaN waited too long
             raise InputError(f"{STOPPED_SINCE}{f'by {who}' if who else 'behaviours started over'}", "stopped_since")
-
-    def _runnable(self, name: str) -> Table:
-        self._require(name)
-        compiled = self._compiled[name]
-        if compiled.table is None:
-            raise InputError(texts.faults(name, compiled.errors), "bad_value")
-        return compiled.table
-
-    def _reachable(self, table: Table) -> list[Table]:
-        """Return a table and all that it runs."""
-        good, found = self._good(), {table.name: table}
-        waiting = [table]
-        while waiting:
-            for name in waiting.pop().calls:
-                if name in good and name not in found:
-                    found[name] = good[name]
-                    waiting.append(good[name])
-        return list(found.values())
 
     def _go_on(self, run: Run) -> None:
         self._senses.listen(self._streams | WATCHED)
@@ -396,85 +364,24 @@ class Behaviours(Capability[BehaviourSettings]):
 
     def _follow(self, message: RowsChanged) -> None:
         """Take other rows over: what runs goes by them from its next state on."""
-        self._tables = {row.name: row for row in _edited(BehaviourTable, self._tables.values(), message)}
-        self._rows = tuple(_edited(BehaviourRow, self._rows, message))
-        self._sensors = tuple(_edited(RangeSensor, self._sensors, message))
-        before = {**self._good(), **(self._run.tables if self._run is not None else {})}
-        self._compile()
+        before = {**self._library.good(), **(self._run.tables if self._run is not None else {})}
+        self._library.follow(message)
         if self._run is None:
             return
-        run, kept = self._run, self._good()
-        for name in {run.table, *run.called} & before.keys() & self._compiled.keys():
-            if name not in kept:  # there, but faulty
+        run, kept = self._run, self._library.good()
+        for name in {run.table, *run.called} & before.keys():
+            if why := self._library.refusal(name):
                 kept[name] = before[name]
-                said = texts.faults(name, self._compiled[name].errors)
-                self.ctx.event("behaviour_refused", f"it goes on as it was: {said}", level="warning", code="bad_value")
+                self.ctx.event("behaviour_refused", f"it goes on as it was: {why}", level="warning", code="bad_value")
         run.replace(kept)
         self._streams |= frozenset(key.stream for one in kept.values() for key in one.keys) & self._senses.there
-
-    def _compile(self) -> None:
-        by_table: dict[str, list[BehaviourRow]] = {name: [] for name in self._tables}
-        for row in self._rows:
-            by_table.setdefault(row.behaviour, []).append(row)
-        there = self._parts()
-        self._compiled = linked(
-            {name: compile_table(table, by_table[name], there) for name, table in sorted(self._tables.items())}
-        )
-        told = (
-            BehaviourSummary(
-                name=name, help=table.help, rows=len(by_table[name]), faults=_told(self._compiled[name].faults)
-            )
-            for name, table in sorted(self._tables.items())
-        )
-        self.ctx.publish("tables", BehaviourTables(tables=tuple(told)))
-
-    def _parts(self) -> Parts:
-        """Return what this robot has."""
-        asks = frozenset(way for way in outputs.NEEDS if self.ctx.targets(way))
-        return Parts(self._senses.there, asks, frozenset(row.name for row in self._sensors) or frozenset(RING))
-
-    def _good(self) -> dict[str, Table]:
-        return {name: one.table for name, one in self._compiled.items() if one.table is not None}
-
-    def _faults(
-        self, name: str, rows: Iterable[BehaviourRow], lines: Mapping[int, int] | None = None
-    ) -> tuple[BehaviourFault, ...]:
-        """Return what would be wrong with a table of these rows, beside the robot's others."""
-        table = self._tables.get(name) or BehaviourTable(name=name)
-        mine = [row if row.behaviour == name else replace(row, behaviour=name) for row in rows]
-        return _told(linked({**self._compiled, name: compile_table(table, mine, self._parts())})[name].faults, lines)
-
-    def _read(self, message: ReadBehaviour) -> BehaviourChecked:
-        """Return what is in a file; one that cannot all be read has no rows."""
-        found = files.read(message.content, message.name, json=message.file.lower().endswith(".json"))
-        if found.faults:
-            faults = tuple(BehaviourFault(line=one.line, column=one.column, text=one.text) for one in found.faults)
-            more = _told(cell_faults(found.rows, self._parts()), found.lines)
-            return BehaviourChecked(accepted=True, faults=(*faults, *more))
-        faults = self._faults(message.name, found.rows, found.lines)
-        return BehaviourChecked(accepted=True, faults=faults, rows=found.rows)
-
-    def _written(self, message: WriteBehaviour) -> bytes:
-        self._require(message.name)
-        rows = [row for row in self._rows if row.behaviour == message.name]
-        if message.form == "json":
-            return files.to_json(rows)
-        return files.to_csv(rows, ";" if message.form == "semicolons" else ",").encode("utf-8-sig")
-
-    def _require(self, name: str) -> None:
-        """Raise InputError if there is no such table."""
-        if name not in self._tables:
-            there = ", ".join(sorted(self._tables)) or "none"
-            raise InputError(f"there is no behaviour '{name}': there is {there}", "unknown_name")
 
     def _shown(self, name: str) -> str:
         name = name or self._told.table
         if not name:
             raise InputError("no behaviour ran yet: /behaviour/show/NAME shows one", "idle")
-        self._require(name)
-        rows = [row for row in self._rows if row.behaviour == name]
         at = self._told.state if self._run is not None and self._told.table == name else ""
-        return texts.graph(self._tables[name], rows, at)
+        return self._library.shown(name, at)
 
     def _state(self, *, over: bool = False) -> BehaviourState:
         run = self._run
@@ -516,28 +423,6 @@ class Behaviours(Capability[BehaviourSettings]):
         self._tell_at = now + (STATE_EVERY_S if run is not None else RESTING_EVERY_S)
         self._told = self._state()
         self.ctx.publish("state", self._told)
-
-
-def _told(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> tuple[BehaviourFault, ...]:
-    """Return faults as messages have them; the first that people can read."""
-    return tuple(
-        BehaviourFault(
-            step=one.step, line=(lines or {}).get(one.step, 0), column=one.column, text=one.text, error=one.error
-        )
-        for one in list(faults)[:MOST_FAULTS]
-    )
-
-
-def _edited(row: type[R], before: Iterable[R], message: RowsChanged) -> list[R]:
-    """Return the rows of a table as an edit makes them."""
-    try:
-        gone = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[Any, ...]]))
-        told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[Any])
-        new = [msgspec.convert(one, row) for one in told]
-    except (TypeError, *UNREADABLE) as err:
-        raise InputError(f"rows of {row.TABLE} cannot be read: {err}", "malformed") from err
-    found = {one.key: one for one in before if one.key not in gone}
-    return list((found | {one.key: one for one in new}).values())
 
 
 def _on_our_clock(received: Received, at_s: float) -> float:

@@ -148,6 +148,18 @@ def compile_table(table: BehaviourTable, rows: Iterable[BehaviourRow], robot: Pa
     return Compiled(None if any(fault.error for fault in faults) else made, tuple(faults))
 
 
+def compiled_alone(
+    tables: Iterable[BehaviourTable], rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT
+) -> dict[str, Compiled]:
+    """Return tables by name, each checked by itself."""
+    of: dict[str, list[BehaviourRow]] = {}
+    for row in rows:
+        of.setdefault(row.behaviour, []).append(row)
+    return {
+        one.name: compile_table(one, of.get(one.name, ()), robot) for one in sorted(tables, key=lambda one: one.name)
+    }
+
+
 def cell_faults(rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT) -> tuple[Fault, ...]:
     """Return what keeps cells from being read, each by itself: of rows that are not the whole table no more can be said."""
 

@@ -1,0 +1,162 @@
+"""The robot's tables as its rows have them, compiled; edits and tables that pages write are judged beside them."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
+
+import msgspec
+from msgspec.structs import replace
+
+from lbr.apps.behaviours import BehaviourSettings, files, outputs, texts
+from lbr.apps.behaviours.senses import Senses
+from lbr.apps.behaviours.table import Compiled, Fault, Parts, Table, cell_faults, compile_table, compiled_alone, linked
+from lbr.capability.context import Context
+from lbr.errors import InputError
+from lbr.messages.behaviour import (
+    BehaviourChecked,
+    BehaviourFault,
+    BehaviourRow,
+    BehaviourState,
+    BehaviourSummary,
+    BehaviourTable,
+    BehaviourTables,
+    ReadBehaviour,
+    WriteBehaviour,
+)
+from lbr.messages.rows import Row, RowsChanged
+from lbr.messages.sensing import RING, RangeSensor
+from lbr.messages.unreadable import UNREADABLE
+
+R = TypeVar("R", bound=Row)
+MOST_FAULTS = 50
+"""Of a table, told to a page; what is beyond them is seen once they are mended."""
+
+
+class Library:
+    """All tables of a robot, from its first `compile` on; `follow` takes an edit over."""
+
+    def __init__(self, ctx: Context[BehaviourSettings], senses: Senses) -> None:
+        self._ctx = ctx
+        self._senses = senses
+        self._tables: dict[str, BehaviourTable] = {row.name: row for row in ctx.rows(BehaviourTable)}
+        self._rows: tuple[BehaviourRow, ...] = ctx.rows(BehaviourRow)
+        self._sensors: tuple[RangeSensor, ...] = ctx.rows(RangeSensor)
+        self._compiled: dict[str, Compiled] = {}
+
+    def follow(self, message: RowsChanged) -> None:
+        """Take other rows over, and compile them."""
+        self._tables = {row.name: row for row in _edited(BehaviourTable, self._tables.values(), message)}
+        self._rows = tuple(_edited(BehaviourRow, self._rows, message))
+        self._sensors = tuple(_edited(RangeSensor, self._sensors, message))
+        self.compile()
+
+    def compile(self) -> None:
+        """Compile all tables, and publish which there are and what is wrong with them."""
+        self._compiled = linked(compiled_alone(self._tables.values(), self._rows, self._parts()))
+        told = (
+            BehaviourSummary(
+                name=name,
+                help=self._tables[name].help,
+                rows=len(self._rows_of(name)),
+                faults=_told(compiled.faults),
+            )
+            for name, compiled in self._compiled.items()
+        )
+        self._ctx.publish("tables", BehaviourTables(tables=tuple(told)))
+
+    def good(self) -> dict[str, Table]:
+        """Return the tables that can be run, by name."""
+        return {name: one.table for name, one in self._compiled.items() if one.table is not None}
+
+    def refusal(self, name: str) -> str:
+        """Return why a table that is there cannot be run; nothing if it can, or is not there."""
+        one = self._compiled.get(name)
+        return texts.faults(name, one.errors) if one is not None and one.table is None else ""
+
+    def runnable(self, name: str) -> Table:
+        """Return a table; InputError if it is not there or has faults."""
+        self._require(name)
+        if why := self.refusal(name):
+            raise InputError(why, "bad_value")
+        return self.good()[name]
+
+    def reachable(self, table: Table) -> list[Table]:
+        """Return a table and all that it runs."""
+        good, found = self.good(), {table.name: table}
+        waiting = [table]
+        while waiting:
+            for name in waiting.pop().calls:
+                if name in good and name not in found:
+                    found[name] = good[name]
+                    waiting.append(good[name])
+        return list(found.values())
+
+    def faults(
+        self, name: str, rows: Iterable[BehaviourRow], lines: Mapping[int, int] | None = None
+    ) -> tuple[BehaviourFault, ...]:
+        """Return what would be wrong with a table of these rows, beside the robot's others."""
+        table = self._tables.get(name) or BehaviourTable(name=name)
+        mine = [row if row.behaviour == name else replace(row, behaviour=name) for row in rows]
+        return _told(linked({**self._compiled, name: compile_table(table, mine, self._parts())})[name].faults, lines)
+
+    def read(self, message: ReadBehaviour) -> BehaviourChecked:
+        """Return what is in a file; one that cannot all be read has no rows."""
+        found = files.read(message.content, message.name, json=message.file.lower().endswith(".json"))
+        if found.faults:
+            faults = tuple(BehaviourFault(line=one.line, column=one.column, text=one.text) for one in found.faults)
+            more = _told(cell_faults(found.rows, self._parts()), found.lines)
+            return BehaviourChecked(accepted=True, faults=(*faults, *more))
+        faults = self.faults(message.name, found.rows, found.lines)
+        return BehaviourChecked(accepted=True, faults=faults, rows=found.rows)
+
+    def written(self, message: WriteBehaviour) -> bytes:
+        """Return a table as a file; InputError if it is not there."""
+        self._require(message.name)
+        rows = self._rows_of(message.name)
+        if message.form == "json":
+            return files.to_json(rows)
+        return files.to_csv(rows, ";" if message.form == "semicolons" else ",").encode("utf-8-sig")
+
+    def listed(self, now: BehaviourState) -> str:
+        """Return all tables as text, with the one that runs."""
+        return texts.listed(self._tables, self._compiled, now)
+
+    def shown(self, name: str, at: str) -> str:
+        """Draw a table as text, with the state where it is; InputError if it is not there."""
+        self._require(name)
+        return texts.graph(self._tables[name], self._rows_of(name), at)
+
+    def _rows_of(self, name: str) -> list[BehaviourRow]:
+        return [row for row in self._rows if row.behaviour == name]
+
+    def _parts(self) -> Parts:
+        """Return what this robot has."""
+        asks = frozenset(way for way in outputs.NEEDS if self._ctx.targets(way))
+        return Parts(self._senses.there, asks, frozenset(row.name for row in self._sensors) or frozenset(RING))
+
+    def _require(self, name: str) -> None:
+        """Raise InputError if there is no such table."""
+        if name not in self._tables:
+            there = ", ".join(sorted(self._tables)) or "none"
+            raise InputError(f"there is no behaviour '{name}': there is {there}", "unknown_name")
+
+
+def _told(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> tuple[BehaviourFault, ...]:
+    """Return faults as messages have them; the first that people can read."""
+    return tuple(
+        BehaviourFault(
+            step=one.step, line=(lines or {}).get(one.step, 0), column=one.column, text=one.text, error=one.error
+        )
+        for one in list(faults)[:MOST_FAULTS]
+    )
+
+
+def _edited(row: type[R], before: Iterable[R], message: RowsChanged) -> list[R]:
+    """Return the rows of a table as an edit makes them."""
+    try:
+        gone = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[Any, ...]]))
+        told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[Any])
+        new = [msgspec.convert(one, row) for one in told]
+    except (TypeError, *UNREADABLE) as err:
+        raise InputError(f"rows of {row.TABLE} cannot be read: {err}", "malformed") from err
+    found = {one.key: one for one in before if one.key not in gone}
+    return list((found | {one.key: one for one in new}).values())
