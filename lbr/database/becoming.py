@@ -5,12 +5,11 @@ from contextlib import suppress
 
 from msgspec.structs import replace
 
-from lbr.database import adopted, audit, past, tokens, trials
-from lbr.database.checks import check
+from lbr.database import adopted, audit, past, trials
 from lbr.database.reading import Problem, RawTables
-from lbr.database.rows import AuditRow, RobotRows, TokenRow
-from lbr.database.store import EDIT_TRIES, Database, account
-from lbr.database.tables import Schema, read_tables
+from lbr.database.rows import AuditRow, RobotRows
+from lbr.database.seen import Seen
+from lbr.database.store import EDIT_TRIES, OTHERS_EDIT, Database, account
 from lbr.errors import InputError, LbrError
 
 
@@ -36,15 +35,13 @@ def become(
     """
     for _ in range(EDIT_TRIES):
         with database.reading() as connection:
-            tables, schema = read_tables(connection)
-            known, revision = tokens.tokens(connection), adopted.revision(connection)
-            past.refuse_other(revision, expected)
+            seen = Seen.by(connection)
+            past.refuse_other(seen.revision, expected)
+        tables, schema, revision = seen.tables, seen.schema, seen.revision
         steps = wanted(tables, schema, database.tables_at)
 
-        def judged(
-            raw: RawTables, robot: str, schema: Schema = schema, known: tuple[TokenRow, ...] = known
-        ) -> Iterable[Problem]:
-            return wrong(replace(check(raw, robot, columns=schema), tokens=known))
+        def judged(raw: RawTables, robot: str, seen: Seen = seen) -> Iterable[Problem]:
+            return wrong(seen.rows(robot, raw))
 
         found = past.new_problems(tables, past.done(tables, schema, steps), steps, judged)
         became = past.Became(before=revision, revision=revision, steps=steps, problems=found)
@@ -72,7 +69,7 @@ def become(
                 return became
         if dry_run:
             return became
-    raise InputError("others edit the rows at the same time: try again", "busy")
+    raise InputError(OTHERS_EDIT, "busy")
 
 
 def trial(database: Database) -> past.Trial | None:

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -27,7 +28,6 @@ from lbr.database import (
     row_changes,
     tokens,
 )
-from lbr.database.checks import check
 from lbr.database.connection import (
     BUSY_TIMEOUT_S,
     Connection,
@@ -46,6 +46,7 @@ from lbr.database.migrate import bring_up_to_date
 from lbr.database.packaged import Brought, Judge
 from lbr.database.reading import Problem, RawTables
 from lbr.database.rows import AuditRow, GoodFor, RevisionRow, RobotRows, TokenRow
+from lbr.database.seen import Seen
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError, RowError
 from lbr.messages.manage import RowChange
@@ -62,6 +63,7 @@ COMPUTED_S = 0.5
 LOOK_EVERY = 10_000
 """Steps of SQLite's machine, some more than the shipped rows take."""
 EDIT_TRIES = 5
+OTHERS_EDIT = "others edit the rows at the same time: try again"
 
 
 def account() -> str:
@@ -196,12 +198,10 @@ class Database:
     def load_all(self, robots: Iterable[str], *, patience_s: float = BUSY_TIMEOUT_S) -> dict[str, RobotRows]:
         """Read the rows of several robots in one transaction, as `load` does."""
         with self.reading(patience_s) as connection:
-            tables, schema = read_tables(connection)
-            known = tokens.tokens(connection)
-            revision, digest = adopted.revision(connection), adopted.digest(tables)
-            problems = adopted.problems(connection, revision, digest)
-        checked = {name: check(tables, name, revision=revision, problems=problems, columns=schema) for name in robots}
-        return {name: replace(rows, digest=digest, tokens=known) for name, rows in checked.items()}
+            seen = Seen.by(connection)
+            digest = adopted.digest(seen.tables)
+            problems = adopted.problems(connection, seen.revision, digest)
+        return {name: replace(seen.rows(name, problems=problems), digest=digest) for name in robots}
 
     def tables(self) -> tuple[RawTables, Schema]:
         """Return the rows of all robots as they stand, unchecked, and what their columns are."""
@@ -336,26 +336,18 @@ class Database:
         """
         for _ in range(EDIT_TRIES):
             with self.reading() as connection:
-                tables, schema = read_tables(connection)
-                known = tokens.tokens(connection)
-                revision = adopted.revision(connection)
-            after = row_changes.changed(tables, schema, robot, changes, classes)
-
-            def judged(
-                raw: RawTables, revision: int = revision, schema: Schema = schema, known: tuple[TokenRow, ...] = known
-            ) -> list[Problem]:
-                return list(wrong(replace(check(raw, robot, revision=revision, columns=schema), tokens=known)))
-
-            if (found := judged(after)) and (new := [one for one in found if one not in judged(tables)]):
-                return revision, tuple(new)
+                seen = Seen.by(connection)
+            after = row_changes.changed(seen.tables, seen.schema, robot, changes, classes)
+            if found := tuple(wrong(seen.rows(robot, after))):
+                before = tuple(wrong(seen.rows(robot)))
+                if new := tuple(one for one in found if one not in before):
+                    return seen.revision, new
             if dry_run:
+                return seen.revision, ()
+            write = partial(row_changes.write, before=seen.tables, after=after, schema=seen.schema, changes=changes)
+            if (revision := self._written(seen, write, by)) is not None:
                 return revision, ()
-            with self.writing(durable=True) as connection:
-                if adopted.revision(connection) == revision:
-                    with self.noted(connection, by):
-                        row_changes.write(connection, tables, after, schema, changes)
-                    return adopted.revision(connection), ()
-        raise InputError("others edit the rows at the same time: try again", "busy")
+        raise InputError(OTHERS_EDIT, "busy")
 
     def changes(self, since: int = 0) -> tuple[past.Change, ...]:
         """Return every change of rows after revision `since`, oldest first: who made it, by what, and row by row."""
@@ -401,23 +393,26 @@ class Database:
     ) -> int:
         for _ in range(EDIT_TRIES):
             with self.reading() as connection:
-                tables, schema = read_tables(connection)
-                known = tokens.tokens(connection)
-                revision = adopted.revision(connection)
-                problems = adopted.problems(connection, revision, adopted.digest(tables))
-                after = applied(connection, tables)
-            rows = check(after, robot, revision=revision, problems=problems, columns=schema)
-            rows = replace(rows, tokens=known)
-            if found := tuple(wrong(rows)):
+                seen = Seen.by(connection)
+                problems = adopted.problems(connection, seen.revision, adopted.digest(seen.tables))
+                after = applied(connection, seen.tables)
+            if found := tuple(wrong(seen.rows(robot, after, problems=problems))):
                 raise RowError(found)
             if write is None:
+                return seen.revision
+            if (revision := self._written(seen, write, by)) is not None:
                 return revision
-            with self.writing(durable=True) as connection:
-                if adopted.revision(connection) == revision:
-                    with self.noted(connection, by):
-                        write(connection)
-                    return adopted.revision(connection)
-        raise InputError("others edit the rows at the same time: try again")
+        raise InputError(OTHERS_EDIT, "busy")
+
+    def _written(self, seen: Seen, write: Callable[[Connection], None], by: str) -> int | None:
+        """Write what was judged by the rows as they were seen, durably, and return the revision; None if others have
+        edited them meanwhile."""
+        with self.writing(durable=True) as connection:
+            if adopted.revision(connection) != seen.revision:
+                return None
+            with self.noted(connection, by):
+                write(connection)
+            return adopted.revision(connection)
 
     def add_rows(self, rows: RawTables) -> None:
         """Write new rows, by table, in one transaction; durably."""

@@ -154,6 +154,18 @@ def test_another_writer_between_check_and_writing_begins_it_anew(opened, tmp_pat
     assert steps(opened, "nod")
 
 
+def test_an_edit_that_others_come_before_again_and_again_is_refused_as_busy(opened, tmp_path):
+    def wrong(rows):
+        with sqlite3.connect(tmp_path / "robot.db") as other:
+            other.execute("UPDATE robot SET owner = owner || '.' WHERE name = 'uxa90'")
+        other.close()
+        return ()
+
+    with pytest.raises(InputError, match="others edit") as refused:
+        opened.edit("uxa90", ALL, wrong)
+    assert refused.value.code == "busy"
+
+
 def test_rows_that_are_bad_already_let_nothing_be_written(opened, tmp_path):
     with sqlite3.connect(tmp_path / "robot.db") as other:
         other.execute("UPDATE motion SET lead_in = 'nowhere' WHERE robot = 'uxa90' AND name = 'reset'")

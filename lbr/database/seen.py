@@ -1,0 +1,34 @@
+"""The rows of all robots, as one transaction reads them, and what an edit would make of them: judged outside of it."""
+
+from collections.abc import Iterable
+from typing import NamedTuple, Self
+
+from msgspec.structs import replace
+
+from lbr.database import adopted, tokens
+from lbr.database.checks import check
+from lbr.database.connection import Connection
+from lbr.database.reading import Problem, RawTables
+from lbr.database.rows import RobotRows, TokenRow
+from lbr.database.tables import Schema, read_tables
+
+
+class Seen(NamedTuple):
+    """Tables and tokens of a revision."""
+
+    tables: RawTables
+    schema: Schema
+    tokens: tuple[TokenRow, ...]
+    revision: int
+
+    @classmethod
+    def by(cls, connection: Connection) -> Self:
+        """Read them."""
+        tables, schema = read_tables(connection)
+        return cls(tables, schema, tokens.tokens(connection), adopted.revision(connection))
+
+    def rows(self, robot: str, tables: RawTables | None = None, *, problems: Iterable[Problem] = ()) -> RobotRows:
+        """Return a robot's rows, checked; of other tables, if those are given."""
+        raw = self.tables if tables is None else tables
+        checked = check(raw, robot, revision=self.revision, problems=problems, columns=self.schema)
+        return replace(checked, tokens=self.tokens)
