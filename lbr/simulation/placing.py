@@ -7,7 +7,6 @@ from lbr.errors import InputError
 from lbr.messages.simulation import WorldBox
 from lbr.simulation.model import PARKED_M, PLACEABLE
 
-COLOUR = "#cc4033"
 _PARKED = ((0.0, 0.0, PARKED_M), (1.0, 0.0, 0.0, 0.0), (0.1, 0.1, 0.1))
 
 Quad = tuple[float, float, float, float]

@@ -25,8 +25,6 @@ __all__ = [
 Degrees = Annotated[float, Meta(ge=-360.0, le=360.0)]
 Spread = Annotated[float, Meta(ge=0.0, description="standard deviation")]
 
-NO_IRON = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
 
 class StartPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the robot stands at the beginning: x ahead, y left, yaw anticlockwise."""

@@ -29,6 +29,7 @@ ARROWS = "→↗↑↖←↙↓↘"
 
 _SIDES = ("forward", "left", "right", "back")
 _LEGEND_PX = 48
+_BAR = 5
 _PAPER, _WALL, _INK = (250, 250, 247), (96, 104, 112), (30, 34, 40)
 _TRAIL, _BODY, _BUMPED, _CONE = (86, 156, 214), (46, 160, 67), (207, 34, 46), (255, 170, 0, 60)
 _BEAMS, _RUG_ALPHA = ((207, 34, 46, 26), (46, 120, 200, 26)), 90
@@ -73,11 +74,11 @@ def legend_lines(pose: WorldPose, ranges: Ranges | None = None) -> list[str]:
     return lines
 
 
-def power_bar(power: float, half: int = 5) -> str:
+def power_bar(power: float) -> str:
     """Return a bar from the middle: to the right ahead, to the left back."""
-    filled = round(min(1.0, abs(power)) * half)
+    filled = round(min(1.0, abs(power)) * _BAR)
     back, ahead = (0, filled) if power > 0 else (filled, 0)
-    return f"{'█' * back:>{half}}│{'█' * ahead:<{half}}"
+    return f"{'█' * back:>{_BAR}}│{'█' * ahead:<{_BAR}}"
 
 
 def image(

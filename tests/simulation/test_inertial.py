@@ -5,7 +5,7 @@ from math import cos, pi, radians, sin
 import pytest
 
 from lbr.simulation.engine import Engine
-from lbr.simulation.settings import NO_IRON, Compass, Imu, Mount, StartPose, WorldSettings
+from lbr.simulation.settings import Compass, Imu, Mount, StartPose, WorldSettings
 
 PERFECT = Imu(
     gyro_bias_rps=(0.0, 0.0, 0.0),
@@ -13,7 +13,7 @@ PERFECT = Imu(
     accel_bias_mps2=(0.0, 0.0, 0.0),
     accel_noise_mps2=0.0,
     hard_iron_ut=(0.0, 0.0, 0.0),
-    soft_iron=NO_IRON,
+    soft_iron=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
     mag_noise_ut=0.0,
 )
 LEVEL_UT, DOWN_UT = 48.0 * cos(radians(65)), 48.0 * sin(radians(65))

@@ -15,11 +15,9 @@ HIGHEST_ID = 30
 WEAKEST = 4
 ANSWER_BYTES = 2
 PACKET_BYTES = 4
-MOST_14 = 0x3FFF
 PASSIVE, READ, CONFIGURE = 6, 5, 7
 BREAK_ALL = bytes((HEAD, 0xDF, 0x20, 0x7F))
 """Shorts the motors of all servos: a dynamic brake, without any goal."""
-LEAVE_CONTROL = bytes((HEAD, 0xE0, 0xFB, 0x01, 0x00, 0x1A))
 
 
 class Answer(NamedTuple):
@@ -59,13 +57,6 @@ def read(servo: int) -> bytes:
 def passive(servo: int) -> bytes:
     """Return the packet that takes a servo's torque."""
     return _packet(PASSIVE << 5 | _checked(servo), 0x10)
-
-
-def move14(servo: int, position: int) -> bytes:
-    """Return a fine position move; it has no torque level, and the main board adds no zero to it."""
-    if not 0 <= position <= MOST_14:
-        raise ValueError(f"position {position} is outside 0..{MOST_14}")
-    return _packet(0xE0, 0xC8, _checked(servo), position >> 7, position & 0x7F)
 
 
 def read14(servo: int) -> bytes:

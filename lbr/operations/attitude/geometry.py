@@ -46,12 +46,6 @@ def times(matrix: Matrix, a: Vector) -> Vector:
     return (a0 * x + a1 * y + a2 * z, b0 * x + b1 * y + b2 * z, c0 * x + c1 * y + c2 * z)
 
 
-def transposed(matrix: Matrix) -> Matrix:
-    """Return the matrix mirrored at its diagonal; of a rotation that is the way back."""
-    a, b, c = matrix
-    return ((a[0], b[0], c[0]), (a[1], b[1], c[1]), (a[2], b[2], c[2]))
-
-
 def rotation(roll_deg: float, pitch_deg: float, yaw_deg: float) -> Matrix:
     """Return the matrix that turns about x, then y, then z, each about the fixed axes (REP 103)."""
     cr, sr = cos(radians(roll_deg)), sin(radians(roll_deg))

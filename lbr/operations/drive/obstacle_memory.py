@@ -205,11 +205,6 @@ def sweeps(wheels: tuple[float, float]) -> bool:
     return parts["left"] > 0.0 or parts["right"] > 0.0
 
 
-def free_way_m(memory: ObstacleMemory, wheels: tuple[float, float], settings: DriveSettings) -> float:
-    """Return how far the faster wheel goes until the base, on this arc, is within the margin of something remembered."""
-    return ahead(memory, wheels, settings).way_m
-
-
 def ahead(memory: ObstacleMemory, wheels: tuple[float, float], settings: DriveSettings) -> Ahead:
     """Return what an arc or a spin comes to first; one to the right is looked at in a mirror."""
     left, right = wheels

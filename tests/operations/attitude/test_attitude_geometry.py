@@ -21,7 +21,6 @@ from lbr.operations.attitude.geometry import (
     scaled,
     times,
     to_euler,
-    transposed,
     turned_about_up,
     wrapped_deg,
 )
@@ -36,6 +35,11 @@ ALL_AXES = [
     for axes in permutations("xyz")
     for signs in product("+-", repeat=3)
 ]
+
+
+def way_back(matrix):
+    """The way back of a rotation."""
+    return tuple(zip(*matrix, strict=True))
 
 
 def is_rotation(matrix):
@@ -67,7 +71,7 @@ def test_every_mounting_by_angles_is_a_rotation_with_a_way_back(roll, pitch, yaw
     matrix = rotation(roll, pitch, yaw)
     assert is_rotation(matrix)
     there = times(matrix, (1.0, 2.0, 3.0))
-    assert times(transposed(matrix), there) == pytest.approx((1.0, 2.0, 3.0), abs=1e-9)
+    assert times(way_back(matrix), there) == pytest.approx((1.0, 2.0, 3.0), abs=1e-9)
 
 
 @pytest.mark.parametrize("axes", ALL_AXES)
@@ -114,14 +118,14 @@ def test_a_body_that_sees_up_there_is_level_in_the_world(up):
     unit = scaled(up, 1.0 / norm(up))
     roll, pitch, yaw = to_euler(level(unit))
     assert yaw == pytest.approx(0.0, abs=1e-9) or abs(unit[0]) > 0.999
-    seen = times(transposed(rotation(degrees(roll), degrees(pitch), degrees(yaw))), (0.0, 0.0, 1.0))
+    seen = times(way_back(rotation(degrees(roll), degrees(pitch), degrees(yaw))), (0.0, 0.0, 1.0))
     assert norm(minus(seen, unit)) < 1e-4
 
 
 @settings(max_examples=200)
 @given(st.floats(-40.0, 40.0), st.floats(-40.0, 40.0), st.floats(-180.0, 180.0), st.floats(-60.0, 60.0))
 def test_a_compass_knows_its_yaw_however_it_is_tilted(roll, pitch, yaw, down_ut):
-    back = transposed(rotation(roll, pitch, yaw))
+    back = way_back(rotation(roll, pitch, yaw))
     field, up = times(back, (0.0, 20.0, down_ut)), times(back, (0.0, 0.0, 1.0))
     assert apart_deg(compass_yaw_deg(field, up), yaw) < 1e-6
 

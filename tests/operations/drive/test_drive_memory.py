@@ -13,7 +13,7 @@ from lbr.operations.drive import obstacle_memory, rules
 from lbr.operations.drive.footprint import Footprint
 from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.kernel import drive_state
-from lbr.operations.drive.obstacle_memory import MOST_SPOTS, ObstacleMemory, Spot, around, free_way_m, limit, moved, see
+from lbr.operations.drive.obstacle_memory import MOST_SPOTS, ObstacleMemory, Spot, ahead, around, limit, moved, see
 from lbr.operations.drive.odometry_view import OdometryView
 from lbr.operations.drive.rules import MEMORY, Odometer
 from lbr.operations.drive.settings import DriveSettings
@@ -96,13 +96,13 @@ def test_only_what_sweeps_towards_it_heeds_it(wheels, free):
     ids=["near a front corner", "ahead", "beside, where corners come by", "beside", "near a back corner", "inside"],
 )
 def test_a_spin_comes_to_what_its_corners_sweep(x_m, y_m, free, wheels):
-    assert (free_way_m(at(x_m, y_m), wheels, SETTINGS) == inf) is free
+    assert (ahead(at(x_m, y_m), wheels, SETTINGS).way_m == inf) is free
 
 
 def test_the_way_is_that_of_the_faster_wheel():
     """About a point 1 m to the left, the front face comes to what is level with that point on the face's circle."""
     half_m, front_m = SETTINGS.track_m / 2, AHEAD_M + MARGIN_M
-    way_m = free_way_m(at(hypot(front_m, 1.0), 1.0), (0.5 * (1.0 - half_m), 0.5 * (1.0 + half_m)), SETTINGS)
+    way_m = ahead(at(hypot(front_m, 1.0), 1.0), (0.5 * (1.0 - half_m), 0.5 * (1.0 + half_m)), SETTINGS).way_m
     assert way_m == pytest.approx(atan2(1.0, front_m) * (1.0 + half_m), abs=1e-6)
 
 
@@ -124,7 +124,7 @@ def test_the_speed_follows_the_way_that_is_left():
 
 def test_a_stop_is_held_until_there_is_some_more_way():
     spot = at(0.45, 0.4)
-    way_m = free_way_m(spot, LEFT_ARC, SETTINGS)
+    way_m = ahead(spot, LEFT_ARC, SETTINGS).way_m
     settings = DriveSettings(memory_stop_m=way_m - 0.02)
     assert limit(spot, settings, LEFT_ARC, 10.0).scale > 0.0
     stopped = limit(spot, settings, LEFT_ARC, 10.0, [MEMORY])

@@ -64,10 +64,10 @@ def put_word(table: bytearray, address: int, value: int) -> None:
     table[address + 1] = value >> 8
 
 
-def factory(model: int = MODEL) -> bytearray:
+def factory() -> bytearray:
     """Return the table as it leaves the factory."""
     table = bytearray(SIZE)
-    put_word(table, 0, model)
+    put_word(table, 0, MODEL)
     table[2] = FIRMWARE
     for register in _REGISTERS:
         _put(table, register)
