@@ -12,7 +12,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from lbr.apps.web import streams
+from lbr.apps.web import viewing
 from lbr.apps.web.api import live
 from lbr.apps.web.page import files
 from lbr.messages.leases import CommandReply
@@ -279,7 +279,7 @@ def test_a_page_that_floods_is_closed_and_moves_nothing(served):
         with contextlib.suppress(ConnectionClosed):
             for _ in range(600):
                 one.say(keep=1)
-        assert ending(one.frame) == streams.TALKS
+        assert ending(one.frame) == viewing.TALKS
     until(lambda: not served.bus.lent.moving)
 
 
@@ -332,7 +332,7 @@ def test_who_may_not_gets_no_socket(served, headers, status):
 
 def test_sockets_of_both_kinds_are_counted_together(served):
     with contextlib.ExitStack() as open_:
-        for number in range(streams.MOST_OF_ONE):
+        for number in range(viewing.MOST_OF_ONE):
             path = "/api/live" if number % 2 else "/ws"
             open_.enter_context(connect(f"ws://127.0.0.1:{served.port}{path}"))
         for path in ("/api/live", "/ws"):
@@ -349,7 +349,7 @@ def test_the_end_of_the_server_lets_go_and_says_so():
             until(lambda: served.bus.lent.moving)
         assert served.bus.lent.halts
         assert served.bus.closed
-        assert ending(lambda: one.recv(timeout=3.0)) in {None, streams.GOING_AWAY}
+        assert ending(lambda: one.recv(timeout=3.0)) in {None, viewing.GOING_AWAY}
 
 
 def test_a_refusal_of_the_robot_is_told_with_its_reason(served):

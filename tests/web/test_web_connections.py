@@ -13,7 +13,7 @@ from websockets.sync.client import connect
 from lbr.apps.http import slots
 from lbr.apps.http.slots import LIMIT_S
 from lbr.apps.http.turns import MOST_OF_ONE
-from lbr.apps.web import guards, streams
+from lbr.apps.web import guards, viewing
 from tests.support.robot import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.test_web_server import Plain
@@ -165,11 +165,11 @@ def test_those_who_ask_to_watch_count_until_they_do(monkeypatch):
     with serving(Plain(), requests_per_s=1.0) as served, burdened(served.port, VIEW, MANY):
         until(lambda: served.web._serving.connections >= slots.MOST)
         assert stopped(served.port).startswith(b"HTTP/1.1 200")
-        assert served.web._serving.connections <= slots.MOST + streams.MOST_OF_ONE
+        assert served.web._serving.connections <= slots.MOST + viewing.MOST_OF_ONE
 
 
 def test_a_viewer_who_sends_nothing_but_pings_is_cut(served):
-    with burdened(served.port, VIEW, streams.MOST_OF_ONE) as viewers:
+    with burdened(served.port, VIEW, viewing.MOST_OF_ONE) as viewers:
         for one in viewers:
             assert one.recv(65536).startswith(b"HTTP/1.1 101")
         for one in viewers:
@@ -187,12 +187,12 @@ def test_one_asker_cannot_take_every_place_to_watch():
             protocols = ["lbr.state", f"bearer.{name}.{SECRET}.{FINGERPRINT}"] if name else None
             stack.enter_context(connect(url, subprotocols=protocols)).recv(timeout=5)
 
-        for _ in range(streams.MOST_OF_ONE):
+        for _ in range(viewing.MOST_OF_ONE):
             watch()
         with pytest.raises(InvalidStatus) as refused:
             watch()
         assert refused.value.response.status_code == 503
-        for _ in range(streams.MOST_VIEWERS - streams.MOST_OF_ONE):
+        for _ in range(viewing.MOST_VIEWERS - viewing.MOST_OF_ONE):
             watch("ann")
         with pytest.raises(InvalidStatus):
             watch("bob")  # all places are taken, by two

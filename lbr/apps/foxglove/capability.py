@@ -38,7 +38,7 @@ from lbr.apps.web.guards import Counts, address_of, headers_of
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
-from lbr.apps.web.streams import shown_token, who
+from lbr.apps.web.viewing import shown_token, who
 from lbr.bodies.model import body_file, model
 from lbr.bus.codec import Decoder
 from lbr.bus.door import LanUser

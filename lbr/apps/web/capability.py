@@ -32,7 +32,8 @@ from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.states import States
-from lbr.apps.web.streams import MOST_OF_ONE, MOST_VIEWERS, Streams
+from lbr.apps.web.streams import Streams
+from lbr.apps.web.viewing import MOST_OF_ONE, MOST_VIEWERS
 from lbr.bus.door import LanUser
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context

@@ -5,27 +5,22 @@ from contextlib import suppress
 from typing import Annotated
 
 from msgspec import Meta, Struct
-from starlette.routing import BaseRoute, Match
-from starlette.types import Message, Receive, Scope, Send
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.types import Message, Receive, Scope
+from starlette.websockets import WebSocket
 
-from lbr.apps.http import names, serving
 from lbr.apps.http.turns import Turns
 from lbr.apps.web import routing
 from lbr.apps.web.application import Gate
-from lbr.apps.web.face import Client, Refused, refuse_without
+from lbr.apps.web.face import Client
 from lbr.apps.web.guards import headers_of
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.routing import Path
 from lbr.apps.web.states import States
+from lbr.apps.web.viewing import GOING_AWAY, STALLED, STALLED_S, TALKS, Viewing, shown_token
 
 PATH = Path("/ws")
 PROTOCOL = "lbr.state"
-TOKEN_PROTOCOL = "bearer."  # noqa: S105 - browsers' scripts cannot set headers of a WebSocket
-MOST_VIEWERS, MOST_OF_ONE = 16, 8
-STALLED_S = 5.0
 MOST_TOLD_HZ = 20.0
-GOING_AWAY, STALLED, TALKS = 1001, 1013, 1008
 
 
 class StreamParams(Struct, frozen=True, kw_only=True):
@@ -34,53 +29,29 @@ class StreamParams(Struct, frozen=True, kw_only=True):
     rate_hz: Annotated[float, Meta(ge=0.1, le=50.0)] = 20.0
 
 
-class Streams(BaseRoute):
-    """The open WebSockets. All but `close` is for the server's thread."""
+class Streams(Viewing[float]):
+    """Those that hear states, each so often."""
 
     def __init__(self, robot: Robot, states: States, gate: Gate, viewers: Turns) -> None:
+        super().__init__(PATH, PROTOCOL, gate, viewers)
         self._robot = robot
         self._states = states
-        self._gate = gate
-        self._viewers = viewers
-        self._over = ""
 
-    def close(self, why: str) -> None:
-        """End all of them, and begin none; takes effect at each one's next state."""
-        self._over = why
-
-    def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """Say whether a WebSocket is asked for here."""
-        fits = scope["type"] == "websocket" and PATH.fits(routing.asked_path(scope))
-        return (Match.FULL if fits else Match.NONE), {}
-
-    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one WebSocket; raise Refused."""
-        client, rate_hz = await self._entry(scope)
-        socket = WebSocket(scope, receive, send)
-        with self._viewers.taken(who(client)), suppress(WebSocketDisconnect, OSError):
-            offered = scope.get("subprotocols", ())
-            await socket.accept(PROTOCOL if PROTOCOL in offered else None)
-            if (connection := serving.connection_of(scope)) is not None:
-                connection.mark("watching")
-            await self._stream(socket, receive, 1.0 / rate_hz)
-
-    async def _entry(self, scope: Scope) -> tuple[Client, float]:
+    async def entry(self, scope: Scope) -> tuple[Client, float]:
         """Return who looks and how often; raise Refused."""
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
         client = await self._gate.client(scope, headers, shown_token(scope))
-        refuse_without(client, "view")
+        self.refuse_viewer(client)
         params = routing.converted(routing.parameters(scope["query_string"]), StreamParams)
-        if self._over:
-            raise Refused(503, self._over, {"Retry-After": "2"})
-        if full := self._viewers.why_not(who(client)):
-            raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")
         return client, params.rate_hz
 
-    async def _stream(self, socket: WebSocket, receive: Receive, period_s: float) -> None:
+    async def serve(self, socket: WebSocket, receive: Receive, client: Client, wanted: float) -> None:
+        """Send states, so often, until it is over."""
+        del client
         gone = asyncio.create_task(_heard_out(receive))
         try:
-            code, why = await self._send_states(socket, gone, period_s)
+            code, why = await self._send_states(socket, gone, 1.0 / wanted)
         finally:
             gone.cancel()
             with suppress(asyncio.CancelledError):
@@ -107,17 +78,6 @@ class Streams(BaseRoute):
             due = max(now, due + period_s)
             await asyncio.wait([gone], timeout=max(due - now, 0.001))
         return (TALKS, why) if (why := gone.result()) else (0, "")
-
-
-def shown_token(scope: Scope) -> str:
-    """Return the token that a script offers as a subprotocol; empty without one."""
-    offered = scope.get("subprotocols", ())
-    return next((one.removeprefix(TOKEN_PROTOCOL) for one in offered if one.startswith(TOKEN_PROTOCOL)), "")
-
-
-def who(client: Client) -> str:
-    """Return whose viewers are counted together."""
-    return f"token {client.name}" if client.name else names.who(client.address)
 
 
 async def _heard_out(receive: Receive) -> str:

@@ -10,14 +10,11 @@ from typing import Protocol
 
 import msgspec
 from msgspec import UNSET
-from starlette.routing import BaseRoute, Match
-from starlette.types import Message, Receive, Scope, Send
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.types import Message, Receive, Scope
+from starlette.websockets import WebSocket
 
-from lbr.apps.http import serving
 from lbr.apps.http.rates import Bucket
 from lbr.apps.http.turns import Turns
-from lbr.apps.web import routing
 from lbr.apps.web.api.catalog import EVENT
 from lbr.apps.web.api.feeds import KEPT_S, Feeds
 from lbr.apps.web.api.holds import OLDEST_S, Hand, HoldNews
@@ -25,10 +22,10 @@ from lbr.apps.web.api.page_message import USUAL_HZ, PageMessage, Rubbish, Wanted
 from lbr.apps.web.api.requests import source_of
 from lbr.apps.web.api.service import NO_BUS, Api
 from lbr.apps.web.application import Gate, is_owners
-from lbr.apps.web.face import Client, Refused, refuse_without
+from lbr.apps.web.face import Client, Refused
 from lbr.apps.web.guards import address_of, headers_of
 from lbr.apps.web.routing import Path
-from lbr.apps.web.streams import GOING_AWAY, STALLED, STALLED_S, TALKS, shown_token, who
+from lbr.apps.web.viewing import GOING_AWAY, STALLED, STALLED_S, TALKS, Viewing, shown_token
 
 PATH = Path("/api/live")
 PROTOCOL = "lbr.live"
@@ -48,59 +45,34 @@ class Sessions(Protocol):
         """Say whether a session goes on."""
 
 
-class Live(BaseRoute):
-    """The open sockets. All but `close` is for the server's thread.
-
-    `page` is the build of the page that is served: told first, so that one of another build moves nothing.
-    """
+class Live(Viewing[Feeds]):
+    """Those of pages. `page` is the build of the page that is served: told first, so that one of another moves nothing."""
 
     def __init__(self, api: Api, gate: Gate, viewers: Turns, sessions: Sessions, page: str = "") -> None:
+        super().__init__(PATH, PROTOCOL, gate, viewers)
         self._api = api
         self._page = page
-        self._gate = gate
-        self._viewers = viewers
         self._sessions = sessions
-        self._over = ""
 
-    def close(self, why: str) -> None:
-        """End all of them, and begin none; takes effect at each one's next frame."""
-        self._over = why
-
-    def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """Say whether a WebSocket is asked for here."""
-        fits = scope["type"] == "websocket" and PATH.fits(routing.asked_path(scope))
-        return (Match.FULL if fits else Match.NONE), {}
-
-    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one WebSocket; raise Refused."""
-        client = await self._entry(scope)
-        feeds = self._api.feeds
-        if feeds is None:
-            raise Refused(503, NO_BUS, code="not_possible")
-        socket = WebSocket(scope, receive, send)
-        with self._viewers.taken(who(client)), suppress(WebSocketDisconnect, OSError):
-            await socket.accept(PROTOCOL if PROTOCOL in scope.get("subprotocols", ()) else None)
-            if (connection := serving.connection_of(scope)) is not None:
-                connection.mark("watching")
-            viewer = _Viewer(self._api, feeds, client, self._page)
-            try:
-                await self._serve(viewer, socket, receive)
-            finally:
-                viewer.leave()
-
-    async def _entry(self, scope: Scope) -> Client:
-        """Return who comes; raise Refused."""
+    async def entry(self, scope: Scope) -> tuple[Client, Feeds]:
+        """Return who comes, and what there is to hear; raise Refused."""
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
         shown = shown_token(scope)
         owner = not shown and "authorization" not in headers and await is_owners(scope, address_of(scope))
         client = await self._gate.client(scope, headers, shown, owner=owner)
-        refuse_without(client, "view")
-        if self._over:
-            raise Refused(503, self._over, {"Retry-After": "2"})
-        if full := self._viewers.why_not(who(client)):
-            raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")
-        return client
+        self.refuse_viewer(client)
+        if self._api.feeds is None:
+            raise Refused(503, NO_BUS, code="not_possible")
+        return client, self._api.feeds
+
+    async def serve(self, socket: WebSocket, receive: Receive, client: Client, wanted: Feeds) -> None:
+        """Send frames and hear the page until it is over; what it holds is let go then."""
+        viewer = _Viewer(self._api, wanted, client, self._page)
+        try:
+            await self._serve(viewer, socket, receive)
+        finally:
+            viewer.leave()
 
     async def _serve(self, viewer: "_Viewer", socket: WebSocket, receive: Receive) -> None:
         hearing = asyncio.create_task(viewer.hear_out(receive))
