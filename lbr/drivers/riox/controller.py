@@ -2,8 +2,8 @@
 
 import time
 from collections.abc import Callable
-from typing import Protocol
 
+from lbr.drivers.byte_line import ByteLine
 from lbr.drivers.inertial import LifeSigns
 from lbr.drivers.riox import RioxSettings
 from lbr.drivers.riox.protocol import (
@@ -32,25 +32,6 @@ MOST_REFUSALS = 3
 Tell = Callable[[str, str], None]
 
 
-class Line(Protocol):
-    """The bytes to and from the unit."""
-
-    def read(self, wait_s: float = 0.0) -> bytes:
-        """Return what has come in, waiting `wait_s` at most."""
-
-    def write(self, data: bytes) -> int:
-        """Hand over what the line takes at once and return how much."""
-
-    def drop_output(self) -> None:
-        """Throw away what has not left yet."""
-
-    def drop_input(self) -> None:
-        """Throw away what was not read yet."""
-
-    def close(self) -> None:
-        """Close the device."""
-
-
 class AhrsUnit:
     """One unit on an open line. An answer that is lost is an invalid sample, silence is a DeviceError.
 
@@ -60,7 +41,7 @@ class AhrsUnit:
 
     def __init__(
         self,
-        line: Line,
+        line: ByteLine,
         settings: RioxSettings,
         tell: Tell,
         signs: LifeSigns,

@@ -4,31 +4,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from lbr.drivers.byte_line import ByteLine
 from lbr.drivers.roboteq.protocol import Ack, Echo, Nak, Reply, ReplyParser, Value
 
 Result = Literal["acknowledged", "value", "refused", "lost"]
 
 
-class Line(Protocol):
+class Line(ByteLine, Protocol):
     """The bytes to and from the controller."""
 
     def fileno(self) -> int:
         """Return its descriptor."""
-
-    def read(self, wait_s: float = 0.0) -> bytes:
-        """Return what has come in, waiting `wait_s` at most."""
-
-    def write(self, data: bytes) -> int:
-        """Hand over what the line takes at once and return how much."""
-
-    def drop_output(self) -> None:
-        """Throw away what has not left yet."""
-
-    def drop_input(self) -> None:
-        """Throw away what was not read yet."""
-
-    def close(self) -> None:
-        """Close the device."""
 
 
 @dataclass(frozen=True, slots=True)

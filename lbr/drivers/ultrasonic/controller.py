@@ -1,8 +1,8 @@
 """The range board as a device: started, listened to, and declared silent when it is."""
 
 from collections.abc import Callable
-from typing import Protocol
 
+from lbr.drivers.byte_line import ByteLine
 from lbr.drivers.ultrasonic import UltrasonicSettings
 from lbr.drivers.ultrasonic.protocol import FINISH, START, BadLine, Frame, LineParser
 from lbr.errors import DeviceError
@@ -11,29 +11,10 @@ ASK_PERIOD_S = 0.25
 HELD_UP_S = 0.25
 
 
-class Line(Protocol):
-    """The bytes to and from the board."""
-
-    def read(self, wait_s: float = 0.0) -> bytes:
-        """Return what has come in, waiting `wait_s` at most."""
-
-    def write(self, data: bytes) -> int:
-        """Hand over what the line takes at once and return how much."""
-
-    def drop_output(self) -> None:
-        """Throw away what has not left yet."""
-
-    def drop_input(self) -> None:
-        """Throw away what was not read yet."""
-
-    def close(self) -> None:
-        """Close the device."""
-
-
 class RangeBoard:
     """One board on an open line; silence is a DeviceError, and an error never becomes a number."""
 
-    def __init__(self, line: Line, settings: UltrasonicSettings, clock: Callable[[], float]) -> None:
+    def __init__(self, line: ByteLine, settings: UltrasonicSettings, clock: Callable[[], float]) -> None:
         self.frames = 0
         self.bad_lines = 0
         self._line = line
