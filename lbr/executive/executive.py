@@ -248,6 +248,10 @@ class Executive:
 
     def _open(self, bus: session.Session) -> None:
         robot = self.plan.robot
+
+        def served(key: str) -> wire.QueryServer:
+            return wire.QueryServer(bus, key, self._main.wake, puts=False, source=wiring.EXECUTIVE)
+
         self._external = ExternalCommands(home.directory("logs"), robot, self._reaper)
         self._journal = Journal(bus, robot, self._database, self._main.wake, self._troubles.tell)
         self._journal.listeners.append(self._remember)
@@ -260,10 +264,7 @@ class Executive:
         self.dispatcher = Dispatcher(self, bus, seen)
         self._service = ConsoleService(bus, robot, self.dispatcher, reset=self.estop_reset)
         self._hosts = RemoteHosts(
-            {
-                name: wire.QueryServer(bus, keys.host(robot, name), self._main.wake, puts=False, source="executive")
-                for name in self._profile.hosts
-            },
+            {name: served(keys.host(robot, name)) for name in self._profile.hosts},
             version=host_protocol.version(),
             happened=self._process_happened,
             learnt=self._rows.learnt,
@@ -273,7 +274,7 @@ class Executive:
         )
         self._written = Written(self._database.path, robot, self._planned)
         self._edits = Edits(
-            wire.QueryServer(bus, keys.edit(robot), self._main.wake, puts=False, source="executive"),
+            served(keys.edit(robot)),
             self._rows,
             self._written,
             process=self._process,
@@ -281,7 +282,7 @@ class Executive:
             wake=self._main.wake,
         )
         self._desk = Desk(
-            wire.QueryServer(bus, keys.manage(robot), self._main.wake, puts=False, source="executive"),
+            served(keys.manage(robot)),
             self._database.path,
             plan=lambda: self.plan,
             make=self._planned,
@@ -290,7 +291,7 @@ class Executive:
         )
         self._pairing = Pairing()
         self._pairings = PairingService(
-            wire.QueryServer(bus, keys.pair(robot), self._main.wake, puts=False, source="executive"),
+            served(keys.pair(robot)),
             self._pairing,
             Grants(self._database, self._rows, runs_since=self._runs_since, happened=self._happened),
             happened=self._happened,

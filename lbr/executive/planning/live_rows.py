@@ -3,7 +3,7 @@
 import contextlib
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from typing import Any, Protocol
+from typing import Any
 
 import msgspec
 from msgspec import Raw
@@ -13,6 +13,7 @@ from lbr.database.edits import Edit
 from lbr.database.store import Database, RowKey
 from lbr.errors import LbrError
 from lbr.executive.planning import plan as plans
+from lbr.executive.planning.happened import Happened
 from lbr.executive.planning.last_good_copy import LastGoodCopy
 from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.process_specs import read_by
@@ -26,22 +27,6 @@ from lbr.messages.unreadable import UNREADABLE
 
 PROBLEMS_TOLD = 3
 """How many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
-
-
-class Happened(Protocol):
-    """Makes an event."""
-
-    def __call__(
-        self,
-        kind: str,
-        subject: str,
-        text: str,
-        level: str = "info",
-        data: dict[str, Any] | None = None,
-        *,
-        code: str | None = None,
-    ) -> None:
-        """Make it."""
 
 
 class LiveRows:

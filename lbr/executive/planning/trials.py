@@ -8,13 +8,13 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any, Protocol
 
 from lbr.database import becoming
 from lbr.database.past import Trial
 from lbr.database.store import Database
 from lbr.errors import LbrError
 from lbr.executive import beside
+from lbr.executive.planning.happened import Happened
 from lbr.executive.planning.plan import Change
 from lbr.messages.system import CapabilityStatus
 
@@ -22,15 +22,6 @@ STEADY_S = 0.5
 """For how long all must be ready: what cannot run ends within that, once it has said that it is ready."""
 AGAIN_AFTER_S = 1.0
 TOLD = 4
-
-
-class Happened(Protocol):
-    """Makes an event."""
-
-    def __call__(
-        self, kind: str, subject: str, text: str, level: str = "info", data: dict[str, Any] | None = None
-    ) -> None:
-        """Make it."""
 
 
 def not_ready(before: Mapping[str, str], touched: Iterable[str], now: Iterable[CapabilityStatus]) -> tuple[str, ...]:

@@ -27,7 +27,7 @@ from lbr.database.store import Database
 from lbr.errors import InputError, LbrError, MalformedError
 from lbr.executive import beside
 from lbr.executive.planning import plan as plans
-from lbr.executive.planning.live_rows import Happened
+from lbr.executive.planning.happened import Happened
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.service import attached

@@ -19,7 +19,7 @@ from lbr.database.rows import RobotRows
 from lbr.database.store import Database
 from lbr.errors import InputError, LbrError, MalformedError, RowError
 from lbr.executive import beside
-from lbr.executive.planning.live_rows import Happened
+from lbr.executive.planning.happened import Happened
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.processes.child import LARGEST_DOCUMENT_BYTES

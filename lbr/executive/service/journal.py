@@ -13,6 +13,7 @@ from lbr.bus.session import Session
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.errors import LbrError, MalformedError
+from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.messages.codes import Code
 from lbr.messages.system import Event
 
@@ -101,7 +102,6 @@ CODES: dict[str, Code | Literal[""]] = {
 WRITTEN_FIRST = frozenset(["rows_changed"])
 """Told only when it is written: who hears of an edit may begin the next, and is not to meet our own transaction."""
 
-EXECUTIVE = "executive"
 MOST_ECHOES = 1024
 NOT_WRITTEN = "events and the audit trail are not written down"
 _decoder = Decoder(Event)

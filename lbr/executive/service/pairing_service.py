@@ -11,7 +11,8 @@ from lbr.bus.door import LanUser
 from lbr.database.store import Database
 from lbr.errors import LbrError, MalformedError
 from lbr.executive.planning import credentials
-from lbr.executive.planning.live_rows import Happened, LiveRows
+from lbr.executive.planning.happened import Happened
+from lbr.executive.planning.live_rows import LiveRows
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.service import pairing as codes
 from lbr.executive.service.pairing import Pairing, Try

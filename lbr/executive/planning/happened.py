@@ -1,0 +1,19 @@
+"""How the parts of the executive make an event."""
+
+from typing import Any, Protocol
+
+
+class Happened(Protocol):
+    """Makes an event."""
+
+    def __call__(
+        self,
+        kind: str,
+        subject: str,
+        text: str,
+        level: str = "info",
+        data: dict[str, Any] | None = None,
+        *,
+        code: str | None = None,
+    ) -> None:
+        """Make it."""
