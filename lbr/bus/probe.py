@@ -2,7 +2,6 @@
 
 import time
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import zenoh
@@ -40,11 +39,8 @@ class Arrival:
 class Arrivals:
     """Notes the arrival of every message on a key: nothing is decoded on the bus library's thread."""
 
-    def __init__(
-        self, session: zenoh.Session, key: str, *, depth: int = 200_000, clock_ns: Callable[[], int] = time.monotonic_ns
-    ) -> None:
+    def __init__(self, session: zenoh.Session, key: str, *, depth: int = 200_000) -> None:
         self.count = 0
-        self._clock_ns = clock_ns
         self._slots: deque[Arrival] = deque(maxlen=depth)
         self._subscriber = session.declare_subscriber(key, wire.direct(self._store))
 
@@ -60,7 +56,7 @@ class Arrivals:
         self._subscriber.undeclare()
 
     def _store(self, sample: zenoh.Sample) -> None:
-        arrived_ns = self._clock_ns()
+        arrived_ns = time.monotonic_ns()
         attachment = sample.attachment
         stamp = attachment.to_bytes() if attachment is not None else b""
         self.count += 1

@@ -16,8 +16,8 @@ STUCK_S = 0.4
 class Ear:
     """The pulse of the thread that would take a stop: it calls `beat` ten times a second; `also` may know more."""
 
-    def __init__(self, *, also: Callable[[], str] = lambda: "", clock: Callable[[], float] = time.monotonic) -> None:
-        self.also = also
+    def __init__(self, *, clock: Callable[[], float] = time.monotonic) -> None:
+        self.also: Callable[[], str] = lambda: ""
         self._clock = clock
         self._beaten = clock()
 

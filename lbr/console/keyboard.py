@@ -106,10 +106,9 @@ class Keyboard(PosixStdinReader):
         heard: Callable[[str], None],
         flooded: Callable[[], None],
         typed: Callable[[], int],
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         super().__init__(fd, encoding=encoding)
-        self.overhearing = Overhearing(clock)
+        self.overhearing = Overhearing(time.monotonic)
         self._heard = heard
         self._flooded = flooded
         self._typed = typed

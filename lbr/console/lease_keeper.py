@@ -50,7 +50,6 @@ class LeaseKeeper:
         ear: Ear,
         *,
         on_end: Callable[[Ending], None] = lambda _ending: None,
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.hold = hold
         self.ending: Ending | None = None
@@ -58,8 +57,7 @@ class LeaseKeeper:
         self._source = source
         self._ear = ear
         self._on_end = on_end
-        self._clock = clock
-        self._started = clock()
+        self._started = time.monotonic()
         self._wake = threading.Event()
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -69,7 +67,7 @@ class LeaseKeeper:
     @property
     def elapsed_s(self) -> float:
         """Return how long the motion has been held."""
-        return self._clock() - self._started
+        return time.monotonic() - self._started
 
     def start(self) -> None:
         """Begin to renew."""
@@ -107,19 +105,19 @@ class LeaseKeeper:
         lease = self._lease()
         results = wire.Subscription(self._session, hold.result_key, depth=8, wake=self._wake.set) if hold.goal else None
         try:
-            due = self._clock()
+            due = time.monotonic()
             asked = 0
             while self.ending is None:
                 if why := self._ear.deaf(self._started):
                     self._give_up(why)
                     return
-                if self._clock() >= due:
+                if time.monotonic() >= due:
                     lease.send(hold.payload)
-                    due += PERIOD_S * max(1, int((self._clock() - due) / PERIOD_S))
+                    due += PERIOD_S * max(1, int((time.monotonic() - due) / PERIOD_S))
                 if hold.goal and asked < 1 + lease.lost:  # it may have been told before it was listened for
                     self._ask_result()
                     asked += 1
-                self._wake.wait(max(0.0, min(due - self._clock(), PERIOD_S)))
+                self._wake.wait(max(0.0, min(due - time.monotonic(), PERIOD_S)))
                 self._wake.clear()
                 for payload in (*self._answered(), *(raw.payload for raw in (results.take() if results else ()))):
                     self._hear(lease, payload)
@@ -137,7 +135,7 @@ class LeaseKeeper:
             silent_s=hold.ttl_s + SILENCE_S,
             result_s=RESULT_WAIT_S,
         )
-        over = OverSession(self._session, self._source, {"motion": hold.key}, wake=self._wake.set, clock=self._clock)
+        over = OverSession(self._session, self._source, {"motion": hold.key}, wake=self._wake.set)
         given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
         return LeaseClient(over, target, given=given)
 

@@ -21,10 +21,9 @@ LAST_OUTPUT_S = 0.3
 class Outlet:
     """Writes bytes to file descriptors in order. `write` never blocks: beyond `limit` waiting bytes it refuses."""
 
-    def __init__(self, *, limit: int = LIMIT_BYTES, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, *, limit: int = LIMIT_BYTES) -> None:
         self.taken: Callable[[], None] = lambda: None
         self._limit = limit
-        self._clock = clock
         self._changed = threading.Condition()
         self._waiting: deque[tuple[int, bytes]] = deque()
         self._size = 0
@@ -43,7 +42,7 @@ class Outlet:
     def stuck_s(self) -> float:
         """Return for how long nothing at all has been taken of what waits."""
         since = self._since
-        return 0.0 if since is None else self._clock() - since
+        return 0.0 if since is None else time.monotonic() - since
 
     def error(self, fd: int) -> OSError | None:
         """Return why nothing more can be written there, if so."""
@@ -112,12 +111,12 @@ class Outlet:
 
     def _put(self, fd: int, piece: bytes) -> bool:
         own = self._own[fd]
-        self._since = self._clock()
+        self._since = time.monotonic()
         try:
             while piece and not self._closed:
                 try:
                     piece = piece[os.write(own, piece) :]
-                    self._since = self._clock()
+                    self._since = time.monotonic()
                 except BlockingIOError:  # who shares the descriptor made it non-blocking
                     select.select([], [own], [], ROOM_S)
         except OSError as err:

@@ -6,6 +6,7 @@ from lbr.messages.drive import LoopStatistics
 
 OVERRUN = 1.5
 EARLY = 0.1
+WINDOW_S = 1.0
 
 
 class Beat:
@@ -29,9 +30,8 @@ class Beat:
 class LoopMeter:
     """Measures the rounds of a loop, window by window."""
 
-    def __init__(self, rate_hz: float, window_s: float = 1.0) -> None:
+    def __init__(self, rate_hz: float) -> None:
         self._overrun_s = OVERRUN / rate_hz
-        self._window_s = window_s
         self._began: float | None = None
         self._last = 0.0
         self._periods_s: list[float] = []
@@ -44,7 +44,7 @@ class LoopMeter:
         self._periods_s.append(now - self._last)
         self._last = now
         elapsed_s = now - self._began
-        if elapsed_s < self._window_s:
+        if elapsed_s < WINDOW_S:
             return None
         found = self._statistics(elapsed_s)
         self._began, self._periods_s = now, []

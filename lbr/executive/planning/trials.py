@@ -74,13 +74,11 @@ class Trials:
         capabilities: Callable[[], Iterable[CapabilityStatus]],
         happened: Happened,
         clock: Callable[[], float] = time.monotonic,
-        write: Callable[[Path, Trial, bool, str], Trial] | None = None,
     ) -> None:
         self._database = database
         self._capabilities = capabilities
         self._happened = happened
         self._clock = clock
-        self._write = write or _judge
         self._before: dict[str, str] = {}
         self._touched: dict[str, None] = {}
         self._looked: object = None
@@ -150,7 +148,7 @@ class Trials:
         def write() -> None:
             if trial is not None:
                 try:
-                    self._ended = self._write(path, trial, good, text)
+                    self._ended = _judge(path, trial, good, text)
                 except LbrError:
                     time.sleep(AGAIN_AFTER_S)  # the file is locked, or the disk is full
 

@@ -125,9 +125,9 @@ class Forms(Struct, frozen=True, kw_only=True):
 class Building:
     """The routes of the builder, and the work that they have done."""
 
-    def __init__(self, robot: Robot, works: Works | None = None) -> None:
+    def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._works = works or Works(robot.now)
+        self._works = Works(robot.now)
         self._uploads = Uploads(robot.now)
         self._checks: dict[int, tuple[str, Work]] = {}
         self._number = 0
