@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from lbr.apps.behaviours.table import Compiled, Fault, Parts
     from lbr.commands.options import Whom
     from lbr.database.rows import RobotRows
-    from lbr.database.store import Database
 
 robot_option = click.option("--robot", metavar="NAME", help="Whose behaviours; the usual robot's if left out.")
 
@@ -93,7 +92,7 @@ def import_(
     if not re.fullmatch(NAME_PATTERN, called) or len(called) > 40:
         raise InputError(f"'{called}' is not a name: small letters, digits and _, a letter first; give one by --name")
     with opened(database) as there:
-        whose = _robot(there, robot)
+        whose = robot_in(there, robot)
         rows = there.load(whose)
         before = next((one for one in rows.of(BehaviourTable) if one.name == called), None)
         if before is not None and not replacing:
@@ -368,7 +367,7 @@ def _table(rows: "RobotRows", name: str) -> BehaviourTable:
 
 def _rows(database: Path | None, robot: str | None) -> "RobotRows":
     with opened(database) as there:
-        return there.load(_robot(there, robot))
+        return there.load(robot_in(there, robot))
 
 
 def _rows_if_any(database: Path | None, robot: str | None) -> "RobotRows | None":
@@ -378,7 +377,3 @@ def _rows_if_any(database: Path | None, robot: str | None) -> "RobotRows | None"
     if database is None and robot is None and not home.default_database().exists():
         return None
     return _rows(database, robot)
-
-
-def _robot(database: "Database", robot: str | None) -> str:
-    return robot_in(database) if robot is None else database.robots(robot)[0]

@@ -175,10 +175,8 @@ class Looking:
     def _whose(self, rows: "Database") -> str:
         from lbr.commands.row_past import running_here  # noqa: PLC0415
 
-        if self._robot is not None:
-            return rows.robots(self._robot)[0]
         running = [*running_here(rows.path)]
-        return running[0] if len(running) == 1 else robot_in(rows)
+        return robot_in(rows, running[0] if self._robot is None and len(running) == 1 else self._robot)
 
     def _offer(self, rows: "Database", robot: str, proposal: "Proposal") -> Offer:
         from lbr.database import past  # noqa: PLC0415

@@ -57,7 +57,7 @@ def _here(robot: str | None, database: Path | None) -> "Graph":
     record = here[0] if len(here) == 1 and database in {None, Path(here[0].database)} else None
     path = database or (Path(record.database) if record else home.default_database())
     with opened(path) as rows:
-        loaded = rows.load(robot or (record.robot if record else robot_in(rows)))
+        loaded = rows.load(robot_in(rows, record.robot if record and robot is None else robot))
     return wiring.graph(with_words(loaded), *_running(record))
 
 

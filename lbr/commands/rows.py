@@ -31,10 +31,13 @@ def opened(path: Path | None = None) -> "Database":
     return store.Database.open(path, program=" ".join(["lbr", *said]))
 
 
-def robot_in(database: "Database") -> str:
-    """Return the only robot in a database, or of several the one that `lbr run` starts when nothing is said."""
+def robot_in(database: "Database", named: str | None = None) -> str:
+    """Return the robot that is named, the only one in a database, or of several the one that `lbr run` starts when
+    nothing is said."""
     from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of `lbr --help`
 
+    if named is not None:
+        return database.robots(named)[0]
     names = database.robots()
     usual = profile.load(DEFAULT_PROFILE).robot
     if len(names) != 1 and usual not in names:

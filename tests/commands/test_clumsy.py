@@ -13,6 +13,7 @@ from lbr.cli import cli
 from lbr.console import target
 from lbr.errors import BusError, InputError
 from lbr.executive.service.latch import LONGEST_REASON, Latch
+from tests.support import databases
 
 
 def invoked(*arguments: str) -> Any:
@@ -26,6 +27,14 @@ def test_an_empty_name_is_a_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(home, "running", lambda: [only])
     with pytest.raises(BusError, match=r"robot '' does not run here \(lbr runs here\)"):
         target.find("", None)
+
+
+@pytest.mark.parametrize("robot", ["nobody", ""])
+def test_a_robot_that_is_not_there_has_no_graph(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, robot: str) -> None:
+    monkeypatch.setenv("LBR_HOME", str(tmp_path))
+    databases.fresh(tmp_path / "robot.db")
+    with pytest.raises(InputError, match=f"there is no robot '{robot}' in .*: bioloid, lbr, uxa90"):
+        invoked("graph", "--robot", robot)
 
 
 def test_a_wrong_profile_is_told_before_the_console_that_it_would_lack(monkeypatch: pytest.MonkeyPatch) -> None:
