@@ -8,6 +8,7 @@ import ssl
 import struct
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
 from contextlib import ExitStack, closing
@@ -213,25 +214,52 @@ def test_a_goal_of_a_word_goes_on_while_its_client_is_there_and_ends_with_it(url
     assert drive(robot)["holder"] is None
 
 
-def test_who_publishes_a_twist_drives_and_a_stop_ends_it_although_the_publishing_goes_on(client, robot, url):
+class Publishing(threading.Thread):
+    """Publishes a Twist every `pause_s`, and knows the longest time that it did not."""
+
+    def __init__(self, client):
+        super().__init__()
+        self.pause_s, self.longest_s, self._over = 0.05, 0.0, threading.Event()
+        self.client = client
+        self.start()
+
+    def run(self):
+        pushed_s = time.monotonic()
+        while not self._over.wait(self.pause_s):
+            self.client.push(0.2)
+            self.longest_s, pushed_s = max(self.longest_s, time.monotonic() - pushed_s), time.monotonic()
+
+    def close(self):
+        self._over.set()
+        self.join()
+
+
+def test_who_publishes_a_twist_drives_until_it_is_not_published_on(client, robot):
     client.say(**TWIST)
-
-    def pushed(ready):
-        client.push(0.2)
-        client.hear(0.05)
-        return ready()
-
-    until(lambda: pushed(lambda: moves(robot)), limit_s=5.0, what="driving")
-    assert drive(robot)["holder"].startswith("web:")
-    until(lambda: not moves(robot), what="its end, unless it is published on")
+    with closing(Publishing(client)):
+        until(lambda: moves(robot), what="driving")
+        assert drive(robot)["holder"].startswith("web:")
+    until(lambda: not moves(robot), what="its end")
     assert "Foxglove said nothing for 0.25 s" in drive(robot)["reason"]
-    until(lambda: pushed(lambda: moves(robot)), limit_s=5.0, what="driving again")
-    with closing(Foxglove(url)) as other:
+
+
+def test_a_stop_ends_what_is_published_and_a_network_that_stumbles_is_no_rest_after_it(client, robot, url):
+    client.say(**TWIST)
+    with closing(Foxglove(url)) as other, closing(Publishing(client)) as publishing:
+        until(lambda: moves(robot), what="driving")
         assert other.call("/stop")["code"] == 0
-    until(lambda: pushed(lambda: not moves(robot)), what="standing still")
-    for _ in range(20):
-        assert not pushed(lambda: moves(robot))
-    assert any("[" in one for one in client.statuses)
+        until(lambda: not moves(robot), what="standing still")
+        publishing.longest_s, publishing.pause_s = 0.0, 0.35
+        ends = time.monotonic() + 2.0
+        moved = False
+        while time.monotonic() < ends:
+            moved = moved or moves(robot)
+        assert not moved or publishing.longest_s > 0.9
+        client.until(lambda: any("[" in one for one in client.statuses), "why it stands")
+    rests = time.monotonic()
+    until(lambda: time.monotonic() - rests > 1.1, what="a rest")
+    with closing(Publishing(client)):
+        until(lambda: moves(robot), what="driving after a rest")
 
 
 def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, robot, url):

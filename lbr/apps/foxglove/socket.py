@@ -40,6 +40,10 @@ SAID_HZ, SAID_AT_ONCE = 150.0, 300.0
 MOST_CALLS, MOST_NEWS = 8, 256
 FRESH_S = 0.25
 """Motion that is published this long after the last begins anew."""
+RESTED_S = 1.0
+"""The same once somebody has stopped or taken it: a network that holds messages up for a moment is nobody's rest. Chosen: longer
+than a wireless network is usually silent."""
+STOPPED = frozenset({"stopped", "stopped_since", "taken_over", "estop"})
 LOST_MS = 1500
 """What is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
 ALIVE_S = 0.25
@@ -97,6 +101,7 @@ class Viewer:
         self._hand = Hand(source_of(client), served.api.may(client), self._tell_from_loop, whose="Foxglove")
         self._has_hand = False
         self._push, self._pushed_s, self._pushed_to = 0, 0.0, ""
+        self._rest_s = FRESH_S
         self._often = Bucket(SAID_HZ, self._loop.time(), SAID_AT_ONCE)
 
     async def serve(self, web: WebSocket, receive: Receive, name: str) -> None:
@@ -313,8 +318,9 @@ class Viewer:
 
     def _hold(self, to: str, message: dict[str, Any]) -> None:
         now = self._served.api.now()
-        resting = self._hand.said.wanted is None or now - self._pushed_s > FRESH_S or to != self._pushed_to
-        self._push += resting
+        if self._hand.said.wanted is None or now - self._pushed_s > self._rest_s or to != self._pushed_to:
+            self._push += 1
+            self._rest_s = FRESH_S
         self._pushed_s, self._pushed_to = now, to
         self._hand.hold(Wanted(to=to, message=message, n=self._push), now)
         if not self._has_hand:
@@ -361,6 +367,8 @@ class Viewer:
         """Have it told how it stands with motion; from the capability's loop."""
         if news.holds or not news.reason:
             return
+        if news.code in STOPPED:
+            self._rest_s = RESTED_S
         held = f" (held by {news.holder})" if news.holder else ""
         with suppress(RuntimeError):  # the server has ended
             self._loop.call_soon_threadsafe(
