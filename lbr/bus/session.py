@@ -27,6 +27,14 @@ from lbr.errors import BusError  # noqa: E402
 
 Session = zenoh.Session
 
+FORKED = (
+    "this process was forked from one that uses the bus, and has none of that library's threads: "
+    "start it by 'spawn' of multiprocessing, or as a program of its own"
+)
+"""Whatever asked the library there, or opened a session, would wait for ever, also after all sessions were closed."""
+_opened_by: set[int] = set()
+"""This process, once it has opened a session; in one that was forked since, the one that it was forked from."""
+
 LINK_LEASE_MS = 400
 """The library looks at links now and then only: a frozen process was seen to be lost after 0.3 to 0.8 s."""
 WATCHED_MS = 10_000
@@ -177,6 +185,9 @@ def _connect(endpoints: Sequence[str], timeout_s: float) -> dict[str, Any]:
 
 
 def _open(settings: dict[str, Any], what: str) -> Session:
+    if _opened_by - {os.getpid()}:
+        raise BusError(FORKED)
+    _opened_by.add(os.getpid())
     try:
         return zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
     except zenoh.ZError as err:

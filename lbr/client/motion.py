@@ -13,7 +13,7 @@ import msgspec
 from lbr.bus import wire
 from lbr.bus.lease_client import ANSWER_S, LeaseClient, LeaseTarget
 from lbr.bus.over_session import OverSession
-from lbr.bus.session import Session
+from lbr.bus.session import FORKED, Session
 from lbr.errors import BusError, InputError, LbrError
 from lbr.messages.drive import GoalResult
 from lbr.messages.unreadable import UNREADABLE
@@ -35,10 +35,6 @@ class RefusalError(LbrError):
     def __init__(self, code: str, text: str) -> None:
         super().__init__(text)
         self.code = code
-
-
-FORKED = "this process was forked from the one that is connected: connect again here"
-"""None of the bus library's threads is here, and whatever asks would wait for ever."""
 
 
 class Lender(Protocol):

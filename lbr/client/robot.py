@@ -13,8 +13,8 @@ from weakref import ref
 import msgspec
 
 from lbr.bus import wire
-from lbr.bus.session import Session, open_client
-from lbr.client.motion import AT_MOST_S, FORKED, KeptMotion, Message, Motion, RefusalError
+from lbr.bus.session import FORKED, Session, open_client
+from lbr.client.motion import AT_MOST_S, KeptMotion, Message, Motion, RefusalError
 from lbr.client.words import Words
 from lbr.console import lines, target
 from lbr.console.operator import BusOperator
