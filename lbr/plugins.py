@@ -8,6 +8,7 @@ lbr's own keep their names; a name that several other packages claim is none of 
 import contextlib
 import importlib
 import sys
+import threading
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -53,11 +54,10 @@ class Plugin:
         """Import and return the declared object; PluginError says why that cannot be. What it prints goes to stderr."""
         if why := self.refusal or contradiction(self.requires):
             raise PluginError(self, why)
-        try:
-            with contextlib.redirect_stdout(sys.stderr):
-                return EntryPoint(self.name, self.value, self.group).load()
-        except (Exception, SystemExit) as err:
+        found, err = (_tried if self.ours else _tried_aside)(EntryPoint(self.name, self.value, self.group).load)
+        if err is not None:
             raise PluginError(self, f"it does not load: {told(err)}") from err
+        return found
 
     def checked(self, found: object, wanted: type[T], name: str = "name") -> T:
         """Return what was declared if it is what its group has, and its field `name` says the entry point's name."""
@@ -87,6 +87,13 @@ def every(group: str) -> tuple[Plugin, ...]:
     return _all(group)
 
 
+def fresh(group: str, name: str) -> str:
+    """Return the package that brings a name and was installed since this program first looked; empty if none does."""
+    known = {(one.name, one.package) for one in _all(group)}
+    found = (one.package for one in _declared(group) if one.name == name and (one.name, one.package) not in known)
+    return next(found, "")
+
+
 def contradiction(requires: tuple[str, ...]) -> str:
     """Return why a package that requires this does not go with this version of lbr; empty if it does."""
     asking = [text for text in requires if text.lower().startswith(CORE)]
@@ -106,6 +113,31 @@ def contradiction(requires: tuple[str, ...]) -> str:
         if not wanted.specifier.contains(here, prereleases=True):
             return f"it requires lbr {wanted.specifier}, and this is lbr {here}: install versions that go together"
     return ""
+
+
+def _tried(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            return load(), None
+    except (Exception, SystemExit) as err:  # noqa: BLE001 - it is told with the package that raised it
+        return None, err
+
+
+def _tried_aside(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
+    """Import what another has written on a thread of its own, which lets it set no signals; threads that it starts keep no
+    program from its end, and whatever it raises is its own, as Ctrl-C comes to the main thread alone."""
+    tried: list[tuple[Any, BaseException | None]] = []
+
+    def run() -> None:
+        try:
+            tried.append(_tried(load))
+        except BaseException as err:  # noqa: BLE001 - it may raise anything
+            tried.append((None, err))
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join()
+    return tried[0]
 
 
 def told(err: BaseException) -> str:

@@ -40,6 +40,9 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
         return declared(point)
     path = user_directory(home) / f"{name}.py"
     if not path.is_file():
+        if package := plugins.fresh(GROUP, name):
+            text = f"kind '{name}' of package '{package}' was installed after this robot was started"
+            raise KindError(f"{text}: start the robot again")
         raise KindError(f"there is no kind '{name}': {', '.join(names(home))} exist; a new one is {path}")
     _refuse_if_others_may_write(path)
     return _from_file(name, path, fingerprint(name, home), trial=trial)

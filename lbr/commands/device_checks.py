@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
+from lbr import plugins
 from lbr.capability import registry, twins
 from lbr.capability.context import Device
 from lbr.capability.kind import KindError
@@ -101,6 +102,16 @@ def emulated() -> Iterator[Finding]:
             wrong.append(str(err))
     for text in dict.fromkeys(wrong):
         yield Finding(about="twins of devices", level="hint", text=text, do="pip list, then pip uninstall PACKAGE")
+
+
+def kinds_of_packages() -> Iterator[Finding]:
+    """Say which packages bring kinds that cannot be used, also where no row names them."""
+    for point in plugins.every(registry.GROUP):
+        try:
+            registry.declared(point)
+        except KindError as err:
+            do = "pip list, then pip uninstall PACKAGE"
+            yield Finding(about="kinds of packages", level="hint", text=str(err), do=do)
 
 
 def _schemes() -> dict[str, Callable[[DeviceRow, str], Judgement]]:

@@ -31,7 +31,7 @@ GROUPS = {
 }
 LONGEST = 30
 _NAME = re.compile(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*")
-_OURS = {"lbr", "tests", "docs", "executive"}
+_OURS = {"lbr", "lbr_client", "tests", "docs", "executive"}
 """Names of lbr itself, and of folders beside a package's own."""
 
 

@@ -1,5 +1,8 @@
 """What packages bring by the four groups of entry points is refused in the same words, and all else is there."""
 
+import os
+import sys
+
 import pytest
 
 from lbr import plugins
@@ -7,6 +10,7 @@ from lbr.apps.web import faces
 from lbr.capability import registry, twins
 from lbr.errors import LbrError
 from lbr.robots import registry as robots
+from tests.support import programs
 from tests.support.packages import imported_from, package
 
 
@@ -42,6 +46,17 @@ BROKEN = {
         "it does not load: ModuleNotFoundError: No module named 'nothing_like",
     ),
     "ends the process": ("raise SystemExit(3)", (), "it does not load: SystemExit: 3"),
+    "raises what is no Exception": (
+        "class Bare(BaseException): pass\nraise Bare('so')",
+        (),
+        "it does not load: Bare: so",
+    ),
+    "raises as Ctrl-C does": ("raise KeyboardInterrupt", (), "it does not load: KeyboardInterrupt"),
+    "takes signals": (
+        "import signal\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)",
+        (),
+        "it does not load: ValueError: signal only works in main thread",
+    ),
     "is no Python": ("def (:", (), "it does not load: SyntaxError"),
     "declares nothing": ("", (), "it does not load: AttributeError"),
     "is for another version": ("", ("lbr>=99",), "it requires lbr >=99, and this is lbr "),
@@ -93,3 +108,25 @@ def test_a_name_of_lbr_stays_its_own_and_of_two_packages_neither_has_it(group, s
     put(site, group, "crab", "IT = 1", distribution="two")
     with pytest.raises(LbrError, match=r"packages one 0\.1 and two 0\.1 bring it: uninstall all but one"):
         find("crab", site)
+
+
+def test_a_thread_that_a_package_leaves_behind_keeps_no_program_from_its_end(site):
+    put(
+        site,
+        registry.GROUP,
+        "crab",
+        "import threading\nthreading.Thread(target=threading.Event().wait).start()\nIT = 1",
+    )
+    program = "from lbr import plugins; print(plugins.installed('lbr.capabilities')['crab'].load())"
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join((str(site), *filter(None, sys.path)))}
+    assert (
+        programs.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, timeout=8).stdout
+        == "1\n"
+    )
+
+
+def test_a_kind_that_was_installed_beside_a_robot_that_runs_is_no_kind_until_its_next_start(site):
+    plugins.installed(registry.GROUP)
+    package(site, "late", entry_points={registry.GROUP: "crab = late:IT"}, files={"late.py": "IT = 1"})
+    with pytest.raises(LbrError, match=r"'crab' of package 'late 0\.1' was installed after .*: start the robot again"):
+        registry.find("crab", site)

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from lbr.capability import twins
+from lbr.capability import registry, twins
 from lbr.commands import device_checks
 from lbr.database.rows import DeviceRow
 from lbr.drivers import serial_line
@@ -62,6 +62,16 @@ def test_a_package_whose_twin_cannot_be_used_is_named(tmp_path):
     assert "the twin 'roboteq' of package 'no-arm 0.1' (lbr.twins): lbr has its own" in said
     assert "the twin 'arm' of package 'no-arm 0.1' (lbr.twins): it does not load: ModuleNotFoundError" in said
     assert said.count("packages one 0.1 and two 0.1 bring it") == 2
+    assert {one.level for one in found} == {"hint"}
+
+
+def test_a_package_whose_kind_cannot_be_used_is_named_without_a_row_too(tmp_path):
+    assert list(device_checks.kinds_of_packages()) == []
+    points = {registry.GROUP: "arm = no_arm:KIND\ndrive = no_arm:KIND"}
+    package(tmp_path, "no-arm", requires=("lbr>=99",), entry_points=points, files={})
+    with imported_from(tmp_path):
+        found = list(device_checks.kinds_of_packages())
+    assert [one.text.partition("): ")[2].partition(" ")[0] for one in found] == ["it", "lbr"]
     assert {one.level for one in found} == {"hint"}
 
 

@@ -122,6 +122,7 @@ def test_nothing_is_overwritten_and_nothing_half_written_stays(tmp_path, monkeyp
         ("class", "is a word of Python itself: choose another name; did you mean 'my-class'?"),
         ("json", "is a module of Python's own library"),
         ("tests", "is a name of lbr itself"),
+        ("lbr-client", "is a name of lbr itself"),
         ("bioloid", "is a robot of package 'lbr' already"),
         ("ultrasonic-ring", "is a kind of capability of package 'lbr' already"),
         ("bioloid-two", "is a launch profile of the robot 'bioloid' already"),
