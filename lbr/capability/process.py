@@ -50,9 +50,11 @@ def _crash(loop: Loop | None, reporter: Reporter, err: BaseException) -> None:
     try:
         leaving.within(leaving.CLOSE_LIMIT_S)
         reporter.phase("failed", leaving.told(err), "failed")
-        if loop is not None:
-            loop.close()
-        leaving.trace(err)
+        try:
+            if loop is not None:
+                loop.close()
+        finally:
+            leaving.trace(err)
     finally:
         os._exit(leaving.CRASHED)
 

@@ -76,11 +76,15 @@ PROBE = """
             call.reply(CommandReply(accepted=True, reason=" ".join((*self.heard, call.message.what))))
             self.heard.append(call.message.what)
             {"raise": self.boom, "wait": self.wait, "exit": lambda: sys.exit(0), "recurse": self.recurse, "hang": self.hang,
-             "memory": lambda: bytearray(1 << 60),
+             "memory": lambda: bytearray(1 << 60), "raise twice": self.boom_twice,
              "clutch": self.clutch}.get(call.message.what, lambda: None)()
 
         def boom(self):
             raise ValueError("out of cheese")
+
+        def boom_twice(self):
+            self.close = self.boom
+            raise ValueError("first cause")
 
         def wait(self):
             while not Path(self.ctx.home, "go on").exists():
@@ -405,6 +409,13 @@ def test_whatever_is_raised_ends_the_process_and_is_reported(stage, what, reason
     stage.ask("r/probe/do", {"what": what})
     assert stage.ended(limit_s=2.0) == 70
     assert reason in stage.heard("failed")[0].reason
+
+
+def test_what_was_raised_is_in_the_log_where_the_close_after_it_raises_too(stage):
+    stage.start().ready()
+    stage.ask("r/probe/do", {"what": "raise twice"})
+    assert stage.ended(limit_s=2.0) == 70
+    assert "ValueError: first cause" in (stage.home / "log.txt").read_text()
 
 
 def test_a_hang_is_silence_on_the_heartbeat(stage):
