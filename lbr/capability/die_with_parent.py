@@ -35,7 +35,7 @@ def main() -> None:
         os.execvp(argv[0], argv)  # noqa: S606 - no shell is the point
     except OSError as err:
         sys.stderr.write(f"{argv[0]}: {err.strerror}\n")
-        os._exit(127)
+        os._exit(127 if isinstance(err, (FileNotFoundError, NotADirectoryError)) else 126)  # as shells have it
 
 
 def _confine(home: str) -> None:

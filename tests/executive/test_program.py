@@ -17,14 +17,27 @@ pytestmark = pytest.mark.timeout(20)
 SHELL = "import os, time, json; print(json.dumps({k: v for k, v in os.environ.items() if k[:4] == 'LBR_'}), flush=True); time.sleep(60)"
 
 
-def test_a_program_that_is_not_there_is_reported(robot):
-    settings = json.dumps({"argv": ["/no/such/program"]})
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("gone", None, "there is no such program"),
+        ("strange", "#!/no/such/shell\n", "what its first line names after #! is not there"),
+        ("bare", "echo I have no first line\n", "may not be executed: 'chmod +x' it; a script begins with #!"),
+    ],
+)
+def test_a_program_that_does_not_start_is_reported_with_what_is_wrong(robot, tmp_path, name, text, said):
+    program = tmp_path / name
+    if text is not None:
+        program.write_text(text)
+        program.chmod(0o755)
     robot.edit(
-        "INSERT INTO capability (robot, name, kind, settings, restart) VALUES ('lbr', 'gone', 'exec', ?, 'never')",
-        settings,
+        "INSERT INTO capability (robot, name, kind, settings, restart) VALUES ('lbr', ?, 'exec', ?, 'never')",
+        name,
+        json.dumps({"argv": [str(program)]}),
     )
-    until(lambda: any(unit["phase"] == "failed" for unit in robot.status()["capabilities"]))
-    assert "there is no such program" in robot.capability("gone")["reason"]
+    until(lambda: any((unit["name"], unit["phase"]) == (name, "failed") for unit in robot.status()["capabilities"]))
+    assert said in robot.capability(name)["reason"]
+    assert str(program) in (robot.home / "logs" / f"lbr-{name}.log").read_text()
 
 
 def test_a_program_learns_its_wiring_restarts_and_dies_with_the_executive(robot):

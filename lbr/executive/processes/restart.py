@@ -14,7 +14,10 @@ WINDOW_S = 30.0
 ATTEMPTS = 5
 HEALTHY_S = 60.0
 JITTER = 0.2
-NO_PROGRAM = 127
+NOT_STARTED = {
+    126: "its program may not be executed: 'chmod +x' it; a script begins with #! and what runs it",
+    127: "there is no such program, or what its first line names after #! is not there",
+}
 UNSEEN = 256
 """The code of a process whose end was not seen, because the fork server had ended before; no process ends with it."""
 
@@ -65,8 +68,8 @@ def ended_by(code: int, *, program: bool) -> str:
     """Return what an exit code tells, below 0 a signal; `program` is one of the robot's own that may end by itself."""
     if code == 0 and not program:
         return "told to end, but not by the robot"
-    if code == NO_PROGRAM:
-        return "there is no such program, or it may not be executed"
+    if program and code in NOT_STARTED:
+        return NOT_STARTED[code]
     if code == UNSEEN:
         return "ended; how is not known, because the server that had forked it was gone"
     return f"killed by {_signal(-code)}" if code < 0 else f"exit code {code}"
