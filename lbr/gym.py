@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import gymnasium
+import msgspec
 import numpy as np
 from gymnasium import spaces
 from msgspec.structs import replace
@@ -134,9 +135,13 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         board = self._board
         if board is None:
             raise InputError("reset comes before the first step", "rest_first")
-        ahead, turn = (float(share) for share in np.clip(np.nan_to_num(action, nan=0.0), -1.0, 1.0))
-        if not np.isfinite(action).all():
+        try:
+            ahead, turn = map(float, action)
+        except (TypeError, ValueError) as err:
+            raise InputError(f"an action is two numbers, ahead and turning; {action!r} is not", "bad_value") from err
+        if not (isfinite(ahead) and isfinite(turn)):
             ahead = turn = 0.0
+        ahead, turn = (min(max(share, -1.0), 1.0) for share in (ahead, turn))
         twist = TwistCommand(vx_mps=ahead * MOST_MPS, wz_rps=turn * MOST_RPS, lease=self._lease)
         self._asked = board.command(self._drive, "twist", twist, BY)
         contacts = self._rounds(STEP_S)
@@ -153,6 +158,8 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         return next(name for name, kind in self._kinds.items() if kind.name == "drive")
 
     def _start(self, options: dict[str, Any], random: Random) -> StartPose:
+        if unknown := ", ".join(map(repr, options.keys() - {"start"})):
+            raise InputError(f"there is no option {unknown}: 'start' is the only one", "bad_value")
         if "start" not in options:
             if len(found := starts(self._world, 2, random.randrange(1 << 30))) < 2:
                 raise InputError(
@@ -167,7 +174,10 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
             raise InputError(
                 f"options['start'] is of finite numbers; {x_m:g}, {y_m:g}, {yaw_rad:g} is not", "bad_value"
             )
-        start = StartPose(x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
+        try:
+            start = msgspec.convert({"x_m": x_m, "y_m": y_m, "yaw_rad": yaw_rad}, StartPose)
+        except msgspec.ValidationError as err:
+            raise InputError(f"options['start']: {err}", "bad_value") from err
         if not free(self._world, start):
             raise InputError(f"there is no room for the robot to turn at {x_m:g}, {y_m:g}", "bad_value")
         return start

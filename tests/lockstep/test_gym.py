@@ -65,6 +65,13 @@ def test_what_is_no_number_stops_it(room):
     assert abs(told["speed_mps"]) < 0.02
 
 
+@pytest.mark.parametrize("action", [np.zeros(3), np.zeros((2, 2)), "ab", None, 1.0])
+def test_an_action_that_is_not_two_numbers_is_said_to_be_none(room, action):
+    room.reset(seed=1)
+    with pytest.raises(InputError, match="an action is two numbers"):
+        room.step(action)
+
+
 def test_it_ends_when_the_dock_charges_the_robot(room):
     room.reset(seed=2, options={"start": DOCKS})
     for _ in range(200):
@@ -87,6 +94,15 @@ def test_a_start_that_is_no_place_is_said_to_be_none(room, start):
 def test_a_start_without_room_is_refused(room, start):
     with pytest.raises(InputError, match=r"room|yaw"):
         room.reset(options={"start": start})
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [({"strat": (0, 0, 0)}, "no option 'strat'"), ({"start": (1e308, 0, 0)}, r"<= 1000.* `\$\.x_m`")],
+)
+def test_what_is_no_option_or_too_far_away_is_refused(room, options, said):
+    with pytest.raises(InputError, match=said):
+        room.reset(options=options)
 
 
 @pytest.mark.parametrize("max_s", [0.0, -1.0, float("nan")])
