@@ -37,6 +37,14 @@ class RefusalError(LbrError):
         self.code = code
 
 
+def of_numbers(message: Message) -> Message:
+    """Return fields of a message as they are; InputError names one that is NaN or infinite, which JSON has no word for."""
+    for field, value in message.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InputError(f"{field}={value} is no number that can be sent")
+    return dict(message)
+
+
 class Lender(Protocol):
     """What a motion is borrowed over: a robot that is connected to."""
 
@@ -58,7 +66,7 @@ class Motion:
     """Motion that is borrowed: `keep` it ten times a second; a `with` releases it at its end."""
 
     def __init__(self, robot: Lender, key: str, first: Message) -> None:
-        self.message = dict(first)
+        self.message = of_numbers(first)
         self._process = os.getpid()
         self._closed = False
         capability = key.partition("/")[0]
@@ -92,7 +100,7 @@ class Motion:
 
     def keep(self, **change: Any) -> bool:
         """Go on, with fields changed if any; False once it is done. Raise RefusalError when it goes on no longer."""
-        self.message.update(change)
+        self.message.update(of_numbers(change))
         self._hear()
         if self._client.ended is None:
             self._client.keep(self.message)

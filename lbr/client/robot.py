@@ -12,15 +12,17 @@ from weakref import ref
 
 import msgspec
 
+from lbr import home
 from lbr.bus import wire
 from lbr.bus.session import FORKED, Session, open_client
-from lbr.client.motion import AT_MOST_S, KeptMotion, Message, Motion, RefusalError
+from lbr.client.motion import AT_MOST_S, KeptMotion, Message, Motion, RefusalError, of_numbers
 from lbr.client.words import Words
 from lbr.console import lines, target
 from lbr.console.operator import BusOperator
 from lbr.errors import BusError
 
 HELD_S = 5.0
+GONE = "the robot has ended since this program connected; if it runs again, connect again"
 
 
 class Said(NamedTuple):
@@ -48,6 +50,7 @@ class Robot:
         self.role = found.role
         self.source = source
         self._by_token = found.proof is not None
+        self._running = found.running
         self._process = os.getpid()
         self._session = open_client(found.endpoints, found.credentials, certificate=found.certificate)
         self._operator = BusOperator(
@@ -89,8 +92,18 @@ class Robot:
     @property
     def why_unanswered(self) -> str:
         """Return why a command that is there may not answer us; empty where nothing keeps us from it."""
+        if self._gone:
+            return GONE
         # the bus says nothing when it drops what a role does not allow (docs/bus.md)
         return f"the role '{self.role}' may be too low for it" if self._by_token and self.role != "admin" else ""
+
+    @property
+    def _gone(self) -> bool:
+        """Say whether the run of the robot that this is connected to is over: the next one has another password."""
+        return self._running is not None and self._running.pid not in {one.pid for one in home.running()}
+
+    def _told(self, why: str) -> BusError:
+        return BusError(f"{why}; {GONE}" if self._gone else why)
 
     def key(self, name: str) -> str:
         """Return the whole key of `drive/state`, `@status` and their like."""
@@ -102,7 +115,7 @@ class Robot:
 
     def ask(self, name: str, **message: Any) -> Message:
         """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing answers."""
-        reply = self._answer(name, message, self.why_unanswered)
+        reply = self._answer(name, of_numbers(message), self.why_unanswered)
         if reply.get("accepted") is False:
             raise RefusalError(reply.get("code", ""), reply.get("reason", ""))
         return reply
@@ -111,8 +124,8 @@ class Robot:
         for raw in wire.ask(self.session, self.key(name), message or None, source=self.source):
             found: Message = msgspec.json.decode(raw.payload)
             return found
-        hint = f"{why}; " if why else ""
-        raise BusError(f"nothing answers on '{name}'; {hint}'lbr topic list' names what there is")
+        hint = f"{why}; " if why and not self._gone else ""
+        raise self._told(f"nothing answers on '{name}'; {hint}'lbr topic list' names what there is")
 
     def stream(self, name: str, *, within_s: float = 2.0) -> Generator[Message, None, None]:
         """Yield the messages of a stream as they come, always the newest; raise BusError after a silence."""
@@ -136,9 +149,12 @@ class Robot:
 
     def say_kept(self, line: str, *, hold_s: float, beat: Callable[[], None]) -> Said:
         """Say a line as `say` does; what it moves goes on only while `operator.ear` is beaten, by `beat` or from elsewhere."""
-        result, code, ending = lines.say_once(
-            self.operator, line, hold_s=hold_s, announce=lambda _result: None, beat=beat
-        )
+        try:
+            result, code, ending = lines.say_once(
+                self.operator, line, hold_s=hold_s, announce=lambda _result: None, beat=beat
+            )
+        except BusError as err:
+            raise self._told(str(err)) from err
         if code != 0:
             said = ending or result
             raise RefusalError((ending.code if ending else result.reason_code) or "failed", said.text)
@@ -194,7 +210,7 @@ class Robot:
                 came.clear()
                 for raw in heard.take():
                     yield raw.payload
-            raise BusError(f"nothing came on '{name}' for {within_s:g} s")
+            raise self._told(f"nothing came on '{name}' for {within_s:g} s")
         finally:
             heard.close()
 

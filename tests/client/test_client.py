@@ -89,6 +89,16 @@ def test_a_command_that_is_refused_raises_its_sentence_and_code(robot):
     assert refused.value.code == "malformed"
 
 
+@pytest.mark.parametrize("power", [float("nan"), float("inf")])
+def test_what_is_no_number_is_named_before_it_is_sent(robot, power):
+    with pytest.raises(client.InputError, match=f"power={power} is no number"):
+        robot.borrow("drive/command", power=power)
+    with pytest.raises(client.InputError, match=f"power={power} is no number"):
+        robot.ask("drive/command", power=power)
+    with robot.borrow("drive/command", power=0.1) as motion, pytest.raises(client.InputError, match="is no number"):
+        motion.keep(power=power)
+
+
 def test_borrowed_motion_goes_on_while_it_is_kept_changes_and_ends_with_its_with(robot, running):
     with borrowed(robot, power=0.1, angle_deg=180) as motion:
         until(lambda: motion.keep() and turning(running))
@@ -224,3 +234,19 @@ def test_a_forked_process_is_told_to_be_spawned_and_leaves_its_parents_motion_al
     *told, parent = done.stdout.splitlines()
     assert [text.partition(":")[0] for text in told] == [FORKED_TEXT] * 3
     assert (parent, done.stderr, done.returncode) == ("0 True", "", 0)
+
+
+def test_a_program_that_outlives_its_robot_is_told_to_connect_again(running, robot):
+    """The last one here: it ends the robot."""
+    running.popen.terminate()
+    running.popen.wait()
+    for do in (
+        lambda: robot.say("status"),
+        lambda: robot.latest("drive/state"),
+        lambda: next(robot.stream("drive/state", within_s=0.1)),
+        lambda: robot.borrow("drive/command", power=0.1),
+    ):
+        with pytest.raises(
+            (client.BusError, client.RefusalError), match=r"ended since this program connected; .* again"
+        ):
+            do()
