@@ -11,6 +11,7 @@ from typing import Any, Literal, Protocol, TypeVar
 import msgspec
 from msgspec import Struct
 
+from lbr.capability import leaving
 from lbr.capability.word import Word
 from lbr.errors import LbrError
 from lbr.messages.camera import JpegFrame
@@ -189,11 +190,14 @@ class Kind:
         return msgspec.json.decode(settings, type=self.settings)
 
     def load(self) -> type:
-        """Import and return the class that runs."""
+        """Import and return the class that runs; KindError names the kind, its entry, and the line that is wrong."""
         if isinstance(self.entry, type):
             return self.entry
         module, _, name = self.entry.partition(":")
-        found = getattr(importlib.import_module(module), name)
+        try:
+            found = getattr(importlib.import_module(module), name)
+        except Exception as err:
+            raise KindError(f"kind '{self.name}': its entry {self.entry} does not load: {leaving.told(err)}") from err
         if not isinstance(found, type):
-            raise TypeError(f"kind '{self.name}': {self.entry} is not a class")
+            raise KindError(f"kind '{self.name}': its entry {self.entry} is not a class")
         return found

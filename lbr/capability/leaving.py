@@ -1,11 +1,14 @@
 """How a process leaves: within a bound that the kernel keeps, and with what ended it said."""
 
+import re
 import signal
 import sys
 import traceback
 from pathlib import Path
 
 CRASHED = 70
+RUNTIME = re.compile("/lbr/capability/|^<frozen |/importlib/__init__.py$")
+"""Files whose lines say nothing of what went wrong in another's."""
 CLOSE_LIMIT_S = 0.5
 
 
@@ -18,7 +21,7 @@ def told(err: BaseException) -> str:
     """Say what was raised, and in which line of whose file: the last that is not the runtime's own."""
     try:
         frames = traceback.extract_tb(err.__traceback__)
-        last = next((frame for frame in reversed(frames) if "/lbr/capability/" not in frame.filename), None)
+        last = next((frame for frame in reversed(frames) if not RUNTIME.search(frame.filename)), None)
         where = f" ({Path(last.filename).name}, line {last.lineno})" if last else ""
         return f"{type(err).__name__}: {err}{where}"
     except Exception:  # noqa: BLE001 - an exception that cannot even be told is one all the same

@@ -10,9 +10,10 @@ from msgspec import Struct
 
 from lbr.capability.base import Capability
 from lbr.capability.faults import PORTS, faults
-from lbr.capability.kind import Command, Kind, Rows
+from lbr.capability.kind import Command, Kind, KindError, Rows
 from lbr.capability.word import Word
 from lbr.messages.rows import Row
+from tests.support.packages import imported_from
 
 
 class Settings(Struct, frozen=True, forbid_unknown_fields=True):
@@ -130,3 +131,19 @@ def test_a_name_that_moves_a_cursor_or_has_no_end_is_told_as_a_short_line(field)
 def test_an_entry_as_text_is_a_module_and_a_class(text):
     whole = re.fullmatch(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*", text) is not None
     assert (faults(replace(GOOD, entry=text)) == ()) == whole
+
+
+@pytest.mark.parametrize(
+    ("code", "entry", "why"),
+    [
+        ("", "theirs_of_no_module:Go", "ModuleNotFoundError: No module named 'theirs_of_no_module'"),
+        ("", "crab_entry:Gone", "AttributeError: module 'crab_entry' has no attribute 'Gone'"),
+        ("x = 1\ny = z", "crab_entry:Go", "NameError: name 'z' is not defined (crab_entry.py, line 2)"),
+        ("x = (", "crab_entry:Go", "SyntaxError: '(' was never closed (crab_entry.py, line 1)"),
+    ],
+)
+def test_an_entry_that_does_not_load_is_told_with_its_kind_and_the_line_that_is_wrong(tmp_path, code, entry, why):
+    (tmp_path / "crab_entry.py").write_text(code)
+    with imported_from(tmp_path), pytest.raises(KindError) as caught:
+        replace(GOOD, entry=entry).load()
+    assert str(caught.value) == f"kind '{GOOD.name}': its entry {entry} does not load: {why}"
