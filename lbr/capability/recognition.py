@@ -79,6 +79,20 @@ def handshakes(kind: Kind) -> tuple[Handshake, ...]:
     for one in told:
         if not isinstance(one, Handshake):
             raise KindError(f"kind '{kind.name}': {kind.recognised} is no handshake, but a {type(one).__name__}")
-        if isinstance(one, SerialHandshake) and len(one.questions) > MOST_QUESTIONS:
-            raise KindError(f"kind '{kind.name}': {kind.recognised} asks more than {MOST_QUESTIONS} questions")
+        if fault := _fault(one):
+            raise KindError(f"kind '{kind.name}': {kind.recognised}: {fault}")
     return told
+
+
+def _fault(one: Handshake) -> str:
+    """Return what a handshake says that cannot be: whoever wrote it may check no types."""
+    seen: object = one.seen
+    if not callable(seen):
+        return f"'seen' is {seen!r}, and is to be a function"
+    if not isinstance(one, SerialHandshake):
+        return ""
+    if type(one.baud) is not int or one.baud <= 0:
+        return f"'baud' is {one.baud!r}, and is to be a whole number above 0"
+    if not isinstance(one.questions, tuple) or not all(isinstance(question, bytes) for question in one.questions):
+        return f"'questions' is {one.questions!r}, and is to be a tuple of bytes, such as (b'?',)"
+    return f"it asks more than {MOST_QUESTIONS} questions" if len(one.questions) > MOST_QUESTIONS else ""

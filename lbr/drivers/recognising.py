@@ -147,6 +147,7 @@ def _read(bus: Bus, address: int, one: I2cHandshake) -> Seen | None:
 def _judged(judge: Callable[..., Seen | None], told: bytes | str | Read) -> Seen | None:
     """Return what a driver makes of an answer; a judge that breaks at what a strange device says has not recognised it."""
     try:
-        return judge(told)
+        found = judge(told)
     except Exception:  # noqa: BLE001 - it may be a package's, and what it is given may be anything
         return None
+    return found if isinstance(found, Seen) else None
