@@ -1,14 +1,19 @@
 """`lbr send`."""
 
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
 
 import click
 
 from lbr.commands.completing import complete_line
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
-from lbr.errors import InputError
+from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
 from lbr.messages.system import ConsoleResult
+
+if TYPE_CHECKING:
+    from lbr.console.target import Target
 
 
 @click.command("send", context_settings={"ignore_unknown_options": True})
@@ -28,9 +33,10 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     """Say one console LINE, such as /r/0.2/0 or stop.
 
     A motion without bounds is held for --hold seconds and then stopped; a bounded one lasts until its result. Ctrl-C
-    stops it. Exit code 0: done, 1: refused or failed, 2: bad input.
+    stops it. stop and estop go to every robot that runs here, unless one is named. Exit code 0: done, 1: refused or
+    failed, 2: bad input.
     """
-    from lbr.console import lines, operator, printable, target  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.console import lines, operator, printable, stops, target  # noqa: PLC0415 - the bus is for those who use it
     from lbr.console.interrupt import interruptible  # noqa: PLC0415
 
     line = printable.clean(" ".join(words))
@@ -43,7 +49,9 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
         if not as_json:
             lines.show(result, sys.stdout, sys.stderr)
 
-    found = target.find(*whom)
+    found, *others = target.find_to_stop(*whom) if stops.is_stop(line) else [target.find(*whom)]
+    if others:
+        return _stop_all([found, *others], line, as_json)
     with target.connected(found) as bus:
         said = operator.BusOperator(
             bus, found.robot, target.source("lbr send"), role=found.role, proof=found.proof, listen=False
@@ -68,3 +76,31 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     elif ending:
         click.echo(one_line(ending.text), err=code != 0)
     return code
+
+
+def _stop_all(robots: list["Target"], line: str, as_json: bool) -> int:
+    """Say a stop to each robot; none waits for another."""
+    with ThreadPoolExecutor(len(robots)) as pool:
+        said = dict(zip([one.robot for one in robots], pool.map(lambda one: _said(one, line), robots), strict=True))
+    if as_json:
+        print_json({name: {"code": result.code, "text": result.text} for name, result in said.items()})
+    else:
+        for name, result in said.items():
+            click.echo(f"{name}: {one_line(result.text)}", err=result.code != 0)
+    return max(result.code for result in said.values())
+
+
+def _said(robot: "Target", line: str) -> ConsoleResult:
+    from lbr.console import operator, target  # noqa: PLC0415 - see above
+
+    try:
+        with target.connected(robot) as bus:
+            by = operator.BusOperator(
+                bus, robot.robot, target.source("lbr send"), role=robot.role, proof=robot.proof, listen=False
+            )
+            try:
+                return by.submit(line)
+            finally:
+                by.close()
+    except LbrError as err:
+        return ConsoleResult(code=1, text=str(err))

@@ -63,6 +63,12 @@ def find(robot: str | None, connect: str | None, token_file: Path | None = None)
     raise InputError(f"several robots run here: {names}; say which with --robot NAME")
 
 
+def find_to_stop(robot: str | None, connect: str | None, token_file: Path | None = None) -> list[Target]:
+    """Return the robots that a stop means: where none is named and several run here, all of them."""
+    here = home.running() if robot is None and not connect else []
+    return [_local_target(one) for one in here] if len(here) > 1 else [find(robot, connect, token_file)]
+
+
 def need(target: Target, role: Role) -> None:
     """Raise BusError if a robot would drop in silence what needs this role."""
     if target.certificate and RANKS[target.role] < RANKS[role]:

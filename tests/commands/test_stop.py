@@ -1,4 +1,4 @@
-"""`lbr stop` with an executive that stands still."""
+"""Stops from a shell: an executive that stands still, and several robots on one machine."""
 
 import os
 import signal
@@ -12,3 +12,19 @@ def test_a_frozen_robot_is_shut_down_as_any_other(tmp_path):
         done = robots.lbr(robot.home, "stop")
         assert (done.returncode, done.stdout) == (0, "robot 'lbr' has shut down\n")
         assert robot.popen.wait(5.0) == 0
+
+
+def test_a_stop_that_names_no_robot_reaches_all_that_run_here_and_nothing_else_does(tmp_path):
+    home = robots.prepare(tmp_path / "h", edits=(robots.only("lbr"), robots.only("uxa90")))
+    with robots.running(home) as one, robots.running(home, profile="uxa90-sim") as other:
+        done = robots.lbr(home, "send", "estop/too", "near")
+        assert done.returncode == 0, done.stderr
+        assert sorted(line.split(":")[0] for line in done.stdout.splitlines()) == ["lbr", "uxa90"]
+        for robot in (one, other):
+            found = robot.ask("@estop")
+            assert (found["engaged"], found["reason"]) == (True, "too near")
+        refused = robots.lbr(home, "send", "reset")
+        assert refused.returncode == 2
+        assert "say which with --robot NAME" in refused.stderr
+        assert robots.lbr(home, "send", "--robot", "lbr", "reset").returncode == 0
+        assert other.ask("@estop")["engaged"]
