@@ -32,6 +32,10 @@ class Capability(Generic[S]):
     def step(self) -> None:
         """Do one round of work; must not block longer than a few milliseconds."""
 
+    def answers(self) -> bool:
+        """Say whether its device has said anything since it was opened; it is not called ready before."""
+        return True
+
     def command(self, call: Call) -> None:
         """Answer a command with `call.reply`, now or in a later step."""
         call.refuse(f"{call.name} is not understood here", "unknown_command")

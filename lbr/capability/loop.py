@@ -151,7 +151,7 @@ class Loop:
             self._capability.close()
 
     def _loop(self, ctx: ProcessContext, capability: Capability[Any], said: Said) -> None:
-        """Step until asked to stop; ready is who has stepped once and has not said what it waits for."""
+        """Step until asked to stop; ready is who has stepped, whose device answers, and who has not said what it lacks."""
         due, begins = time.monotonic(), True
         while not self._stopping:
             period = 1.0 / capability.rate_hz
@@ -160,9 +160,10 @@ class Loop:
             if ctx.on_tick:
                 due = due + period if now < due + period else now + period
             self._round(ctx, capability)
-            if begins and self._reporter.said is said:
-                ctx.ready()
-            begins = False
+            if begins and capability.answers():
+                begins = False
+                if self._reporter.said is said:
+                    ctx.ready()
             due = min(due, now + 1.0 / capability.rate_hz)  # its rate may have risen, as when it begins something
             self._wake.wait(min(due - time.monotonic(), BEAT_S))
 

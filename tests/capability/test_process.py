@@ -40,6 +40,7 @@ PROBE = """
     class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         device_there: str = ""
         steps_first: int = 0
+        answers_at: str = ""
 
 
     class Count(Struct, frozen=True):
@@ -59,6 +60,8 @@ PROBE = """
             self.n = 0
             self.heard = []
             self.steps = 0
+            with Path(self.ctx.home, "opened").open("a") as opened:
+                opened.write("!")
 
         def step(self):
             self.steps += 1
@@ -71,6 +74,12 @@ PROBE = """
             self.ctx.publish("count", Count(self.n))
             if self.ctx.estop.engaged:
                 self.ctx.estop.acknowledge(stopped=True)
+
+            if self.steps == 3 and not self.answers():
+                raise DeviceError("device 'x' is silent")
+
+        def answers(self):
+            return not self.ctx.settings.answers_at or Path(self.ctx.settings.answers_at).exists()
 
         def command(self, call):
             call.reply(CommandReply(accepted=True, reason=" ".join((*self.heard, call.message.what))))
@@ -328,6 +337,16 @@ def test_a_missing_device_makes_it_degraded_and_its_return_ready(stage):
     assert "missing" in stage.ask("r/probe/do", {"what": "nothing"})["reason"]
     device.touch()
     stage.ready()
+
+
+def test_a_device_that_is_opened_again_and_again_and_says_nothing_is_told_once_and_never_called_ready(stage):
+    device = stage.home / "device"
+    stage.start(settings=json.dumps({"answers_at": str(device)}))
+    until(lambda: stage.heard("degraded"))
+    until(lambda: len((stage.home / "opened").read_text()) > 2)
+    device.touch()
+    stage.ready()
+    assert [report.phase for report in stage.said if report.phase in {"ready", "degraded"}] == ["degraded", "ready"]
 
 
 def test_who_has_just_begun_and_says_what_it_waits_for_is_not_called_ready_before(stage):

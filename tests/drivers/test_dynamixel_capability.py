@@ -349,6 +349,8 @@ def test_an_empty_bus_is_degraded_and_says_what_to_look_at(chain):
     rig.ahead_s += 2.0
     with pytest.raises(DeviceError, match="none of its 3 servos answers; is their power on"):
         rig.until(lambda: False)
+    assert not rig.driver.answers()
+    assert rig.ctx.health == []
     rig.driver.close()
     rig.driver.degraded("away")
     assert rig.ctx.state.reason == "away"

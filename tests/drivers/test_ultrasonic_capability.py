@@ -56,6 +56,19 @@ def test_it_is_ready_only_once_it_has_measured(ring, ctx, board):
     assert ctx.health[-1] == "ready"
 
 
+def test_a_board_that_was_silent_and_is_opened_again_says_no_more_before_it_measures(ring, ctx, board):
+    ring.step()
+    ring.close()
+    ring.open()
+    ring.step()
+    assert ctx.health == ["waiting for the first reading"]
+    assert not ring.answers()
+    board.say(LINE % 120)
+    hear(ring, ctx)
+    assert ring.answers()
+    assert ctx.health[-1] == "ready"
+
+
 def test_a_board_that_was_still_starting_is_asked_again(ring, ctx, board):
     assert board.heard() == b"g\n"
     until(lambda: (ring.step(), board.heard() == b"g\n")[1])

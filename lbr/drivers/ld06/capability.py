@@ -24,7 +24,7 @@ class Ld06(Capability[Ld06Settings]):
         self._turn: Turn | None = None
         self._told = self._heard = self._polled = 0.0
         self._scans = self._bad_told = 0
-        self._waiting = False
+        self._waited = False
 
     def open(self) -> None:
         """Open the line; the lidar talks by itself."""
@@ -64,6 +64,10 @@ class Ld06(Capability[Ld06Settings]):
         self._tell_state()
         self._tell_bad(now)
 
+    def answers(self) -> bool:
+        """Opening the line is not enough: ready is who has scanned."""
+        return self._scans > 0
+
     def close(self) -> None:
         """Leave the line."""
         line, self._line = self._line, None
@@ -75,16 +79,14 @@ class Ld06(Capability[Ld06Settings]):
         self._turn = None
         self._heard = self._polled = self.ctx.clock()
         self._scans = self._bad_told = 0
-        self._waiting = False
 
     def _tell_state(self) -> None:
-        """Opening the line is not enough: ready is who has scanned."""
-        waiting = self._scans == 0
-        if waiting and not self._waiting:
-            self.ctx.warn("waiting for the first scan", "not_ready")
-        elif self._waiting and not waiting:
+        """Say at the first opening what is waited for; later ones leave said what was wrong until it is over."""
+        if self.answers():
             self.ctx.ready()
-        self._waiting = waiting
+        elif not self._waited:
+            self.ctx.warn("waiting for the first scan", "not_ready")
+        self._waited = True
 
     def _tell_bad(self, now: float) -> None:
         bad = self._parser.bad_bytes

@@ -64,6 +64,10 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         session.targets.apply(self._gate, self._strength(now), snapshot)
         self._heed_estop(session, now)
 
+    def answers(self) -> bool:
+        """Say whether any servo was heard."""
+        return self._session is not None and self._session.poller.heard > self._session.opened
+
     def known(self) -> bool:
         """Say whether every servo was looked for; before, silence is all that can be said of who has torque."""
         return self._snapshot.searched

@@ -21,7 +21,7 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         self._board: RangeBoard | None = None
         self._bad_told = 0
         self._told = 0.0
-        self._waiting = False
+        self._waited = False
 
     def open(self) -> None:
         """Open the line and start the board."""
@@ -31,7 +31,6 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         self._board = RangeBoard(open_line(self.ctx.device, settings.baud), settings, self.ctx.clock)
         self._board.open()
         self._bad_told = 0
-        self._waiting = False
 
     def step(self) -> None:
         """Publish what has come in."""
@@ -39,8 +38,12 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         assert board is not None
         for frame in board.poll():
             self.ctx.publish("readings", to_ranges(frame, self.ctx.settings))
-        self._tell_state(board)
+        self._tell_state()
         self._tell_bad_lines(board)
+
+    def answers(self) -> bool:
+        """Opening the line is not enough: ready is who has measured."""
+        return self._board is not None and self._board.frames > 0
 
     def close(self) -> None:
         """Stop the board and close the line."""
@@ -48,14 +51,13 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         if board is not None:
             board.close()
 
-    def _tell_state(self, board: RangeBoard) -> None:
-        """Opening the line is not enough: ready is who has measured."""
-        waiting = board.frames == 0
-        if waiting and not self._waiting:
-            self.ctx.warn("waiting for the first reading", "not_ready")
-        elif self._waiting and not waiting:
+    def _tell_state(self) -> None:
+        """Say at the first opening what is waited for; later ones leave said what was wrong until it is over."""
+        if self.answers():
             self.ctx.ready()
-        self._waiting = waiting
+        elif not self._waited:
+            self.ctx.warn("waiting for the first reading", "not_ready")
+        self._waited = True
 
     def _tell_bad_lines(self, board: RangeBoard) -> None:
         now = self.ctx.clock()
