@@ -16,6 +16,7 @@ from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext, until
 from tests.drivers.uxa90_peers import Board
 
+UNHEARD = "no servo answers, so that nothing is measured; is the robot's power on?"
 SETTINGS = {"device": "board", "guard": False, "sweep_hz": 50, "settle_s": 0.05, "reply_s": 0.05}
 
 
@@ -588,6 +589,42 @@ def test_a_robot_without_power_is_degraded_and_says_what_to_look_at(rig, board):
     board.silent = True
     with pytest.raises(DeviceError, match="none of its 3 servos answers any more; is the robot's power on"):
         rig.hurried(lambda: False)
+
+
+def test_a_robot_that_was_never_heard_is_degraded_and_moves_nothing_by_itself_once_it_has_power(board):
+    board.silent = True
+    rig = Rig(board)
+    rig.at({0: 127, 1: 127, 2: 127})
+    with pytest.raises(DeviceError, match="none of its 3 servos answers; is the robot's power on"):
+        rig.hurried(lambda: rig.state.armed)
+    rig.driver.close()
+    board.silent = False
+    board.forget()
+    rig.driver.open()
+    rig.until(lambda: all(one.trusted for one in rig.state.servos))
+    rig.sweeps()
+    assert board.moves() == []
+    rig.idle()
+    rig.sweeps()
+    rig.at({0: 127})
+    rig.until(lambda: board.moves(0))
+    rig.driver.close()
+
+
+def test_servos_that_answer_only_after_they_were_told_are_held_where_they_are(rig, board):
+    board.dead = set(board.servos)
+    rig.idle()
+    rig.hurried(lambda: rig.state.armed and rig.ctx.health[-1:] == [UNHEARD])
+    rig.at({0: 127, 1: 127, 2: 127}, lease="a")
+    rig.hurried(lambda: all(one.torque for one in rig.state.servos))
+    rig.ahead_s += 3.0
+    rig.sweeps()
+    board.forget()
+    board.dead.clear()
+    rig.hurried(lambda: all(one.trusted for one in rig.state.servos))
+    rig.sweeps()
+    assert sorted((servo, at) for servo, _, at in board.moves()) == [(0, 100), (1, 104), (2, 108)]
+    assert "lease of this motion has died" in rig.state.reason
 
 
 def test_servos_that_fall_silent_one_after_another_are_told_of_together(rig, board):

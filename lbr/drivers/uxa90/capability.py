@@ -36,14 +36,14 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         self._estop = EmergencyStop(ctx, self._joints)
         self._commands = Commands(ctx, self._joints)
         self._passed_since = inf
-        self._known = False
+        self._known = self._unheard = False
         self._halts = 0
         self._retaken_at = self._controller_at = -inf
 
     def connected(self, device: Device, servos: list[int]) -> Session:
         """Open the line and take PC control, which moves nothing."""
         self._asked = None
-        self._passed_since, self._known, self._retaken_at = inf, False, -inf
+        self._passed_since, self._known, self._unheard, self._retaken_at = inf, False, False, -inf
         return Session(self.ctx, device, servos, self.tell, self._plays, self._contact_lost)
 
     def hear(self, session: Session) -> None:
@@ -98,24 +98,37 @@ class Uxa90(Servos[Uxa90Settings, Session]):
             return
         self._passed_since = min(self._passed_since, now)
         waited = now - self._passed_since > BLIND_S or not self.ctx.settings.sweep_hz
-        self._known = self._known or poller.told_apart or waited
+        self._known = self._known or (self.answers() and (poller.told_apart or waited))
+        heard = poller.heard > session.opened
+        if heard and self._unheard:
+            self._unheard = False
+            self._begin_anew(session, "servos were told unheard, and answer now")
         silent_s = now - max(poller.heard, self._passed_since)
         if not session.mute or silent_s < SILENT_S or now - self._retaken_at < RETAKE_S:
             return
-        if poller.heard > max(self._retaken_at, session.opened):
-            self._retaken_at = now
-            self._gate = ended(self._gate, "no servo answered; PC control was taken again")
-            session.targets.loose(self._gate.goals)
-            controller.lost()
-        elif poller.heard > session.opened:
+        if not self.answers() or (heard and poller.heard <= self._retaken_at):
             self._contact_lost = CONTACT
+            more = " any more" if heard else ""
             raise DeviceError(
-                f"device '{device}': none of its {len(self._joints)} servos answers any more; is the robot's power on? "
+                f"device '{device}': none of its {len(self._joints)} servos answers{more}; is the robot's power on? "
                 f"Check the cable, and the row's baud ({self.ctx.settings.baud})"
             )
-        else:
-            self._retaken_at = now
-            controller.lost()
+        self._retaken_at, self._unheard = now, not heard
+        if heard:
+            self._begin_anew(session, "no servo answered; PC control was taken again")
+        controller.lost()
+
+    def _begin_anew(self, session: Session, why: str) -> None:
+        """End what moves: who has torque is held where it is, once that is read."""
+        self._gate = ended(self._gate, why)
+        session.targets.loose(self._gate.goals)
+
+    def answers(self) -> bool:
+        """Say whether the main board or a servo said anything; where the row reads no servos nothing is waited for."""
+        session = self._session
+        if session is None:
+            return False
+        return session.answered or session.poller.heard > session.opened or not self.ctx.settings.sweep_hz
 
     def admit(self, setpoint: ServoSetpoint, arrived: float, now: float) -> None:
         """Have the gate judge a setpoint; what began before the line was open does not go on."""
@@ -128,7 +141,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         """Say which servos are not measured, or nothing."""
         seen = session.poller.seen
         away = [servo for servo, one in seen.items() if one.reason]
-        if len(away) == len(seen):
+        if self._unheard or len(away) == len(seen):
             return "no servo answers, so that nothing is measured; is the robot's power on?"
         return f"{self.named(away, 'not measured:')}; check cable and power" if away else ""
 

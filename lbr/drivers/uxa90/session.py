@@ -28,7 +28,10 @@ RELEASE = "lbr.drivers.uxa90.guard_release"
 
 
 class Session:
-    """All that lives as long as the line is open. `identity` is what the main board said of itself, once it was asked."""
+    """All that lives as long as the line is open. `identity` is what the main board said of itself, once it was asked.
+
+    `answered`: whether it said anything at all.
+    """
 
     def __init__(
         self,
@@ -64,6 +67,7 @@ class Session:
         self.controller = Controller(self.thread, self.targets, settings, ctx.clock, known)
         self.opened = self._judged = ctx.clock()
         self._strays = 0
+        self.answered = False
         self.identity: Mapping[str, str] = {}
         if known.busy:  # the main board does not notice that its cable was out: it may play still
             self.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
@@ -75,12 +79,14 @@ class Session:
         now = self._ctx.clock()
         while self.bus.told:
             frame = self.bus.told.popleft()
+            self.answered = True
             self.controller.hear(frame)
             self._publish(self.unit.hear(frame, now))
         self._publish(self.unit.missed(now))
         if self._identified.done() and self.controller.mode.name == "unknown":
             if not self._identified.cancelled() and self._identified.exception() is None:
                 self.identity = self._identified.result()
+                self.answered = self.answered or bool(self.identity)
             self.controller.take()
 
     def tell(self, *, urgent: bool) -> None:
