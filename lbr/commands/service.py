@@ -27,7 +27,7 @@ user_option = click.option(
     "--user", metavar="NAME", help="Run as this user, who exists; 'lbr', made again, if left out."
 )
 root_option = click.option(
-    "--root", type=FileName(file_okay=False), default=MACHINE, metavar="DIR",
+    "--root", type=FileName(exists=True, file_okay=False), default=MACHINE, metavar="DIR",
     help="Not this machine, but the system in this directory, such as an image.",
 )  # fmt: skip
 power_off_option = click.option(

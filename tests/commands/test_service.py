@@ -4,6 +4,7 @@ import re
 import sys
 from pathlib import Path
 
+import click
 import pytest
 from click.testing import CliRunner
 
@@ -72,6 +73,12 @@ def test_the_unit_is_watched_restarted_slowly_and_without_any_capability(unit):
 def test_every_marker_of_the_templates_is_filled():
     for name, text in unitfiles.files("lbr", "lbr", SITE).items():
         assert not re.search(r"@[A-Z0-9_]+@", text), name
+
+
+def test_an_image_that_is_not_there_is_not_made(tmp_path):
+    with pytest.raises(click.BadParameter, match="does not exist"):
+        lbr("install", "--root", str(tmp_path / "imgae"))
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("place", ["/home/ada/robot/.venv", "/root/x", "/tmp/try"])
