@@ -118,7 +118,7 @@ def read(folder: Path, robot: str | None = None) -> tuple[File, ...]:
 
 
 def _read(place: Path, path: Path) -> File:
-    text = given_files.read(path, MOST_BYTES).decode("utf-8", errors="surrogateescape")
+    text = given_files.read(path, MOST_BYTES).decode("utf-8-sig", errors="surrogateescape")
     return File(robot=place.name, table=path.stem, text=text)
 
 

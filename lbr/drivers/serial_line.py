@@ -154,8 +154,11 @@ def _matching_usb(usb: re.Match[str], ports: list[tuple[str, int | None, int | N
 
 def _why_not(device: str, path: str, err: Exception) -> str:
     said = f"device '{device}' at {path}"
-    # pyserial words its refusals its own way, but keeps the number
-    match getattr(err, "errno", None):
+    # pyserial words its refusals its own way, but keeps the number, or what it was raised from
+    first = err.__context__ if isinstance(err.__context__, termios.error) else None
+    match getattr(err, "errno", None) or (first.args[0] if first is not None else None):
+        case 21 | 25:
+            return f"{said} is no serial line; correct the address in the device row"
         case 2 | 6 | 19:
             return f"{said} is missing; plug it in, or correct the address in the device row"
         case 13:

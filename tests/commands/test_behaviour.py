@@ -45,6 +45,14 @@ def test_a_file_is_checked_taken_written_and_taken_again(home, capsys):
     assert "mine" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("file", "name"), [("Vòng quanh.csv", "vong_quanh"), ("دورة.csv", "table"), ("2 Türen.csv", "table_2_turen")]
+)
+def test_a_table_is_named_after_its_file_in_any_script(home, capsys, file, name):
+    assert main(["behaviour", "import", table(home, name=file)]) == 0
+    assert f"took '{name}'" in capsys.readouterr().out
+
+
 def test_a_table_that_is_there_is_replaced_only_if_that_is_said(home, capsys):
     path = table(home)
     assert main(["behaviour", "import", path]) == 0

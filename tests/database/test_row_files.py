@@ -71,6 +71,14 @@ def test_any_rows_come_back_as_they_were(tmp_path_factory, capabilities, phrases
     assert past.steps(tables, row_files.taken(read, TABLES, SCHEMA), SCHEMA) == ()
 
 
+def test_files_of_an_editor_that_marks_utf_8_and_ends_lines_its_own_way_are_read(tmp_path):
+    files = row_files.written(TABLES, SCHEMA)
+    row_files.write(tmp_path, files)
+    for path in tmp_path.rglob("*.json"):
+        path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b"\n", b"\r\n"))
+    assert past.steps(TABLES, row_files.taken(row_files.read(tmp_path), TABLES, SCHEMA), SCHEMA) == ()
+
+
 @settings(max_examples=80, deadline=None)
 @given(st.sampled_from(row_files.written(TABLES, SCHEMA)), st.data())
 def test_a_file_that_is_cut_is_refused_with_its_name(file, data):

@@ -91,11 +91,11 @@ def test_a_missing_line_says_what_to_do(tmp_path):
         open_line(row(tmp_path / "nowhere"), 115200)
 
 
-def test_what_is_no_tty_is_told(tmp_path):
-    path = tmp_path / "file"
-    path.write_text("")
-    with pytest.raises(DeviceError, match=r"'motors' at .*cannot be opened"):
-        open_line(row(path), 115200)
+@pytest.mark.parametrize("path", ["file", ".", "/dev/null"])
+def test_what_is_no_tty_is_told(tmp_path, path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(DeviceError, match=r"'motors' at .* is no serial line; correct the address"):
+        open_line(row(tmp_path / path), 115200)
 
 
 @pytest.mark.parametrize("action", ["read", "drop_input", "drop_output"])
