@@ -181,6 +181,23 @@ def test_the_executives_name_is_taken(rows):
 
 def test_a_profile_that_names_nothing_is_refused(rows):
     assert "there is no capability 'wings'" in "\n".join(problems(rows, Profile(robot="lbr", without=("wings",))))
+    said = "\n".join(problems(rows, Profile(robot="lbr", devices={"wing": "/dev/x"})))
+    assert "there is no device row 'wing' (there is: " in said
+    assert "motor_controller" in said
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_a_profile_that_an_editor_has_marked_is_read(tmp_path, encoding):
+    path = tmp_path / "mine.toml"
+    path.write_text('robot = "lbr"\ndescription = "ở nhà"\n', encoding=encoding, newline="\r\n")
+    assert load(str(path)) == Profile(robot="lbr", description="ở nhà")
+
+
+def test_a_profile_that_is_no_text_says_so(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_bytes(b"PK\x03\x04\0\0")
+    with pytest.raises(InputError, match=r"launch profile .*mine\.toml is no text: save it as UTF-8"):
+        load(str(path))
 
 
 def test_no_edit_no_change(rows):

@@ -166,11 +166,15 @@ def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Proble
 
 def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:
     names, devices = rows.names("capability"), rows.names("device")
+    there_are = f"(there is: {', '.join(sorted(devices))})"
     bad_names = sorted({*(profile.only or ()), *profile.without} - names)
     bad_devices = sorted(set(profile.devices) - devices)
     return [
         *(Problem("profile", profile.robot, "only/without", f"there is no capability '{name}'") for name in bad_names),
-        *(Problem("profile", profile.robot, "devices", f"there is no device row '{name}'") for name in bad_devices),
+        *(
+            Problem("profile", profile.robot, "devices", f"there is no device row '{name}' {there_are}")
+            for name in bad_devices
+        ),
     ]
 
 
