@@ -224,6 +224,6 @@ def _tell_how(endpoints: list[str], what: str, *, on: bool) -> None:
     if not on:
         click.echo(
             "no robot listens for that yet: 'lbr run --listen tls/0.0.0.0:7447', or in the rows\n"
-            "  UPDATE capability SET enabled = 1 WHERE name = 'lan';",
+            "  UPDATE capability SET enabled = 1 WHERE robot = 'lbr' AND name = 'lan';    (or another of your robots)",
             err=True,
         )
