@@ -1,3 +1,4 @@
+import re
 from math import radians
 
 import pytest
@@ -156,6 +157,18 @@ def test_silence_is_a_device_error_after_the_time_set():
     assert 0.45 < bench.now - began < 0.65
 
 
+def test_a_unit_that_never_answered_has_one_reason_and_is_told_of_once():
+    wire = Wire()
+    wire.silent = True
+    bench = Bench(wire)
+    reasons = {re.sub(r"\d", "", sample.reason) for sample in bench.run(0.4)}
+    with pytest.raises(DeviceError) as err:
+        bench.run(2.0)
+    assert reasons == {re.sub(r"\d", "", str(err.value))}
+    assert not bench.unit.measured
+    assert bench.told == []
+
+
 def test_noise_counts_as_silence_and_is_told():
     bench = Bench()
     bench.wire.said = b"ML=1:2\xff:4\r"
@@ -209,6 +222,7 @@ def test_over_a_real_line_it_asks_and_publishes_and_tells_when_the_cable_is_pull
     assert isinstance(imu, Riox)
     assert imu.rate_hz == 100.0
     imu.open()
+    assert not imu.answers()
 
     def converse():
         imu.step()
@@ -221,6 +235,7 @@ def test_over_a_real_line_it_asks_and_publishes_and_tells_when_the_cable_is_pull
         return bool(ctx.published)
 
     until(converse)
+    assert imu.answers()
     output, sample = ctx.published[0]
     assert output == "sample"
     assert sample.gyro_rps[0] == pytest.approx(radians(33 / 32.75))

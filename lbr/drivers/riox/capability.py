@@ -38,6 +38,10 @@ class Riox(Capability[RioxSettings]):
         for sample in self._unit.poll():
             self.ctx.publish("sample", sample)
 
+    def answers(self) -> bool:
+        """Opening the line is not enough: ready is who has measured."""
+        return self._unit is not None and self._unit.measured
+
     def degraded(self, reason: str) -> None:
         """Tell that nothing is measured."""
         self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))

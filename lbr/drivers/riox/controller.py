@@ -48,6 +48,7 @@ class AhrsUnit:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.bad_lines = 0
+        self.measured = False
         self._line = line
         self._settings = settings
         self._tell = tell
@@ -83,7 +84,7 @@ class AhrsUnit:
             if sample is not None:
                 samples.append(sample)
         if any(sample.valid for sample in samples):
-            self._heard = now
+            self._heard, self.measured = now, True
         elif not now - self._heard < self._settings.timeout_s:
             raise DeviceError(self._silence(now))
         if self._asked and not now < self._deadline:
@@ -165,6 +166,8 @@ class AhrsUnit:
         """Nothing tells a late answer from the next one, so let the line fall quiet first."""
         lost, at = self._asked, self._asked_at
         self._forget(now)
+        if not self.measured:
+            return ImuSample(valid=False, time_s=at, reason=self._silence(now))
         return self._invalid(at, f"no answer to ?{lost} within {now - at:.2f} s")
 
     def _forget(self, now: float) -> None:
