@@ -2,12 +2,15 @@
 
 import os
 import stat
+from contextlib import suppress
 from pathlib import Path
 
 from lbr.errors import InputError
 
 MOST_FILES = 500
 """In a folder; more are no robot's data."""
+UTF_16 = {b"\xff\xfe", b"\xfe\xff"}
+"""Its marks, at the beginning of a file."""
 
 
 def read(path: Path, largest_bytes: int) -> bytes:
@@ -44,18 +47,19 @@ def listed(folder: Path) -> tuple[list[Path], list[Path]]:
     return files, [path for path in found if path not in files]
 
 
+def unicode_text(content: bytes) -> str:
+    """Return a file's text: UTF-16 by its mark, else UTF-8; UnicodeDecodeError if it is neither."""
+    return content.decode("utf-16" if content[:2] in UTF_16 else "utf-8-sig")
+
+
 def decoded(content: bytes) -> str | None:
     """Return a file's text: UTF-8 or UTF-16 by its mark, UTF-8, Korean or Western; None if it is no text."""
-    if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
-        try:
-            return content.decode("utf-16")
-        except UnicodeDecodeError:
-            return None
-    if b"\0" in content:
+    if b"\0" in content and content[:2] not in UTF_16:
         return None
-    for encoding in ("utf-8-sig", "cp949"):
-        try:
-            return content.decode(encoding)
-        except UnicodeDecodeError:
-            continue
+    with suppress(UnicodeDecodeError):
+        return unicode_text(content)
+    if content[:2] in UTF_16:
+        return None
+    with suppress(UnicodeDecodeError):
+        return content.decode("cp949")
     return content.decode("latin-1")

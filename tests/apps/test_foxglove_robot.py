@@ -271,6 +271,8 @@ def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, rob
         return ready()
 
     for _ in range(5):
+        rests = time.monotonic()
+        until(lambda rests=rests: time.monotonic() - rests > 1.1, what="a rest after the last stop")
         other = Foxglove(url)
         other.until(lambda other=other: "/stop" in other.services, "its services")
         until(lambda: pushed(lambda: moves(robot)), limit_s=5.0, what="driving")

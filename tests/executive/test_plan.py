@@ -195,7 +195,7 @@ def test_a_profile_that_an_editor_has_marked_is_read(tmp_path, encoding):
 
 def test_a_profile_that_is_no_text_says_so(tmp_path):
     path = tmp_path / "mine.toml"
-    path.write_bytes(b"PK\x03\x04\0\0")
+    path.write_bytes(b"PK\x03\x04\xbf\xff")
     with pytest.raises(InputError, match=r"launch profile .*mine\.toml is no text: save it as UTF-8"):
         load(str(path))
 

@@ -88,12 +88,12 @@ def _own(found: Found, path: Path) -> Profile:
 
 def _read(path: Path) -> Profile:
     try:
-        text = given_files.decoded(given_files.read(path, LARGEST_BYTES))
+        content = given_files.read(path, LARGEST_BYTES)
     except InputError as err:
         raise InputError(f"launch profile {err}") from err
-    if text is None:
-        raise InputError(f"launch profile {path} is no text: save it as UTF-8")
     try:
-        return msgspec.toml.decode(text, type=Profile)
+        return msgspec.toml.decode(given_files.unicode_text(content), type=Profile)
+    except UnicodeDecodeError as err:
+        raise InputError(f"launch profile {path} is no text: save it as UTF-8") from err
     except UNREADABLE as err:
         raise InputError(f"launch profile {path}: {err}") from err
