@@ -1,7 +1,9 @@
 """`lbr send`."""
 
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -13,6 +15,7 @@ from lbr.messages.plain import one_line
 from lbr.messages.system import ConsoleResult
 
 if TYPE_CHECKING:
+    from lbr.console.operator import BusOperator
     from lbr.console.target import Target
 
 
@@ -36,7 +39,7 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     stops it. stop and estop go to every robot that runs here, unless one is named. Exit code 0: done, 1: refused or
     failed, 2: bad input.
     """
-    from lbr.console import lines, operator, printable, stops, target  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.console import lines, printable, stops, target  # noqa: PLC0415 - the bus is for those who use it
     from lbr.console.interrupt import interruptible  # noqa: PLC0415
 
     line = printable.clean(" ".join(words))
@@ -52,15 +55,8 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     found, *others = target.find_to_stop(*whom) if stops.is_stop(line) else [target.find(*whom)]
     if others:
         return _stop_all([found, *others], line, as_json)
-    with target.connected(found) as bus:
-        said = operator.BusOperator(
-            bus, found.robot, target.source("lbr send"), role=found.role, proof=found.proof, listen=False
-        )
-        try:
-            with interruptible():
-                result, code, ending = lines.say_once(said, line, hold_s=hold_s, announce=announce)
-        finally:
-            said.close()
+    with _speaking(found) as said, interruptible():
+        result, code, ending = lines.say_once(said, line, hold_s=hold_s, announce=announce)
     if as_json:
         print_json(
             {
@@ -91,16 +87,23 @@ def _stop_all(robots: list["Target"], line: str, as_json: bool) -> int:
 
 
 def _said(robot: "Target", line: str) -> ConsoleResult:
-    from lbr.console import operator, target  # noqa: PLC0415 - see above
-
     try:
-        with target.connected(robot) as bus:
-            by = operator.BusOperator(
-                bus, robot.robot, target.source("lbr send"), role=robot.role, proof=robot.proof, listen=False
-            )
-            try:
-                return by.submit(line)
-            finally:
-                by.close()
+        with _speaking(robot) as said:
+            return said.submit(line)
     except LbrError as err:
         return ConsoleResult(code=1, text=str(err))
+
+
+@contextmanager
+def _speaking(robot: "Target") -> "Iterator[BusOperator]":
+    """Be connected to a robot as somebody who says lines."""
+    from lbr.console import operator, target  # noqa: PLC0415 - see above
+
+    with target.connected(robot) as bus:
+        said = operator.BusOperator(
+            bus, robot.robot, target.source("lbr send"), role=robot.role, proof=robot.proof, listen=False
+        )
+        try:
+            yield said
+        finally:
+            said.close()

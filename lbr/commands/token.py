@@ -128,7 +128,7 @@ def _opened(path: Path | None) -> "Database":
     from lbr import home  # noqa: PLC0415
 
     here = home.running()
-    return opened(path or (Path(here[0].database) if len(here) == 1 else home.default_database()))
+    return opened(path or (Path(here[0].database) if len(here) == 1 else None))
 
 
 def _end(text: str) -> dt.datetime:
