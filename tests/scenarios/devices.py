@@ -12,7 +12,7 @@ from tests.scenarios.estop import PAUSE_S
 from tests.support.bench import Bench, bench
 from tests.support.figures import Results
 from tests.support.mover import Mover
-from tests.support.trace import Line, Output
+from tests.support.trace import Output
 
 MOTORS, RANGES = "motor_controller", "range_board"
 DEAF_S = 2.0
@@ -60,8 +60,12 @@ def motors_deaf(under_test: Bench) -> None:
     under_test.pass_time(AFTERMATH_S)
     mover.cease()
     under_test.trace.read()
-    stale = [line.text for line in under_test.trace.lines(resumed_ns) if isinstance(line, Line) and line.moves]
-    under_test.excused.append((resumed_ns, resumed_ns + int(STALE_MS * 1e6)))
+    heard = under_test.trace.lines(resumed_ns)
+    stale = [line.text for line in heard if line.moves]
+    if (
+        heard
+    ):  # what waited jumps to a power that had been reached bit by bit; a busy machine hears it later than it was told
+        under_test.excused.append((resumed_ns, heard[0].at_ns + int(STALE_MS * 1e6)))
     turned_ms = _turned_ms(under_test.trace.outputs(resumed_ns))
     under_test.results.sample("S17 lines", len(stale))
     under_test.results.sample("S17", turned_ms)

@@ -11,6 +11,9 @@ SLOWLY_S = 45.0
 PAUSE_S = 0.3
 """After that a sender counts as one that has paused."""
 
+HELD_UP = ("late", "stale_sensor")
+"""Why a line is refused on a machine that let a process wait: the line itself, or what it is judged by."""
+
 
 def until(look, what, within_s=SLOWLY_S):
     end = time.monotonic() + within_s
@@ -27,8 +30,8 @@ class Arms:
         self.robot = robot
 
     def say(self, line):
-        """Say a line that is not refused; one that this machine held up until it was too old is said again."""
-        reply = until(lambda: (said := self.robot.say(line))["reason_code"] != "late" and said, f"{line} in time")
+        """Say a line that is not refused; if this machine held it or the driver up until it was too late, say it again."""
+        reply = until(lambda: (said := self.robot.say(line))["reason_code"] not in HELD_UP and said, f"{line} in time")
         assert reply["code"] == 0, reply
         return reply
 
