@@ -12,8 +12,8 @@ import threading
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points, version
+from functools import cache, lru_cache
+from importlib.metadata import Distribution, EntryPoint, EntryPoints, entry_points, version
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -90,7 +90,8 @@ def every(group: str) -> tuple[Plugin, ...]:
 def fresh(group: str, name: str) -> str:
     """Return the package that brings a name and was installed since this program first looked; empty if none does."""
     known = {(one.name, one.package) for one in _all(group)}
-    found = (one.package for one in _declared(group) if one.name == name and (one.name, one.package) not in known)
+    now = _declared(group, entry_points().select)
+    found = (one.package for one in now if one.name == name and (one.name, one.package) not in known)
     return next(found, "")
 
 
@@ -160,6 +161,7 @@ def forget() -> None:
     """Look again at what is installed when that is asked next."""
     importlib.invalidate_caches()
     _all.cache_clear()
+    _points.cache_clear()
     for clear in _REMEMBERED:
         clear()
 
@@ -167,7 +169,7 @@ def forget() -> None:
 @cache
 def _all(group: str) -> tuple[Plugin, ...]:
     claims: dict[str, dict[str, Plugin]] = {}
-    for one in sorted(_declared(group), key=lambda one: (not one.ours, one.package, one.value)):
+    for one in sorted(_declared(group, _points()), key=lambda one: (not one.ours, one.package, one.value)):
         claims.setdefault(one.name, {}).setdefault(one.package, one)
     found = [_settled(one, tuple(of_name)) for of_name in claims.values() for one in of_name.values()]
     return tuple(sorted(found, key=lambda one: (not one.ours, one.package, one.name)))
@@ -182,19 +184,30 @@ def _settled(one: Plugin, packages: tuple[str, ...]) -> Plugin:
     return replace(one, refusal=f"packages {' and '.join(packages)} bring it: uninstall all but one")
 
 
-def _declared(group: str) -> Iterator[Plugin]:
+def _declared(group: str, select: Callable[..., EntryPoints]) -> Iterator[Plugin]:
     """Yield all entry points; those of a checkout are what its project says now, not when it was installed."""
     own = _of_checkout()
     for name, value in (own or {}).get(group, {}).items():
         yield Plugin(group, name, value, CORE)
-    for point in entry_points(group=group):
-        package = point.dist.name if point.dist is not None else "unknown"
-        if package != CORE:
-            found = point.dist.requires if point.dist is not None else None
-            release = f" {point.dist.version}" if point.dist is not None else ""
-            yield Plugin(group, point.name, point.value, f"{package}{release}", tuple(found or ()))
-        elif own is None:
-            yield Plugin(group, point.name, point.value, CORE)
+    for point in select(group=group):
+        package, requires = _brought_by(point.dist)
+        if package != CORE or own is None:
+            yield Plugin(group, point.name, point.value, package, requires)
+
+
+@cache
+def _points() -> Callable[..., EntryPoints]:
+    """Return what selects among the entry points of all packages; to read them anew takes 50 ms."""
+    return entry_points().select
+
+
+@lru_cache(maxsize=64)
+def _brought_by(dist: Distribution | None) -> tuple[str, tuple[str, ...]]:
+    """Return a package as it is told, and what it asks for; of lbr itself no more than its name."""
+    if dist is None:
+        return "unknown", ()
+    name = dist.name
+    return (CORE, ()) if name == CORE else (f"{name} {dist.version}", tuple(dist.requires or ()))
 
 
 @cache
