@@ -129,7 +129,7 @@ def _schemes() -> dict[str, Callable[[DeviceRow, str], Judgement]]:
 
 def _serial(row: DeviceRow, _rest: str) -> Judgement:
     if not _line(row.type):
-        return "good", f"looked for at its start: {row.address}", ""
+        return "good", f"'{row.address}' is looked for when the robot starts, not now", ""
     try:
         return _at(Path(_resolved(row)), "ls /dev/serial/by-id")
     except DeviceError as err:

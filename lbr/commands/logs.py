@@ -9,6 +9,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from lbr.errors import InputError
+from lbr.names import did_you_mean
 
 LOOK_S = 0.2
 TAIL_BYTES = 2_000_000
@@ -49,6 +50,9 @@ def command(name: str, robot: str | None, follow: bool, lines: int, begin: str |
         return _recorded(name, robot, begin, end)
     there = _names(home.home() / "logs", robot)
     if not name:
+        if robot is not None and not any(one.startswith(f"{robot}/") for one in there):
+            owners = {one.partition("/")[0] for one in _names(home.home() / "logs", None) if "/" in one}
+            raise InputError(f"there is no log of a robot '{robot}'; {did_you_mean(robot, owners)}", "unknown_name")
         for one, path in sorted(there.items()):
             click.echo(f"{one:<30}  {path.stat().st_size / 1000:8.1f} kB")
         return 0

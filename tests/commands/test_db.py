@@ -72,6 +72,14 @@ def test_what_is_odd_is_a_hint_and_no_fault(path, sql, said):
     assert f"lbr: hint: {said}" in done.stdout
 
 
+def test_a_uxa90_whose_servos_are_not_read_is_a_hint(path):
+    sql = (
+        "UPDATE capability SET settings = json_set(settings, '$.sweep_hz', 0) WHERE robot = 'uxa90' AND kind = 'uxa90'"
+    )
+    (found,) = hints(path, sql)["uxa90"]
+    assert "sweep_hz is 0, so no servo is read: one that gets power late goes at once" in found
+
+
 @pytest.mark.parametrize(
     ("sql", "said"),
     [

@@ -57,6 +57,19 @@ def test_what_cannot_be_done_is_one_line_and_an_exit_code(lbr, arguments, code, 
     assert done.stdout == ""
 
 
+def test_logs_of_a_robot_that_is_not_there_are_refused_with_those_that_are(lbr, tmp_path):
+    for name in ("lbr-base", "bioloid-servos"):
+        log = tmp_path / "home" / "logs" / f"{name}.log"
+        log.parent.mkdir(parents=True, exist_ok=True)
+        log.write_text("said\n")
+    done = lbr("logs", "--robot", "bioliod")
+    assert (done.returncode, done.stderr) == (
+        2,
+        "lbr: there is no log of a robot 'bioliod'; did you mean bioloid?\n",
+    )
+    assert lbr("logs", "--robot", "bioloid").stdout.startswith("bioloid/servos")
+
+
 def test_help_and_version_work_without_a_home(lbr):
     assert "Exit codes: 0 done" in lbr("--help").stdout
     assert lbr("--version").stdout.startswith("lbr ")

@@ -193,6 +193,28 @@ def test_a_profile_that_an_editor_has_marked_is_read(tmp_path, encoding):
     assert load(str(path)) == Profile(robot="lbr", description="ở nhà")
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("devices = {imu = 'usb:', speaker = 5}", r"Expected `str`, got `int` - at `\$\.devices\.speaker`"),
+        ("hosts = {pc = ['dance'], attic = 'ranges'}", r"Expected `array`, got `str` - at `\$\.hosts\.attic`"),
+        ("hosts = {attic = ['ranges', 7]}", r"Expected `str`, got `int` - at `\$\.hosts\.attic\[1\]`"),
+    ],
+)
+def test_a_profile_of_a_wrong_type_names_the_key(tmp_path, line, said):
+    path = tmp_path / "mine.toml"
+    path.write_text(f"robot = 'lbr'\n{line}\n")
+    with pytest.raises(InputError, match=said):
+        load(str(path))
+
+
+def test_a_profile_that_is_not_there_is_told_with_what_may_be_meant():
+    with pytest.raises(
+        InputError, match=r"did you mean .*lbr-sim.* robot that only your rows have wants a \.toml file"
+    ):
+        load("lbrsim")
+
+
 def test_a_profile_that_is_no_text_says_so(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_bytes(b"PK\x03\x04\xbf\xff")

@@ -179,6 +179,9 @@ class Controller:
                 raise DeviceError(
                     self._sentence(f"says {what} '{found}', expected /{pattern}/; correct the address or `{what}`")
                 )
+        if wire.is_inertial_unit(f"{self.firmware} {self.model}"):
+            what = f"says firmware '{self.firmware}': it is an inertial unit (kind riox); correct the address"
+            raise DeviceError(self._sentence(what))
         self._known = True
 
     def _insist(self, command: bytes, trouble: str) -> None:

@@ -71,6 +71,11 @@ def write_setting(name: str, value: int) -> bytes:
     return b"^%s %d\r" % (name.encode("ascii"), value)
 
 
+def is_inertial_unit(identity: str) -> bool:
+    """Say whether a firmware or model is that of a RIOX, which speaks the same language and drives no motor."""
+    return "riox" in identity.lower()
+
+
 class ReplyParser:
     """Turns bytes, in pieces of any size, into replies; whatever comes, it holds at most one line."""
 

@@ -9,7 +9,7 @@ def seen(heard: bytes) -> Seen | None:
     """Return the motor controller whose firmware answers; an inertial unit of the same maker is another kind's."""
     for reply in ReplyParser().feed(heard):
         if isinstance(reply, Value) and reply.name == "FID" and "roboteq" in reply.text.lower():
-            return None if "riox" in reply.text.lower() else Seen(what=f"Roboteq motor controller, {reply.text}")
+            return None if wire.is_inertial_unit(reply.text) else Seen(what=f"Roboteq motor controller, {reply.text}")
     return None
 
 

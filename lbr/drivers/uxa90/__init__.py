@@ -70,6 +70,15 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
     maintenance: Annotated[bool, Meta(description="whether servos' registers may be written")] = False
     imu: ImuSettings = ImuSettings()
 
+    def doubts(self) -> tuple[str, ...]:
+        """Return what is allowed and mostly wrong: servos that are told where to go, and never asked where they are."""
+        if self.sweep_hz:
+            return ()
+        text = (
+            "sweep_hz is 0, so no servo is read: one that gets power late goes at once to where it was sent meanwhile"
+        )
+        return (f"{text}, with the torque that was asked for",)
+
 
 KIND = servos_kind(
     "uxa90",

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import msgspec
 from msgspec import Struct
@@ -10,6 +11,7 @@ from msgspec import Struct
 from lbr.database import given_files
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
+from lbr.names import did_you_mean
 from lbr.robots import registry
 from lbr.robots.registry import Found
 
@@ -36,6 +38,10 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     def host_of(self, name: str) -> str:
         """Return the other machine that runs a capability; empty: the robot's own does."""
         return next((host for host, names in self.hosts.items() if name in names), "")
+
+
+_KEYED: dict[str, Any] = {"devices": str, "hosts": tuple[str, ...]}
+"""Fields whose keys are names, and what is at each."""
 
 
 def names() -> list[str]:
@@ -65,7 +71,9 @@ def load(name: str) -> Profile:
         if registry.plain(name) == found.name:
             return Profile(robot=found.name, description=found.robot.summary)
     raise InputError(
-        f"there is no launch profile '{name}': {', '.join(names())}, or the path of a .toml file", "unknown_name"
+        f"there is no launch profile '{name}'; {did_you_mean(name, names())}; "
+        'a robot that only your rows have wants a .toml file that says robot = "NAME": give its path',
+        "unknown_name",
     )
 
 
@@ -92,8 +100,21 @@ def _read(path: Path) -> Profile:
     except InputError as err:
         raise InputError(f"launch profile {err}") from err
     try:
-        return msgspec.toml.decode(given_files.unicode_text(content), type=Profile)
+        text = given_files.unicode_text(content)
+        return msgspec.toml.decode(text, type=Profile)
     except UnicodeDecodeError as err:
         raise InputError(f"launch profile {path} is no text: save it as UTF-8") from err
     except UNREADABLE as err:
-        raise InputError(f"launch profile {path}: {err}") from err
+        raise InputError(f"launch profile {path}: {_with_key(str(err), text)}") from err
+
+
+def _with_key(said: str, text: str) -> str:
+    """Return what msgspec says against a profile, with the key that it calls `[...]`."""
+    for field, kind in _KEYED.items():
+        if f"$.{field}[...]" in said:
+            for key, value in msgspec.toml.decode(text)[field].items():
+                try:
+                    msgspec.convert(value, kind)
+                except msgspec.ValidationError:
+                    return said.replace("[...]", f".{key}", 1)
+    return said
