@@ -147,19 +147,21 @@ class Looking:
         """Return what is at these ends, and what is proposed."""
         from lbr.commands import attached, recognised  # noqa: PLC0415
         from lbr.commands.proposing import propose  # noqa: PLC0415
+        from lbr.drivers import recognising  # noqa: PLC0415
 
         found = recognised.ask_all(ends, self._known, _held(), wait_s=self._wait_s, ask=self._ask)
+        hints = [*self._hints, *recognising.hung()]
         if not self._database.exists():
             if self._robot is not None or self._given:
                 raise InputError(f"there is no database {self._database}; 'lbr db init' makes one", "unknown_name")
             hint = f"there is no database {self._database}, so no rows are proposed: 'lbr db init' makes one"
-            return Looked(robot="", devices=found, proposals=[], hints=[*self._hints, hint])
+            return Looked(robot="", devices=found, proposals=[], hints=[*hints, hint])
         with opened(self._database) as rows:
             robot = self._whose(rows)
             there = {one.path for one in (*attached.ends(), *ends)} | {one.address for one in found}
             known, proposals = propose(rows.load(robot), self.kinds, found, there, self._called)
             offers = [self._offer(rows, robot, one) for one in proposals]
-        return Looked(robot=robot, devices=known, proposals=offers, hints=self._hints)
+        return Looked(robot=robot, devices=known, proposals=offers, hints=hints)
 
     def write(self, robot: str, offers: Collection[Offer]) -> "Became":
         """Write the rows of some proposals, all or none; a row that several of them want is written once."""

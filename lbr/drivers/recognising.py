@@ -4,9 +4,11 @@ Nothing is written but their questions. Every end is asked within a time, whatev
 speaks rubbish or goes away ends in words.
 """
 
+import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from typing import Any
 
 from lbr.capability.context import Device
 from lbr.capability.recognition import Handshake, I2cHandshake, NameHandshake, Read, Seen, SerialHandshake
@@ -26,6 +28,9 @@ SHOWN_BYTES = 24
 FIRST_BAUD = 115_200
 LEAVE_S = 0.005
 """Until the last bytes have left: what has not when a line is closed is thrown away."""
+JUDGED_S = 1.0
+"""A package's driver has so long to say what some bytes are, which takes others microseconds."""
+_HUNG: set[Callable[..., Seen | None]] = set()
 
 
 def serial(path: str, known: Known, *, wait_s: float, ask: bool = True) -> tuple[Found | None, str]:
@@ -144,10 +149,33 @@ def _read(bus: Bus, address: int, one: I2cHandshake) -> Seen | None:
     return _judged(one.seen, read)
 
 
+def hung() -> list[str]:
+    """Return the recognitions of packages that did not return, for people; no end is judged by them any more."""
+    return sorted(
+        f"{_name(judge)} has not returned within {JUDGED_S:g} s, and recognises nothing here" for judge in _HUNG
+    )
+
+
 def _judged(judge: Callable[..., Seen | None], told: bytes | str | Read) -> Seen | None:
     """Return what a driver makes of an answer; a judge that breaks at what a strange device says has not recognised it."""
-    try:
-        found = judge(told)
-    except Exception:  # noqa: BLE001 - it may be a package's, and what it is given may be anything
+    if judge in _HUNG:
         return None
-    return found if isinstance(found, Seen) else None
+    found: list[object] = []
+
+    def run() -> None:
+        with suppress(BaseException):  # it may be a package's, and what it is given may be anything
+            found.append(judge(told))
+
+    if _name(judge).startswith("lbr."):
+        run()
+    else:
+        thread = threading.Thread(target=run, daemon=True)
+        thread.start()
+        thread.join(JUDGED_S)
+        if thread.is_alive():
+            _HUNG.add(judge)
+    return found[0] if found and isinstance(found[0], Seen) else None
+
+
+def _name(judge: Callable[..., Any]) -> str:
+    return f"{getattr(judge, '__module__', '')}.{getattr(judge, '__qualname__', type(judge).__name__)}"

@@ -129,6 +129,34 @@ def other_end(folder, name, says=b"", *, every_s=0.0, hang_up=False):
             os.close(one)
 
 
+HANGING = """
+from threading import Event
+from msgspec import Struct
+from lbr.capability.kind import Kind
+from lbr.capability.recognition import SerialHandshake
+
+class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    device: str
+
+KIND = Kind(
+    name="crab", summary="a crab", family="driver", entry="crab:Crab", settings=Settings, device="crab",
+    recognised="crab:HANDSHAKE",
+)
+HANDSHAKE = SerialHandshake(baud=115_200, seen=lambda _heard: Event().wait(), questions=(b"a?",))
+"""
+
+
+@pytest.mark.timeout(40)
+def test_a_package_whose_recognition_never_returns_is_named_and_keeps_out_no_other(tmp_path, home, outside):
+    site = tmp_path / "site"
+    packages.package(site, "crab", entry_points={"lbr.capabilities": "crab = crab:KIND"}, files={"crab.py": HANGING})
+    with tapped("roboteq", tmp_path, settings=SERIAL["roboteq"]) as (device, _heard):
+        port = device.device.address
+        found = looked(["--port", port, "--wait", "5"], home, f"{site}{os.pathsep}{outside}")
+    assert [one["type"] for one in found["devices"]] == ["roboteq"]
+    assert [one for one in found["hints"] if one.startswith("crab.<lambda> has not returned within 1 s")]
+
+
 @pytest.mark.timeout(40)
 def test_what_floods_babbles_is_silent_goes_away_or_is_held_is_told_in_words_and_in_time(tmp_path, home):
     with ExitStack() as stack:
