@@ -117,6 +117,7 @@ class Context(Protocol[S_co]):
         """Publish on an output; it is also the answer to a later `get`. Never blocks, never raises on a dead bus.
 
         `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time.
+        TypeError: the message is of another type than the kind declares.
         """
 
     def forget(self, output: str) -> None:

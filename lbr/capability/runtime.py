@@ -228,6 +228,10 @@ class ProcessContext:
         """Publish on every key of an output; `taken_s` is when a picture was taken."""
         if output not in self._outputs:
             raise KeyError(f"'{self.name}' has no output '{output}'; it has {', '.join(self._outputs) or 'none'}")
+        declared = self._kind.outputs[output]
+        if not isinstance(message, declared):
+            what = f"a {type(message).__name__} on '{output}', which its kind declares to be {declared.__name__}"
+            raise TypeError(f"'{self.name}' publishes {what}")
         for publisher in self._outputs[output]:
             publisher.put(message, taken_s=taken_s)
 

@@ -120,3 +120,18 @@ def test_who_is_locked_out_is_out_while_a_file_is_broken(robot, file, greeted):
     until(lambda: "token 'tablet' has no rights any more" in robot.line("/report/events")["text"])
     assert pids(robot)["greeter"] == before["greeter"]
     assert any("ValueError" in problem for problem in robot.status()["problems"])
+
+
+def test_what_publishes_another_type_than_it_declares_is_told_in_one_sentence(robot, file):
+    file.write_text(
+        GOOD.replace("    pass", "    def step(self) -> None:\n        self.ctx.publish('said', {'value': 1})")
+        .replace("class Greeter", "class Said(Struct, frozen=True):\n    text: str\nclass Greeter")
+        .replace("entry=Greeter", "entry=Greeter, outputs={'said': Said}")
+    )
+    robot.edit(ROW)
+    words = "'greeter' publishes a dict on 'said', which its kind declares to be Said"
+
+    def told():
+        return any(words in unit["reason"] for unit in robot.status()["capabilities"] if unit["name"] == "greeter")
+
+    until(told, limit_s=15.0, what="it is told")
