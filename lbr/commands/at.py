@@ -41,7 +41,7 @@ def command(
     TIME is 10m (ago), 14:02, 'yesterday 9:30'. PART is what `why` is asked about, or a table of the rows. The answers are out of
     the black box; rows are out of the past that the rows have themselves, and out of the box if that is of other rows.
     """
-    from lbr.recording import times  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.recording import times  # noqa: PLC0415 - kept out of its `--help`
 
     now = time.time_ns()
     at_ns = times.moment_ns(when, now)

@@ -37,7 +37,7 @@ def command() -> None:
 @database_option
 def check(what: str, robot: str | None, database: Path | None) -> int:
     """Say all that is wrong with a table in FILE (CSV or JSON) or in the robot's rows, with line, column and what to do."""
-    from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of its `--help`
 
     if not _is_a_file(what):
         rows = _rows(database, robot)
@@ -134,7 +134,7 @@ def import_(
 @database_option
 def export(table: str, form: str, semicolons: bool, path: Path | None, robot: str | None, database: Path | None) -> int:
     """Write a TABLE as CSV or JSON, for a spreadsheet or for others; 'lbr behaviour import' takes it."""
-    from lbr.apps.behaviours import files  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours import files  # noqa: PLC0415 - kept out of its `--help`
 
     _, rows = _found(table, robot, database)
     if form == "json":
@@ -157,7 +157,7 @@ def export(table: str, form: str, semicolons: bool, path: Path | None, robot: st
 @database_option
 def show(table: str, svg: bool, path: Path | None, robot: str | None, database: Path | None) -> int:
     """Draw the states of a TABLE, and what leads from one to the next."""
-    from lbr.apps.behaviours import drawing, texts  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours import drawing, texts  # noqa: PLC0415 - kept out of its `--help`
 
     of_table, rows = _found(table, robot, database)
     drawn = drawing.svg(of_table, rows) if svg else texts.graph(of_table, rows) + "\n"
@@ -173,7 +173,7 @@ def show(table: str, svg: bool, path: Path | None, robot: str | None, database: 
 @database_option
 def list_(robot: str | None, database: Path | None) -> int:
     """List the behaviours in the robot's rows, and what is wrong with those that cannot be run."""
-    from lbr.apps.behaviours import texts  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours import texts  # noqa: PLC0415 - kept out of its `--help`
     from lbr.messages.behaviour import BehaviourState  # noqa: PLC0415
 
     rows = _rows(database, robot)
@@ -185,7 +185,7 @@ def list_(robot: str | None, database: Path | None) -> int:
 @command.command("columns")
 def columns() -> int:
     """List the columns that a condition may have: names of the telemetry, and of the run itself."""
-    from lbr.apps.behaviours import keys, outputs  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours import keys, outputs  # noqa: PLC0415 - kept out of its `--help`
 
     click.echo("as tables have always had them, distances in centimetres:\n  " + ", ".join(keys.COLUMNS))
     click.echo("any of the telemetry, by its last name where only one has it:")
@@ -257,7 +257,7 @@ def chosen(
     what: str, robot: str | None, database: Path | None
 ) -> "tuple[RobotRows, BehaviourTable, tuple[BehaviourRow, ...]]":
     """Return a robot's rows, and a table that can be run: of a FILE, or the robot's own by its name."""
-    from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of its `--help`
 
     rows = _rows(database, robot)
     if _is_a_file(what):
@@ -282,7 +282,7 @@ def _name_of(path: Path) -> str:
 
 def _read(path: Path, name: str) -> "Read":
     """Return what is in a file, and what could not be read of it."""
-    from lbr.apps.behaviours import files  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours import files  # noqa: PLC0415 - kept out of its `--help`
     from lbr.database import given_files  # noqa: PLC0415
 
     content = given_files.read(path, files.LARGEST_BYTES)
@@ -294,7 +294,7 @@ def _fits(path: Path, table: BehaviourTable, found: "Read", rows: "RobotRows | N
 
     Of one that cannot all be read that is all cells: what lacks some says nothing of its states and their ways.
     """
-    from lbr.apps.behaviours.table import cell_faults, compile_table, linked  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours.table import cell_faults, compile_table, linked  # noqa: PLC0415 - kept out of its `--help`
 
     if found.faults:
         told = [(one.line, f"{path}, {one}") for one in found.faults]
@@ -326,21 +326,21 @@ def _told(where: str, fault: "Fault", lines: Any) -> str:
 
 
 def _compiled(rows: "RobotRows") -> "dict[str, Compiled]":
-    from lbr.apps.behaviours.table import linked  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours.table import linked  # noqa: PLC0415 - kept out of its `--help`
 
     return linked(_alone(rows))
 
 
 def _alone(rows: "RobotRows") -> "dict[str, Compiled]":
     """Return every table of a robot, each checked by itself."""
-    from lbr.apps.behaviours.table import compiled_alone  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours.table import compiled_alone  # noqa: PLC0415 - kept out of its `--help`
 
     return compiled_alone(rows.of(BehaviourTable), rows.of(BehaviourRow), _parts(rows))
 
 
 def _parts(rows: "RobotRows | None") -> "Parts":
     """Return what a robot has for tables; anything if that is not known, or it has no capability that runs them."""
-    from lbr.apps.behaviours.keys import EVERY  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.behaviours.keys import EVERY  # noqa: PLC0415 - kept out of its `--help`
     from lbr.apps.behaviours.table import ANY_ROBOT, Parts  # noqa: PLC0415
     from lbr.messages.sensing import RING, RangeSensor  # noqa: PLC0415
 

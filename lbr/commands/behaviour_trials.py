@@ -75,7 +75,7 @@ def tries(
         return _one(setup, given["only"], given["fault"] or "", seed, as_json=as_json)
     if given["fault"]:
         raise InputError("--fault goes with --only: --faults 1 tries each fault once")
-    from rich.console import Console  # noqa: PLC0415 - kept out of `lbr --help`
+    from rich.console import Console  # noqa: PLC0415 - kept out of its `--help`
     from rich.progress import Progress  # noqa: PLC0415
 
     from lbr.lockstep.faults import ANY, BODY, DOCKING  # noqa: PLC0415
@@ -171,7 +171,7 @@ def _span(seconds: float) -> str:
 
 def _one(setup: "Setup", number: int, fault: str, seed: int, *, as_json: bool) -> int:
     """Try once, and tell all that happened."""
-    from lbr.lockstep.faults import EVERY  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.lockstep.faults import EVERY  # noqa: PLC0415 - kept out of its `--help`
     from lbr.lockstep.trying import made  # noqa: PLC0415
 
     if fault and fault not in EVERY:
@@ -205,7 +205,7 @@ def _setup(
     begins: "Begins | None",
 ) -> "Setup":
     """Return what the trials need: the robot's processes as its rows plan them, with the table."""
-    from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr import home  # noqa: PLC0415 - kept out of its `--help`
 
     if find_spec("mujoco") is None:
         raise InputError("trials need the extra 'sim': pip install 'lbr[sim]'", "not_possible")

@@ -45,7 +45,7 @@ def command() -> None:
 @json_option
 def list_box(robot: str | None, as_json: bool) -> int:
     """List what there is: the box itself, what it kept and why, and what was recorded on purpose."""
-    from lbr.recording import selection, shelf, times  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.recording import selection, shelf, times  # noqa: PLC0415 - kept out of its `--help`
 
     name, place = of_robot(robot)
     files, now = place.files(), time.time_ns()

@@ -18,7 +18,7 @@ Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 def complete_topic(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the topics of the robot that is meant, with their messages."""
     with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
-        from lbr.console import topics  # noqa: PLC0415 - kept out of `lbr --help`
+        from lbr.console import topics  # noqa: PLC0415 - kept out of its `--help`
 
         return _items(begun, ((one.name, one.message) for one in topics.catalogue(bus, robot, source)))
     return []
@@ -65,7 +65,7 @@ def of_rows(table: str, name: str, text: str = "") -> Complete:
     """Return what completes by a column of a table here, and tells another with it."""
 
     def complete(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-        from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
+        from lbr import home  # noqa: PLC0415 - kept out of its `--help`
         from lbr.database import glance  # noqa: PLC0415
 
         with suppress(LbrError):

@@ -85,7 +85,7 @@ def command(
     Each is asked by its driver's own question, which moves and changes nothing; what a robot that runs or another program
     holds is not opened. Nothing is written without --write, or a yes at a terminal. Exit code 2 if a proposal is bad.
     """
-    from lbr.commands import attached  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.commands import attached  # noqa: PLC0415 - kept out of its `--help`
 
     ports: tuple[str, ...] = how["ports"]
     if called is not None and (not called or len(ports) != 1):

@@ -33,7 +33,7 @@ class _Plan(NamedTuple):
 
 
 def _complete_format(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    from lbr.database import old_files  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.database import old_files  # noqa: PLC0415 - kept out of its `--help`
 
     return [CompletionItem(name, help=text) for name, text in old_files.formats().items() if name.startswith(begun)]
 

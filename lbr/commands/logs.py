@@ -18,7 +18,7 @@ MOST_LINES = 10_000
 
 def complete_log(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the logs that there are, to complete a command line by."""
-    from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr import home  # noqa: PLC0415 - kept out of its `--help`
 
     there = _names(home.home() / "logs", None)
     found = {*there, *(one for one, log in _sharing() if log in there)}

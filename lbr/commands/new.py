@@ -73,7 +73,7 @@ def capability(name: str, into: Path) -> int:
 
 
 def _write(what: "What", name: str, into: Path) -> int:
-    from lbr.commands import scaffold  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.commands import scaffold  # noqa: PLC0415 - kept out of its `--help`
 
     folder = scaffold.write(what, name, into)
     click.echo(f"wrote {folder}. What to do next:")

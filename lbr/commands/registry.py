@@ -43,7 +43,7 @@ def serve(host: str, port: int) -> int:
 @click.argument("name")
 def add(name: str) -> int:
     """Make a token of this name and print it, once: for a robot that is to be listed, or for who is to read the list."""
-    from lbr.apps.registry.guests import Guests  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.apps.registry.guests import Guests  # noqa: PLC0415 - kept out of its `--help`
 
     click.echo(str(Guests().add(name)))
     click.echo(
@@ -87,7 +87,7 @@ def list_tokens(as_json: bool) -> int:
 @json_option
 def list_robots(url: str, token_file: Path | None, as_json: bool) -> int:
     """List the robots that the service at URL knows, such as https://HOST:9147, those that are up first."""
-    import msgspec  # noqa: PLC0415 - kept out of `lbr --help`
+    import msgspec  # noqa: PLC0415 - kept out of its `--help`
 
     from lbr.apps.registry import asking  # noqa: PLC0415
     from lbr.apps.registry.book import Listed  # noqa: PLC0415

@@ -78,7 +78,7 @@ def command(
     WHAT is the box (if left out), what it kept, a recording or a file. Meanwhile `lbr topic`, `lbr plot` and `lbr status` with
     --robot replay look at it. In a terminal space pauses, the arrows jump and change the speed, q ends.
     """
-    from lbr.console.interrupt import interruptible  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.console.interrupt import interruptible  # noqa: PLC0415 - kept out of its `--help`
     from lbr.recording import selection  # noqa: PLC0415
     from lbr.recording.player import Player  # noqa: PLC0415
 

@@ -12,7 +12,7 @@ def command(as_json: bool) -> int:
 
     A robot of a package that cannot be used is told with the reason; the others run. Needs no running robot.
     """
-    from lbr.executive.planning import joining, profile  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.executive.planning import joining, profile  # noqa: PLC0415 - kept out of its `--help`
     from lbr.robots import registry  # noqa: PLC0415
 
     found = [(one, joining.fault(one)) for one in registry.every()]

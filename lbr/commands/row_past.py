@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 def complete_table(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the tables whose changes are kept, to complete a command line by."""
-    from lbr.database.shipped import shipped  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.database.shipped import shipped  # noqa: PLC0415 - kept out of its `--help`
     from lbr.resources import robot_db_sql  # noqa: PLC0415
 
     return [CompletionItem(name) for name in shipped(robot_db_sql())[1] if name.startswith(begun)]

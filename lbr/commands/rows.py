@@ -34,7 +34,7 @@ def opened(path: Path | None = None) -> "Database":
 def robot_in(database: "Database", named: str | None = None) -> str:
     """Return the robot that is named, the only one in a database, or of several the one that `lbr run` starts when
     nothing is said."""
-    from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of its `--help`
 
     if named is not None:
         return database.robots(named)[0]

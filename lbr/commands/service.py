@@ -79,7 +79,7 @@ def install(
 
     May be repeated: user, right to power off and relay stay what they were unless something else is said.
     """
-    from lbr.commands import placing  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.commands import placing  # noqa: PLC0415 - kept out of its `--help`
 
     files = _files(profile, user, root, power_off=power_off, motor_relay=motor_relay)
     code = _report(lambda: placing.install(root, files, overwrite=overwrite, dry_run=dry_run))
@@ -95,7 +95,7 @@ def install(
 @overwrite_option
 def remove(root: Path, dry_run: bool, overwrite: bool) -> int:
     """Stop and forget the services, and take their files away. The robot's rows and logs stay."""
-    from lbr.commands import placing  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.commands import placing  # noqa: PLC0415 - kept out of its `--help`
     from lbr.commands.unitfiles import UNIT  # noqa: PLC0415
 
     if (root / UNIT).exists() and os.access((root / UNIT).parent, os.W_OK):
@@ -117,7 +117,7 @@ _RELOAD = (
 
 
 def _files(profile: str, user: str | None, root: Path, *, power_off: bool, motor_relay: str | None) -> dict[str, str]:
-    from lbr.commands import unitfiles  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr.commands import unitfiles  # noqa: PLC0415 - kept out of its `--help`
 
     before = unitfiles.extras_of(root)
     extras = unitfiles.Extras(

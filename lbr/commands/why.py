@@ -26,7 +26,7 @@ EVENTS = 200
 
 def complete_part(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the parts that the rows here have, to complete a command line by."""
-    from lbr import home  # noqa: PLC0415 - kept out of `lbr --help`
+    from lbr import home  # noqa: PLC0415 - kept out of its `--help`
     from lbr.why import chain  # noqa: PLC0415
 
     path = home.default_database()
