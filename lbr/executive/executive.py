@@ -67,7 +67,7 @@ from lbr.executive.service.latch import Latch, LatchKeeper
 from lbr.executive.service.overview import Overview
 from lbr.executive.service.pairing import GOOD_FOR_S, Code, Pairing
 from lbr.executive.service.pairing_service import Grants, PairingService
-from lbr.messages.system import CapabilityStatus, ConsoleResult, Event, Role, Status
+from lbr.messages.system import CapabilityStatus, ConsoleResult, EstopState, Event, Role, Status
 from lbr.names import did_you_mean
 
 LOOK_AT_ROWS_S = 0.2
@@ -309,6 +309,11 @@ class Executive:
             reset=self._service.answer_reset,
             wake=self._main.wake,
         )
+        self._begin(bus, estop)
+
+    def _begin(self, bus: session.Session, estop: EstopState) -> None:
+        """Answer, be seen, and start what is planned."""
+        robot = self.plan.robot
         self._service.start()
         self._status_out = wire.Publisher(bus, keys.status(robot), "executive", renew=self._as_of_now)
         self._presence = wire.Presence(bus, robot, lambda _name, _alive: self._main.wake())
