@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -75,14 +75,16 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
 
 
 def _stop_all(robots: list["Target"], line: str, as_json: bool) -> int:
-    """Say a stop to each robot; none waits for another."""
+    """Say a stop to each robot, and print what each answers once it has; none waits for another."""
+    said: dict[str, ConsoleResult] = {}
     with ThreadPoolExecutor(len(robots)) as pool:
-        said = dict(zip([one.robot for one in robots], pool.map(lambda one: _said(one, line), robots), strict=True))
+        asked = {pool.submit(_said, one, line): one.robot for one in robots}
+        for answered in as_completed(asked):
+            said[asked[answered]] = result = answered.result()
+            if not as_json:
+                click.echo(f"{asked[answered]}: {one_line(result.text)}", err=result.code != 0)
     if as_json:
         print_json({name: {"code": result.code, "text": result.text} for name, result in said.items()})
-    else:
-        for name, result in said.items():
-            click.echo(f"{name}: {one_line(result.text)}", err=result.code != 0)
     return max(result.code for result in said.values())
 
 

@@ -2,7 +2,9 @@
 
 import os
 import signal
+import subprocess
 
+from tests.support import programs
 from tests.support import robot as robots
 
 
@@ -28,3 +30,22 @@ def test_a_stop_that_names_no_robot_reaches_all_that_run_here_and_nothing_else_d
         assert "say which with --robot NAME" in refused.stderr
         assert robots.lbr(home, "send", "--robot", "lbr", "reset").returncode == 0
         assert other.ask("@estop")["engaged"]
+
+
+def test_a_stop_to_several_robots_tells_what_each_answers_without_waiting_for_one_that_hangs(tmp_path):
+    home = robots.prepare(tmp_path / "h", edits=(robots.only("lbr"), robots.only("uxa90")))
+    with robots.running(home) as one, robots.running(home, profile="uxa90-sim"):
+        os.kill(one.popen.pid, signal.SIGSTOP)
+        sent = programs.start(
+            [*robots.LBR, "send", "s"],
+            env=robots.environment(home),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+        try:
+            assert sent.stdout.readline().startswith("uxa90: ")
+        finally:
+            os.kill(one.popen.pid, signal.SIGCONT)
+            rest, _ = sent.communicate()
+    assert rest.startswith("lbr: "), "it answered once it went on, and had not been given up"
