@@ -312,7 +312,7 @@ HUGE = b"\x30\xff\xff\xff\x7f" + struct.pack(">H", 1) + b"a"
 def test_a_broker_that_talks_nonsense_is_left_and_tried_again(lies, complaint):
     liar = Liar(lies)
     broker = Broker(host="127.0.0.1", port=liar.port, client_id="rob", keepalive_s=20, topics=("a",))
-    session, told = Session(broker, lambda: told.add(session.trouble)), set()
+    session, told = Session(broker, lambda: told.add(session.trouble), lambda _: False), set()
     session.start()
     try:
         until(lambda: liar.served >= 2, what="a second try", limit_s=8.0)
@@ -375,7 +375,9 @@ def shake_hands(client, server):
 
 
 def test_a_broker_that_is_not_there_is_told_of_and_costs_nothing():
-    session = Session(Broker(host="127.0.0.1", port=free_port(), client_id="rob", keepalive_s=20), lambda: None)
+    session = Session(
+        Broker(host="127.0.0.1", port=free_port(), client_id="rob", keepalive_s=20), lambda: None, lambda _: False
+    )
     session.start()
     until(lambda: "refused" in session.trouble, what="why")
     session.close()

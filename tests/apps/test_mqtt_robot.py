@@ -30,6 +30,8 @@ WORDS = {
     "round": {"do": "turn", "most_deg": 90},
 }
 TOPIC = "lbr/lbr"
+FLOOD = 45
+"""Of messages, twice: more at once than wait to be read, and fewer than may be answered without an acknowledgement."""
 
 
 @pytest.fixture(scope="module")
@@ -220,6 +222,16 @@ def test_a_table_runs_when_asked_and_a_stop_from_there_ends_it(robot, person):
     person.say(f"{TOPIC}/ask/stop", "PRESS")
     until(lambda: asked(robot, "behaviour/state")["phase"] == "ended", what="its end")
     rests(robot)
+
+
+def test_a_stop_in_a_flood_of_other_messages_ends_what_moves(robot, person):
+    person.say(f"{TOPIC}/ask/slowly", "PRESS")
+    until(lambda: drive(robot)["moving"], what="motion")
+    flood = [f"{TOPIC}/ask/nothing"] * FLOOD
+    for topic in (*flood, f"{TOPIC}/ask/stop", *flood):
+        person.client.publish(topic, "PRESS", qos=0)
+    rests(robot)
+    assert asked(robot, "drive/result")["reason"] == "stopped by mqtt: stopped by 'stop'"
 
 
 def test_when_the_sender_is_killed_the_robot_stops_by_its_lease_and_is_told_to_be_gone(robot, person):

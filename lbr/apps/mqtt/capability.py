@@ -4,6 +4,7 @@ Motion is borrowed by leases as by anyone, one goal at a time, and ends when thi
 is lost: who asked for it could not stop it any more.
 """
 
+from contextlib import suppress
 from importlib.metadata import version
 from math import inf
 from typing import Any, NamedTuple
@@ -14,7 +15,7 @@ from lbr.apps.mqtt import MqttSettings, discovery, report, words
 from lbr.apps.mqtt.echo import Echo
 from lbr.apps.mqtt.session import Broker, Incoming, Outgoing, Session, secret, secured
 from lbr.apps.mqtt.shadow import Asked, ShadowState
-from lbr.apps.mqtt.words import Ask, Motion, Order
+from lbr.apps.mqtt.words import Ask, Motion, Order, StopWord
 from lbr.bus.door import TokenRight
 from lbr.bus.lease_client import LeaseTarget
 from lbr.capability.base import Capability
@@ -104,7 +105,7 @@ class Mqtt(Capability[MqttSettings]):
         if not settings.host:
             return
         try:
-            self._session = Session(self._broker(), self.ctx.wake)
+            self._session = Session(self._broker(), self.ctx.wake, self._may_stop)
         except InputError as err:
             raise DeviceError(str(err)) from err
         self._session.start()
@@ -227,6 +228,20 @@ class Mqtt(Capability[MqttSettings]):
 
     # What is asked.
 
+    def _may_stop(self, message: Incoming) -> bool:
+        """Say whether a message is a stop, or a shadow's, which may desire one; called on the connection's thread."""
+        if self._shadow is not None and message.topic.startswith(f"{self._shadow.root}/"):
+            return True
+        name = self._word_in(message.topic)
+        if not name and len(message.payload) <= LARGEST_ASK:
+            with suppress(InputError):
+                name = words.read(_json(message.payload)).word
+        return isinstance(self.ctx.settings.words.get(name), StopWord)
+
+    def _word_in(self, topic: str) -> str:
+        """Return the word that a topic of our own names, if any."""
+        return topic.removeprefix(f"{self._topic}/ask").lstrip("/")
+
     def _hear(self, message: Incoming, now: float) -> None:
         """Do what a message asks for; whatever is wrong with it is said with its topic."""
         try:
@@ -242,7 +257,7 @@ class Mqtt(Capability[MqttSettings]):
 
     def _serve(self, message: Incoming, now: float) -> None:
         """Take a word that came on a topic of our own: named by it, or in the message."""
-        name = message.topic.removeprefix(f"{self._topic}/ask").lstrip("/")
+        name = self._word_in(message.topic)
         ask = Ask(word=name[:LONGEST_WORD])
         try:
             _refuse_unfit(message)

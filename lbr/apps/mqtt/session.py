@@ -24,6 +24,7 @@ from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from lbr import home
 from lbr.apps.mqtt.documents import LARGEST_BYTES
+from lbr.apps.mqtt.inbox import Inbox
 from lbr.apps.retry import wait_s
 from lbr.errors import InputError
 
@@ -33,7 +34,7 @@ CONNECT_S = 5.0
 LOOK_S = 0.1
 LARGEST_PACKET = LARGEST_BYTES + 1024
 MOST_WAITING = 64
-"""Of messages either way: what comes faster than it is read is dropped, the oldest first, and so is what is sent."""
+"""Of messages either way: what comes faster than it is read is dropped, the oldest first and stops last, and so is what is sent."""
 MOST_UNACKNOWLEDGED = 100
 NEWEST_PROTOCOL = mqtt.MQTTv5
 LATER = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
@@ -111,14 +112,20 @@ class Session:
     """A connection and those after it. `start` and `close` it; `connected` and `trouble` are how it stands, and `count` how
     many connections there were."""
 
-    def __init__(self, broker: Broker, wake: Callable[[], None], clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        broker: Broker,
+        wake: Callable[[], None],
+        is_stop: Callable[[Incoming], bool],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self.connected = False
         self.trouble = "it was not reached yet"
         self.count = 0
         self._broker = broker
         self._wake = wake
         self._clock = clock
-        self._inbox: deque[Incoming] = deque(maxlen=MOST_WAITING)
+        self._inbox: Inbox[Incoming] = Inbox(MOST_WAITING, is_stop)
         self._outbox: deque[Outgoing] = deque(maxlen=MOST_WAITING)
         self._last: tuple[Outgoing, ...] = ()
         self._ends = threading.Event()
@@ -135,11 +142,7 @@ class Session:
 
     def take(self) -> list[Incoming]:
         """Return what came since the last call."""
-        found = []
-        with suppress(IndexError):
-            while True:
-                found.append(self._inbox.popleft())
-        return found
+        return self._inbox.take()
 
     def close(self, last: Iterable[Outgoing] = (), within_s: float = 0.3) -> None:
         """Say the last words and leave; a broker that does not listen is left all the same."""
@@ -256,7 +259,7 @@ class Session:
         self._wake()
 
     def _on_message(self, _client: mqtt.Client, _data: Any, message: mqtt.MQTTMessage) -> None:
-        self._inbox.append(Incoming(message.topic, message.payload, message.retain))
+        self._inbox.put(Incoming(message.topic, message.payload, message.retain))
         self._wake()
 
     def _on_disconnect(self, _client: mqtt.Client, _data: Any, _flags: Any, code: Any, _properties: Any) -> None:
