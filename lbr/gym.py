@@ -80,8 +80,8 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
     ) -> None:
         if render_mode is not None:
             raise InputError(f"'{ID}' draws nothing: leave render_mode out", "bad_value")
-        if not max_s > 0.0:  # this way round, NaN is refused
-            raise InputError(f"max_s {max_s:g} is no number of seconds above 0", "bad_value")
+        if not isinstance(max_s, int | float) or not max_s > 0.0:  # this way round, NaN is refused
+            raise InputError(f"max_s {max_s!r} is no number of seconds above 0", "bad_value")
         self.render_mode = None
         self._max_s = max_s
         self._robot = robot

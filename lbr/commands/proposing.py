@@ -94,8 +94,12 @@ def _new(
     settings = {"device": name, **one.settings}
     row = RowChange(table="capability", after={"name": capability, "kind": kind.name, "settings": settings})
     channels = list(_channels(capability, kind, rows, kinds))
-    wired = f", wired by {len(channels)} channels" if channels else ""
     waiting = list(_waiting(kind, rows, kinds))
+    if channels:
+        wired = f", wired by {len(channels)} channels"
+    else:
+        heard = bool(waiting) or not kind.outputs
+        wired = "" if heard else ", which nothing hears: rows of the table 'channel' say who does"
     on = f"; switch on {' and '.join(waiting)}, for which it is" if waiting else ""
     return Proposal(
         address=one.address,

@@ -363,6 +363,16 @@ def test_two_alike_that_are_new_are_written_together_and_only_the_first_is_wired
     assert kept == [(type_,), (f"{type_}_2",)]
 
 
+def test_what_nothing_would_hear_is_proposed_in_these_words(tmp_path):
+    kinds, _, _ = recognised.known_kinds(tmp_path)
+    riox = recognised.Attached(place="serial", address="/dev/ttyA", path="/dev/ttyA", type="riox", what="RIOX")
+    _, (offer,) = proposing.propose(RobotRows(robot=RobotRow(name="two")), kinds, [riox], {riox.path})
+    assert offer.text == (
+        "add it as device 'riox', with the capability 'riox' of kind 'riox', which nothing hears: "
+        "rows of the table 'channel' say who does"
+    )
+
+
 def test_of_many_alike_each_has_a_name_of_its_own(tmp_path):
     kinds, _, _ = recognised.known_kinds(tmp_path)
     many = [

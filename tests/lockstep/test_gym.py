@@ -105,7 +105,7 @@ def test_what_is_no_option_or_too_far_away_is_refused(room, options, said):
         room.reset(options=options)
 
 
-@pytest.mark.parametrize("max_s", [0.0, -1.0, float("nan")])
+@pytest.mark.parametrize("max_s", [0.0, -1.0, float("nan"), "x", None])
 def test_a_length_that_is_no_time_is_refused(max_s):
     with pytest.raises(InputError, match="is no number of seconds above 0"):
         gym.Room(max_s=max_s)
