@@ -163,7 +163,7 @@ def _judged(judge: Callable[..., Seen | None], told: bytes | str | Read) -> Seen
     found: list[object] = []
 
     def run() -> None:
-        with suppress(BaseException):  # it may be a package's, and what it is given may be anything
+        with suppress(Exception, SystemExit):  # it may be a package's, and what it is given may be anything
             found.append(judge(told))
 
     if _name(judge).startswith("lbr."):
