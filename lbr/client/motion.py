@@ -27,6 +27,7 @@ KEEP_S = 0.02
 """How often what keeps a motion looks at it; a lease is renewed each 0.1 s."""
 AT_MOST_S, LONGEST_S = 5.0, 30.0
 RELEASED = "the program released it"
+NAMES = "'lbr topic list' names what there is"
 
 
 class RefusalError(LbrError):
@@ -81,10 +82,11 @@ class Motion:
             self._client.step()
         if not self._client.holds:
             self._results.close()
-            why, hint = self._client.ended, f"; {robot.why_unanswered}" if robot.why_unanswered else ""
+            why = self._client.ended
+            silent = f"'{key}' does not answer; {robot.why_unanswered or NAMES}"
             if why is None:
-                raise BusError(f"'{key}' does not answer{hint}")
-            raise RefusalError(why.code, f"{why.text}{hint}" if self._client.silent else why.text)
+                raise BusError(silent)
+            raise RefusalError(why.code, silent if self._client.silent else why.text)
 
     def __enter__(self) -> Self:
         return self

@@ -236,6 +236,13 @@ def test_a_forked_process_is_told_to_be_spawned_and_leaves_its_parents_motion_al
     assert (parent, done.stderr, done.returncode) == ("0 True", "", 0)
 
 
+def test_a_motion_that_is_not_there_is_told_with_what_names_those_that_are(robot):
+    with pytest.raises(
+        client.RefusalError, match=r"'drive/nope' does not answer; 'lbr topic list' names what there is"
+    ):
+        robot.borrow("drive/nope")
+
+
 def test_a_program_that_outlives_its_robot_is_told_to_connect_again(running, robot):
     """The last one here: it ends the robot."""
     running.popen.terminate()
