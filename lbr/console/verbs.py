@@ -1,7 +1,7 @@
 """The one grammar: a line becomes what it asks for, or one sentence saying what is allowed. Pure."""
 
 import shlex
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from msgspec import Struct
@@ -122,12 +122,13 @@ class Vocabulary:
             for row in self._external.values()
         ]
 
-    def help(self) -> str:
-        """Return what can be said, as aligned lines for a person, by what does it."""
+    def help(self, running: Collection[str] | None = None) -> str:
+        """Return what can be said, as aligned lines for a person, by what does it: all, or by the capabilities that run."""
         groups: dict[str, list[tuple[str, str]]] = {}
         for verb in self._verbs:
             owner = verb.row.target_end[0]
-            groups.setdefault("" if owner == OWN else owner, []).append((verb.plain, verb.row.help))
+            if running is None or owner in {OWN, *running}:
+                groups.setdefault("" if owner == OWN else owner, []).append((verb.plain, verb.row.help))
         lines = [(_said(row), row.help or "An external command") for row in self._external.values()]
         width = min(max((len(said) for found in (*groups.values(), lines) for said, _ in found), default=0), 44)
         order = [(name, groups[name]) for name in sorted(groups)] + [("programs beside the robot", lines)]

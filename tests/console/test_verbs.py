@@ -206,6 +206,14 @@ def test_help_shows_every_pattern_as_people_say_it():
     assert "/r/power/angle/range/sensor/interval" in VOCABULARY.help()
 
 
+def test_help_of_a_robot_is_of_what_runs_and_of_its_own_words():
+    told = VOCABULARY.help(("speech",))
+    assert "/r/power" not in told
+    assert "\nshutdown " in told.lower()
+    assert "beam [left or right]" in told
+    assert VOCABULARY.help(("drive",)).count("/r/power") == VOCABULARY.help().count("/r/power")
+
+
 pieces = st.sampled_from(["/", "r", "s", "stop", " ", "0.2", "forward", "!", "'", "\\", "clock", "\x00", "é", "\uff19"])
 lines = st.one_of(st.text(max_size=60), st.lists(pieces | st.text(max_size=3), max_size=20).map("".join), st.binary())
 

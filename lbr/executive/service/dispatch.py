@@ -329,7 +329,7 @@ class Dispatcher:
         words = self._robot.vocabulary
         word, entries = str(call.payload.get("word", "")), words.entries(choices(self._robot.plan, home.home()))
         if not word:
-            return ConsoleResult(code=DONE, text=words.help(), data=entries)
+            return ConsoleResult(code=DONE, text=words.help(self._robot.plan.units), data=entries)
         found = [entry for entry in entries if entry["word"] == word.strip("/")]
         return ConsoleResult(code=DONE, text=words.tell(word.strip("/"), found), data=found)
 
