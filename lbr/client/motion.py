@@ -27,7 +27,7 @@ KEEP_S = 0.02
 """How often what keeps a motion looks at it; a lease is renewed each 0.1 s."""
 AT_MOST_S, LONGEST_S = 5.0, 30.0
 RELEASED = "the program released it"
-NAMES = "'lbr topic list' names what there is"
+WHAT_THERE_IS = "'lbr topic list' names what there is"
 
 
 class RefusalError(LbrError):
@@ -83,7 +83,7 @@ class Motion:
         if not self._client.holds:
             self._results.close()
             why = self._client.ended
-            silent = f"'{key}' does not answer; {robot.why_unanswered or NAMES}"
+            silent = f"'{key}' does not answer; {robot.why_unanswered or WHAT_THERE_IS}"
             if why is None:
                 raise BusError(silent)
             raise RefusalError(why.code, silent if self._client.silent else why.text)

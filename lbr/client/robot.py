@@ -15,7 +15,7 @@ import msgspec
 from lbr import home
 from lbr.bus import wire
 from lbr.bus.session import FORKED, Session, open_client
-from lbr.client.motion import AT_MOST_S, NAMES, KeptMotion, Message, Motion, RefusalError, of_numbers
+from lbr.client.motion import AT_MOST_S, WHAT_THERE_IS, KeptMotion, Message, Motion, RefusalError, of_numbers
 from lbr.client.words import Words
 from lbr.console import lines, target
 from lbr.console.operator import BusOperator
@@ -125,7 +125,7 @@ class Robot:
             found: Message = msgspec.json.decode(raw.payload)
             return found
         hint = f"{why}; " if why and not self._gone else ""
-        raise self._told(f"nothing answers on '{name}'; {hint}{NAMES}")
+        raise self._told(f"nothing answers on '{name}'; {hint}{WHAT_THERE_IS}")
 
     def stream(self, name: str, *, within_s: float = 2.0) -> Generator[Message, None, None]:
         """Yield the messages of a stream as they come, always the newest; raise BusError after a silence."""

@@ -62,9 +62,8 @@ def motors_deaf(under_test: Bench) -> None:
     under_test.trace.read()
     heard = under_test.trace.lines(resumed_ns)
     stale = [line.text for line in heard if line.moves]
-    if (
-        heard
-    ):  # what waited jumps to a power that had been reached bit by bit; a busy machine hears it later than it was told
+    if heard:
+        # What waited jumps to a power that had been reached bit by bit; on a busy machine that is later than it was asked for.
         under_test.excused.append((resumed_ns, heard[0].at_ns + int(STALE_MS * 1e6)))
     turned_ms = _turned_ms(under_test.trace.outputs(resumed_ns))
     under_test.results.sample("S17 lines", len(stale))
