@@ -1,6 +1,7 @@
 """What a broker says, and what is said to it: pure, so that it is tried with whatever may come."""
 
 import json
+import re
 import socket
 import ssl
 import struct
@@ -249,6 +250,24 @@ def test_home_assistant_gets_a_sensor_for_each_part_and_a_button_or_field_for_ea
     assert (parts["ask_go"]["min"], parts["ask_go"]["max"]) == (-50.0, 50.0)
     assert len({one["unique_id"] for one in parts.values()}) == len(parts)
     assert not any("state_topic" in one for key, one in parts.items() if key.startswith("ask_"))
+
+
+def test_each_sensor_is_available_while_the_robot_knows_its_value_and_no_template_reads_what_is_not_there():
+    said = discovery.document("rob", "", "lbr/rob", KIND.settings().report, {}, picture=False, version="1")
+    sensors = {key: one for key, one in said["cmps"].items() if one["state_topic"] == "lbr/rob/state"}
+    assert set(sensors) == set(said["cmps"]) - {"answer"}
+    for one in sensors.values():
+        whole, known = one["availability"]
+        assert (one["availability_mode"], whole) == ("all", said["availability"][0])
+        assert known["topic"] == one["state_topic"]
+        read = known["value_template"].partition("%}")[0]
+        assert one["value_template"].startswith(read)
+        assert re.fullmatch(r"\{% set v = \(?value_json\.get\('\w+'\)( or \{\}\)\.get\('\w+'\))? ", read)
+    assert "None" in sensors["fault"]["value_template"]
+
+
+def test_faults_are_not_known_where_no_stream_would_tell_them():
+    assert report.report(("faults",), {}.get, (), 1.0) == {"faults": None}
 
 
 @pytest.mark.parametrize(

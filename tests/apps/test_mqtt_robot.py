@@ -112,7 +112,7 @@ def test_home_assistant_finds_the_robot_and_hears_how_it_is(robot, person):
     found = json.loads(config)
     assert found["dev"]["name"] == "Rob"
     assert {f"ask_{word}" for word in WORDS} <= set(found["cmps"])
-    assert person.on(found["availability_topic"])[-1] == b"online"
+    assert person.on(found["availability"][0]["topic"])[-1] == b"online"
     state = until(lambda: person.on(found["cmps"]["battery"]["state_topic"]), what="a state", limit_s=8.0)[-1]
     assert json.loads(state)["motion"]["moving"] is False
 

@@ -17,10 +17,12 @@ def document(
     robot: str, name: str, topic: str, parts: Collection[str], words: Mapping[str, Word], *, picture: bool, version: str
 ) -> dict[str, Any]:
     """Return the device with its sensors, for the parts that are reported, and its buttons, for the words of its row."""
-    state = {"state_topic": f"{topic}/state"}
-    sensors = {key: state | one for key, one in _sensors(parts).items()}
+    sensors = {key: _known(topic, **one) for key, one in _sensors(parts).items()}
     components = {**sensors, **{f"ask_{said}": _asking(said, word, topic) for said, word in words.items()}}
-    components["answer"] = _sensor("Last answer", "answer", icon="mdi:message-reply-text") | {
+    components["answer"] = {
+        "p": "sensor",
+        "name": "Last answer",
+        "icon": "mdi:message-reply-text",
         "state_topic": f"{topic}/answer",
         "value_template": "{{ (value_json.reason or value_json.state)[:250] }}",
     }
@@ -29,7 +31,7 @@ def document(
     return {
         "dev": {"ids": [f"lbr_{robot}"], "name": name or robot, "mf": "lbr", "mdl": robot, "sw": version},
         "o": {"name": "lbr", "sw": version},
-        "availability_topic": f"{topic}/available",
+        "availability": [{"topic": f"{topic}/available"}],
         "qos": 1,
         "cmps": {key: {"unique_id": f"lbr_{robot}_{key}", **one} for key, one in components.items()},
     }
@@ -38,40 +40,62 @@ def document(
 def _sensors(parts: Collection[str]) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, dict[str, Any]]] = {
         "battery": {
-            "battery": _sensor("Battery", "charge_percent", of="battery", unit="%", kind="battery"),
-            "voltage": _sensor("Battery voltage", "voltage_v", of="battery", unit="V", kind="voltage"),
+            "battery": _measured("Battery", "battery", "charge_percent", unit="%", device_class="battery"),
+            "voltage": _measured("Battery voltage", "battery", "voltage_v", unit="V", device_class="voltage"),
         },
-        "docked": {"docked": _binary("Docked", "value_json.docked", kind="plug")},
+        "docked": {"docked": _binary("Docked", _value("docked"), device_class="plug")},
         "position": {
-            "position_x": _sensor("Position x", "x_m", of="position", unit="m", kind="distance"),
-            "position_y": _sensor("Position y", "y_m", of="position", unit="m", kind="distance"),
-            "heading": _sensor("Heading", "heading_deg", of="position", unit="°", icon="mdi:compass"),
+            "position_x": _measured("Position x", "position", "x_m", unit="m", device_class="distance"),
+            "position_y": _measured("Position y", "position", "y_m", unit="m", device_class="distance"),
+            "heading": _measured("Heading", "position", "heading_deg", unit="°", icon="mdi:compass"),
         },
-        "motion": {"moving": _binary("Moving", "(value_json.motion or {}).get('moving')", kind="moving")},
-        "behaviour": {"behaviour": _sensor("Behaviour", "state", of="behaviour", icon="mdi:state-machine")},
+        "motion": {"moving": _binary("Moving", _value("motion", "moving"), device_class="moving")},
+        "behaviour": {
+            "behaviour": {"name": "Behaviour", "value": _value("behaviour", "state"), "icon": "mdi:state-machine"}
+        },
         "faults": {
-            "fault": _binary("Fault", "(value_json.faults or []) | length > 0", kind="problem"),
-            "faults": _sensor("Faults", "faults", icon="mdi:alert")
-            | {"value_template": "{{ ((value_json.faults or []) | join('; '))[:250] or 'none' }}"},
+            "fault": _binary("Fault", _value("faults"), device_class="problem"),
+            "faults": {
+                "name": "Faults",
+                "value": _value("faults"),
+                "shown": "(v | join('; '))[:250] or 'none'",
+                "icon": "mdi:alert",
+            },
         },
     }
     return {key: one for part in parts for key, one in found[part].items()}
 
 
-def _sensor(name: str, value: str, *, of: str = "", unit: str = "", kind: str = "", icon: str = "") -> dict[str, Any]:
-    where = f"(value_json.{of} or {{}}).get('{value}')" if of else f"value_json.{value}"
-    said = {"unit_of_measurement": unit, "device_class": kind, "icon": icon}
-    measured = {"state_class": "measurement"} if unit else {}
-    return (
-        {"p": "sensor", "name": name, "value_template": f"{{{{ {where} }}}}"}
-        | {k: v for k, v in said.items() if v}
-        | measured
-    )
+def _value(part: str, name: str = "") -> str:
+    """Return the expression of a value that is none where it is not known, also where its part is not there."""
+    whole = f"value_json.get('{part}')"
+    return f"({whole} or {{}}).get('{name}')" if name else whole
 
 
-def _binary(name: str, value: str, *, kind: str) -> dict[str, Any]:
-    template = f"{{% set v = {value} %}}{{{{ 'None' if v is none else 'ON' if v else 'OFF' }}}}"
-    return {"p": "binary_sensor", "name": name, "device_class": kind, "value_template": template}
+def _measured(name: str, part: str, value: str, *, unit: str, **more: str) -> dict[str, Any]:
+    measure = {"unit_of_measurement": unit, "state_class": "measurement"}
+    return {"name": name, "value": _value(part, value), **measure, **more}
+
+
+def _binary(name: str, value: str, **more: str) -> dict[str, Any]:
+    return {"platform": "binary_sensor", "name": name, "value": value, "shown": "'ON' if v else 'OFF'", **more}
+
+
+def _known(
+    topic: str, *, name: str, value: str, shown: str = "v", platform: str = "sensor", **more: str
+) -> dict[str, Any]:
+    """Return a sensor that is available while the robot is there and the value is known."""
+    state, read = f"{topic}/state", f"{{% set v = {value} %}}"
+    is_known = {"topic": state, "value_template": f"{read}{{{{ '{OFFLINE}' if v is none else '{ONLINE}' }}}}"}
+    return {
+        "p": platform,
+        "name": name,
+        "state_topic": state,
+        "value_template": f"{read}{{{{ 'None' if v is none else {shown} }}}}",
+        "availability": [{"topic": f"{topic}/available"}, is_known],
+        "availability_mode": "all",
+        **more,
+    }
 
 
 def _asking(said: str, word: Word, topic: str) -> dict[str, Any]:

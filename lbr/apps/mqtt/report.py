@@ -120,8 +120,10 @@ def _behaviour(behaviour: Any) -> Report | None:
     }
 
 
-def _faults(seen: Mapping[str, Any], wired: Collection[str]) -> list[str]:
-    """Return what is wrong, for people, the worst first."""
+def _faults(seen: Mapping[str, Any], wired: Collection[str]) -> list[str] | None:
+    """Return what is wrong, for people, the worst first; None where no stream is wired that would tell."""
+    if not any(name in wired for name in SOURCES):
+        return None
     found = [f"{name}: it says nothing" for name in SOURCES if name in wired and seen[name] is None]
     drive, joints, motors = seen["drive"], seen["joints"], seen["motors"]
     battery, odometry, attitude = seen["battery"], seen["odometry"], seen["attitude"]
