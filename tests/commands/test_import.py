@@ -197,6 +197,25 @@ def test_cameras_as_the_api_told_them(place, capsys):
     } <= told(found, "no_place")
 
 
+def test_controls_in_the_originals_groups_are_taken(place, capsys):
+    user = {"power_line_frequency": 1, "brightness": 18, "white_balance_automatic": 0, "gain": "x"}
+    held = {"user": user, "camera": {"auto_exposure": 1, "exposure_time_absolute": 500, "led1_mode": 1}}
+    camera = {"device": "/dev/video2", "status": "off", "settings": held}
+    (place / "cameras.json").write_text(json.dumps({"rear": camera}))
+    found = report(capsys, place / "cameras.json")
+    assert settings(place, "camera_rear")["controls"] == {
+        "power_line_frequency": 1,
+        "brightness": 18,
+        "auto_exposure": 1,
+        "exposure_time_absolute": 500,
+    }
+    assert {one for one in told(found, "no_place") if one[2].startswith("settings")} == {
+        ("cameras", "rear", "settings.user.white_balance_automatic"),
+        ("cameras", "rear", "settings.user.gain"),
+        ("cameras", "rear", "settings.camera.led1_mode"),
+    }
+
+
 MOTORS = [
     {
         "id": 23,

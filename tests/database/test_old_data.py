@@ -53,7 +53,7 @@ def test_cells_by_chance_become_good_rows_or_notes(drawn):
     taken("lbr", OldDatabase(foreign_tables.of_database(old_database(**changed)), "/nowhere"))
 
 
-@given(st.dictionaries(st.sampled_from(["front", "rear", "x"]), st.fixed_dictionaries({"device": st.text(max_size=9), "status": JSON, "settings": JSON})))  # fmt: skip
+@given(st.dictionaries(st.sampled_from(["front", "rear", "x"]), st.fixed_dictionaries({"device": st.text(max_size=9), "status": JSON, "settings": JSON | st.fixed_dictionaries({"user": JSON, "camera": JSON})})))  # fmt: skip
 def test_cameras_by_chance_become_good_rows_or_notes(cameras):
     taken("lbr", OldCameras(cameras))
 

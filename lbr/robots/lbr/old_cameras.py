@@ -9,6 +9,8 @@ from lbr.messages.rows import shown
 from lbr.robots.old_data import Choice, Here, Note, OldData, Source, Want
 
 _CONTROL = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}", re.ASCII)
+_GROUPS = ("user", "camera")
+"""How the original groups a camera's controls, as V4L2 does."""
 _WRONG = {
     "white_balance_automatic": "the original set another control by this name",
     "exposure_dynamic_framerate": "the original never set it",
@@ -73,12 +75,12 @@ def _camera(name: str, camera: Mapping[str, Any], here: Here) -> Iterator[Want |
     if not isinstance(controls, dict):
         yield Note("no_place", "cameras", row, "settings", "it is no table of controls")
         return
-    for control, value in controls.items():
+    for control, where, value in _controls(controls):
         if not _CONTROL.fullmatch(control):
             yield Note("no_place", "cameras", row, "settings", f"'{shown(control)}' is no name of a control")
         elif control in _WRONG or isinstance(value, bool) or not isinstance(value, int | float):
             text = _WRONG.get(control, f"'{shown(value)}' is not a number")
-            yield Note("no_place", "cameras", row, f"settings.{shown(control)}", text)
+            yield Note("no_place", "cameras", row, f"settings.{where}", text)
         else:
             yield Want(
                 "capability",
@@ -86,3 +88,12 @@ def _camera(name: str, camera: Mapping[str, Any], here: Here) -> Iterator[Want |
                 {f"settings.controls.{control}": value},
                 f"cameras '{row}', {control}",
             )
+
+
+def _controls(controls: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
+    """Yield each control: its name, where it stands, and its value; the original keeps them in groups."""
+    for name, value in controls.items():
+        if name in _GROUPS and isinstance(value, dict):
+            yield from ((inner, f"{name}.{shown(inner)}", one) for inner, one in value.items())
+        else:
+            yield name, shown(name), value
