@@ -1,0 +1,239 @@
+"""Measures what the tests find of small faults in the code that stops, limits, lends, decodes and stores.
+
+`python -m benchmarks mutants --each 16`. So many faults are drawn for each part: an operator turned, a bound moved, a check or a
+step left out. Each is put into a copy of this tree alone, and the tests that run its line are run on it, the quickest first, until
+one fails. Which tests run a line is measured before, once for each part, without those that need a whole robot; a fault that they
+do not find is tried on the part's tests with real processes (`--robots`). Faults that change nothing that anyone could see stand
+in `instruments/equal_mutants.toml`, each with its reason.
+"""
+
+import argparse
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from fnmatch import fnmatch
+from pathlib import Path
+
+import coverage
+import msgspec
+from msgspec import Struct
+
+from benchmarks import FOLDER, Measured, listed
+from benchmarks.instruments.mutation import Mutant, mutants
+
+SMOKE = "--each 1 --parts leases"
+ROOT = FOLDER.parent
+EQUAL = FOLDER / "instruments" / "equal_mutants.toml"
+LEFT_OUT = shutil.ignore_patterns(".git", ".venv", "node_modules", "__pycache__", ".*_cache", ".hypothesis", "build")
+LONGEST_S = 120.0
+"""A fault whose tests have not ended by then has stopped something: it is found."""
+QUICK_S = 60.0
+"""The tests of one fault are the quickest of those that run its line, so many seconds of them."""
+
+
+class Part(Struct, frozen=True):
+    """A part of the code, and the tests that belong to it: in one process, and with real ones."""
+
+    code: tuple[str, ...]
+    tests: tuple[str, ...]
+    robots: tuple[str, ...] = ("tests/safety",)
+    stops: bool = False
+
+
+PARTS = {
+    "leases": Part(
+        ("lbr/operations/leasing/*.py", "lbr/leases/*.py", "lbr/bus/lease_client.py"),
+        ("tests/operations/leasing", "tests/leases", "tests/operations/drive", "tests/bus/test_lease_client.py", "tests/models"),
+        stops=True,
+    ),
+    "drive": Part(("lbr/operations/drive/*.py",), ("tests/operations/drive", "tests/models"), stops=True),
+    "joints": Part(("lbr/operations/joints/*.py",), ("tests/operations/joints", "tests/models"), stops=True),
+    "wheels": Part(
+        ("lbr/drivers/wheels/*.py", "lbr/drivers/setpoint_gate.py"),
+        ("tests/drivers/test_wheels*.py", "tests/drivers/test_setpoint_gate.py", "tests/testing", "tests/drivers/test_roboteq*.py"),
+        stops=True,
+    ),
+    "servos": Part(
+        ("lbr/drivers/servos/*.py",),
+        ("tests/drivers/test_servos*.py", "tests/drivers/test_dynamixel*.py", "tests/testing"),
+        stops=True,
+    ),
+    "roboteq": Part(("lbr/drivers/roboteq/*.py",), ("tests/drivers/test_roboteq*.py",)),
+    "guard": Part(
+        ("lbr/drivers/wheels/guard*.py", "lbr/drivers/servos/guard*.py", "lbr/drivers/servos/gate.py", "lbr/drivers/wheels/arming.py"),
+        ("tests/drivers/test_*guard*.py", "tests/drivers/test_wheels*.py", "tests/drivers/test_servos*.py", "tests/testing"),
+        stops=True,
+    ),
+    "bus": Part(("lbr/bus/*.py",), ("tests/bus", "tests/capability", "tests/messages")),
+    "database": Part(("lbr/database/*.py",), ("tests/database",), ("tests/commands", "tests/safety/test_data.py")),
+    "executive": Part(
+        ("lbr/executive/*.py", "lbr/executive/planning/*.py", "lbr/executive/processes/*.py", "lbr/executive/service/*.py"),
+        ("tests/executive",),
+        ("tests/executive", "tests/safety"),
+    ),
+}  # fmt: skip
+
+
+class Outcome(Struct):
+    """What became of one fault."""
+
+    part: str
+    fault: str
+    line: int
+    operator: str
+    found_by: str
+    """The test that failed; empty if none did."""
+    tests: int
+
+
+class Trial:
+    """Copies of this tree, one for each worker, in which tests run on a fault."""
+
+    def __init__(self, folder: Path, workers: int) -> None:
+        self.trees = [folder / f"tree{number}" for number in range(workers)]
+        for tree in self.trees:
+            shutil.copytree(ROOT, tree, ignore=LEFT_OUT)
+        self._free = list(self.trees)
+
+    def measure(self, part: Part) -> tuple[coverage.CoverageData, dict[str, float]]:
+        """Run a part's tests in one process; return which of them ran which line, and what each took."""
+        tree = self.trees[0]
+        times, data = tree / "times.json", tree / ".coverage"
+        data.unlink(missing_ok=True)
+        sources = sorted({str(Path(pattern).parent) for pattern in part.code if (tree / pattern).parent.is_dir()})
+        words = ["--cov-report=", "--cov-context=test", *(f"--cov={source}" for source in sources)]
+        words += ["-p", "benchmarks.instruments.test_times", "-m", "not slow_start", *_there(tree, part.tests)]
+        self._pytest(tree, words, 3000.0, LBR_TEST_TIMES=str(times))
+        found = coverage.CoverageData(str(data))
+        found.read()
+        return found, json.loads(times.read_text())
+
+    def run(self, mutant: Mutant, tests: list[str]) -> str:
+        """Return the first test that fails on a fault; empty if none does."""
+        tree = self._free.pop()
+        target = tree / mutant.path
+        source = target.read_text()
+        names = tree / "names.txt"
+        names.write_text("".join(f"{test}\n" for test in tests))
+        try:
+            target.write_text(mutant.put_into(source))
+            return self._pytest(tree, ["-x", f"@{names}"], LONGEST_S + 3 * QUICK_S)
+        finally:
+            target.write_text(source)
+            self._free.append(tree)
+
+    @staticmethod
+    def _pytest(tree: Path, words: list[str], limit_s: float, **environment: str) -> str:
+        argv = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "--tb=no", "-rfE", *words]
+        surroundings = os.environ | {"PYTHONPATH": str(tree)} | environment
+        with tempfile.TemporaryFile("w+") as printed:
+            program = subprocess.Popen(
+                argv, cwd=tree, env=surroundings, stdout=printed, stderr=printed, start_new_session=True
+            )
+            try:
+                code = program.wait(limit_s)
+            except subprocess.TimeoutExpired:
+                with suppress(ProcessLookupError):
+                    os.killpg(program.pid, signal.SIGKILL)
+                program.wait()
+                return "(did not end)"
+            if code == 0:
+                return ""
+            printed.seek(0)
+            lines = [line for line in printed.read().splitlines() if line.startswith(("FAILED", "ERROR"))]
+            return lines[0].split(" - ")[0] if lines else f"(ended with {code})"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add how many faults of which parts."""
+    parser.add_argument("--each", type=int, default=16, help="faults of each part (16)")
+    parser.add_argument("--parts", type=listed, default=list(PARTS), help=f"which, of {','.join(PARTS)}")
+    parser.add_argument("--seed", type=int, default=1, help="which faults are drawn (1)")
+    parser.add_argument("--workers", type=int, default=1, help="how many are tried at a time (1)")
+    parser.add_argument(
+        "--outcomes", type=Path, metavar="FILE", help="keep each fault, and what found it, in this file"
+    )
+    parser.add_argument("--robots", action="store_true", help="try what is not found on tests with real processes, too")
+
+
+def measure(given: argparse.Namespace) -> Measured:
+    """Draw faults, try each, and count those found by part."""
+    equal = tomllib.loads(EQUAL.read_text())
+    outcomes: list[Outcome] = []
+    with tempfile.TemporaryDirectory(prefix="lbr-mutants-") as folder:
+        trial = Trial(Path(folder), given.workers)
+        for name in given.parts:
+            outcomes += _of_part(trial, name, given, equal)
+    text = "\n".join(
+        [*_table(outcomes), "", *(f"not found: {one.fault} (line {one.line})" for one in outcomes if not one.found_by)]
+    )
+    if given.outcomes:
+        given.outcomes.write_bytes(msgspec.json.format(msgspec.json.encode(outcomes)))
+    return Measured(text=text)
+
+
+def drawn(name: str, each: int, seed: int, equal: dict[str, str]) -> list[Mutant]:
+    """Return the faults that are tried of a part."""
+    paths = sorted({str(path.relative_to(ROOT)) for pattern in PARTS[name].code for path in ROOT.glob(pattern)})
+    every = [mutant for path in paths for mutant in mutants(ROOT, path) if mutant.name not in equal]
+    return random.Random(f"{seed} {name}").sample(every, min(each, len(every)))
+
+
+def _of_part(trial: Trial, name: str, given: argparse.Namespace, equal: dict[str, str]) -> Iterator[Outcome]:
+    part, began = PARTS[name], time.monotonic()
+    lines, took_s = trial.measure(part)
+    print(f"{name}: {len(took_s)} tests, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+
+    def tried(mutant: Mutant) -> Outcome:
+        tests = _tests(trial.trees[0], mutant, lines, took_s)
+        found_by = trial.run(mutant, tests) if tests else ""
+        if not found_by and given.robots:
+            found_by = trial.run(mutant, _there(trial.trees[0], part.robots))
+        print(f"  {found_by or 'NOT FOUND'}: {mutant.name} ({mutant.line})", file=sys.stderr, flush=True)
+        return Outcome(name, mutant.name, mutant.line, mutant.operator, found_by, len(tests))
+
+    with ThreadPoolExecutor(given.workers) as pool:
+        yield from pool.map(tried, drawn(name, given.each, given.seed, equal))
+
+
+def _tests(tree: Path, mutant: Mutant, lines: coverage.CoverageData, took_s: dict[str, float]) -> list[str]:
+    """Return the tests that run a fault's lines, the quickest first."""
+    by_line = lines.contexts_by_lineno(str(tree / mutant.path))
+    contexts = {context for line in range(mutant.line, mutant.end_line + 1) for context in by_line.get(line, [])}
+    if contexts == {""}:  # it runs when the module is imported: whatever uses the module may tell
+        contexts = {context for every in by_line.values() for context in every}
+    tests = sorted({context.split("|")[0] for context in contexts} & took_s.keys(), key=lambda test: took_s[test])
+    chosen, total_s = [], 0.0
+    for test in tests:
+        total_s += took_s[test]
+        if total_s > QUICK_S:
+            break
+        chosen.append(test)
+    return chosen
+
+
+def _there(tree: Path, tests: tuple[str, ...]) -> list[str]:
+    """Return those of these tests that there are."""
+    modules = [str(path.relative_to(tree)) for path in sorted((tree / "tests").rglob("*"))]
+    return sorted({path for pattern in tests for path in modules if fnmatch(path, pattern)})
+
+
+def _table(outcomes: list[Outcome]) -> list[str]:
+    every, found = Counter(one.part for one in outcomes), Counter(one.part for one in outcomes if one.found_by)
+    rows = [f"| {name} | {every[name]} | {found[name]} | {found[name] / every[name]:.0%} |" for name in every]
+    stops = [name for name in every if PARTS[name].stops]
+    for title, names in (("what stops motion", stops), ("all", list(every))):
+        of, hits = sum(every[name] for name in names), sum(found[name] for name in names)
+        rows += [f"| {title} | {of} | {hits} | {hits / of:.0%} |"] if of else []
+    return ["| part | faults | found | share |", "|---|--:|--:|--:|", *rows]
