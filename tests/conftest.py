@@ -35,8 +35,12 @@ AGAIN_S = 0.5
 CACHES = {".cache", ".config"}
 """OpenGL keeps its shaders in the one, the sound server's library a link in the other."""
 
-settings.register_profile("lbr", deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.load_profile("lbr")  # how long an example takes is the machine's affair; in CI, too, examples are random
+# How long an example takes is the machine's affair; in CI, too, examples are random. `--hypothesis-profile nightly` tries more.
+for profile, examples in (("everyday", 30), ("nightly", 500)):
+    settings.register_profile(
+        profile, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    )
+settings.load_profile("everyday")
 
 WAITERS = 1
 """Tests wait more than they compute, for lines, clocks and robots: this many more at a time than there are cores."""

@@ -1,7 +1,7 @@
 from math import inf, isfinite, nan, radians
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.apps.tracking.control import (
@@ -135,7 +135,6 @@ heads = st.builds(
 )
 
 
-@settings(max_examples=25, deadline=None)
 @given(
     head=heads,
     yaw=st.floats(-0.45, 0.45),

@@ -1,7 +1,7 @@
 """What can be said to the Bioloid, by its shipped rows and the messages of its kinds."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from prompt_toolkit.completion import CompleteEvent
 from prompt_toolkit.document import Document
@@ -87,7 +87,6 @@ def test_what_cannot_be_is_refused_in_one_line(line, why):
     assert why in str(refused.value)
 
 
-@settings(deadline=None)  # machines are shared
 @given(
     st.text(max_size=40) | st.lists(st.sampled_from(["left_knee", ",", "all", "/", " ", "é"]), max_size=9).map("".join)
 )

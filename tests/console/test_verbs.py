@@ -1,6 +1,6 @@
 import msgspec
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lbr.console.fields import Message
@@ -218,7 +218,6 @@ pieces = st.sampled_from(["/", "r", "s", "stop", " ", "0.2", "forward", "!", "'"
 lines = st.one_of(st.text(max_size=60), st.lists(pieces | st.text(max_size=3), max_size=20).map("".join), st.binary())
 
 
-@settings(deadline=None)  # machines are shared
 @given(lines)
 @example("/r/" + "9" * 400 + "/0")
 @example("/d/a/" + "9" * 400)
@@ -234,7 +233,6 @@ def refusal(line: str | bytes) -> str:
     return ""
 
 
-@settings(deadline=None)
 @given(st.floats(0, 1), st.floats(-360, 360))
 def test_every_number_in_range_comes_through(power, angle):
     call = VOCABULARY.parse(f"/r/{power:.6f}/{angle:.6f}")

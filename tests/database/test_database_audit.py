@@ -3,7 +3,7 @@
 import sqlite3
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.database import audit
@@ -50,7 +50,6 @@ def test_words_of_strangers_forge_no_line_and_reach_no_terminal(database):
     assert database.audit_fault() == ""
 
 
-@settings(max_examples=25, deadline=None)
 @given(texts=st.lists(st.text(st.characters(codec=None)), max_size=5))
 def test_any_text_is_written_and_verified(tmp_path_factory, texts):
     path = tmp_path_factory.mktemp("audit") / "robot.db"

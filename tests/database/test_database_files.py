@@ -5,7 +5,7 @@ import sqlite3
 from contextlib import closing
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr import ownership
@@ -262,7 +262,6 @@ def pristine(tmp_path_factory):
     return file.read_bytes()
 
 
-@settings(max_examples=60, deadline=None)
 @given(flips=st.lists(st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 7)), min_size=1, max_size=20))
 def test_flipped_bits_are_refused_or_read(pristine, tmp_path_factory, flips):
     raw = bytearray(pristine)

@@ -5,7 +5,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.database import past
@@ -270,7 +270,6 @@ STATEMENTS = (
 )
 
 
-@settings(max_examples=15, deadline=None)
 @given(st.lists(st.sampled_from(STATEMENTS), min_size=1, max_size=6), st.data())
 def test_every_revision_of_any_edits_is_reached_exactly(tmp_path_factory, statements, data):
     path = databases.fresh(tmp_path_factory.mktemp("past") / "robot.db")

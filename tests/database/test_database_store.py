@@ -96,7 +96,7 @@ def test_an_event_without_a_time_happened_now(path):
         assert database.events()[0].wall_ns == 42
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50, deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.builds(
         Event,
@@ -145,7 +145,7 @@ VALUES = st.none() | st.integers(-(2**63), 2**63 - 1) | st.floats() | st.binary(
 PLACES = [(table, column) for table, columns in shipped()[1].items() for column in columns]
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60, deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.tuples(st.sampled_from(PLACES), VALUES, st.booleans()), max_size=5))
 def test_a_file_with_bad_rows_loads_with_problems(database, client, edits):
     """Checks and foreign keys are off, as in any client that does not care for them."""

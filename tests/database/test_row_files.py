@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.database import past, row_files, sources
@@ -49,7 +49,6 @@ HELD = TEXTS | VALUES.map(json.dumps) | st.sampled_from(['{"a": 1, "a": 2}', "[1
 """What a column of text may hold: JSON, what only looks like it, and any text."""
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     st.lists(st.tuples(st.sampled_from("abcdef"), HELD, HELD, st.integers(0, 1)), unique_by=lambda row: row[0]),
     st.lists(st.tuples(TEXTS, TEXTS, TEXTS), unique_by=lambda row: row[:2]),
@@ -79,7 +78,6 @@ def test_files_of_an_editor_that_marks_utf_8_and_ends_lines_its_own_way_are_read
     assert past.steps(TABLES, row_files.taken(row_files.read(tmp_path), TABLES, SCHEMA), SCHEMA) == ()
 
 
-@settings(max_examples=80, deadline=None)
 @given(st.sampled_from(row_files.written(TABLES, SCHEMA)), st.data())
 def test_a_file_that_is_cut_is_refused_with_its_name(file, data):
     cut = file.text[: data.draw(st.integers(0, max(0, len(file.text) - 3)))]
@@ -88,7 +86,6 @@ def test_a_file_that_is_cut_is_refused_with_its_name(file, data):
     assert "is it cut off?" in fault
 
 
-@settings(max_examples=80, deadline=None)
 @given(st.sampled_from(sorted(SCHEMA)), VALUES)
 def test_any_json_is_rows_or_told_why_not(table, value):
     file = File(robot="lbr", table=table, text=json.dumps(value))

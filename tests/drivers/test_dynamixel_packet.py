@@ -1,7 +1,7 @@
 from itertools import pairwise
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lbr.drivers.dynamixel import packet as dynamixel
@@ -65,12 +65,10 @@ def status(servo: int, error: int, params: bytes) -> bytes:
     return b"\xff\xff" + body + bytes((255 - sum(body) % 256,))
 
 
-few = settings(max_examples=50)
 statuses = st.builds(Status, st.integers(0, 253), st.integers(0, 127), st.binary(max_size=30))
 quiet_noise = st.binary(max_size=20).map(lambda noise: noise.replace(b"\xff", b"\xfe"))
 
 
-@few
 @given(st.lists(st.tuples(quiet_noise, statuses), max_size=6), st.lists(st.integers(1, 40), min_size=1))
 def test_packets_are_found_among_noise_however_the_bytes_arrive(sent, cuts):
     stream = b"".join(noise + status(s.id, s.error, s.params) for noise, s in sent)
@@ -83,7 +81,6 @@ def test_packets_are_found_among_noise_however_the_bytes_arrive(sent, cuts):
     assert parser.held_bytes == 0
 
 
-@few
 @given(st.lists(st.binary(max_size=60)))
 def test_no_bytes_break_the_parser_or_fill_it(pieces):
     parser = StatusParser()
@@ -97,7 +94,6 @@ def test_no_bytes_break_the_parser_or_fill_it(pieces):
     assert parser.noise <= fed
 
 
-@few
 @given(st.binary(max_size=300), statuses)
 def test_a_packet_is_found_after_any_noise_once_the_noise_could_have_ended(noise, sent):
     parser = StatusParser()
@@ -135,7 +131,6 @@ def test_positions_survive_the_way_to_radians_and_back():
     assert all(table.position_raw(table.position_rad(raw)) == raw for raw in range(1024))
 
 
-@few
 @example(5e307, 5e-324)
 @given(st.floats(), st.floats())
 def test_no_number_leaves_the_servo_s_range(angle, torque):

@@ -3,7 +3,7 @@ import io
 import os
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from smbus2 import i2c_msg
 
@@ -168,7 +168,6 @@ def test_another_error_is_told_as_it_is():
     assert "its compass at 0x0c cannot be used (Device or resource busy)" in told
 
 
-@settings(deadline=None)
 @given(st.lists(writes | reads, min_size=1, max_size=12))
 def test_what_is_encoded_is_what_the_other_end_reads(messages):
     stream = io.BytesIO(encode_transaction(messages))
@@ -209,7 +208,6 @@ class Canned:
         pass
 
 
-@settings(deadline=None)
 @given(st.lists(st.binary(min_size=1, max_size=6), max_size=6), st.integers(1, 14))
 def test_whatever_is_answered_in_whatever_pieces_is_data_or_an_oserror(pieces, length):
     answer = b"".join(pieces)

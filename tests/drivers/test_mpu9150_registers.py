@@ -3,7 +3,7 @@ from math import radians
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.drivers.inertial import LifeSigns
@@ -79,7 +79,6 @@ def test_a_bad_reading_of_the_compass_is_none_and_told(field, status2, said):
     assert said in found.trouble
 
 
-@settings(deadline=None)
 @given(st.binary(min_size=8, max_size=8))
 def test_whatever_the_compass_says_is_within_its_range_or_nothing(data):
     found = registers.decode_field(data, UNIT)
@@ -92,7 +91,6 @@ def test_whatever_the_compass_says_is_within_its_range_or_nothing(data):
         assert found.trouble
 
 
-@settings(deadline=None)
 @given(st.lists(counts16, min_size=7, max_size=7))
 def test_every_burst_decodes_to_the_numbers_that_were_measured(counts):
     found = registers.decode_motion(b"".join(count.to_bytes(2, "big", signed=True) for count in counts))

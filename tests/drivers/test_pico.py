@@ -4,7 +4,7 @@ import errno
 from types import SimpleNamespace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -32,13 +32,11 @@ def test_a_temperature_of_0x33_is_33_degrees_and_not_51():
     assert registers.celsius(0x33) == 33.0
 
 
-@settings(deadline=None)
 @given(st.integers(0, 9999))
 def test_decimals_come_out_as_they_went_in(number):
     assert registers.decimal(int(str(number), 16)) == number
 
 
-@settings(deadline=None)
 @given(st.integers(0, 0xFFFF))
 def test_a_nibble_above_nine_is_no_number(word):
     if any(word >> shift & 0xF > 9 for shift in (0, 4, 8, 12)):
@@ -335,7 +333,6 @@ def test_a_still_alive_time_too_short_is_refused():
         KIND.settings(device="ups", still_alive_s=5)
 
 
-@settings(deadline=None)
 @given(st.lists(st.one_of(st.binary(min_size=2, max_size=2), st.none()), max_size=30))
 def test_whatever_the_bus_gives_is_told_or_a_device_error(answers):
     """In process: a bus of arbitrary bytes and errors."""

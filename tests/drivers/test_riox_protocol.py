@@ -1,7 +1,7 @@
 from math import hypot, radians
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.drivers.riox import KIND
@@ -91,7 +91,6 @@ def test_an_orientation_far_from_length_one_is_none(counts):
     assert to_orientation(Answer("QO", counts), 16384.0) is None
 
 
-@settings(deadline=None)
 @given(st.tuples(*[st.integers(-16384, 16384)] * 4))
 def test_an_orientation_has_length_one(counts):
     found = to_orientation(Answer("QO", counts), 16384.0)
@@ -100,7 +99,6 @@ def test_an_orientation_has_length_one(counts):
         assert 0.89 < hypot(*counts) / 16384.0 < 1.11
 
 
-@settings(deadline=None)
 @given(st.lists(counts16, min_size=10, max_size=10), st.lists(counts16, min_size=4, max_size=4), st.data())
 def test_what_a_unit_says_is_read_in_pieces_of_any_size(motion, orientation, data):
     said = b"?QO\r" + spelt("QO", orientation) + b"\n?ML\r" + spelt("ML", motion)
@@ -111,7 +109,6 @@ def test_what_a_unit_says_is_read_in_pieces_of_any_size(motion, orientation, dat
     assert replies == [Echo("QO"), Answer("QO", tuple(orientation)), Echo("ML"), Answer("ML", tuple(motion))]
 
 
-@settings(deadline=None)
 @given(st.lists(st.binary(max_size=400) | st.sampled_from([b"ML=", b"1:", b"\r", b"-", b"QO=1:2:3:4\r"]), max_size=12))
 def test_noise_is_bad_lines_at_most_and_never_held_without_end(pieces):
     parser = ReplyParser()

@@ -1,7 +1,7 @@
 from math import nan
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.drivers.servos.gate import first, receive, strength, tick
@@ -97,7 +97,6 @@ events = st.one_of(
 )
 
 
-@settings(max_examples=60)
 @given(st.lists(events, max_size=20))
 def test_a_dead_lease_never_moves_anything_again_and_nothing_is_followed_that_is_old(happened):
     state, now = first(0.0), 0.0

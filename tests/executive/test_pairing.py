@@ -96,7 +96,7 @@ class Life(RuleBasedStateMachine):
 
 
 TestLife = Life.TestCase
-TestLife.settings = settings(max_examples=60, stateful_step_count=30, deadline=None)
+TestLife.settings = settings(stateful_step_count=30)
 
 
 def test_codes_are_six_digits_by_chance():

@@ -4,7 +4,7 @@ import os
 import random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 
@@ -64,7 +64,6 @@ def test_what_was_written_is_read_here_and_by_the_library(tmp_path):
     assert read[0] == ("DriveState", "drive/state", b'{"power": 0}')
 
 
-@settings(max_examples=150, deadline=None)
 @given(data=st.data())
 def test_a_recording_cut_anywhere_keeps_every_chunk_before_the_cut(whole, tmp_path_factory, data):
     ends, content = whole
@@ -87,7 +86,6 @@ def test_a_chunk_whose_length_is_wrong_takes_none_of_the_next(whole, tmp_path):
         assert set(range(1, 81)) - set(range(31, 41)) <= set(found), f"length {wrong}"
 
 
-@settings(max_examples=200, deadline=None)
 @given(seed=st.integers(0, 2**32), flips=st.integers(1, 4), run=st.integers(1, 40))
 def test_flipped_bytes_cost_no_more_than_the_chunks_that_they_hit(whole, tmp_path_factory, seed, flips, run):
     ends, content = whole
@@ -108,7 +106,6 @@ def test_flipped_bytes_cost_no_more_than_the_chunks_that_they_hit(whole, tmp_pat
     assert len(found) == len(set(found)), "a message is told twice"
 
 
-@settings(max_examples=100, deadline=None)
 @given(st.binary(max_size=400))
 def test_any_bytes_are_read_to_their_end(tmp_path_factory, data):
     path = tmp_path_factory.getbasetemp() / "any.mcap"

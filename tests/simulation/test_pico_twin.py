@@ -3,7 +3,7 @@
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.capability.context import Device
@@ -85,7 +85,6 @@ def test_the_still_alive_timer_resets_the_computer_once_and_zero_at_once():
     assert pico.resets == 2
 
 
-@settings(deadline=None)
 @given(st.binary(min_size=1, max_size=6), st.sampled_from([ADDRESS, COMMANDS]), st.integers(0, 40))
 def test_whatever_is_written_and_read_it_answers(data, address, length):
     answer = transfer(

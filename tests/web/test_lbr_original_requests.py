@@ -277,7 +277,7 @@ BODIES = st.binary(max_size=80) | st.recursive(
 ).map(lambda data: json.dumps(data).encode())  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.sampled_from(["/", "/say", "/docksignal", "/wakeup", "/camera/front", "/camera/%ff", "/x"]), BODIES)
 def test_whatever_is_posted_is_answered_at_once_and_never_by_a_fault(server, path, body):
     begun = time.monotonic()

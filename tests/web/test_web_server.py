@@ -578,7 +578,7 @@ def test_a_body_that_does_not_come_is_given_up(monkeypatch):
         assert served.raw(head).startswith(b"HTTP/1.1 408")
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.one_of(
         st.binary(max_size=200), st.binary(max_size=80).map(lambda b: b"GET /" + b + b" HTTP/1.1\r\nHost: a\r\n\r\n")

@@ -4,7 +4,7 @@ from math import cos, pi, sin
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.operations.attitude.compass import OFFSETS, MagCalibration, from_values
@@ -32,7 +32,6 @@ def refusal(mags, limits=LIMITS):
     return str(caught.value)
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     x=st.floats(-200, 200),
     y=st.floats(-200, 200),
@@ -100,7 +99,6 @@ def test_noise_alone_is_refused_with_a_sentence():
         refusal(np.random.default_rng(seed).normal(0.0, 20.0, (100, 3)))
 
 
-@settings(deadline=None, max_examples=50)
 @given(st.lists(st.tuples(*[st.floats(-1e4, 1e4)] * 3), min_size=50, max_size=80))
 def test_whatever_the_samples_are_there_is_a_fit_or_a_sentence(mags):
     try:

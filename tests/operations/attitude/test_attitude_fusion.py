@@ -4,7 +4,7 @@ from math import degrees, inf, nan, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -350,7 +350,6 @@ number = st.floats(allow_nan=True, allow_infinity=True) | st.floats(-10.0, 10.0)
 triple = st.tuples(number, number, number)
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     st.lists(
         st.builds(

@@ -4,7 +4,7 @@ from itertools import permutations, product
 from math import degrees, isclose, pi, sqrt
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.operations.attitude.geometry import (
@@ -122,7 +122,6 @@ def test_a_body_that_sees_up_there_is_level_in_the_world(up):
     assert norm(minus(seen, unit)) < 1e-4
 
 
-@settings(max_examples=200)
 @given(st.floats(-40.0, 40.0), st.floats(-40.0, 40.0), st.floats(-180.0, 180.0), st.floats(-60.0, 60.0))
 def test_a_compass_knows_its_yaw_however_it_is_tilted(roll, pitch, yaw, down_ut):
     back = way_back(rotation(roll, pitch, yaw))

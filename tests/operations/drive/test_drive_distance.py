@@ -3,7 +3,7 @@
 from math import inf, nan
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.operations.drive.drive_body import Body
@@ -47,7 +47,6 @@ def test_a_distance_ends_where_it_should_and_tells_its_error(body, power, distan
     assert f" of {distance_cm / 100:g} m in {result.elapsed_s:.1f} s, " in result.reason
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     distance_cm=st.floats(3.0, 150.0), power=st.floats(0.2, 1.0), lazy=st.floats(0.0, 0.85), gain=st.floats(0.5, 1.3)
 )

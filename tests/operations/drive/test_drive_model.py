@@ -22,12 +22,7 @@ STEPS = 8_000
 KINDS = ("tick", "command", "ranges", "motors", "attitude", "odometry", "stop", "latch")
 
 TestMotion = MotionMachine.TestCase
-TestMotion.settings = settings(
-    max_examples=60,
-    stateful_step_count=40,
-    deadline=None,
-    suppress_health_check=[HealthCheck.too_slow],
-)
+TestMotion.settings = settings(stateful_step_count=40, suppress_health_check=[HealthCheck.too_slow])
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -3,7 +3,7 @@
 from math import inf, nan
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lbr.messages.drive import CheckVerdict, DriveCommand, HeadingCommand, TurnCommand
@@ -62,7 +62,6 @@ def test_a_turn_is_told_in_degrees(body):
     assert result.reason.startswith(f"turned {result.turned_deg:.1f} of 90 degrees in {result.elapsed_s:.1f} s, ")
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     angle_deg=st.floats(-360.0, 360.0),
     late=st.integers(0, 5),
@@ -125,7 +124,6 @@ class Sticky(Body):
         super().step()
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     angle_deg=st.floats(-360.0, 360.0), late=st.integers(0, 3), lazy=st.floats(0.0, 0.8), sticks=st.floats(0.0, 0.15)
 )
@@ -318,7 +316,6 @@ def test_a_turn_shows_as_a_spin(body):
 numbers = st.one_of(st.floats(), st.none())
 
 
-@settings(max_examples=60, deadline=None)
 @given(fields=st.lists(st.tuples(st.booleans(), numbers, numbers, st.floats(), st.sampled_from("ab")), max_size=12))
 @example(fields=[(True, 1000.0, 0.0, nan, "a")])
 @example(fields=[(True, inf, inf, inf, "a")])

@@ -1,15 +1,12 @@
 """The joints of the rows: angles of servos and back, limits, and what a mirror shows."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.operations.joints.joints_bench import BODY, NAMES
 
-few = settings(max_examples=30, deadline=None)
 
-
-@few
 @given(st.sampled_from(NAMES), st.floats(-10.0, 10.0))
 def test_an_angle_survives_the_way_to_its_servo_and_back(name, angle_rad):
     assert BODY.joint_rad(name, BODY.servo_rad(name, angle_rad)) == pytest.approx(angle_rad, abs=1e-12)
@@ -36,7 +33,6 @@ def test_an_angle_is_refused_naming_joint_and_limits(name, angle_rad, said):
     assert (why.text if why else "") == said
 
 
-@few
 @given(st.dictionaries(st.sampled_from([name for name in NAMES if BODY.partner(name)]), st.floats(-3.0, 3.0)))
 def test_a_mirror_in_a_mirror_shows_the_pose_itself(positions):
     assert BODY.mirrored(BODY.mirrored(positions)) == positions

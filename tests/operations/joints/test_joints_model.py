@@ -272,9 +272,4 @@ class Motion(RuleBasedStateMachine):
 
 
 TestMotion = Motion.TestCase
-TestMotion.settings = settings(
-    max_examples=25,
-    stateful_step_count=25,
-    deadline=None,
-    suppress_health_check=[HealthCheck.too_slow],
-)
+TestMotion.settings = settings(stateful_step_count=25, suppress_health_check=[HealthCheck.too_slow])

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.operations.joints import trajectory
@@ -27,11 +27,9 @@ ways = st.builds(
     st.sampled_from(["smooth", "linear"]),
     st.none() | pose,
 )
-few = settings(max_examples=40, deadline=None)
 LIMITS = {"a": 2.0, "b": 2.0}
 
 
-@few
 @given(ways)
 def test_it_passes_through_every_key_frame_exactly(way):
     for at, time_s in enumerate(way.times_s):
@@ -40,7 +38,6 @@ def test_it_passes_through_every_key_frame_exactly(way):
     assert positions(way, way.duration_s) == way.targets == positions(way, way.duration_s + 9.0)
 
 
-@few
 @given(ways, st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
 def test_it_stays_between_neighbouring_key_frames(way, shares):
     for at, (begin_s, end_s) in enumerate(pairwise(way.times_s)):
@@ -51,7 +48,6 @@ def test_it_stays_between_neighbouring_key_frames(way, shares):
                 assert low - 1e-9 <= found[name] <= high + 1e-9
 
 
-@few
 @given(pose, frames, st.floats(0.1, 5.0), st.sampled_from(["smooth", "linear"]), st.none() | pose)
 def test_no_joint_is_ever_faster_than_its_limit(start, through, limit_rps, how, begun):
     begun = begun and {name: max(-limit_rps, min(limit_rps, speed)) for name, speed in begun.items()}
@@ -63,7 +59,6 @@ def test_no_joint_is_ever_faster_than_its_limit(start, through, limit_rps, how, 
         assert gone <= limit_rps * (after_s - before_s) + 1e-9
 
 
-@few
 @given(pose, frames, st.none() | pose)
 def test_a_smooth_way_has_no_jumps_in_its_speed(start, through, begun):
     way = plan(start, through, LIMITS, "smooth", begun)

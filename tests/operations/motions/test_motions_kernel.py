@@ -212,4 +212,4 @@ class Motions(RuleBasedStateMachine):
 
 
 TestMotions = Motions.TestCase
-TestMotions.settings = settings(deadline=None, max_examples=40, stateful_step_count=25)
+TestMotions.settings = settings(stateful_step_count=25)

@@ -2,7 +2,7 @@
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.bus.wire import MAX_COMMAND_BYTES
@@ -16,7 +16,6 @@ def motion(name, count, **leads):
     return Motion(name=name, frames=tuple(frame(1.0, neck=index / 100) for index in range(count)), **leads)
 
 
-@settings(deadline=None, max_examples=40)
 @given(
     before=st.integers(0, 3),
     body=st.integers(1, 60),
@@ -42,7 +41,6 @@ def test_the_portions_are_all_key_frames_in_order(before, body, after, times, sp
     assert rounds[-1] == times
 
 
-@settings(deadline=None, max_examples=20)
 @given(st.integers(1, 253))
 def test_a_portion_fits_into_a_command_however_many_joints_there_are(count):
     positions = {f"a_joint_with_as_long_a_name_as_there_is{index}": -0.1234567890123456 for index in range(count)}

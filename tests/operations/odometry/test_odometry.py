@@ -4,7 +4,7 @@ from math import inf, nan, pi, radians
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.messages.attitude import AttitudeState
@@ -171,7 +171,6 @@ counts = st.one_of(st.none(), st.integers(-(2**40), 2**40))
 numbers = st.one_of(st.none(), st.floats())
 
 
-@settings(max_examples=100, deadline=None)
 @given(told=st.lists(st.tuples(counts, counts, st.floats(), numbers, st.booleans(), numbers, st.floats()), max_size=10))
 def test_whatever_is_told_the_state_is_made_of_numbers_or_is_not_valid(told):
     base = Base()

@@ -3,7 +3,7 @@
 from math import inf, nan
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.messages.power import UpsState
@@ -379,7 +379,6 @@ def reading(volts):
     return INVALID if volts == "invalid" else ups(volts)
 
 
-@settings(max_examples=150, deadline=None)
 @given(st.lists(st.tuples(VOLTS, st.integers(1, 8)), max_size=25))
 def test_it_never_parks_unless_readings_were_below_for_the_hold_and_the_last_one_is(trace):
     bench, history = Bench(), []
@@ -395,7 +394,6 @@ def test_it_never_parks_unless_readings_were_below_for_the_hold_and_the_last_one
                 return
 
 
-@settings(max_examples=100, deadline=None)
 @given(st.lists(VOLTS, max_size=12), st.lists(st.floats(2.0, SHUT - 0.01), min_size=20, max_size=40))
 def test_whatever_came_before_it_always_powers_off_below_for_the_set_time(before, low):
     bench = Bench()
@@ -405,7 +403,6 @@ def test_whatever_came_before_it_always_powers_off_below_for_the_set_time(before
     assert bench.done.count("power_off") >= 1
 
 
-@settings(max_examples=150, deadline=None)
 @given(st.lists(st.one_of(VOLTS.map(lambda volts: ("read", volts)), PEOPLE.map(lambda who: (who, None))), max_size=80))
 def test_nothing_powers_off_while_disarmed_and_each_shutdown_once(events):
     bench, asked = Bench(), 0
@@ -429,7 +426,6 @@ def test_nothing_powers_off_while_disarmed_and_each_shutdown_once(events):
             assert not bench.watch.cancelled
 
 
-@settings(max_examples=50, deadline=None)
 @given(st.integers(0, 14))
 def test_a_restart_in_mid_countdown_counts_anew_and_powers_off(seconds):
     first = Bench()
