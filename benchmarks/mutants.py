@@ -31,6 +31,7 @@ from msgspec import Struct
 
 from benchmarks import FOLDER, Measured, listed
 from benchmarks.instruments.mutation import Mutant, mutants
+from tests.support import programs
 
 SMOKE = "--each 1 --parts leases"
 ROOT = FOLDER.parent
@@ -138,7 +139,7 @@ class Trial:
         argv = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "--tb=no", "-rfE", *words]
         surroundings = os.environ | {"PYTHONPATH": str(tree)} | environment
         with tempfile.TemporaryFile("w+") as printed:
-            program = subprocess.Popen(
+            program = programs.start(
                 argv, cwd=tree, env=surroundings, stdout=printed, stderr=printed, start_new_session=True
             )
             try:
