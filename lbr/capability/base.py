@@ -5,6 +5,7 @@ from typing import Generic, TypeVar
 from msgspec import Struct
 
 from lbr.capability.context import Call, Context
+from lbr.messages.codes import Reason
 
 S = TypeVar("S", bound=Struct)
 
@@ -35,6 +36,16 @@ class Capability(Generic[S]):
     def answers(self) -> bool:
         """Say whether its device has said anything since it was opened; it is not called ready before."""
         return True
+
+    def lacks(self) -> Reason | None:
+        """Return why its first command would be refused, or nothing; it is called degraded until then, and ready after."""
+        return None
+
+    def awaited(self, *inputs: str) -> Reason | None:
+        """Return that nothing has come yet on one of these inputs, of those that are wired; for `lacks`."""
+        wired = {port: self.ctx.sources(port) for port in inputs if self.ctx.latest(port) is None}
+        sources = dict.fromkeys(source for port in wired for source in wired[port])
+        return Reason("not_ready", f"nothing has come from {', '.join(sources)} yet") if sources else None
 
     def command(self, call: Call) -> None:
         """Answer a command with `call.reply`, now or in a later step."""

@@ -151,7 +151,7 @@ class Loop:
             self._capability.close()
 
     def _loop(self, ctx: ProcessContext, capability: Capability[Any], said: Said) -> None:
-        """Step until asked to stop; ready is who has stepped, whose device answers, and who has not said what it lacks."""
+        """Step until asked to stop; ready is who has stepped, whose device answers, and who lacks nothing."""
         due, begins = time.monotonic(), True
         while not self._stopping:
             period = 1.0 / capability.rate_hz
@@ -161,9 +161,11 @@ class Loop:
                 due = due + period if now < due + period else now + period
             self._round(ctx, capability)
             if begins and capability.answers():
-                begins = False
-                if self._reporter.said is said:
-                    ctx.ready()
+                lacks, own = capability.lacks(), self._reporter.said is not said
+                begins = lacks is not None
+                if not own:  # what it has reported itself stands
+                    ctx.warn(lacks) if lacks else ctx.ready()
+                    said = self._reporter.said
             due = min(due, now + 1.0 / capability.rate_hz)  # its rate may have risen, as when it begins something
             self._wake.wait(min(due - time.monotonic(), BEAT_S))
 

@@ -234,7 +234,8 @@ class Servos(Capability[S], ABC, Generic[S, T]):
             kind, text, level = self._told.get()
             self.ctx.event(kind, text, level=level)
         wrong = self.unusable(session)
-        if self.answers() and wrong != self._warned and now - self._warned_at >= self.warn_every_s:
+        usable = self.answers() and not self.lacks()
+        if usable and wrong != self._warned and now - self._warned_at >= self.warn_every_s:
             self._warned, self._warned_at = wrong, now
             if wrong:
                 self.ctx.warn(wrong, "unreachable")

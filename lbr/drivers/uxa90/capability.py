@@ -13,6 +13,7 @@ from lbr.drivers.uxa90.session import SILENT_S, Session
 from lbr.drivers.uxa90.stored_motions import StoredMotions
 from lbr.drivers.uxa90.view import MEASURED_S, servo_state, statistics
 from lbr.errors import DeviceError
+from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoPhase, ServoSetpoint, ServosState, StoredPlay
 
@@ -20,6 +21,7 @@ RETAKE_S = 3.0
 BLIND_S = 1.5
 """How long after PC control was taken it may take until it is known where the servos are."""
 CONTROLLER_S = 0.5
+LOOKED_FOR = "PC control is being taken, and the servos are looked for"
 CONTACT = "was out of reach: was it without power? Switch its torque off, then on"
 
 
@@ -130,6 +132,10 @@ class Uxa90(Servos[Uxa90Settings, Session]):
             return False
         return session.answered or session.poller.heard > session.opened or not self.ctx.settings.sweep_hz
 
+    def lacks(self) -> Reason | None:
+        """Return that the servos are still being looked for, or nothing."""
+        return None if self._known else Reason("not_ready", LOOKED_FOR)
+
     def admit(self, setpoint: ServoSetpoint, arrived: float, now: float) -> None:
         """Have the gate judge a setpoint; what began before the line was open does not go on."""
         before = self._gate if self._gate.seen else self._gate.revoked(setpoint.lease)
@@ -156,7 +162,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         """Say why no setpoint would be applied, or nothing."""
         if self._gate.estop or self._gone():
             return self._gate.reason or self._gone()
-        return "" if self._known else "PC control is being taken, and the servos are looked for"
+        return "" if self._known else LOOKED_FOR
 
     def shown(self, session: Session, now: float) -> tuple[object, ...]:
         """Return all that is to be published at once when it changes; the main board's mode first."""
@@ -184,7 +190,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
                 armed=not inhibited,
                 phase=self.phase(session, now),
                 servos=tuple(servo_state(targets, out, poller.seen[out.id], now) for out in targets.servos.values()),
-                reason=self._gate.reason or inhibited,
+                reason=inhibited or self._gate.reason,
                 stores=True,
                 stored=session.controller.plays.state(),
                 mode=session.controller.mode.name,

@@ -27,7 +27,8 @@ TOLD = 4
 def not_ready(before: Mapping[str, str], touched: Iterable[str], now: Iterable[CapabilityStatus]) -> tuple[str, ...]:
     """Return what keeps rows on trial from being kept, in words: what they touch, and what failed since.
 
-    What was degraded before they came may be so again: a device that is not there is not their fault.
+    What was degraded before they came may be so again: a device that is not there is not their fault. Nor is an emergency
+    stop that a person has pressed.
     """
     found = {one.name: one for one in now}
     lacking = []
@@ -35,7 +36,9 @@ def not_ready(before: Mapping[str, str], touched: Iterable[str], now: Iterable[C
         one = found.get(name)
         if one is None:
             lacking.append(f"{name} is not there")
-        elif one.phase != "ready" and not (one.phase == before.get(name) == "degraded"):
+        elif one.phase == "degraded" and (before.get(name) == "degraded" or one.code == "estop"):
+            continue
+        elif one.phase != "ready":
             lacking.append(f"{name} is {one.phase}" + (f": {one.reason}" if one.reason else ""))
     others = (one for name, one in found.items() if name not in touched)
     lacking += [

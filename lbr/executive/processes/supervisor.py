@@ -37,6 +37,8 @@ SETTLING_S = 2.5
 """Until then after its first word, what a capability still waits for is no trouble: it is told if it lasts."""
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
+BEGINS = frozenset({"not_ready", "not_armed"})
+"""What a capability lacks that has just begun, and will have in a moment."""
 MACHINE = "machine"
 
 
@@ -110,7 +112,7 @@ class Supervisor:
         return not self._leaving and all(self._is_settled(slot) for slot in self.slots.values())
 
     def _is_settled(self, slot: ManagedProcess) -> bool:
-        begins = slot.code == "not_ready"
+        begins = slot.code in BEGINS
         patience_over = self._clock() > (slot.settled_at if begins else slot.started_at + DEGRADED_PATIENCE_S)
         return slot.phase in HELD | {"ready"} or (slot.phase == "degraded" and patience_over) or self._held_up(slot)
 

@@ -62,6 +62,10 @@ class Attitude(Capability[AttitudeSettings]):
             self._tell_health(state, now)
         self._calibration.step()
 
+    def answers(self) -> bool:
+        """Say whether it is known how the body lies, or reported why not."""
+        return isfinite(self._known_s) or bool(self._warned)
+
     def command(self, call: Call) -> None:
         """Watch a turn, calibrate, or end a calibration."""
         if call.name == "observe":

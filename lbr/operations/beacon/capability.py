@@ -27,6 +27,7 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
     """Does one manoeuvre at a time, for the holder of its lease, by a lease of the drive."""
 
     ends, tick = "the search for the dock is shutting down", Tick()
+    feeds = ("drive",)
     rate_hz = 20.0
     woken_by_streams = False
 
@@ -71,7 +72,7 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
             ttl_s=command.ttl_s,
             **said_by(call),
         )
-        self.happen(Seek(ask=ask, manoeuvre=command.manoeuvre, new_goal=new_goal(), trouble=self._trouble()), call)
+        self.happen(Seek(ask=ask, manoeuvre=command.manoeuvre, new_goal=new_goal(), trouble=self.trouble()), call)
 
     def hear(self) -> None:
         """Take in what the robot says of itself; a stop of others ends what goes on."""
@@ -83,6 +84,13 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
     def not_at_rest(self) -> str:
         """Return nothing: what moves is the drive, and it acknowledges for itself."""
         return ""
+
+    def trouble(self) -> Reason | None:
+        """Return why the drive would not follow, or nothing."""
+        names = self.ctx.targets("move")
+        if names and any(self.ctx.alive(name) for name in names):
+            return None
+        return Reason("unreachable", f"the drive ({', '.join(names) or 'none is wired'}) is not running")
 
     def pass_on(self, output: Any, call: Call | None) -> None:
         """Publish, tell, answer, or have the robot stand or move."""
@@ -129,12 +137,6 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
             self._script = None
             why = Reason(ended.code, ended.text)
             self.happen(Over(goal=goal, how="reached" if ended.good else "fault", why=why))
-
-    def _trouble(self) -> Reason | None:
-        names = self.ctx.targets("move")
-        if names and any(self.ctx.alive(name) for name in names):
-            return None
-        return Reason("unreachable", f"the drive ({', '.join(names) or 'none is wired'}) is not running")
 
     def _described(self) -> BeaconState:
         lease = self._state.lease

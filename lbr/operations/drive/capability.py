@@ -6,6 +6,7 @@ from math import inf
 from typing import Any
 
 from lbr.capability.context import Call, Context, Received
+from lbr.messages.codes import Reason
 from lbr.messages.drive import CheckVerdict, DriveState
 from lbr.messages.kinematics import Kinematics, Wheel, base_of
 from lbr.messages.motors import MotorSetpoint
@@ -26,6 +27,7 @@ from lbr.operations.drive.state import (
     ScanSeen,
     State,
     Tick,
+    motors_trouble,
 )
 from lbr.operations.leasing.process import Answers, LeasingCapability, new_goal, said_by
 
@@ -39,6 +41,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
     """Drive operations: every decision is the kernel's, every message passes here."""
 
     ends, driver, tick = "drive operations end", "motors", Tick()
+    feeds = ("motors", "ranges", "scans", "attitude", "odometry")
 
     def __init__(self, ctx: Context[DriveSettings]) -> None:
         self._base = base_of(ctx.rows(Kinematics), ctx.rows(Wheel), ctx.settings.track_m)
@@ -106,6 +109,10 @@ class Drive(LeasingCapability[DriveSettings, State]):
     def not_at_rest(self) -> str:
         """Return that a wheel is still to turn, if one is."""
         return "a wheel is still to turn" if any(self._state.sides) else ""
+
+    def trouble(self) -> Reason | None:
+        """Return why the motors would not follow, or nothing."""
+        return motors_trouble(self._state, self.ctx.clock())
 
     def report(self) -> None:
         """Tell the state ten times a second, and at once when it changed."""

@@ -6,6 +6,7 @@ from math import inf
 from msgspec.structs import replace
 
 from lbr.capability.context import Call, Context, Received
+from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint, JointsCommand, JointsState, RecoverCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos
@@ -15,6 +16,7 @@ from lbr.operations.joints.kernel import decide
 from lbr.operations.joints.moving import setpoint
 from lbr.operations.joints.settings import JointsSettings
 from lbr.operations.joints.state import (
+    NOT_ADOPTED,
     Command,
     Event,
     HolderGone,
@@ -25,6 +27,7 @@ from lbr.operations.joints.state import (
     Tick,
     Torque,
     first_state,
+    servos_trouble,
 )
 from lbr.operations.joints.view import joints_state
 from lbr.operations.leasing.process import Answers, LeasingCapability, marked, new_goal, said_by
@@ -41,6 +44,7 @@ class Joints(LeasingCapability[JointsSettings, State]):
     """Joints operation: every decision is the kernel's, every message passes here."""
 
     ends, driver, tick = "joints operation ends", "servos", Tick()
+    feeds = ("servos",)
 
     def __init__(self, ctx: Context[JointsSettings]) -> None:
         super().__init__(ctx)
@@ -108,6 +112,11 @@ class Joints(LeasingCapability[JointsSettings, State]):
             return NOT_HELD
         held = not self._driver_alive if servos is None else servos.estop or servos.phase in {"holding", "released"}
         return "" if held else NOT_HELD
+
+    def trouble(self) -> Reason | None:
+        """Return why no servo would follow, or that it is unknown yet which of them have torque; or nothing."""
+        why = servos_trouble(self._state, self.ctx.clock())
+        return why or (None if self._state.adopted else NOT_ADOPTED)
 
     def _recover(self, call: Call, command: RecoverCommand) -> None:
         joints = self._state.body.joints

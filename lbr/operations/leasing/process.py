@@ -15,8 +15,10 @@ from msgspec.structs import replace
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, PendingReply, Received
 from lbr.capability.kind import STOP
+from lbr.messages.codes import Reason
 from lbr.messages.drive import LoopStatistics
 from lbr.operations.leasing.lease import EstopChanged, Happened, LeaseTable, Reply, Result, Setpoint, Stop
+from lbr.operations.leasing.rules import latched
 from lbr.operations.statistics import Beat, LoopMeter
 
 Answers = Mapping[str, Any] | None
@@ -48,10 +50,12 @@ class LeasingCapability(Capability[S], Generic[S, L]):
     """Subclass it around a kernel: every decision is the kernel's, every message passes here.
 
     `ends` says that the process does, `driver` the input by which it hears what moves, `tick` the event of a round.
+    `feeds` are the inputs without which its first command would be refused.
     """
 
     ends: str
     driver: str = ""
+    feeds: tuple[str, ...] = ()
     tick: Any
     _state: L
     _loop: LoopStatistics | None = None
@@ -71,6 +75,15 @@ class LeasingCapability(Capability[S], Generic[S, L]):
     @abstractmethod
     def not_at_rest(self) -> str:
         """Return why the emergency stop is not acknowledged yet, or nothing."""
+
+    def trouble(self) -> Reason | None:
+        """Return why what moves would not follow, or nothing."""
+        return None
+
+    def lacks(self) -> Reason | None:
+        """Return why nothing would be lent now; what moves is armed by then, and what feeds the decision has come."""
+        leases = self._state.leases
+        return latched(leases) if leases.estop else self.awaited(*self.feeds) or self.trouble()
 
     @abstractmethod
     def report(self) -> None:

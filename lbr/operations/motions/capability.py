@@ -54,6 +54,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
     hand."""
 
     ends, tick = "motions are shutting down", Tick()
+    feeds = ("joints", "attitude")
     rate_hz = 50.0
 
     def __init__(self, ctx: Context[MotionsSettings]) -> None:
@@ -123,6 +124,10 @@ class Motions(LeasingCapability[MotionsSettings, State]):
     def not_at_rest(self) -> str:
         """Return nothing: what moves are the joints, and they acknowledge for themselves."""
         return ""
+
+    def trouble(self) -> Reason | None:
+        """Return why the joints would not follow, or nothing."""
+        return self._follower.trouble
 
     def pass_on(self, output: Output, call: Call | None) -> None:
         """Publish, tell, answer, or have the joints do it."""

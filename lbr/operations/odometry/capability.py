@@ -4,6 +4,7 @@ import secrets
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
+from lbr.messages.codes import Reason
 from lbr.messages.kinematics import Kinematics, Wheel, base_of
 from lbr.operations.odometry import OdometrySettings
 from lbr.operations.odometry.reckoning import Reckoning
@@ -38,6 +39,10 @@ class Odometry(Capability[OdometrySettings]):
         self._reckoning.silence(self.ctx.clock())
         if arrived or self.ctx.clock() - self._said_s >= SILENT_PERIOD_S:
             self._publish()
+
+    def lacks(self) -> Reason | None:
+        """Return that the motors have reported nothing yet, or nothing."""
+        return self.awaited("motors")
 
     def _fresh(self) -> Reckoning:
         return Reckoning(self.ctx.settings, secrets.token_hex(3), self._base)
