@@ -33,6 +33,7 @@ PROBE = """
     from msgspec import Struct
     from lbr.capability import Capability, Kind
     from lbr.errors import DeviceError
+    from lbr.messages.codes import Reason
     from lbr.messages.leases import CommandReply
     from lbr.messages.motors import MotorSetpoint
 
@@ -41,6 +42,7 @@ PROBE = """
         device_there: str = ""
         steps_first: int = 0
         answers_at: str = ""
+        lacks_until: int = 0
 
 
     class Count(Struct, frozen=True):
@@ -80,6 +82,9 @@ PROBE = """
 
         def answers(self):
             return not self.ctx.settings.answers_at or Path(self.ctx.settings.answers_at).exists()
+
+        def lacks(self):
+            return Reason("not_armed", "not armed") if self.steps < self.ctx.settings.lacks_until else None
 
         def command(self, call):
             call.reply(CommandReply(accepted=True, reason=" ".join((*self.heard, call.message.what))))
@@ -352,6 +357,12 @@ def test_a_device_that_is_opened_again_and_again_and_says_nothing_is_told_once_a
 def test_who_has_just_begun_and_says_what_it_waits_for_is_not_called_ready_before(stage):
     stage.start(settings=json.dumps({"steps_first": 5})).ready()
     assert [report.phase for report in stage.said if report.phase in {"ready", "degraded"}] == ["degraded", "ready"]
+
+
+def test_who_would_refuse_its_first_command_is_called_ready_when_it_would_not(stage):
+    stage.start(settings=json.dumps({"lacks_until": 5})).ready()
+    told = [(report.phase, report.code) for report in stage.said if report.phase in {"ready", "degraded"}]
+    assert told == [("degraded", "not_armed"), ("ready", "")]
 
 
 def test_the_emergency_stop_latches_is_acknowledged_and_only_a_sealed_release_lets_go(stage):

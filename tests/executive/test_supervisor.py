@@ -385,9 +385,10 @@ def test_a_degraded_capability_gets_a_moment_before_the_robot_counts_as_ready():
     assert stage.supervisor.settled()
 
 
-def test_who_says_that_it_has_just_begun_gets_as_long_as_its_first_troubles_are_not_told():
+@pytest.mark.parametrize("code", ["not_ready", "not_armed"])
+def test_who_says_that_it_has_just_begun_gets_as_long_as_its_first_troubles_are_not_told(code):
     stage = Stage(unit("attitude"))
-    stage.says("attitude", "degraded", "the gyro's zero is not known yet", "not_ready")
+    stage.says("attitude", "degraded", "the gyro's zero is not known yet", code)
     stage.passes(SETTLING_S - 0.2, beating=["attitude"])
     assert not stage.supervisor.settled()
     stage.passes(0.4, beating=["attitude"])

@@ -18,9 +18,9 @@ from tests.support import databases
 from tests.support.robot import until
 
 
-def status(name: str, phase: str, reason: str = "") -> CapabilityStatus:
+def status(name: str, phase: str, reason: str = "", code: str = "") -> CapabilityStatus:
     return CapabilityStatus(
-        name=name, kind="k", phase=phase, pid=None, restarts=0, uptime_s=None, rates_hz={}, reason=reason
+        name=name, kind="k", phase=phase, pid=None, restarts=0, uptime_s=None, rates_hz={}, reason=reason, code=code
     )
 
 
@@ -207,6 +207,7 @@ def test_rows_that_cannot_be_taken_back_stay_and_are_told(database):
         ({}, [status("drive", "ready")], ()),
         ({}, [status("drive", "degraded", "no line")], ("drive is degraded: no line",)),
         ({"drive": "degraded"}, [status("drive", "degraded", "no line")], ()),
+        ({"drive": "ready"}, [status("drive", "degraded", "pressed", "estop")], ()),
         ({"drive": "failed"}, [status("drive", "failed", "x")], ("drive is failed: x",)),
         ({}, [], ("drive is not there",)),
         ({}, [status("drive", "ready"), status("web", "failed", "x")], ("web is failed: x",)),

@@ -8,6 +8,7 @@ from lbr.messages.drive import CheckVerdict
 from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import KIND
 from lbr.operations.drive.capability import Drive
+from tests.operations.drive.drive_bench import motors
 from tests.operations.drive.drive_context import DriveContext
 
 
@@ -138,6 +139,26 @@ def test_a_latch_from_before_the_start_is_obeyed():
     call = ctx.command(0.5)
     drive.command(call)
     assert call.answer.reason.startswith("emergency stop")
+
+
+def test_it_is_ready_once_all_that_feeds_it_has_come_and_the_motors_are_armed():
+    robot = Robot()
+    robot.ctx.wired["scans"] = ()
+    robot.run(0.1)
+    assert (robot.drive.lacks().code, robot.drive.lacks().text) == (
+        "not_ready",
+        "nothing has come from attitude, odometry yet",
+    )
+    attitude(robot)
+    robot.ctx.arrive("odometry", OdometryState(valid=False, epoch="e"))
+    robot.ctx.arrive("motors", motors(armed=False, reason="waiting for a zero setpoint"))
+    robot.drive.step()
+    assert robot.drive.lacks().code == "not_armed"
+    robot.run(0.1)
+    assert robot.drive.lacks() is None
+    robot.ctx.estop.engaged = True
+    robot.drive.step()
+    assert robot.drive.lacks().code == "estop"
 
 
 def test_the_death_of_the_motor_driver_ends_the_motion(robot):

@@ -5,6 +5,7 @@ from math import radians
 import msgspec
 import pytest
 
+from lbr.messages.joints import TorqueCommand
 from lbr.messages.leases import CommandReply
 from lbr.operations.joints import KIND
 from lbr.operations.joints.capability import Joints
@@ -110,6 +111,19 @@ def test_the_emergency_stop_is_acknowledged_once_the_driver_holds(robot):
     where = robot.setpoint.goals
     robot.run(0.1)
     assert robot.setpoint.goals == where
+
+
+def test_they_are_ready_once_the_servos_are_armed_and_it_is_known_which_have_torque():
+    robot = Robot()
+    robot.run(0.05, hear=False)
+    assert robot.joints.lacks().code == "not_ready"
+    robot.ctx.servos.armed = False
+    robot.run(0.05)
+    assert robot.joints.lacks().code == "not_armed"
+    robot.ctx.servos.armed = True
+    robot.run(0.05)
+    assert robot.joints.lacks() is None
+    assert robot.call("torque", TorqueCommand(on=True)).accepted
 
 
 def test_a_driver_that_is_gone_has_nothing_to_acknowledge(robot):

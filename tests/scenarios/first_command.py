@@ -1,0 +1,55 @@
+"""The first motion that a person may ask of each robot, at the very line that says it is ready."""
+
+import tempfile
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable
+from pathlib import Path
+
+from tests.support.robot import Robot, prepare, running
+
+MOVERS = ("motors", "servos", "drive", "joints", "motions")
+START_S = 30.0
+Ask = Callable[[Robot], str]
+
+
+def line(text: str) -> Ask:
+    """Return a line of the console; it returns why that was refused, or nothing."""
+
+    def ask(robot: Robot) -> str:
+        answer = robot.line(text)
+        return "" if answer["code"] == 0 else f"{text}: {answer['reason_code']}: {answer['text']}"
+
+    return ask
+
+
+def motor(robot: Robot) -> str:
+    """Ask for a motion of one servo by the UXA-90's own API; return why it was refused, or nothing."""
+    try:
+        with urllib.request.urlopen(f"{robot.web}/motor?id=23&position=100&torq=4", timeout=5.0):
+            return ""
+    except urllib.error.HTTPError as err:
+        return f"GET /motor: {err.code}: {err.read().decode(errors='replace')}"
+
+
+FIRST: dict[str, tuple[Ask, ...]] = {
+    "lbr": (line("/r/0.2/0"), line("/t/30")),
+    "bioloid": (line("/torque/on"),),
+    "uxa90": (motor, line("/play/basic_motion")),
+}
+
+
+def ask_at_ready(name: str, ask: Ask) -> tuple[str, float]:
+    """Start a robot as it ships and ask it; return why it was refused, or nothing, and the milliseconds to the answer."""
+    with tempfile.TemporaryDirectory(prefix="lbr-ready-") as place:
+        home = prepare(Path(place) / "home", whole=True)
+        with running(home, profile=f"{name}-sim", limit_s=START_S) as robot:
+            since = time.monotonic()
+            degraded = {one: why for one, why in robot.ready["degraded"].items() if one in MOVERS}
+            why = (
+                ask(robot)
+                if robot.ready["ready"] and not degraded
+                else f"ready with {degraded or robot.ready['failed']}"
+            )
+            return why, (time.monotonic() - since) * 1e3
