@@ -9,11 +9,10 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from lbr.database import adopted
-from lbr.database.connection import connect, damage, pragma, sentences
+from lbr.database import adopted, identity
+from lbr.database.connection import connect, sentences
 from lbr.database.reading import Problem
 from lbr.database.rows import TokenRow
-from lbr.database.store import APPLICATION_ID
 from lbr.database.tables import read_tables
 from lbr.database.tokens import tokens
 from lbr.errors import InputError, LbrError, RowError
@@ -59,10 +58,8 @@ def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
         return Copy(number=number, path=str(path), kept_at=at, fault=f"{path} is not a file")
     try:
         with sentences(path), closing(connect(path, changing=False)) as connection:
-            if pragma(connection, "application_id") != APPLICATION_ID:
-                raise RowError((f"{path} is not a robot's database",))
-            if fault := damage(connection):
-                raise RowError((f"{path} is damaged ({fault[:100]})",))
+            if fault := identity.fault(connection):
+                raise RowError((f"{path} {fault}",))
             revision = adopted.revision(connection)
             digest = adopted.digest(read_tables(connection)[0]) if digested else ""
             return Copy(number=number, path=str(path), kept_at=at, revision=revision, digest=digest)
@@ -96,8 +93,6 @@ def _kept(path: Path, *, digested: bool) -> tuple[Copy, ...]:
 
 def copy_whole(source: Path, target: Path) -> None:
     """Write a whole copy, readable by its owner alone, that is on the disk on return."""
-    if not source.exists():
-        raise InputError(f"there is no {source} to copy from", "unknown_name")
     os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600))
     with sentences(source), closing(connect(source)) as connection:
         connection.execute("VACUUM INTO ?", (str(target),))

@@ -14,12 +14,10 @@ from lbr.errors import InputError
 from lbr.messages.rows import shown
 from lbr.robots.old_data import ForeignTables
 
-MAGIC = b"SQLite format 3\0"
 MOST_ROWS = 100_000
 COMPUTED_S = 5.0
 _MOST_PAGES = 16_384
 _LOOK_EVERY = 1_000
-_OURS, _APPLICATION = b"LBR1", slice(68, 72)
 _MAKING = {
     sqlite3.SQLITE_CREATE_TABLE,
     sqlite3.SQLITE_CREATE_INDEX,
@@ -35,11 +33,6 @@ _FUNCTIONS = {"replace", "char", "unistr", "length", "lower", "upper", "typeof",
 """By which dumps write texts of several lines, and tables their checks and defaults."""
 _READING = {sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ}
 _PRAGMAS = {"foreign_keys", "encoding", "user_version", "application_id"}
-
-
-def is_own(content: bytes) -> bool:
-    """Say whether a file is a database of this program: such are restored, not imported."""
-    return content.startswith(MAGIC) and content[_APPLICATION] == _OURS
 
 
 def of_database(content: bytes) -> ForeignTables:

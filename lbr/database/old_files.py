@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lbr.database import foreign_tables, given_files, motion_files
+from lbr.database import foreign_tables, given_files, identity, motion_files
 from lbr.database.columns import json_strictly
 from lbr.database.motion_files import MotionFile
 from lbr.errors import InputError
@@ -47,8 +47,7 @@ def understood(path: Path, wanted: str | None = None) -> Given:
         if f".{wanted}" in makers or (wanted is None and path.suffix.lower() in makers):
             suffix = f".{wanted}" if wanted is not None else path.suffix.lower()
             return Given(path, suffix.removeprefix("."), motion_files.read(content, suffix))
-        if foreign_tables.is_own(content):
-            why = "it is a database of this lbr: 'lbr db restore' puts one in the place of robot.db"
+        if why := identity.own(path, content):
             return Given(path, "", why=why)
         source = _source(path, content)
         if wanted == OWN or (isinstance(source.json, dict) and source.json.get("format") == "lbr-motion"):
@@ -76,12 +75,12 @@ def _unknown(source: Source, wanted: str | None) -> str:
 
 
 def _source(path: Path, content: bytes) -> Source:
-    text = None if content.startswith(foreign_tables.MAGIC) else given_files.decoded(content)
+    text = None if content.startswith(identity.MAGIC) else given_files.decoded(content)
     found = _json(text)
 
     @cache
     def tables() -> ForeignTables | None:
-        if content.startswith(foreign_tables.MAGIC):
+        if content.startswith(identity.MAGIC):
             return foreign_tables.of_database(content)
         if text is not None and found is None and "CREATE TABLE" in text.upper():
             return foreign_tables.of_sql(text)

@@ -8,16 +8,18 @@ import time
 from contextlib import closing, suppress
 from pathlib import Path
 
-from lbr.database import adopted, copies
+from lbr.database import adopted, copies, identity
 from lbr.database.connection import connect, sentences, settle
 from lbr.database.files import check_folder, check_side_files, log_files
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.database.tokens import revoked
-from lbr.errors import InputError, LbrError
+from lbr.errors import InputError, LbrError, RowError
 
 SQLITE_SHARED_FIRST = 0x40000002
 SQLITE_SHARED_SIZE = 510
+SQL_BYTES = 16 << 20
+"""Of SQL, in which the tables of a robot are looked for."""
 
 
 def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
@@ -30,6 +32,7 @@ def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
     if _in_use(path):
         raise InputError(f"database {path} is in use: shut the robot down (`lbr stop`), close other programs")
     chosen = source or _newest_good(path)
+    _check(chosen)
     new = path.with_name(f"{path.name}.restoring-{os.getpid()}")
     try:
         copies.copy_whole(chosen, new)
@@ -55,6 +58,19 @@ def _newest_good(path: Path) -> Path:
             return Path(copy.path)
     what = "no copy of it is kept" if not found else f"none of its {len(found)} copies is good"
     raise InputError(f"database {path} cannot be restored, because {what}: name a backup, or `lbr db init` starts over")
+
+
+def _check(source: Path) -> None:
+    """Refuse what is not a good database of a robot by its own name, before anything is made of it."""
+    if not source.is_file():
+        raise InputError(f"there is no file {source} to copy from", "unknown_name")
+    with source.open("rb") as opened:
+        if why := identity.as_sql(source, opened.read(SQL_BYTES)):
+            raise InputError(f"{source} is not a database: {why}")
+    with sentences(source), closing(connect(source)) as connection:
+        fault = identity.fault(connection)
+    if fault:
+        raise RowError((f"{source} {fault}: `lbr db restore --list` shows the copies that are kept",))
 
 
 def _complete(new: Path, path: Path, source: Path, aside: Path | None) -> None:

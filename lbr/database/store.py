@@ -23,6 +23,7 @@ from lbr.database import (
     edits,
     foreign,
     history,
+    identity,
     packaged,
     past,
     row_changes,
@@ -32,7 +33,6 @@ from lbr.database.connection import (
     BUSY_TIMEOUT_S,
     Connection,
     connect,
-    damage,
     flush_log,
     insert,
     pragma,
@@ -50,13 +50,12 @@ from lbr.database.seen import Seen
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError, RowError
 from lbr.messages.manage import RowChange
-from lbr.messages.rows import Row, shown
+from lbr.messages.rows import Row
 from lbr.messages.system import Event, TokenRole
 from lbr.resources import robot_db_sql
 
 RowKey = tuple[str, tuple[Any, ...]]
 """Table and key of a row of one robot."""
-APPLICATION_ID = 0x4C425231
 PATIENCE_S = 0.1
 COMPUTED_S = 0.5
 """Of the processor, for one transaction of who must not be held up: fifty times what the shipped rows take."""
@@ -493,22 +492,13 @@ class Database:
         connection = self._connection
         if not self.path.stat().st_size:  # as sqlite3 leaves it that was told to change what was not there
             raise RowError((f"database {self.path} is empty: remove it, and `lbr db init` makes a robot's",))
-        tables = connection.scalar("SELECT count(*) FROM sqlite_schema WHERE name IN ('robot', 'alembic_version')")
-        if pragma(connection, "application_id") != APPLICATION_ID or tables != 2:
-            raise RowError(
-                (f"database {self.path} is not a robot's: name another; `lbr db restore` puts a copy in its place",)
-            )
-        fault = damage(connection)
-        if fault:
-            raise RowError(
-                (
-                    f"database {self.path} is damaged ({shown(fault)}): `lbr db restore` puts the last good copy in its place",
-                )
-            )
+        if fault := identity.fault(connection):
+            raise RowError((f"database {self.path} {fault}: `lbr db restore` puts the last good copy in its place",))
         pragma(connection, "journal_mode = WAL")
         pragma(connection, "synchronous = NORMAL")
         pragma(connection, "foreign_keys = ON")
         self.backup = bring_up_to_date(connection, self.path)
+        identity.number(connection)
 
     @contextmanager
     def reading(self, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:

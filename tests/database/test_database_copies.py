@@ -13,7 +13,7 @@ import pytest
 
 from lbr import cli
 from lbr.bus import tokens
-from lbr.database import copies
+from lbr.database import copies, identity
 from lbr.database.restore import restore
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
@@ -145,6 +145,35 @@ def test_a_named_backup_is_put_back(path, tmp_path):
     restore(path, tmp_path / "mine.db")
     assert owner(path) == "kept"
     assert owner(path.with_name("robot.db.before-restore-1")) == "later"
+
+
+def test_what_sqlite_dumped_is_read_back_though_it_has_no_application_id(path, tmp_path):
+    edit(path, "kept")
+    back = tmp_path / "back.db"
+    with closing(sqlite3.connect(path)) as source, closing(sqlite3.connect(back)) as target:
+        target.executescript("\n".join(source.iterdump()))
+        assert target.execute("PRAGMA application_id").fetchone() == (0,)
+    back.chmod(0o600)
+    edit(path, "later")
+    restore(path, back)
+    assert owner(path) == "kept"
+    assert owner(back) == "kept"
+    with closing(sqlite3.connect(path)) as connection:
+        assert connection.execute("PRAGMA application_id").fetchone() == (identity.APPLICATION_ID,)
+
+
+def test_a_source_that_is_refused_is_named_itself(path, tmp_path):
+    dump, other = tmp_path / "dump.sql", tmp_path / "other.db"
+    with closing(sqlite3.connect(path)) as connection:
+        dump.write_text("\n".join(connection.iterdump()), "utf-8")
+    with closing(sqlite3.connect(other)) as connection:
+        connection.execute("CREATE TABLE robot (name)")
+    before = path.read_bytes()
+    with pytest.raises(InputError, match=rf"{dump} .*lbr db init --sql {dump}"):
+        restore(path, dump)
+    with pytest.raises(RowError, match=str(other)):
+        restore(path, other)
+    assert path.read_bytes() == before
 
 
 def test_without_a_copy_nothing_is_touched(path):

@@ -120,7 +120,7 @@ STRUCTURAL: tuple[tuple[str, str], ...] = (
     ("ALTER TABLE joint RENAME TO joints", ""),
     ("UPDATE alembic_version SET version_num = '9999'", "schema"),
     ("DELETE FROM alembic_version", "schema"),
-    ("PRAGMA application_id = 7", "robot's"),
+    ("PRAGMA application_id = 7", ""),
     ("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'drive.setpoint', 'ranges.setpoint')", "channel"),
     ("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ranges.readings', 'motors.setpoint')", "channel"),
     ("INSERT INTO channel (robot, source, target) VALUES ('nobody', 'ranges.readings', 'drive.ranges')", "channel"),

@@ -1,0 +1,45 @@
+"""How a robot's database is known: by its tables. The number in its header is for file(1), and no backup has to keep it."""
+
+import re
+from pathlib import Path
+
+from lbr.database.connection import Connection, damage, pragma
+from lbr.messages.rows import shown
+
+MAGIC = b"SQLite format 3\0"
+APPLICATION_ID = 0x4C425231
+_TABLES = ("alembic_version", "robot", "capability")
+_MAKING = tuple(re.compile(rf'CREATE TABLE (IF NOT EXISTS )?"?{name}"?\s*\('.encode()) for name in _TABLES)
+
+
+def is_robots(connection: Connection) -> bool:
+    """Say whether a database has the tables by which every robot's is known."""
+    count = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name IN (?, ?, ?)"
+    return bool(connection.scalar(count, _TABLES) == len(_TABLES))
+
+
+def fault(connection: Connection) -> str:
+    """Return why a file is not a good database of a robot, or nothing."""
+    if not is_robots(connection):
+        return "is not a robot's database"
+    return f"is damaged ({shown(broken)})" if (broken := damage(connection)) else ""
+
+
+def number(connection: Connection) -> None:
+    """Set the number in the header anew, where a backup has lost it."""
+    if pragma(connection, "application_id") != APPLICATION_ID:
+        pragma(connection, f"application_id = {APPLICATION_ID}")
+
+
+def as_sql(path: Path, content: bytes) -> str:
+    """Return how SQL that makes the tables of a robot's database is read back, or nothing."""
+    return "" if content.startswith(MAGIC) else own(path, content)
+
+
+def own(path: Path, content: bytes) -> str:
+    """Return how a file that makes the tables of a robot's database is read back, be it a database or SQL; or nothing."""
+    if not all(making.search(content) for making in _MAKING):
+        return ""
+    if content.startswith(MAGIC):
+        return "it is a database of this lbr: 'lbr db restore' puts one in the place of robot.db"
+    return f"it is a robot's database as SQL: 'lbr db init --sql {path} --db NEW.db' builds one of it"
