@@ -1,35 +1,28 @@
 """`lbr import`: what a robot's former programs kept becomes its rows, with a report of what has no place."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import click
 from click.shell_completion import CompletionItem
 
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
-from lbr.commands.rows import opened, problems_of
-from lbr.errors import InputError
+from lbr.commands.rows import opened, planned, problems_of
+from lbr.errors import InputError, RowError
 from lbr.messages.plain import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from lbr.database.old_files import Given
+    from lbr.database.reading import Problem
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
-    from lbr.database.taking import Here
+    from lbr.database.taking import Here, Taken
     from lbr.messages.joints import Motion
-    from lbr.messages.rows import Row
     from lbr.robots.old_data import Choice, Note, Want
 
 _SHOWN = {"added": "added", "changed": "changed", "clamped": "clamped", "no_place": "no place"}
-
-
-class _Plan(NamedTuple):
-    """What an import would write, and what became of everything in the files."""
-
-    rows: "tuple[Row, ...]"
-    notes: "tuple[Note, ...]"
 
 
 def _complete_format(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -80,9 +73,9 @@ def command(
         whose = _robot(rows, robot, given)
         of_robot = rows.load(whose)
         plan = _planned(rows, whose, of_robot, given, Choice(of), replacing=replacing)
-        if plan.rows:
-            edit = Edit(rows=plan.rows, create=None, revision=of_robot.revision)
-            rows.edit(whose, edit, problems_of, dry_run=dry_run)
+        plan = _acceptable(rows, whose, plan, of_robot.revision)
+        if plan.rows and not dry_run:
+            rows.edit(whose, Edit(rows=plan.rows, create=None, revision=of_robot.revision), problems_of)
     notes = (*plan.notes, *others)
     written = bool(plan.rows) and not dry_run
     if as_json:
@@ -158,7 +151,7 @@ def _planned(
     choice: "Choice",
     *,
     replacing: bool,
-) -> _Plan:
+) -> "Taken":
     """Return what all files together would write; InputError names what of a person's is in the way."""
     from lbr.database import taking  # noqa: PLC0415
     from lbr.database.motion_files import MotionFile  # noqa: PLC0415
@@ -186,7 +179,7 @@ def _planned(
     first, _ = shipped()
     taken = (
         taking.take(wants, here, first, replacing=replacing),
-        taking.take_motions(motions, of_robot, replacing=replacing),
+        taking.take_motions(motions, of_robot, first, replacing=replacing),
     )
     if kept := [text for one in taken for text in one.kept]:
         more_of = f", and {len(kept) - 10} more" if len(kept) > 10 else ""
@@ -194,17 +187,45 @@ def _planned(
             f"what a person has set would be written over: {'; '.join(kept[:10])}{more_of}. Nothing is written; "
             "--replace takes what the file says"
         )
-    return _Plan(tuple(row for one in taken for row in one.rows), (*(n for one in taken for n in one.notes), *notes))
+    return taking.Taken(
+        rows=tuple(row for one in taken for row in one.rows),
+        notes=(*(note for one in taken for note in one.notes), *notes),
+    )
 
 
-def _tell(robot: str, given: "Sequence[Given]", plan: _Plan, notes: "Sequence[Note]", *, dry_run: bool) -> None:
+def _acceptable(rows: "Database", robot: str, plan: "Taken", revision: int) -> "Taken":
+    """Return the plan without those of its rows that a start would refuse: these have no place here."""
+    from lbr.database import taking  # noqa: PLC0415
+    from lbr.database.edits import Edit  # noqa: PLC0415
+
+    problems: list[Problem] = []
+
+    def judge(after: "RobotRows") -> list[str]:
+        problems[:] = planned(after)[1]
+        return [str(one) for one in problems]
+
+    while plan.rows:
+        try:
+            rows.edit(robot, Edit(rows=plan.rows, create=None, revision=revision), judge, dry_run=True)
+        except RowError:
+            left = taking.without(plan, robot, problems)
+            if left.rows == plan.rows:  # what is wrong stands elsewhere
+                raise
+            plan = left
+        else:
+            break
+    return plan
+
+
+def _tell(robot: str, given: "Sequence[Given]", plan: "Taken", notes: "Sequence[Note]", *, dry_run: bool) -> None:
+    from lbr.robots.old_data import merged  # noqa: PLC0415
+
     names = ", ".join(f"{one.path.name} ({one.format})" for one in given[:10])
     took = "would take" if dry_run else "took"
     count = f"{len(plan.rows)} row{'s' if len(plan.rows) != 1 else ''}"
     click.echo(f"{took} {count} for {robot} from {names}" + (f" and {len(given) - 10} more" if len(given) > 10 else ""))
     for kind, said in _SHOWN.items():
-        for note in notes:
-            if note.kind == kind:
-                click.echo(one_line(f"{said}: {note}"))
+        for note in merged(note for note in notes if note.kind == kind):
+            click.echo(one_line(f"{said}: {note}"))
     if same := sum(note.kind == "same" for note in notes):
         click.echo(f"as it was already: {same}")

@@ -114,6 +114,7 @@ def import_(
     """
     from lbr.database import motion_files  # noqa: PLC0415
     from lbr.database.edits import Edit  # noqa: PLC0415
+    from lbr.robots.old_data import merged  # noqa: PLC0415
 
     if name is not None and not re.fullmatch(NAME_PATTERN, name):
         raise InputError(f"'{name}' is not a name: those are of lower-case letters, digits and _, a letter first")
@@ -138,7 +139,7 @@ def import_(
             }
         )
         return 0
-    for note in notes:
+    for note in merged(notes):
         click.echo(one_line(f"note: {note}"), err=True)
     click.echo(_said(whose, motion, about, written=not dry_run))
     return 0

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from lbr.database import motion_files
 from lbr.database.columns import WrongError, columns, json_strictly, raw
-from lbr.database.reading import ROBOT, RawRow, RawTables
+from lbr.database.reading import ROBOT, Problem, RawRow, RawTables, Tables
 from lbr.database.rows import CapabilityRow, DeviceRow, ExternalCommandRow, RobotRow, RobotRows
 from lbr.errors import InputError
 from lbr.messages.calibration import CalibrationValue
@@ -43,6 +43,28 @@ class Taken(Struct, frozen=True, kw_only=True):
     rows: tuple[Row, ...] = ()
     notes: tuple[Note, ...] = ()
     kept: tuple[str, ...] = ()
+
+
+def without(taken: Taken, robot: str, problems: Iterable[Problem]) -> Taken:
+    """Return what is left without the rows that problems are of, each with the parts of its whole; those have no place."""
+    why = {(one.table, one.row): one for one in problems}
+    refused: dict[tuple[str, str], Problem] = {}
+    for row in taken.rows:
+        if found := why.get((row.TABLE, _told((robot, *row.key)))):
+            refused.setdefault(_whole(row), found)
+    notes = [one for one in taken.notes if (one.table, one.row) not in refused]
+    notes += [Note("no_place", *whole, one.column, _without_advice(one)) for whole, one in refused.items()]
+    rows = tuple(row for row in taken.rows if _whole(row) not in refused)
+    return Taken(rows=rows, notes=tuple(notes), kept=taken.kept)
+
+
+def _without_advice(problem: Problem) -> str:
+    """Return what is wrong, without what to do about it in a robot's own rows."""
+    return problem.text.partition(": ")[0]
+
+
+def _whole(row: Row) -> tuple[str, str]:
+    return (row.PART_OF, _told(row.key[:1])) if row.PART_OF else (row.TABLE, _told(row.key))
 
 
 class _State(Struct):
@@ -135,9 +157,11 @@ class _Taking:
         return True
 
 
-def take_motions(motions: Iterable[Motion], rows: RobotRows, *, replacing: bool) -> Taken:
-    """Return the rows of motions within the joints' limits, and what was brought within them."""
+def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables, *, replacing: bool) -> Taken:
+    """Return the rows of motions within the joints' limits, and what was brought within them; `take` says which are kept."""
     known = {one.name: one for one in motions_of(rows.of(MotionRow), rows.of(MotionStep))}
+    first = Tables(shipped, rows.robot.name, {})
+    as_shipped = motions_of(first.good(MotionRow), first.good(MotionStep))
     joints = rows.of(Joint)
     written: list[Row] = []
     notes: list[Note] = []
@@ -150,7 +174,7 @@ def take_motions(motions: Iterable[Motion], rows: RobotRows, *, replacing: bool)
         if there == motion:
             notes.append(Note("same", "motion", motion.name, "", "its key frames are there"))
             continue
-        if there is not None and not replacing:
+        if there is not None and not replacing and there not in as_shipped:
             kept.append(f"motion '{motion.name}' is there already")
         count = len(motion.frames)
         text = f"{count} key frame{'s' if count != 1 else ''}, {sum(frame.duration_s for frame in motion.frames):.2f} s"

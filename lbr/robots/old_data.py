@@ -5,7 +5,7 @@
 Nothing here writes: `lbr import` compares what is wanted with the rows that are there.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -13,6 +13,10 @@ Kind = Literal["added", "changed", "clamped", "same", "no_place"]
 """What became of a value; `no_place`: there is nothing here that could hold it."""
 ForeignTables = Mapping[str, Sequence[Mapping[str, Any]]]
 """The rows of another program's database by its tables' names."""
+
+
+ROWS_SHOWN = 5
+"""Of those of which the same is said."""
 
 
 class Note(NamedTuple):
@@ -27,6 +31,19 @@ class Note(NamedTuple):
     def __str__(self) -> str:
         where = f"{self.table} '{self.row}'" if self.row else self.table
         return f"{where}, {self.column}: {self.text}" if self.column else f"{where}: {self.text}"
+
+
+def merged(notes: Iterable[Note]) -> tuple[Note, ...]:
+    """Return the notes with those that say the same of several rows as one, where the first of them stood."""
+    rows: dict[Note, list[str]] = {}
+    for note in notes:
+        rows.setdefault(note._replace(row=""), []).append(note.row)
+    return tuple(note._replace(row=_listed(of_note)) for note, of_note in rows.items())
+
+
+def _listed(rows: Sequence[str]) -> str:
+    more = f" and {len(rows) - ROWS_SHOWN} more" if len(rows) > ROWS_SHOWN else ""
+    return ", ".join(rows[:ROWS_SHOWN]) + more
 
 
 class Want(NamedTuple):

@@ -2,6 +2,7 @@
 
 import contextlib
 from math import radians
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -15,6 +16,7 @@ from lbr.robots.bioloid.mtn import MtnFile, Page, Step
 from tests.support.old_data import BOW, ENABLED, step
 from tests.support.old_data import motion_file as content
 
+ROBOPLUS = Path(__file__).with_name("roboplus")
 NAMES = st.text(st.characters(exclude_categories=("C", "Z")), max_size=12)
 SECONDS = st.integers(0, 60_000).map(lambda ms: ms / 1000)
 
@@ -89,13 +91,13 @@ def test_a_truncated_file_is_told(at):
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        ((b"type=motion\r\n", b""), "line 1: it does not say type=motion"),
+        ((b"type=motion\n", b""), "line 1: it does not say type=motion"),
         ((b"page_end", b""), r"line 13: 'page_begin' does not belong into page 1, which has no page_end"),
         ((b"play_param=0 0 1 1.000 32", b"play_param=0 0 1 0.000 32"), "line 8: a speed of 0"),
         ((b"play_param=0 0 1 1.000 32", b"play_param=0 0 1"), "line 8: play_param has 5 numbers; this one has 3"),
         ((b"step=0 235", b"step=235"), "line 9: a step has 26 positions, a pause and a time; this one has 27"),
         ((b"step=0 235", b"step=0 -35"), "line 9: position: '-35' is not a whole number from 0 to 65535"),
-        ((b"0.000 1.000\r\n", b"0.000 NaN\r\n"), "line 9: 'NaN' is not a number of seconds"),
+        ((b"0.000 1.000\n", b"0.000 NaN\n"), "line 9: 'NaN' is not a number of seconds"),
         ((b"version=1.01", b"colour=red"), "line 2: 'colour' does not belong here"),
         ((b"enable=0", b"enable=x"), "line 3: enable: 'x' is not a whole number"),
     ],
@@ -111,9 +113,36 @@ def test_names_are_read_in_the_encodings_that_such_files_have():
         found = mtn.parse(WHOLE.replace(b"name=Bow", b"name=" + encoded))
         assert found.pages[0].name == named
     assert mtn.parse(WHOLE.removeprefix(mtn.BOM)).pages[0].name == "Bow"
-    assert mtn.parse(WHOLE.removesuffix(b"1c").decode("utf-8-sig").encode("utf-16")).pages[1].name == "Walk"
+    assert mtn.parse(WHOLE[:-2].decode("utf-8-sig").encode("utf-16")).pages[1].name == "Walk"
     assert mtn.parse(WHOLE.replace(b"name=Bow", b"name=B\x1b[2Jw")).pages[0].name == "B?[2Jw"
     assert mtn.parse(WHOLE + b"\0\xff").pages == mtn.parse(WHOLE).pages
+
+
+@pytest.mark.parametrize(
+    ("name", "checksum"),
+    [("sound", "right"), ("escaped", "right"), ("stale", "stale"), ("no", "missing")],
+)
+def test_a_checksum_is_compared_and_never_refused(name, checksum, rows):
+    found = mtn.parse((ROBOPLUS / f"{name}_checksum.mtn").read_bytes())
+    assert (len(found.pages), found.checksum) == (1, checksum)
+    _, notes = motion_file.MtnMotions(found).motions(rows["bioloid"])
+    assert ("checksum" in {note.column for note in notes}) == (checksum != "right")
+
+
+def test_a_file_is_written_to_the_byte_as_its_maker_does():
+    sound = (ROBOPLUS / "sound_checksum.mtn").read_bytes()
+    assert mtn.write(mtn.parse(sound)) == sound
+
+
+@given(st.sampled_from([b"\r", b"\r\n", b"\n"]), st.binary(max_size=2))
+def test_lines_end_as_any_editor_ends_them_and_a_checksum_is_any_bytes(line_end, end):
+    found = mtn.parse(WHOLE[:-2].replace(b"\n", line_end) + end)
+    assert found.pages == mtn.parse(WHOLE).pages
+    assert (found.checksum == "right") == (end == WHOLE[-2:])
+
+
+def test_an_editors_file_with_old_line_ends_is_read():
+    assert len(mtn.parse((ROBOPLUS / "cr_line_ends.mtn").read_bytes()).pages) == 1
 
 
 def test_counts_become_angles_of_joints_and_a_pause_a_frame_of_its_own(rows):
@@ -199,7 +228,7 @@ def test_what_a_file_cannot_say_and_what_has_no_place_in_another_makers_are_told
         ),
     )
     _, notes = motion_files.exported("bioloid", motion, rows["bioloid"], ".MTN")
-    assert [note.column for note in notes] == ["checksum", "positions"]
+    assert [note.column for note in notes] == ["positions"]
     with pytest.raises(InputError, match="has no motor in layer 'factory'"):
         motion_files.exported("bioloid", motion, rows["bioloid"], ".rbm")
     with pytest.raises(InputError, match="no joint 'tail'"):

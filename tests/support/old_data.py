@@ -84,8 +84,8 @@ def step(time_s: float = 0.5, pause_s: float = 0.0, **moved: int) -> Step:
 
 
 def motion_file(*pages: Page) -> bytes:
-    """A RoboPlus file of eighteen servos, with something in the place of its checksum."""
-    return mtn.write(MtnFile(pages, ENABLED)) + b"1c"
+    """A RoboPlus file of eighteen servos."""
+    return mtn.write(MtnFile(pages, ENABLED))
 
 
 BOW = (step(1.0), step(0.6, 0.2, s11=300, s12=723), step(0.6))

@@ -36,7 +36,7 @@ class MtnMotions:
     def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
         """Return them in the angles of a robot's joints, and what has no place."""
         joints = {row.device_id: row for row in rows.of(Joint)}
-        notes = list(_without_joint(self.file, joints))
+        notes = [*_of_checksum(self.file), *_without_joint(self.file, joints)]
         usable = {
             servo: row
             for servo, row in joints.items()
@@ -79,9 +79,7 @@ def write(motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
             raise InputError(
                 f"joint '{name}' is on servo {joints[name].device_id}, and a file has 0 to {mtn.SERVOS - 1}"
             )
-    notes = [
-        Note("no_place", "motion", motion.name, "checksum", "how it is made is not known: RoboPlus may refuse the file")
-    ]
+    notes: list[Note] = []
     at = [MIDDLE] * mtn.SERVOS
     for frame in reversed(motion.frames):
         for name, angle in frame.positions.items():
@@ -119,6 +117,15 @@ def _count(row: Joint, angle: float) -> int:
 
 def _angle(row: Joint, count: int) -> float:
     return round(row.sign * ((count - MIDDLE) * COUNT_RAD - row.zero_rad), DIGITS) + 0.0
+
+
+def _of_checksum(file: MtnFile) -> Iterator[Note]:
+    text = {
+        "stale": "it is of other lines: the file was changed by another program than RoboPlus, and is taken as it is",
+        "missing": "the file ends without it: it may have been cut off after a page, and is taken as it is",
+    }.get(file.checksum)
+    if text is not None:
+        yield Note("no_place", "file", "", "checksum", text)
 
 
 def _without_joint(file: MtnFile, joints: dict[int, Joint]) -> Iterator[Note]:
@@ -169,12 +176,12 @@ def _motion(name: str, chain: list[int], file: MtnFile, joints: dict[int, Joint]
         row = f"{number} ({page.name})" if page.name else str(number)
         times = page.times if page.times >= 1 and len(frames) + page.times * len(page.steps) * 2 <= MAX_FRAMES else 1
         if times != page.times:
-            text = f"played {page.times} times there, once here: /play/{name}/N plays the motion N times"
+            text = "played several times there, once here: /play/NAME/N plays the motion N times"
             notes.append(Note("no_place", TABLE, row, "play_param.times", text))
         for _ in range(times):
             frames += _frames(page, joints, beyond)
         follows = [*chain, 0][chain.index(number) + 1]
-        notes += _unplayed(name, row, page, chain, follows)
+        notes += _unplayed(row, page, chain, follows)
     if beyond:
         lines = ", ".join(map(str, sorted(set(beyond))[:5]))
         text = f"line {lines}: positions above {MOST} are none of such a servo; its joint stays there"
@@ -196,17 +203,17 @@ def _frames(page: Page, joints: dict[int, Joint], beyond: list[int]) -> Iterable
             yield KeyFrame(positions=positions, duration_s=max(SHORTEST_S, step.pause_s / page.speed))
 
 
-def _unplayed(name: str, row: str, page: Page, chain: list[int], follows: int) -> Iterator[Note]:
+def _unplayed(row: str, page: Page, chain: list[int], follows: int) -> Iterator[Note]:
     """Yield what a page says that a motion here does not have."""
     if page.speed != 1.0:
         text = f"times are divided by the page's speed, {page.speed:g}"
         yield Note("changed", TABLE, row, "play_param.speed", text)
     if page.next != follows:
-        back = f"it leads back to page {page.next}: /play/{name}/N plays the motion N times"
-        text = back if page.next in chain else f"it leads to page {page.next}, which is no motion: it ends here"
+        back = "it leads back to a page before: /play/NAME/N plays the motion N times"
+        text = back if page.next in chain else "it leads to a page that is not a motion: it ends here"
         yield Note("no_place", TABLE, row, "play_param.next", text)
     if page.exit:
-        text = f"page {page.exit} would follow a stop; here the joints hold at once"
+        text = "another page would follow a stop; here the joints hold at once"
         yield Note("no_place", TABLE, row, "play_param.exit", text)
     if page.inertia not in {0, 32}:
         yield Note("no_place", TABLE, row, "play_param.inertia", "the joints here have their own way of speeding up")

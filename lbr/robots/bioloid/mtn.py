@@ -10,15 +10,15 @@
     play_param=0 0 1 1.0 32              next page, page after a stop, times, speed, inertial force
     step=512 235 788 … 0.000 1.000       a position of each servo, the pause afterwards, the time to get there
     page_end
-    (two characters: a checksum)
+    (two bytes: a checksum)
 
-Worked out from descriptions and from programs that read such files; how the checksum is made is not known, so it is
-neither compared nor written.
+Worked out from descriptions and from programs that read such files. Lines end by LF. The checksum is the ones' complement
+of the 16-bit sum of all bytes up to it, the mark of UTF-8 among them, the high byte first.
 """
 
 import math
 import re
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from lbr.errors import InputError
 from lbr.messages.rows import shown
@@ -34,7 +34,12 @@ _WHOLE = re.compile(r"\d{1,5}", re.ASCII)
 _NUMBER = re.compile(r"\d{1,6}(?:[.,]\d{1,6})?", re.ASCII)
 _HEAD = {"type", "version", "enable", "motor_type"}
 _OF_PAGE = {"name", "compliance", "play_param", "step"}
-_CHECKSUM_BYTES = 4
+_PAGE_END = re.compile(rb"(?:^|[\r\n])[\0\t ]*page_end[\0\t ]*(?:\r\n|\r|\n|\Z)")
+_LINE_END = re.compile(rb"\r\n|\r")
+_HEX = re.compile(rb"[0-9A-Fa-f]{2}")
+_LONGEST_CHECKSUM = 12
+"""Two bytes, or what an editor wrote in their place: `\\82\\09`, `\\u0082\\u0009`."""
+Checksum = Literal["right", "stale", "missing"]
 
 
 class Step(NamedTuple):
@@ -66,11 +71,18 @@ class MtnFile(NamedTuple):
     enabled: tuple[int, ...]
     motor_types: tuple[int, ...] = ()
     version: str = "1.01"
+    checksum: Checksum = "right"
+
+
+def checksum(body: bytes) -> bytes:
+    """Return the two bytes that follow the lines of a file."""
+    return (~sum(body) & 0xFFFF).to_bytes(2, "big")
 
 
 def parse(content: bytes) -> MtnFile:
     """Return what a file says; InputError names the line that cannot be."""
-    lines = _Lines(content)
+    body, end = _parted(content)
+    lines = _Lines(body)
     head: dict[str, str] = {}
     at: dict[str, int] = {}
     pages: list[Page] = []
@@ -85,7 +97,7 @@ def parse(content: bytes) -> MtnFile:
             pages.append(_page(lines, len(pages) + 1, width))
         elif key in _HEAD and not pages and key not in head:
             head[key], at[key] = value, lines.number
-        elif not lines.is_checksum(pages):
+        else:
             raise lines.wrong(f"'{shown(key)}' does not belong here; is it a motion file?")
     if head.get("type") != "motion":
         raise InputError("line 1: it does not say type=motion; is it a motion file?")
@@ -94,11 +106,11 @@ def parse(content: bytes) -> MtnFile:
     flags = _wholes(lines, head.get("enable", "1 " * width), MOST_SERVOS, "enable", at)
     types = _wholes(lines, head.get("motor_type", ""), MOST_SERVOS, "motor_type", at)
     enabled = tuple(servo for servo, flag in enumerate(flags) if flag)
-    return MtnFile(tuple(pages), enabled, tuple(types), head.get("version", ""))
+    return MtnFile(tuple(pages), enabled, tuple(types), head.get("version", ""), _judged(body, end))
 
 
 def write(file: MtnFile) -> bytes:
-    """Return the content of a file, without a checksum; times to the millisecond."""
+    """Return the content of a file; times to the millisecond."""
     width = max((len(step.positions) for page in file.pages for step in page.steps), default=SERVOS)
     types = file.motor_types or (0,) * width
     lines = [
@@ -116,7 +128,27 @@ def write(file: MtnFile) -> bytes:
             *(f"step={_listed(one.positions)} {one.pause_s:.3f} {one.time_s:.3f}" for one in page.steps),
             "page_end",
         ]
-    return BOM + "".join(f"{line}\r\n" for line in lines).encode()
+    body = BOM + "".join(f"{line}\n" for line in lines).encode()
+    return body + checksum(body)
+
+
+def _parted(content: bytes) -> tuple[bytes, bytes]:
+    """Return the lines of a file, ended by LF, and what is in the place of its checksum."""
+    content = _utf8(content)
+    found = list(_PAGE_END.finditer(content))
+    at = found[-1].end() if found else len(content)
+    if len(content) - at > _LONGEST_CHECKSUM or content[at:].startswith(b"page_begin"):
+        at = len(content)  # more follows than a checksum: its line is read, and named
+    return _LINE_END.sub(b"\n", content[:at]), content[at:]
+
+
+def _judged(body: bytes, end: bytes) -> Checksum:
+    """Return what the end of a file says of its lines; an editor may have written the bytes as text, or put more behind them."""
+    right = checksum(BOM + body if body.endswith(b"\n") else BOM + body + b"\n")
+    if not end.strip(b"\0\r\n\t "):
+        return "right" if end.startswith(right) else "missing"
+    is_right = end.startswith(right) or bytes.fromhex(b"".join(_HEX.findall(end)).decode())[-2:] == right
+    return "right" if is_right else "stale"
 
 
 def _page(lines: "_Lines", number: int, width: int) -> Page:
@@ -195,24 +227,18 @@ class _Lines:
     """Gives one line after the other, and knows its number for an error."""
 
     def __init__(self, content: bytes) -> None:
-        self._lines = _utf8(content).split(b"\n")
+        self._lines = content.split(b"\n")
         self.number = 0
-        self._last = b""
 
     def next(self) -> tuple[str, str] | None:
         """Return the key of the next line that is not empty, and what follows its `=`."""
         while self.number < len(self._lines):
-            self._last = self._lines[self.number].strip(b"\0\r\t ")
+            line = self._lines[self.number].strip(b"\0\t ")
             self.number += 1
-            if self._last:
-                key, _, value = self._last.partition(b"=")
+            if line:
+                key, _, value = line.partition(b"=")
                 return _text(key).strip(), _text(value)
         return None
-
-    def is_checksum(self, pages: list[Page]) -> bool:
-        """Say whether the last line is what follows the last page: bytes that are compared with nothing."""
-        rest = b"".join(self._lines[self.number :]).strip(b"\0\r\t ")
-        return bool(pages) and b"=" not in self._last and len(self._last) + len(rest) <= _CHECKSUM_BYTES
 
     def wrong(self, text: str, line: int | None = None) -> InputError:
         """Return an error that names the line."""
