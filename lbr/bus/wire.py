@@ -16,6 +16,7 @@ import zenoh
 from lbr.bus import keys
 from lbr.bus import stamp as stamps
 from lbr.bus.access import Credentials
+from lbr.bus.inflow import Inflow
 from lbr.errors import BusError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.leases import CommandReply
@@ -246,24 +247,39 @@ class Request:
 
 
 class QueryServer:
-    """A command key: queries and puts queue here, bounded, until our thread answers them."""
+    """A command key: queries and puts queue here, bounded, until our thread answers them.
+
+    What quotes the lease `first` has a queue of its own and is served before all else. With an `inflow` each other
+    sender is let in only as often as that allows.
+    """
 
     def __init__(
-        self, session: zenoh.Session, key: str, wake: Callable[[], None], *, puts: bool = True, source: str = ""
+        self,
+        session: zenoh.Session,
+        key: str,
+        wake: Callable[[], None],
+        *,
+        puts: bool = True,
+        source: str = "",
+        inflow: Inflow | None = None,
     ) -> None:
         self.key = key
         self.dropped = 0
+        self.first = b""
         self._source = source
         self._wake = wake
+        self._inflow = inflow
         self._waiting: deque[Request] = deque()
+        self._waiting_first: deque[Request] = deque()
         self._queryable = session.declare_queryable(key, direct(self._asked), complete=True)
         self._subscriber = session.declare_subscriber(key, direct(self._put)) if puts else None
 
     def take(self) -> list[Request]:
-        """Return the waiting requests, oldest first."""
+        """Return the waiting requests, oldest first; before them those that quote the lease that is served first."""
         taken = []
-        while self._waiting:
-            taken.append(self._waiting.popleft())
+        for waiting in (self._waiting_first, self._waiting):
+            while waiting:
+                taken.append(waiting.popleft())
         return taken
 
     def close(self) -> None:
@@ -290,13 +306,22 @@ class QueryServer:
         self._queue(Request(self.key, message.payload, message.attachment, None))
 
     def _queue(self, request: Request) -> None:
-        if len(self._waiting) >= MAX_WAITING_COMMANDS:
+        first = self.first
+        quotes = bool(first) and first in request.payload
+        waiting = self._waiting_first if quotes else self._waiting
+        if len(waiting) >= MAX_WAITING_COMMANDS or not (quotes or self._admits(request)):
             self.dropped += 1
             reason = f"too many commands at once on {self.key}"
             request.reply(CommandReply(accepted=False, code="busy", reason=reason), self._source)
             return
-        self._waiting.append(request)
+        waiting.append(request)
         self._wake()
+
+    def _admits(self, request: Request) -> bool:
+        if self._inflow is None:
+            return True
+        found = stamps.read(request.attachment)
+        return self._inflow.admits(found.source if found is not None else "", request.arrived)
 
 
 class PendingQuery:

@@ -89,6 +89,7 @@ class Context(Protocol[S_co]):
     """Everything a capability may do; implemented by the process that runs it.
 
     `on_tick` says that this step is one of the fixed rate, not a wake-up in between. `simulated`: no device is real.
+    A capability sets `live_lease`: commands that quote it are served before all others.
     """
 
     robot: str
@@ -98,6 +99,7 @@ class Context(Protocol[S_co]):
     devices: tuple[Device, ...]
     home: str
     on_tick: bool
+    live_lease: str
 
     @property
     def settings(self) -> S_co:

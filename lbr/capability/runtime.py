@@ -11,6 +11,7 @@ from msgspec import Struct
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder, PictureDecoder
+from lbr.bus.inflow import Inflow
 from lbr.capability import way_in
 from lbr.capability.calls import UNSTAMPED, Answers, BusCall
 from lbr.capability.config import InputWire, ProcessConfig
@@ -160,6 +161,7 @@ class ProcessContext:
         self.devices = tuple(Device(d.name, d.type, d.address, d.settings) for d in config.devices)
         self.device = next((d for d in self.devices if d.name == config.device), None)
         self.on_tick = False
+        self.live_lease = ""
         self._overtaken = Overtaken()
         self.estop: EmergencyStop = EstopLatch(config, wake) if kind.moves else NothingToStop()
         self.config = config
@@ -198,7 +200,13 @@ class ProcessContext:
         }
         self._commands = {
             name: (
-                wire.QueryServer(self._bus, keys.port(config.robot, config.name, name), wake, source=config.name),
+                wire.QueryServer(
+                    self._bus,
+                    keys.port(config.robot, config.name, name),
+                    wake,
+                    source=config.name,
+                    inflow=None if name == STOP else Inflow(),
+                ),
                 Decoder(message),
             )
             for name, message in kind.messages.items()
@@ -360,6 +368,7 @@ class ProcessContext:
         self.estop.serve()
         overtaken = self._kind.moves and STOP in self._commands
         for name, (served, _) in self._commands.items():
+            served.first = self.live_lease.encode()
             if served.dropped > self._dropped.get(name, 0):
                 self._dropped[name] = served.dropped
                 self._refused(

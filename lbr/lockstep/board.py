@@ -126,6 +126,7 @@ class BoardContext:
         self.devices = tuple(Device(d.name, d.type, d.address, d.settings) for d in config.devices)
         self.device = next((d for d in self.devices if d.name == config.device), None)
         self.on_tick = True
+        self.live_lease = ""
         self.estop = NothingToStop()
         self.woken = False
         self.ports = {name: Port(config.wiring.get(name, ())) for name in (*kind.inputs, *kind.setpoints)}

@@ -105,6 +105,7 @@ class FakeContext(Generic[S]):
     home = "/nonexistent"
     given: tuple[Row, ...] = ()
     on_tick = True
+    live_lease = ""
 
     def __init__(self, settings: S, **given: Any) -> None:
         for name, value in given.items():

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from lbr.bus import access, keys, links, over_session, probe, session, stamp, wire
+from lbr.bus import access, inflow, keys, links, over_session, probe, session, stamp, wire
 from lbr.bus.access import Credentials, Rights
 from lbr.errors import BusError
 from lbr.messages.leases import CommandReply
@@ -83,6 +83,32 @@ def test_a_flood_of_puts_is_cut_off_too_and_none_of_them_is_answered(client, ser
     assert [int(one.payload) for one in taken] == list(range(wire.MAX_WAITING_COMMANDS))
     assert not any(one.answerable for one in taken)
     taken[0].reply({"accepted": True}, "motors")
+
+
+def test_what_quotes_the_lease_is_served_first_and_has_room_of_its_own_in_a_flood(client, served):
+    served.first = b"0123abcd"
+    for n in range(wire.MAX_WAITING_COMMANDS + 1):
+        wire.put(client, served.key, n, source="flood", urgent=True)
+    until(lambda: served.dropped == 1)
+    for n in range(2):
+        wire.put(client, served.key, {"n": n, "lease": "0123abcd"}, source="holder", urgent=True)
+    wire.put(client, served.key, {"lease": "another"}, source="other", urgent=True)
+    until(lambda: served.dropped == 2)
+    taken = [json.loads(request.payload) for request in served.take()]
+    assert taken[:3] == [{"n": 0, "lease": "0123abcd"}, {"n": 1, "lease": "0123abcd"}, 0]
+    assert len(taken) == wire.MAX_WAITING_COMMANDS + 2
+
+
+def test_a_sender_that_floods_leaves_room_for_another(client, router):
+    key = "r/inflow/go"
+    served = wire.QueryServer(router, key, lambda: None, source="motors", inflow=inflow.Inflow())
+    for n in range(10 * wire.MAX_WAITING_COMMANDS):
+        wire.put(client, key, n, source="flood", urgent=True)
+    wire.put(client, key, {}, source="other", urgent=True)
+    last = until(lambda: next((one for one in reversed(served._waiting) if one.payload == b"{}"), None))
+    assert stamp.read(last.attachment).source == "other"
+    assert served.dropped
+    served.close()
 
 
 def test_who_looks_around_with_a_wildcard_commands_nobody(client, served):

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.scenarios import devices, estop
+from tests.scenarios import devices, estop, load
 from tests.scenarios.promises import PROMISES
 from tests.support.bench import Bench, bench
 from tests.support.figures import Results
+from tests.support.mover import accepted
 from tests.support.robot import until
 
 pytestmark = pytest.mark.timeout(30)
@@ -102,6 +103,20 @@ def test_a_chatterbox_floods_neither_the_events_nor_the_disk(running: Bench):
     said = until(lambda: [event for event in robot.events() if event["kind"] == "repeated"], limit_s=9.0)
     assert "more events 'chatter' within a second" in said[0]["text"]
     assert sum(event["kind"] == "chatter" for event in robot.events()) <= 30
+
+
+def test_a_flood_of_commands_takes_the_base_from_nobody_and_holds_up_no_stop(running: Bench):
+    robot, command = running.robot, {"power": 0.2, "angle_deg": 90, "ttl_s": 1.0}
+    command["lease"] = accepted(robot, command)
+    answers = []
+    with load.floods(robot, ("drive/command",), '{"power": 0.9, "angle_deg": 0}', each=1000):
+        for _ in range(30):
+            answers.append(robot.ask("drive/command", command, source="bench"))
+            running.pass_time(0.05)
+        stopped = robot.ask("drive/stop", {}, source="bench")
+    assert [answer for answer in answers if not (answer and answer["accepted"])] == []
+    assert stopped
+    assert stopped["accepted"]
 
 
 def test_a_crash_loop_is_given_up_visibly(running: Bench):

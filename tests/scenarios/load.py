@@ -84,15 +84,21 @@ def busy_loops(n: int = BUSY_LOOPS) -> Iterator[None]:
 
 
 @contextmanager
-def floods(robot: Robot) -> Iterator[None]:
-    """Let plain clients publish 20,000 messages at once, again and again: telemetry, forged setpoints, rubbish."""
-    share = FLOOD_MESSAGES // len(FLOODED)
+def floods(robot: Robot, keys: tuple[str, ...] = FLOODED, *payload: str, each: int = 0) -> Iterator[None]:
+    """Let plain clients publish 20,000 messages at once, again and again: telemetry, forged setpoints, rubbish.
+
+    `each` is how many messages each of them publishes at once instead.
+    """
+    share = each or FLOOD_MESSAGES // len(keys)
     program = [sys.executable, flood.__file__, robot.endpoints[0]]
     popens = [
         programs.start(
-            [*program, f"{robot.name}/{key}", str(share)], stdout=subprocess.PIPE, start_new_session=True, text=True
+            [*program, f"{robot.name}/{key}", str(share), *payload],
+            stdout=subprocess.PIPE,
+            start_new_session=True,
+            text=True,
         )
-        for key in FLOODED
+        for key in keys
     ]
     try:
         for popen in popens:

@@ -198,6 +198,8 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         `call` is the command that this answers.
         """
         self._state, outputs = self.decide(event, self.ctx.clock())
+        live = self._state.leases.live
+        self.ctx.live_lease = live.id if live is not None else ""
         for output in sorted(outputs, key=_is_told):
             self.pass_on(output, call)
 

@@ -1,0 +1,31 @@
+"""How many commands of one sender are let in: 32 at once, and then 200 a second. Pure; time comes from outside.
+
+A sender is a name that it gives itself. Names beyond the first 16 within a second share one room, so that a flood gains
+nothing by a new name for each command.
+"""
+
+RATE_HZ = 200.0
+"""Twice as fast as setpoints for servos are streamed, and a tenth of what keeps a mover from its own work."""
+BURST = 32
+MOST_SENDERS = 16
+REMEMBERED_S = 1.0
+OTHERS = "\0"
+
+
+class Inflow:
+    """Knows of each sender until when it has used what it may."""
+
+    def __init__(self) -> None:
+        self._used_until: dict[str, float] = {}
+
+    def admits(self, sender: str, now: float) -> bool:
+        """Say whether one more command of a sender is let in, and count it if so."""
+        if sender not in self._used_until and len(self._used_until) >= MOST_SENDERS:
+            self._used_until = {name: at for name, at in self._used_until.items() if at + REMEMBERED_S > now}
+            if len(self._used_until) >= MOST_SENDERS:
+                sender = OTHERS
+        used_until = max(self._used_until.get(sender, now), now)
+        if used_until - now > (BURST - 1) / RATE_HZ:
+            return False
+        self._used_until[sender] = used_until + 1 / RATE_HZ
+        return True
