@@ -98,7 +98,6 @@ def cli() -> None:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run `lbr`; return its exit code."""
-    surroundings.plug_streams()
     try:
         code = _run(arguments)
     except KeyboardInterrupt:  # while what went wrong was told
@@ -174,4 +173,6 @@ def _complain(text: str, code: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from lbr.start import main as start
+
+    sys.exit(start())

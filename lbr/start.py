@@ -1,4 +1,4 @@
-"""The command `lbr`: Ctrl-C counts from its first moment on, also while it is still loaded."""
+"""The command `lbr`: from its first moment on standard streams are open, and Ctrl-C, SIGTERM and SIGHUP count."""
 
 import _thread
 import sys
@@ -15,6 +15,8 @@ def main() -> int:
     try:
         from lbr import surroundings  # noqa: PLC0415 - see below
 
+        surroundings.plug_streams()
+        surroundings.interrupt_by_signals()
         surroundings.note_signals()
         from lbr.cli import main as run  # noqa: PLC0415 - loading it takes a fifth of a second
     except KeyboardInterrupt:

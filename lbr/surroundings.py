@@ -31,12 +31,12 @@ M_ARENA_MAX = -8
 def plug_streams() -> None:
     """Put something behind standard streams that are closed, so that no file of ours takes their place.
 
-    What is read there is empty, and what is written there fails, as it should.
+    What is read there is empty, what is printed there fails, as it should, and what is complained there is lost.
     """
     for fd, mode, name in ((0, "r", "stdin"), (1, "w", "stdout"), (2, "w", "stderr")):
         if _is_open(fd):
             continue
-        plug = os.open(os.devnull, os.O_WRONLY if fd == 0 else os.O_RDONLY)
+        plug = os.open(os.devnull, os.O_RDONLY if fd == 1 else os.O_WRONLY)
         if plug != fd:
             os.dup2(plug, fd)
             os.close(plug)
@@ -51,6 +51,13 @@ def note_signals() -> None:
     noted = os.memfd_create("signals")
     os.set_blocking(noted, False)
     signal.set_wakeup_fd(noted, warn_on_full_buffer=False)
+
+
+def interrupt_by_signals() -> None:
+    """Have SIGTERM and SIGHUP end what runs as Ctrl-C does; `nohup` has SIGHUP ignored, and that stays so."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
 
 
 def lift_limits() -> None:

@@ -13,6 +13,10 @@ from lbr import cli, start
 @pytest.fixture(autouse=True)
 def own_hook(monkeypatch):
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 class Interrupting:
@@ -40,6 +44,29 @@ def test_ctrl_c_counts_where_python_lets_no_exception_out(monkeypatch, capfd):
     monkeypatch.setattr(cli.cli, "main", loading)
     assert start.main() == cli.INTERRUPTED
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_what_ends_by_ctrl_c_ends_by_signals_too(monkeypatch, number):
+    ended = []
+
+    def running(*_arguments, **_options):
+        try:
+            signal.raise_signal(number)
+            time.sleep(9)
+        finally:
+            ended.append(True)
+
+    signal.signal(number, signal.SIG_DFL)
+    monkeypatch.setattr(cli.cli, "main", running)
+    assert start.main() == cli.INTERRUPTED
+    assert ended
+
+
+def test_a_signal_that_is_ignored_stays_so(monkeypatch):
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as by nohup
+    monkeypatch.setattr(cli.cli, "main", lambda *_arguments, **_options: signal.raise_signal(signal.SIGHUP))
+    assert start.main() == 0
 
 
 def test_it_is_the_command(monkeypatch, capsys):

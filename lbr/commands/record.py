@@ -2,8 +2,6 @@
 
 import signal
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -34,12 +32,14 @@ LOOK_S = 0.5
 def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: bool, name: str, as_json: bool) -> int:
     """Record on purpose, into a file of its own below the robot's home: all streams, events and lines of logs.
 
-    Its black box writes it, so it goes on when this command is killed; then `/record/end` ends it.
+    Ctrl-C, SIGTERM and a terminal that is closed end it. The black box writes it, so it goes on after a SIGKILL;
+    `/record/end` ends it then.
     """
     from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.console.interrupt import told_to_leave  # noqa: PLC0415
     from lbr.messages.box import FILE_STEM, EndRecording, RecordCommand  # noqa: PLC0415
 
-    found = target.find(*whom)
+    found, left = target.find(*whom), list[bool]()
     target.need(found, "operate")
     with target.connected(found) as bus:
         box = _box_of(bus, found)
@@ -51,17 +51,17 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
             )
         except msgspec.ValidationError:
             raise InputError(f"--name: {name[:80]!r} cannot be a file's name here: {FILE_STEM}") from None
-        try:
-            with _interrupted_afterwards():
-                begun = _ask(bus, found, f"{box}/record", asked)
+        with told_to_leave(lambda: left.append(True), signal.SIGINT):
+            begun = _ask(bus, found, f"{box}/record", asked)
+            try:
                 if not as_json:
                     click.echo(begun.reason, err=True)
-            if not begun.accepted:
-                return 1
-            _wait(bus, found, box, seconds)
-        except KeyboardInterrupt:
-            click.echo(err=True)
-        ended = _ask(bus, found, f"{box}/end", EndRecording())
+                if not begun.accepted:
+                    return 1
+                _wait(bus, found, box, seconds, left)
+            finally:
+                if begun.accepted:
+                    ended = _ask(bus, found, f"{box}/end", EndRecording())
     if as_json:
         print_json({"path": begun.path, "text": ended.reason if ended.accepted else begun.reason})
     else:
@@ -69,26 +69,13 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
     return 0
 
 
-@contextmanager
-def _interrupted_afterwards() -> Iterator[None]:
-    """Have Ctrl-C count once this is done: what was begun meanwhile would go on with nobody to end it."""
-    pressed: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-    if pressed:
-        raise KeyboardInterrupt
-
-
-def _wait(bus: "Session", found: "Target", box: str, seconds: float | None) -> None:
-    """Wait until it is over; a box that is gone ends it as well."""
+def _wait(bus: "Session", found: "Target", box: str, seconds: float | None, left: list[bool]) -> None:
+    """Wait until it is over, or this command is told to leave; a box that is gone ends it as well."""
     from lbr.bus import keys, latest  # noqa: PLC0415
 
     end = time.monotonic() + seconds + 2.0 if seconds else float("inf")
     heard = time.monotonic()
-    while time.monotonic() < end:
+    while time.monotonic() < end and not left:
         time.sleep(LOOK_S)
         said = latest.ask(bus, [keys.port(found.robot, box, "state")], source="lbr record", timeout_s=2.0)
         state = said.get(f"{box}/state")

@@ -78,8 +78,7 @@ def command(
     WHAT is the box (if left out), what it kept, a recording or a file. Meanwhile `lbr topic`, `lbr plot` and `lbr status` with
     --robot replay look at it. In a terminal space pauses, the arrows jump and change the speed, q ends.
     """
-    from lbr.console.interrupt import interruptible  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.recording import selection  # noqa: PLC0415
+    from lbr.recording import selection  # noqa: PLC0415 - kept out of its `--help`
     from lbr.recording.player import Player  # noqa: PLC0415
 
     if not _NAME.fullmatch(name):
@@ -95,7 +94,7 @@ def command(
     start_ns, end_ns = max(start_ns, first), min(end_ns, last)
     if not last or end_ns < start_ns:
         raise InputError("nothing was recorded in that time ('lbr box list' shows what there is)")
-    with _robot(name) as bus, interruptible(), contextlib.suppress(KeyboardInterrupt), _typed() as keys:
+    with _robot(name) as bus, contextlib.suppress(KeyboardInterrupt), _typed() as keys:
         stage = Stage(bus, name)
         player = Player(start_ns, end_ns, speed, time.monotonic())
         click.echo(f"replays {chosen.name} as the robot '{name}': lbr topic list --robot {name}", err=True)

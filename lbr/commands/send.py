@@ -40,7 +40,6 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     failed, 2: bad input.
     """
     from lbr.console import lines, printable, stops, target  # noqa: PLC0415 - the bus is for those who use it
-    from lbr.console.interrupt import interruptible  # noqa: PLC0415
 
     line = printable.clean(" ".join(words))
     if not line:
@@ -55,7 +54,7 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     found, *others = target.find_to_stop(*whom) if stops.is_stop(line) else [target.find(*whom)]
     if others:
         return _stop_all([found, *others], line, as_json)
-    with _speaking(found) as said, interruptible():
+    with _speaking(found) as said:
         result, code, ending = lines.say_once(said, line, hold_s=hold_s, announce=announce)
     if as_json:
         print_json(

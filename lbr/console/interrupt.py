@@ -1,20 +1,19 @@
-"""Ways for a process to be told to leave: they end it as Ctrl-C does, so that what it moves is stopped."""
+"""What a process does in its own way when it is told to end."""
 
 import contextlib
 import signal
 import threading
 from collections.abc import Callable
-from typing import Any
 
 
-def _interrupt(_number: int, _frame: object) -> None:
-    raise KeyboardInterrupt
+def told_to_leave(leave: Callable[[], None], *also: signal.Signals) -> contextlib.ExitStack:
+    """Return a context in which SIGHUP, SIGTERM and `also` call `leave`, unless they are ignored.
 
-
-def interruptible(handle: Callable[[int, Any], None] = _interrupt) -> contextlib.ExitStack:
-    """Return a context in which SIGHUP and SIGTERM are handled; outside the main thread it does nothing."""
+    Outside the main thread it does nothing.
+    """
     stack = contextlib.ExitStack()
     if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGHUP, signal.SIGTERM):
-            stack.callback(signal.signal, number, signal.signal(number, handle))
+        for number in (signal.SIGHUP, signal.SIGTERM, *also):
+            if signal.getsignal(number) != signal.SIG_IGN:
+                stack.callback(signal.signal, number, signal.signal(number, lambda _number, _frame: leave()))
     return stack

@@ -14,7 +14,7 @@ from typing import IO, cast
 from lbr import home
 from lbr.bus import session
 from lbr.console import target
-from lbr.console.interrupt import interruptible
+from lbr.console.interrupt import told_to_leave
 from lbr.console.lines import Lines, read
 from lbr.console.operator import BusOperator
 from lbr.console.outlet import Outlet, Stream
@@ -105,11 +105,10 @@ def _run_lines(operator: BusOperator, *, local: bool, hold_s: float | None) -> i
     try:
         if local:
             _wait_ready(operator, lines)
-        with interruptible():
-            code = lines.run(lines_of(sys.stdin.fileno()))
-            outlet.drain(LAST_OUTPUT_S if local else None)
-            out.flush()
-            return code
+        code = lines.run(lines_of(sys.stdin.fileno()))
+        outlet.drain(LAST_OUTPUT_S if local else None)
+        out.flush()
+        return code
     finally:
         outlet.close()
 
@@ -123,7 +122,7 @@ def _run_terminal(operator: BusOperator, *, local: bool) -> int:
     _open.opened(terminal.close)
     modes = termios.tcgetattr(sys.stdin)
     try:
-        with interruptible(lambda _number, _frame: terminal.close()):
+        with told_to_leave(terminal.close):
             return terminal.run()
     finally:
         with contextlib.suppress(termios.error, OSError):

@@ -1,25 +1,34 @@
 """`lbr record` against a box that is only its answers: what it began, it ends."""
 
 import contextlib
+import errno
 import os
 import signal
 
+import click
 import pytest
 
 from lbr import cli
+from lbr.bus import latest
 from lbr.commands import record
 from lbr.console import target
 from lbr.messages.box import BoxReply
 
 
+@pytest.fixture(params=[signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def number(request):
+    """A signal that ends it."""
+    return request.param
+
+
 @pytest.fixture
-def asked(monkeypatch):
-    """Collect what is asked of the box; Ctrl-C is pressed while the first question is answered."""
+def asked(monkeypatch, number):
+    """Collect what is asked of the box; the signal comes while the first question is answered."""
     questions = []
 
     def ask(_bus, _found, command, _message):
         if not questions:
-            os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), number)
         questions.append(command)
         return BoxReply(accepted=True, reason="records", path="/walk.mcap")
 
@@ -27,17 +36,27 @@ def asked(monkeypatch):
     monkeypatch.setattr(target, "need", lambda *_needed: None)
     monkeypatch.setattr(target, "connected", lambda _found: contextlib.nullcontext())
     monkeypatch.setattr(record, "_box_of", lambda *_there: "box")
-    monkeypatch.setattr(record, "_wait", lambda *_there: pytest.fail("it was to end at once"))
+    monkeypatch.setattr(latest, "ask", lambda *_there, **_how: pytest.fail("it was to end at once"))
     monkeypatch.setattr(record, "_ask", ask)
     return questions
 
 
-def test_what_was_begun_while_ctrl_c_was_pressed_is_ended(asked, capfd):
-    before = signal.getsignal(signal.SIGINT)
+def test_what_was_begun_while_a_signal_came_is_ended(asked, number, capfd):
+    before = signal.getsignal(number)
     assert cli.main(["record"]) == 0
     assert asked == ["box/record", "box/end"]
-    assert signal.getsignal(signal.SIGINT) is before
+    assert signal.getsignal(number) is before
     assert capfd.readouterr().out == "records\n"
+
+
+def test_what_was_begun_is_ended_where_nobody_is_left_to_read_what_it_says(asked, monkeypatch):
+    def gone(*_text, **_how):
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(click, "echo", gone)
+    with pytest.raises(OSError, match="Input/output"):
+        record.command.main([], standalone_mode=False)
+    assert asked == ["box/record", "box/end"]
 
 
 def test_ctrl_c_while_a_refusal_is_told_is_no_traceback(monkeypatch):

@@ -78,6 +78,20 @@ def test_what_prints_nothing_needs_no_output():
     assert programs.run(["bash", "-c", line], timeout=9, check=False).returncode == 0
 
 
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("lbr --version 2>&-", 0),
+        ("lbr status 2>&-", 1),
+        ("lbr status --robot 2>&-", 2),
+        ("lbr db init >/dev/null <&- 2>&-", 0),
+        ("lbr --help >&- 2>&-", 1),
+    ],
+)
+def test_what_is_complained_to_nobody_changes_no_exit_code(shell, line, code):
+    assert shell(line) == (code, [])
+
+
 def test_nobody_knows_the_home(monkeypatch):
     monkeypatch.delenv("LBR_HOME", raising=False)
     monkeypatch.setattr("pathlib.Path.home", lambda: (_ for _ in ()).throw(RuntimeError("no home")))
@@ -139,10 +153,8 @@ def test_limits_are_not_lowered():
 
 def test_a_robot_with_nowhere_to_print_runs_and_tells_of_it(tmp_path):
     home = robots.prepare(tmp_path / "h")
-    with Path(os.devnull).open() as nothing:  # a descriptor that takes no output
-        popen = programs.start(
-            [*robots.LBR, "run", "--no-console"], env=robots.environment(home), stdout=nothing, stdin=nothing
-        )
+    closed = ["bash", "-c", 'exec "$@" <&- >&-', "bash", *robots.LBR, "run", "--no-console"]
+    popen = programs.start(closed, env=robots.environment(home))
     try:
         robots.until(lambda: "cannot be printed" in robots.lbr(home, "send", "/report/events").stdout, limit_s=8)
     finally:

@@ -28,8 +28,8 @@ MOST_GUARDED = 512
 LOOK_FIRST_S, LOOK_MOST_S = 0.01, 0.25
 LEFT_S = 0.5
 """How often what ended processes have left behind is looked at again."""
-AWAKE_S = 0.1
-"""Frozen for this long at most: a tenth of the patience."""
+AWAKE_S, AWAKE_AT_THE_END_S = 1.0, 0.1
+"""Frozen for this long at most: a tenth of the patience with an executive that hangs, and with what is left of one."""
 DEAD = "ZX"
 END, BEAT, REST = b".", b"!", b"_"
 SUSPICIOUS_S = 2.0
@@ -276,9 +276,9 @@ def _after(environment: bytes, variable: bytes) -> bytes:
     return environment.partition(b"\0" + variable)[2].partition(b"\0")[0]
 
 
-def stay_awake() -> None:
-    """Have the kernel continue this process from now on, should it be frozen again: no pipe of its own closes any more."""
-    import ctypes  # noqa: PLC0415 - takes time and memory, and is needed at the end alone
+def stay_awake(every_s: float) -> None:
+    """Have the kernel continue this process every so often, should it be frozen: who writes to it may be frozen too."""
+    import ctypes  # noqa: PLC0415 - takes 30 ms, in which the executive does not wait for this program
 
     class Event(ctypes.Structure):
         """`struct sigevent` of the C library: a signal at each expiry, as `way` 0 says."""
@@ -291,7 +291,7 @@ def stay_awake() -> None:
         )
 
     timer = ctypes.c_void_p()
-    every = (0, round(AWAKE_S * 1e9))
+    every = (int(every_s), round(every_s % 1.0 * 1e9))
     with suppress(OSError, AttributeError):  # an old C library has timers elsewhere
         libc = ctypes.CDLL(None)
         event = Event(number=signal.SIGCONT)
@@ -343,6 +343,7 @@ def main(mark: bytes, last_word: bytes, pid: bytes, hangs_s: bytes) -> None:
     """Hear what the executive says for as long as it lives and beats, then end what is left."""
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGPIPE, signal.SIGTTOU):
         signal.signal(number, signal.SIG_IGN)
+    stay_awake(AWAKE_S)
     run = Run(mark, last_word)
     executive = Executive(int(pid), float(hangs_s))
     poll = select.poll()
@@ -365,7 +366,7 @@ def main(mark: bytes, last_word: bytes, pid: bytes, hangs_s: bytes) -> None:
         ended = ended or executive.end_if_hung()
         run.clear()
     os.dup2(1, 2)
-    stay_awake()
+    stay_awake(AWAKE_AT_THE_END_S)
     run.end(lambda: os.dup2(1, 0))  # closes the pipe: the other end sees that
 
 
