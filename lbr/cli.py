@@ -170,9 +170,3 @@ def _complain(text: str, code: int) -> int:
     except OSError:
         surroundings.drop_output([sys.stderr.fileno()])  # the interpreter would try again, and end with another code
     return code
-
-
-if __name__ == "__main__":
-    from lbr.start import main as start
-
-    sys.exit(start())

@@ -32,3 +32,7 @@ def _lost(what: "sys.UnraisableHookArgs") -> None:
     again = threading.Timer(AGAIN_S, _thread.interrupt_main)
     again.daemon = True
     again.start()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

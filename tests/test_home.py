@@ -199,7 +199,7 @@ def test_every_command_refuses_a_strangers_log(shared, tmp_path, monkeypatch, wo
     log = shared / "robot.db-wal"
     assert not as_a_stranger(f"echo edits > {log}").returncode
     done = programs.run(
-        [sys.executable, "-m", "lbr.cli", *words, str(shared / "robot.db")], capture_output=True, text=True, timeout=9,
+        [sys.executable, "-m", "lbr.start", *words, str(shared / "robot.db")], capture_output=True, text=True, timeout=9,
         check=False,
     )  # fmt: skip
     assert done.returncode == 2

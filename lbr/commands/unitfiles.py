@@ -61,7 +61,7 @@ NO_EXTRAS = Extras()
 def this_site(root: Path = Path("/")) -> Site:
     """Return what the files depend on: the program that runs now, and the groups of the machine at `root`."""
     command = Path(sys.prefix) / "bin" / "lbr"
-    program = (str(command),) if command.exists() else (sys.executable, "-m", "lbr.cli")
+    program = (str(command),) if command.exists() else (sys.executable, "-m", "lbr.start")
     return Site(
         program=program,
         inside_hidden=tuple(place for place in program_places() if _is_hidden(place)),

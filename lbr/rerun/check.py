@@ -287,7 +287,7 @@ class _Witness:
 def _running(made: rows.Place, robot: str) -> Iterator[Session]:
     """Run the robot for the time of a `with`; raise BusError with its own words if it does not come up."""
     environment = os.environ | {"LBR_HOME": str(made.home)}
-    command = [sys.executable, "-m", "lbr.cli", "run", str(made.profile), "--db", str(made.home / "robot.db")]
+    command = [sys.executable, "-m", "lbr.start", "run", str(made.profile), "--db", str(made.home / "robot.db")]
     with (made.home / "said.txt").open("w+b") as said:
         process = subprocess.Popen([*command, "--no-console"], env=environment, stdout=said, stderr=said)
         try:

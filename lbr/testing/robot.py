@@ -141,7 +141,7 @@ def running(profile: str = "lbr-sim", *, edits: Iterable[str] = (), home: Path |
 
 
 def _started(home: Path, profile: str) -> Robot:
-    argv = dying_with_parent((sys.executable, "-m", "lbr.cli", "run", profile, "--no-console"))
+    argv = dying_with_parent((sys.executable, "-m", "lbr.start", "run", profile, "--no-console"))
     said = home / "stderr.txt"
     with said.open("ab") as errors:
         popen = subprocess.Popen(

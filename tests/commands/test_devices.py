@@ -60,7 +60,7 @@ def home(tmp_path_factory, outside):
 def said(words, home, path="", **options):
     env = {**os.environ, "LBR_HOME": str(home), "PYTHONPATH": path}
     return programs.run(
-        [sys.executable, "-m", "lbr.cli", *words], env=env, capture_output=True, text=True, timeout=60, **options
+        [sys.executable, "-m", "lbr.start", *words], env=env, capture_output=True, text=True, timeout=60, **options
     )
 
 
@@ -387,7 +387,7 @@ def test_of_many_alike_each_has_a_name_of_its_own(tmp_path):
 def test_watching_tells_what_comes_and_what_goes(tmp_path, home):
     port = tmp_path / "riox"
     env = {**os.environ, "LBR_HOME": str(home), "PYTHONUNBUFFERED": "1"}
-    words = [sys.executable, "-m", "lbr.cli", "devices", "--watch", "--json", "--port", str(port)]
+    words = [sys.executable, "-m", "lbr.start", "devices", "--watch", "--json", "--port", str(port)]
     with programs.start(words, env=env, stdout=subprocess.PIPE, text=True) as watching:
         try:
             first = json.loads(watching.stdout.readline())

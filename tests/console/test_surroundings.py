@@ -14,7 +14,7 @@ from lbr.errors import InputError
 from tests.support import programs
 from tests.support import robot as robots
 
-LBR = f"{sys.executable} -m lbr.cli"
+LBR = f"{sys.executable} -m lbr.start"
 
 
 @pytest.fixture

@@ -303,7 +303,7 @@ def test_the_first_command_of_the_readme_starts_a_robot_in_a_new_home(tmp_path):
     environment = {key: value for key, value in os.environ.items() if key != "LBR_HOME"} | {"HOME": str(tmp_path)}
     slots.take()
     done = programs.run(
-        [sys.executable, "-m", "lbr.cli", *arguments],
+        [sys.executable, "-m", "lbr.start", *arguments],
         env=environment,
         input="status\nShutdown\n",
         capture_output=True,

@@ -92,7 +92,7 @@ def lines(service, place, outside):
 
 
 def said(user, home, *words):
-    argv = [*as_user(user), sys.executable, "-m", "lbr.cli", *words]
+    argv = [*as_user(user), sys.executable, "-m", "lbr.start", *words]
     env = os.environ | {"LBR_HOME": str(home)}
     return programs.run(argv, env=env, cwd="/", capture_output=True, text=True, timeout=SAID_S, check=False)
 

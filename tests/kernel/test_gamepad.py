@@ -127,7 +127,7 @@ def test_it_is_found_by_what_it_is_and_its_rows_are_proposed(service, place, pad
     robots.given_to(service, home)
     env = os.environ | {"LBR_HOME": str(home)}
     for words in (("db", "init"), ("devices", "--json", "--robot", "lbr")):
-        argv = [*as_user(service), sys.executable, "-m", "lbr.cli", *words]
+        argv = [*as_user(service), sys.executable, "-m", "lbr.start", *words]
         done = programs.run(argv, env=env, cwd="/", capture_output=True, text=True, timeout=300, check=False)
     said = json.loads(done.stdout)
     (found,) = (one for one in said["devices"] if one["name"] == NAME)

@@ -16,7 +16,7 @@ from lbr.testing import robot as robots
 from tests.support import databases, machine, programs, slots
 
 T = TypeVar("T")
-LBR = [sys.executable, "-m", "lbr.cli"]
+LBR = [sys.executable, "-m", "lbr.start"]
 
 
 BASE = ("motors", "ranges", "drive", "world")

@@ -16,7 +16,7 @@ LONGEST_TEXT = 300
 
 def look(robot: str, database: Path) -> Any:
     """Return what `lbr devices --json` says, which writes nothing; InputError says why it says nothing."""
-    words = [sys.executable, "-m", "lbr.cli", "devices", "--json", "--robot", robot, "--db", str(database)]
+    words = [sys.executable, "-m", "lbr.start", "devices", "--json", "--robot", robot, "--db", str(database)]
     try:
         done = subprocess.run(words, capture_output=True, timeout=WITHIN_S, stdin=subprocess.DEVNULL, check=False)
     except subprocess.TimeoutExpired:
