@@ -18,14 +18,18 @@ _decoder = Decoder(EstopRequest)
 
 
 class EstopLatch:
-    """Latches on anything that is not a well-formed "not engaged"; only the executive's sealed release unlatches it."""
+    """Latches on anything that is not a well-formed "not engaged"; only the executive's sealed release unlatches it.
 
-    def __init__(self, config: ProcessConfig, wake: Callable[[], None]) -> None:
+    `within_s` is how long the device may take to acknowledge.
+    """
+
+    def __init__(self, config: ProcessConfig, wake: Callable[[], None], within_s: float) -> None:
         self.engaged = config.estop.engaged
         self.reason = config.estop.reason
         self._name = config.name
         self._release_key = bytes.fromhex(config.release_key)
         self._wake = wake
+        self._within_s = within_s
         self._said: EstopAcknowledgement | None = None
         self._again = False
         self._noticed = False
@@ -42,7 +46,9 @@ class EstopLatch:
         """Say whether the device has acknowledged the stop; sent when that changes or when the stop is repeated."""
         with self._lock:
             self._noticed = self.engaged
-        said = EstopAcknowledgement(capability=self._name, engaged=self.engaged, stopped=stopped, reason=reason)
+        said = EstopAcknowledgement(
+            capability=self._name, engaged=self.engaged, stopped=stopped, reason=reason, within_s=self._within_s
+        )
         if said != self._said or self._again:
             self._said, self._again = said, False
             wire.put(self._session, self._ack_key, said, source=self._name, urgent=True)

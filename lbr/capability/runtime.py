@@ -31,6 +31,8 @@ from lbr.messages.rows import Row, RowSet, by_table, changes, with_rows
 from lbr.messages.system import EstopRequest, Event
 
 COMPLAINTS_PER_S = 2
+ACKNOWLEDGE_S = 0.5
+"""So long a mover may take to acknowledge an emergency stop that has no setting `acknowledge_s`."""
 UNREAD_S = 2.0
 """Pictures that nobody has read for so long are not received any more."""
 NEWEST_WAIT_S = 0.1
@@ -163,7 +165,8 @@ class ProcessContext:
         self.on_tick = False
         self.live_lease = ""
         self._overtaken = Overtaken()
-        self.estop: EmergencyStop = EstopLatch(config, wake) if kind.moves else NothingToStop()
+        within_s = getattr(self.settings, "acknowledge_s", ACKNOWLEDGE_S)
+        self.estop: EmergencyStop = EstopLatch(config, wake, within_s) if kind.moves else NothingToStop()
         self.config = config
         self._kind = kind
         self._reporter = reporter

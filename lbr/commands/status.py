@@ -76,7 +76,7 @@ def show(status: "Status") -> None:
     for problem in status.problems:
         screen.print(Text(f"rows: {problem}", style="red"))
     if status.estop.waiting:
-        screen.print(Text(f"e-stop not yet acknowledged by {', '.join(status.estop.waiting)}", style="red"))
+        screen.print(Text(status.estop.text, style="red"))
 
 
 def _cells(one: "CapabilityStatus", *, away: bool) -> list[tuple[str, str]]:

@@ -177,10 +177,8 @@ class Executive:
             return ConsoleResult(
                 code=FAILED, text="the emergency stop was sent, but is not confirmed yet", reason_code="timeout"
             )
-        if state.waiting:
-            text = f"latched, but {', '.join(state.waiting)} has not acknowledged: use the hardware switch"
-            return ConsoleResult(code=FAILED, text=text, reason_code="timeout")
-        return ConsoleResult(code=DONE, text=f"emergency stop: acknowledged by {', '.join(state.acknowledged)}")
+        waits = bool(state.waiting)
+        return ConsoleResult(code=FAILED if waits else DONE, text=state.text, reason_code="timeout" if waits else "")
 
     def pressed_by_others(self, source: str) -> tuple[float, str]:
         """Return when another than `source` pressed the emergency stop last, and who that was."""

@@ -66,6 +66,12 @@ class Event(Struct, frozen=True, kw_only=True):
     about: str = ""
 
 
+AcknowledgeS = Annotated[
+    float,
+    Meta(ge=0.1, le=10.0, description="so long after an emergency stop its device may take to acknowledge it"),
+]
+
+
 class EstopRequest(Struct, frozen=True, kw_only=True):
     """Latch (`engaged` true) the emergency stop of everything that moves."""
 
@@ -82,22 +88,28 @@ class EstopResetCommand(Struct, frozen=True, kw_only=True):
 
 
 class EstopState(Struct, frozen=True, kw_only=True):
-    """The latch, and which capabilities' devices have acknowledged it."""
+    """The latch, and which capabilities' devices have acknowledged it.
+
+    `overdue` are those of `waiting` whose device has had all the time that its row gives it; `text` says who has acknowledged.
+    """
 
     engaged: bool
     reason: str
     source: str = ""
     acknowledged: tuple[str, ...] = ()
     waiting: tuple[str, ...] = ()
+    overdue: tuple[str, ...] = ()
+    text: str = ""
 
 
 class EstopAcknowledgement(Struct, frozen=True, kw_only=True):
-    """One mover's word: `stopped` only once its device has acknowledged."""
+    """One mover's word: `stopped` only once its device has acknowledged, which may take it `within_s`."""
 
     capability: str
     engaged: bool
     stopped: bool
     reason: str = ""
+    within_s: AcknowledgeS = 0.5
 
 
 class LineCommand(Struct, frozen=True, kw_only=True):

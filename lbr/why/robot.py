@@ -115,9 +115,9 @@ def estop(now: Snapshot) -> Link:
         name="estop",
         about="estop",
         state="held",
-        text=f"the emergency stop is latched{by}: {latch.reason or 'no reason given'}",
+        text=latch.text if latch.overdue else f"the emergency stop is latched{by}: {latch.reason or 'no reason given'}",
         code="estop",
         since_s=now.since_s("estop", ("estop",)) or now.since_s("executive", ("estop",)),
         evidence="@status: estop",
-        do="reset, once nothing is in danger",
+        do="use the hardware switch" if latch.overdue else "reset, once nothing is in danger",
     )

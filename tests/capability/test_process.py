@@ -370,7 +370,13 @@ def test_the_emergency_stop_latches_is_acknowledged_and_only_a_sealed_release_le
     heard = wire.Subscription(stage.bus, keys.estop_acknowledgement("r", "*"), depth=8)
     wire.put(stage.bus, keys.estop("r"), {"engaged": True, "reason": "test"}, source="test")
     said = until(heard.take)
-    assert json.loads(said[0].payload) == {"capability": "probe", "engaged": True, "stopped": True, "reason": ""}
+    assert json.loads(said[0].payload) == {
+        "capability": "probe",
+        "engaged": True,
+        "stopped": True,
+        "reason": "",
+        "within_s": 0.5,
+    }
     wire.put(stage.bus, keys.estop("r"), {"engaged": False}, source="test")
     release = keys.estop_release("r", "probe")
     assert stage.ask(release, {}) == {

@@ -317,6 +317,16 @@ def test_the_emergency_stop_does_as_the_row_says_and_is_acknowledged_when_all_we
     rig.driver.close()
 
 
+def test_what_was_read_to_stand_still_stays_acknowledged_when_its_weight_or_a_hand_moves_it(rig, board):
+    rig.on()
+    rig.ctx.estop.engaged = True
+    rig.until(lambda: rig.ctx.estop.acknowledged[-1:] == [(True, "")])
+    board.servos[1].position += 30
+    swept = rig.state.sweep
+    rig.until(lambda: rig.state.sweep > swept + 4)
+    assert rig.ctx.estop.acknowledged[-1] == (True, "")
+
+
 def test_a_servo_that_does_not_rest_or_answer_keeps_the_stop_unacknowledged(rig, board):
     rig.on()
     board.dead.add(2)

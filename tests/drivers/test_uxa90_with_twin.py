@@ -10,6 +10,7 @@ from lbr.drivers.uxa90.packets import REGISTERS
 from lbr.drivers.uxa90.plausibility import TOLERANCE
 from lbr.drivers.uxa90.poller import Poller
 from lbr.drivers.uxa90.requests import configuration, inquiry
+from lbr.drivers.uxa90.targets import ServoTargets
 from lbr.drivers.wire import Wire
 from lbr.simulation.devices.uxa90 import Uxa90Faults, Uxa90Row
 from lbr.simulation.devices.uxa90.board import MainBoard
@@ -159,3 +160,11 @@ def test_on_a_bad_line_nothing_is_believed_that_is_not_so(faults):
     while rig.believed() != rig.places() and rig.line.now < until_s:
         rig.sweep(0.2)
     assert rig.believed() == rig.places()
+
+
+def test_the_answer_to_the_brake_is_expected_so_that_it_costs_no_position_its_belief():
+    rig = Rig()
+    targets = ServoTargets(IDS, rig.poller.seen, lambda: rig.line.now, rig.line.wire_s)
+    targets.brake(rig.bus)
+    rig.wait(0.3)
+    assert (rig.bus.unasked, rig.bus.counts.strays, rig.bus.counts.missing) == (0, 0, 0)

@@ -19,6 +19,7 @@ class LastGoodCopy:
 
     def __init__(self, endpoint: str) -> None:
         self.saved: list[tuple[bool, str]] = []
+        self.news: list[tuple[str, str]] = []
         self.kept = Emergency(
             "lbr",
             lambda: session.open_client([endpoint]),
@@ -26,7 +27,7 @@ class LastGoodCopy:
             movers=lambda: ["motors"],
             seal=lambda _key: "00" * 16,
             persist=lambda engaged, reason: self.saved.append((engaged, reason)),
-            happened=lambda *_news: None,
+            happened=lambda kind, _subject, text, _level: self.news.append((kind, text)),
             trouble=lambda *_trouble: None,
             reset=lambda _request: None,
             wake=lambda: None,
@@ -56,8 +57,10 @@ def keeper(tmp_path: Path) -> Iterator[tuple[LastGoodCopy, session.Session]]:
             kept.close()
 
 
-def acknowledge(bus: session.Session, *, engaged: bool) -> None:
-    said = EstopAcknowledgement(capability="motors", engaged=engaged, stopped=engaged)
+def acknowledge(bus: session.Session, *, engaged: bool, stopped: bool = True, within_s: float = 0.5) -> None:
+    said = EstopAcknowledgement(
+        capability="motors", engaged=engaged, stopped=engaged and stopped, reason="", within_s=within_s
+    )
     wire.put(bus, keys.estop_acknowledgement("lbr", "motors"), said, source="motors", urgent=True)
 
 
@@ -99,3 +102,40 @@ def test_a_stop_that_only_a_mover_heard_is_latched_and_saved(tmp_path: Path) -> 
         until(lambda: acknowledge(bus, engaged=True) or robot.kept.state().engaged, what="it is latched")
         assert "motors" in robot.kept.state().source
         until(lambda: robot.saved and robot.saved[-1][0], what="it is on the disk")
+
+
+def pressed(robot: LastGoodCopy) -> tuple[Thread, list[EstopState]]:
+    answers: list[EstopState] = []
+    thread = Thread(target=lambda: answers.append(robot.kept.press("a ladder", "tester")))
+    thread.start()
+    until(lambda: robot.kept.state().engaged, what="it is latched")
+    return thread, answers
+
+
+def test_who_pressed_is_answered_once_a_slow_device_has_acknowledged_and_meanwhile_nothing_is_alarming(
+    tmp_path: Path,
+) -> None:
+    with keeper(tmp_path) as (robot, bus):
+        began = emergency.time.monotonic()
+        thread, answers = pressed(robot)
+        acknowledge(bus, engaged=True, stopped=False, within_s=9.0)
+        until(lambda: emergency.time.monotonic() - began > 0.8, what="longer than a device usually takes")
+        state = robot.kept.state()
+        assert (state.waiting, state.overdue, answers) == (("motors",), (), [])
+        acknowledge(bus, engaged=True, within_s=9.0)
+        thread.join(5.0)
+        assert [(one.acknowledged, one.waiting) for one in answers] == [(("motors",), ())]
+        until(lambda: "estop_acknowledged" in dict(robot.news), what="it is reported")
+        assert "estop_overdue" not in dict(robot.news)
+
+
+def test_a_device_that_does_not_acknowledge_in_its_time_is_an_alarm_once(tmp_path: Path) -> None:
+    with keeper(tmp_path) as (robot, bus):
+        thread, answers = pressed(robot)
+        acknowledge(bus, engaged=True, stopped=False, within_s=0.7)
+        thread.join(5.0)
+        assert [(one.waiting, one.overdue) for one in answers] == [(("motors",), ("motors",))]
+        until(lambda: "estop_overdue" in dict(robot.news), what="it is reported")
+        acknowledge(bus, engaged=True, within_s=0.7)
+        until(lambda: "estop_acknowledged" in dict(robot.news), what="it has at last")
+        assert [kind for kind, _ in robot.news] == ["estop", "estop_overdue", "estop_acknowledged"]

@@ -196,9 +196,14 @@ class BuiltinRoutes:
         self._robot.ctx.engage_estop(why)
         self._faces.stopped(f"emergency stop: {why}")
         end = self._robot.now() + NOTICED_S
-        await until(lambda: self._robot.snapshot.is_latched or self._robot.now() >= end)
-        noticed = self._robot.snapshot.is_latched
-        return json(EstopAnswer(message="the emergency stop is engaged", engaged=True, noticed=noticed))
+        await until(lambda: self._is_latched() or self._robot.now() >= end)
+        state, noticed = self._api.estop, self._robot.snapshot.is_latched
+        message = (state.text if state is not None else "") or "the emergency stop is engaged"
+        return json(EstopAnswer(message=message, engaged=True, noticed=noticed))
+
+    def _is_latched(self) -> bool:
+        state = self._api.estop
+        return self._robot.snapshot.is_latched and (state is None or state.engaged)
 
     async def _reset(self, _request: Request) -> Response:
         reply = await self._robot.ask("estop_reset", EstopResetCommand(), timeout_s=RESET_S)

@@ -26,7 +26,7 @@ from lbr.capability.word import Word
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
-from lbr.messages.system import Role
+from lbr.messages.system import AcknowledgeS, Role
 from lbr.messages.units import Name
 
 NO_PORTS: Mapping[str, type[Struct]] = {}
@@ -46,6 +46,7 @@ class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     release_s: Annotated[
         float, Meta(ge=0.1, le=60.0, description="how long their release takes then: their torque fades")
     ] = 5.0
+    acknowledge_s: AcknowledgeS = 0.5
     on_close: Annotated[
         Literal["hold", "release"],
         Meta(description="when the driver ends in order: hold, then release slowly; or at once"),

@@ -15,6 +15,7 @@ from lbr.drivers.uxa90.messages import (
 )
 from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply
+from lbr.messages.system import AcknowledgeS
 
 Slot = Annotated[int, Meta(ge=1, le=42)]
 
@@ -50,6 +51,8 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
         Literal["hold", "break", "release"],
         Meta(description="the emergency stop: hold still, short the motors (dynamic brake), or release at once"),
     ] = "break"
+    acknowledge_s: AcknowledgeS = 3.0
+    """Until every servo was read to stand still: after a motion of the main board a second passes before any may be asked."""
     reply_s: Annotated[float, Meta(ge=0.002, le=0.25, description="how long a servo's answer is waited for")] = 0.03
     together: Annotated[int, Meta(ge=1, le=25, description="this many servos are asked in one write")] = 5
     settle_s: Annotated[float, Meta(ge=0.0, le=5.0, description="from taking control to the first servo packet")] = 1.0

@@ -22,7 +22,7 @@ class EmergencyStop:
         self._since = inf
         self._told_at = -inf
         self._passed = False
-        self._done = False
+        self._done = self._rested = False
 
     def step(self, session: Session, now: float) -> None:
         """Do what the row says, until it is known to have worked; acknowledge that."""
@@ -34,7 +34,8 @@ class EmergencyStop:
             return
         first = not self._engaged
         if first:
-            self._engaged, self._since, self._done, self._told_at = True, now, False, -inf
+            self._engaged, self._since, self._told_at = True, now, -inf
+            self._done = self._rested = False
             session.targets.watch_rest()
             session.controller.take()
         passes = session.controller.passes
@@ -54,12 +55,17 @@ class EmergencyStop:
             session.targets.release(RELEASED)
 
     def _unconfirmed(self, session: Session) -> str:
-        """Say why it is not known that the servos stand still, or nothing."""
+        """Say why it is not known that the servos stood still, or nothing.
+
+        What was read to stand still once, and is told nothing since, is moved by its weight or by hand.
+        """
         if session.controller.occupied or not session.controller.passes:
+            self._rested = False
             return "the main board is asked to pass servo packets on"
         if self._ctx.settings.trust == "never" or not self._ctx.settings.sweep_hz:
             return "the servos were told, and nothing confirms it: the row's settings trust or sweep_hz forbid that"
-        left = session.targets.unrested(self._since)
+        left = [] if self._rested else session.targets.unrested(self._since)
+        self._rested = not left
         if not left:
             return ""
         some = ", ".join(f"{self._joints[servo]} (servo {servo})" for servo in left[:NAMED])

@@ -135,8 +135,8 @@ class ServoTargets:
                 out.adrift = True
 
     def brake(self, bus: Bus) -> None:
-        """Short all motors; in the line's thread."""
-        bus.say(packets.BREAK_ALL)
+        """Short all motors; in the line's thread. One servo answers for all."""
+        bus.say(packets.BREAK_ALL, 1)
 
     def braked(self) -> None:
         """Take in that they are to be."""

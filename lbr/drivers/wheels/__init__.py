@@ -28,6 +28,7 @@ from lbr.capability.word import Word
 from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
+from lbr.messages.system import AcknowledgeS
 from lbr.messages.units import Name
 
 
@@ -44,6 +45,7 @@ class WheelsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     enabled: bool = True
     setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
     watchdog_ms: Annotated[int, Meta(ge=50, le=250, description="the controller's own watchdog")] = 200
+    acknowledge_s: AcknowledgeS = 0.5
     guard: bool = True
     guard_silence_ms: Annotated[
         int, Meta(ge=60, le=250, description="while a motor may turn, a driver silent for longer is killed")

@@ -9,6 +9,8 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from math import inf
 
+from msgspec.structs import replace
+
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.capability.halts import Halts
@@ -54,10 +56,13 @@ class Emergency:
         self._reset = reset
         self._wake = wake
         self._stopped: set[str] = set()
+        self._within_s: dict[str, float] = {}
+        self._begun: dict[str, float] = {}
+        self._announced: tuple[bool, tuple[str, ...]] = (True, ())
         self._changed = threading.Condition()
         self._repeat_at = 0.0
         self._repeat_until = 0.0
-        self._latched_at = -inf
+        self._latched_at = time.monotonic() if state.engaged else -inf
         self._alone: dict[str, float] = {}
         self._count = 0
         self._halts = Halts()
@@ -77,13 +82,20 @@ class Emergency:
 
     def state(self) -> EstopState:
         """Return the latch and who has acknowledged it; from any thread."""
+        if not self._engaged:
+            return EstopState(engaged=False, reason="")
         movers = set(self._movers())
-        return EstopState(
-            engaged=self._engaged,
-            reason=self._reason,
-            source=self._source,
-            acknowledged=tuple(sorted(movers & self._stopped)) if self._engaged else (),
-            waiting=tuple(sorted(movers - self._stopped)) if self._engaged else (),
+        waiting = sorted(movers - self._stopped)
+        late = () if self._releasing else (name for name in waiting if time.monotonic() >= self._deadline(name))
+        return in_words(
+            EstopState(
+                engaged=True,
+                reason=self._reason,
+                source=self._source,
+                acknowledged=tuple(sorted(movers & self._stopped)),
+                waiting=tuple(waiting),
+                overdue=tuple(late),
+            )
         )
 
     def pressed_by_others(self, source: str) -> tuple[float, str]:
@@ -91,7 +103,7 @@ class Emergency:
         return self._halts.by_others(source)
 
     def press(self, reason: str, source: str) -> EstopState:
-        """Latch, and wait until every mover's device has acknowledged, at most half a second; from any thread.
+        """Latch, and wait until every mover's device has acknowledged, at most as long as their rows say; from any thread.
 
         Movers do not wait for the disk, but the one who pressed does, unless it fails.
         """
@@ -102,8 +114,12 @@ class Emergency:
             source=source,
             urgent=True,
         )
+        until = time.monotonic() + ACKNOWLEDGE_LIMIT_S
         with self._changed:
-            self._changed.wait_for(self._latched, ACKNOWLEDGE_LIMIT_S)
+            while not self._latched():
+                last = max((self._deadline(name) for name in self.state().waiting), default=until)
+                if not self._changed.wait(max(until, last) - time.monotonic()):
+                    break
         return self.state()
 
     def release(self, source: str) -> str:
@@ -125,7 +141,8 @@ class Emergency:
             if not why_not and presses != self._count:
                 why_not = "the emergency stop was pressed again meanwhile; it stays latched"
             if why_not:
-                self._repeat_until = time.monotonic() + REPEAT_FOR_S if self._engaged else 0.0
+                self._latched_at = time.monotonic()
+                self._repeat_until = self._latched_at + REPEAT_FOR_S if self._engaged else 0.0
                 self._stopped.clear()
             else:
                 self._engaged, self._reason, self._source, self._repeat_until = False, "", "", 0.0
@@ -143,6 +160,12 @@ class Emergency:
         with self._changed:
             self._stopped.discard(name)
             self._alone.pop(name, None)
+            self._begun[name] = time.monotonic()
+
+    def _deadline(self, name: str) -> float:
+        """Return until when a mover's device has time to acknowledge: as long as it says since it was latched, or began."""
+        within_s = self._within_s.get(name, ACKNOWLEDGE_LIMIT_S)
+        return max(self._latched_at, self._begun.get(name, -inf)) + within_s
 
     def _release(self, name: str) -> str:
         key = keys.estop_release(self._robot, name)
@@ -160,12 +183,25 @@ class Emergency:
             if now >= alone_until:
                 name = next(iter(self._alone))
                 self._latch("it heard a stop that was not heard here", name, now)
+            self._announce()
         while self._news:
             self._happened(*self._news.popleft())
         if self._unsaved and now >= self._save_at:
             self._save(now)
         with self._changed:
             return self._repeat(now) if self._engaged and self.state().waiting else now + ALONE_S
+
+    def _announce(self) -> None:
+        """Report that all have acknowledged, or who is overdue: each once."""
+        state = self.state()
+        found = (not state.waiting, state.overdue)
+        if found == self._announced or self._releasing:
+            return
+        self._announced = found
+        if state.overdue:
+            self._news.append(("estop_overdue", "executive", state.text, "error"))
+        elif state.engaged and not state.waiting:
+            self._news.append(("estop_acknowledged", "executive", state.text, "info"))
 
     def _repeat(self, now: float) -> float:
         if now >= self._repeat_at:
@@ -255,8 +291,20 @@ class Emergency:
         except MalformedError:
             return
         mover = raw.key.rpartition("/")[2]  # the bus knows whose key it is; what a message says proves nothing
+        self._within_s[mover] = said.within_s
         (self._stopped.add if said.stopped and said.engaged else self._stopped.discard)(mover)
         if said.engaged and not self._engaged and not self._releasing:
             self._alone.setdefault(mover, time.monotonic())
         else:
             self._alone.pop(mover, None)
+
+
+def in_words(state: EstopState) -> EstopState:
+    """Return the latch with its text: who has acknowledged it, has still time to, or has not."""
+    if state.overdue:
+        how = f"{', '.join(state.overdue)} has not acknowledged: use the hardware switch"
+    elif state.waiting:
+        how = f"waiting for {', '.join(state.waiting)}"
+    else:
+        how = f"acknowledged by {', '.join(state.acknowledged)}"
+    return replace(state, text=f"emergency stop: {how}")

@@ -88,6 +88,8 @@ CODES: dict[str, Code | Literal[""]] = {
     "restarting": "changed",
     "shutdown": "shutting_down",
     "estop": "estop",
+    "estop_acknowledged": "done",
+    "estop_overdue": "timeout",
     "estop_reset": "done",
     "refused": "malformed",
     "rows_refused": "bad_value",

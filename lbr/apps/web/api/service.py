@@ -25,7 +25,7 @@ from lbr.capability.kind import STOP
 from lbr.errors import BusError, MalformedError
 from lbr.messages.codes import Reason
 from lbr.messages.description import RobotDescription
-from lbr.messages.system import CapabilityStatus, Role, Status
+from lbr.messages.system import CapabilityStatus, EstopState, Role, Status
 
 NO_BUS = "the API serves where the robot runs; this server is on another machine"
 NOT_YET = "the robot has not said yet what it is; ask again"
@@ -86,6 +86,11 @@ class Api:
     def phases(self) -> tuple[CapabilityStatus, ...]:
         """Return how each capability is."""
         return self._status.capabilities if self._status is not None else ()
+
+    @property
+    def estop(self) -> EstopState | None:
+        """Return the emergency stop as the robot reported it last, or nothing."""
+        return self._status.estop if self._status is not None else None
 
     def catalog(self) -> Catalog:
         """Return what there is; Refused (503) while that is not known."""
