@@ -18,13 +18,13 @@ class Tap:
     def __init__(self) -> None:
         self._opening: list[LineBytes] = []
         self._opened_ns = 0
-        self._is_line = False
+        self._is_line = self._heard = False
         self._live: deque[LineBytes] | None = None
         self._lost = 0
 
     def opened(self) -> None:
         """Begin anew: the line was opened now."""
-        self._is_line = True
+        self._is_line, self._heard = True, False
         self._opening = []
         self._opened_ns = time.monotonic_ns()
 
@@ -40,6 +40,7 @@ class Tap:
 
     def came(self, data: bytes) -> None:
         """Take what the driver read."""
+        self._heard = True
         if self.wanted:
             self._take(data, sent=False)
 
@@ -47,6 +48,11 @@ class Tap:
     def is_line(self) -> bool:
         """Say whether a driver has opened it: other devices have no bytes."""
         return self._is_line
+
+    @property
+    def heard(self) -> bool | None:
+        """Say whether the device has sent anything since its line was opened; None where no line is."""
+        return self._heard if self._is_line else None
 
     @property
     def opening(self) -> tuple[LineBytes, ...]:

@@ -9,10 +9,15 @@ from collections.abc import Callable, Iterator
 from importlib import metadata
 from pathlib import Path
 
+import msgspec
+from msgspec import Struct
+
 from lbr import home, ownership
+from lbr.bus import wire
 from lbr.commands import device_checks, power_checks, service_checks, web_checks
 from lbr.commands.finding import Finding
 from lbr.commands.rows import opened
+from lbr.console import target
 from lbr.errors import LbrError
 from lbr.executive.planning import joining
 from lbr.robots import registry
@@ -31,6 +36,12 @@ EXTRAS = {
 }
 SERIAL_GROUPS = ("dialout", "uucp", "tty")
 FREE_MB = 500
+
+
+class DeviceState(Struct):
+    """What the state of a driver says of its device's line."""
+
+    heard: bool | None = None
 
 
 def examine() -> Iterator[Finding]:
@@ -200,5 +211,19 @@ def _clock() -> Iterator[Finding]:
 
 
 def _running() -> Iterator[Finding]:
-    names = [f"{one.robot} ({one.profile}, pid {one.pid})" for one in home.running()]
+    robots = home.running()
+    names = [f"{one.robot} ({one.profile}, pid {one.pid})" for one in robots]
     yield Finding(about="running", level="good", text=", ".join(names) or "no robot runs here")
+    for one in robots:
+        yield from _unheard(one.robot)
+
+
+def _unheard(robot: str) -> Iterator[Finding]:
+    """Tell of drivers whose device has sent nothing since its line was opened."""
+    with target.connected(target.find(robot, None)) as bus:
+        states = wire.ask(bus, f"{robot}/*/state", None, source=target.source("lbr doctor"))
+    for state in states:
+        if msgspec.json.decode(state.payload, type=DeviceState).heard is False:
+            name = state.key.split("/")[1]
+            text = f"the device of '{name}' has sent nothing since its line was opened: its state is what it was told"
+            yield Finding(about=f"{robot}/{name}", level="hint", text=text, do="check the device's power and cable")

@@ -31,7 +31,8 @@ class MotorsState(Struct, frozen=True, kw_only=True):
     `armed` says that a setpoint would be applied; `reason` says why not. Volts: `voltage_v` is the battery,
     `internal_v` the controller's own supply. Motor currents and encoder counts are signed, forward positive.
     `faults` are names of faults that the controller tells, as its driver lists them. Where rows name other motors than
-    `left` and `right`, each is in `motors`, and `left` and `right` are what the base makes of them.
+    `left` and `right`, each is in `motors`, and `left` and `right` are what the base makes of them. `heard`: whether the
+    controller has sent anything since its line was opened; where it has not, all else here is what it was told.
     """
 
     left: float
@@ -50,3 +51,4 @@ class MotorsState(Struct, frozen=True, kw_only=True):
     faults: tuple[str, ...] = ()
     trips: int = 0
     motors: dict[Name, MotorState] = {}
+    heard: bool | None = None

@@ -98,6 +98,7 @@ class ServosState(Struct, frozen=True, kw_only=True):
     `armed` says that a setpoint would be applied; `reason` says why not. `stores`: its controller plays motions of its
     own; `stored` is the newest of them. `mode` is the controller's, where it has several. `tells_torque` false: servos
     cannot say whether they have torque; null is then all that is ever known of one that this driver told nothing.
+    `heard`: whether anything came on the line since it was opened; where nothing did, all else here is what they were told.
     """
 
     sweep: int
@@ -113,6 +114,7 @@ class ServosState(Struct, frozen=True, kw_only=True):
     mode: str = ""
     tells_torque: bool = True
     bus: BusStatistics = BusStatistics()
+    heard: bool | None = None
 
 
 class RecoverServos(Struct, frozen=True, kw_only=True):

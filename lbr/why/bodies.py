@@ -192,8 +192,24 @@ def _at_limit(now: Snapshot, name: str, position_rad: float | None, where: str, 
             )
 
 
+def unheard(part: Part, who: str, topic: str, age_s: float | None) -> Link:
+    """Return that a device has never sent anything: that it does what it is told is an assumption."""
+    return Link(
+        name="line",
+        about=part.device or part.name,
+        state="doubt",
+        text=f"{who} has sent nothing since its line was opened: it is told, and may not be there",
+        code="unreachable",
+        age_s=age_s,
+        evidence=topic,
+        do="check its power and cable; of one that never answers nothing is known but what it was told",
+    )
+
+
 def servos(now: Snapshot, part: Part, said: ServosState, topic: str, age_s: float | None) -> Iterator[Link]:
     """Yield whether the servos of a bus would do what they are told."""
+    if said.armed and said.heard is False:
+        yield unheard(part, "the servos' line", topic, age_s)
     if said.mode not in PASSES_ON:
         text = f"the servos' controller is in mode '{said.mode}', in which it passes no goals on"
         yield Link(

@@ -83,6 +83,8 @@ def _motors(now: Snapshot, part: Part, said: MotorsState, topic: str, age_s: flo
             do="stop, then move again" + (f"; if they were disabled: {enable}" if enable else ""),
         )
     elif said.armed:
+        if said.heard is False:
+            yield bodies.unheard(part, "the motor controller", topic, age_s)
         powers = [said.left, said.right, *(one.power for one in said.motors.values())]
         text = "the motors are armed" + (", and turn" if any(powers) else ", at zero")
         yield Link(name="motor", about=part.name, state="ok", text=text, age_s=age_s, evidence=topic)

@@ -2,17 +2,20 @@
 
 import json
 import sqlite3
-from contextlib import closing
+from contextlib import closing, nullcontext
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr import cli, home
+from lbr.bus import keys, session, wire
 from lbr.commands import checks, web_checks
 from lbr.commands.finding import Finding
 from lbr.database.rows import CapabilityRow
 from lbr.errors import BusError
+from lbr.messages.motors import MotorsState
 from tests.support import databases
 
 
@@ -128,3 +131,14 @@ def test_the_doctors_findings_are_json_with_an_exit_code(monkeypatch, capsys):
     assert [one["about"] for one in json.loads(capsys.readouterr().out)] == ["a", "b"]
     monkeypatch.setattr(checks, "examine", lambda: iter(findings[:1]))
     assert cli.main(["doctor"]) == 0
+
+
+@pytest.mark.parametrize(("heard", "told"), [(False, ["lbr/motors"]), (True, []), (None, [])])
+def test_a_device_that_has_sent_nothing_is_named(tmp_path: Path, monkeypatch, heard, told):
+    endpoint = f"unixsock-stream/{tmp_path}/r.sock"
+    with session.open_router(session.Router(listen=(endpoint,))), session.open_client([endpoint]) as bus:
+        state = wire.Publisher(bus, keys.port("lbr", "motors", "state"), "motors")
+        state.put(MotorsState(left=0.0, right=0.0, armed=True, reason="", estop=False, heard=heard))
+        monkeypatch.setattr(checks.target, "find", lambda *_: None)
+        monkeypatch.setattr(checks.target, "connected", lambda _: nullcontext(bus))
+        assert [one.about for one in checks._unheard("lbr")] == told

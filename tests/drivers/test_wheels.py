@@ -82,6 +82,31 @@ def motors(ctx):
     motors.close()
 
 
+class Mute(Tiny):
+    """Wheels on a controller that takes what it is told, and never answers."""
+
+    def connect(self, device, beat):
+        controller = super().connect(device, beat)
+        controller.open = controller.stop  # whether there is an answer proves nothing
+        return controller
+
+
+def test_whether_a_controller_has_ever_sent_a_byte_is_in_its_state(ctx, peer):
+    peer.answers = False
+    motors = Mute(ctx)
+    motors.open()
+    for _ in range(2):
+        ctx.give(MotorSetpoint(left=0.0, right=0.0, lease="L1"))
+        motors.step()
+    assert ctx.state.armed
+    assert ctx.state.heard is False
+    peer.answers = True
+    until(lambda: motors.step() or ctx.state.heard, 5.0)
+    motors.close()
+    motors.degraded("its cable is out")
+    assert ctx.state.heard is None
+
+
 def test_its_kind_is_as_kinds_must_be():
     assert faults(KIND) == ()
     assert KIND.moves

@@ -129,6 +129,12 @@ CAUSES: dict[str, tuple[str, str, Broken, tuple[str, str, str]]] = {
     "a wall is near": (
         "lbr", "drive", lambda now: with_said(now, "ranges/readings", forward_m=0.2), ("reading", "forward", "obstacle"),
     ),
+    "motors whose controller never sent a byte": (
+        "lbr", "drive", lambda now: with_said(now, "motors/state", heard=False), ("line", "motor_controller", "unreachable"),
+    ),
+    "servos that never sent a byte": (
+        "bioloid", "joints", lambda now: with_said(now, "servos/state", heard=False), ("line", "servo_bus", "unreachable"),
+    ),
     "motors not armed": (
         "lbr", "drive", lambda now: with_said(now, "motors/state", armed=False, reason="no setpoint within 0.1 s"),
         ("arming", "motors", "not_armed"),

@@ -46,7 +46,7 @@ class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     release_s: Annotated[
         float, Meta(ge=0.1, le=60.0, description="how long their release takes then: their torque fades")
     ] = 5.0
-    acknowledge_s: AcknowledgeS = 0.5
+    acknowledge_s: AcknowledgeS = 1.0
     on_close: Annotated[
         Literal["hold", "release"],
         Meta(description="when the driver ends in order: hold, then release slowly; or at once"),

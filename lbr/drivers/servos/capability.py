@@ -258,4 +258,6 @@ class Servos(Capability[S], ABC, Generic[S, T]):
 
     def common_state(self) -> dict[str, Any]:
         """Return the fields of a state that come from the gate."""
-        return {"estop": self.ctx.estop.engaged, "halt": self._gate.halt or 0}
+        device = self.ctx.device if self._session is not None else None
+        heard = device.tap.heard if device is not None else None
+        return {"estop": self.ctx.estop.engaged, "halt": self._gate.halt or 0, "heard": heard}

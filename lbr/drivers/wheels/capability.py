@@ -308,6 +308,7 @@ class Wheels(Capability[S], ABC):
             reason=state.reason,
             estop=self.ctx.estop.engaged,
             trips=state.trips,
+            heard=self.ctx.device.tap.heard if self.ctx.device is not None else None,
         )
         self.ctx.publish("state", message)
 
