@@ -8,7 +8,7 @@ from lbr.bus import pictures
 from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.in_words import in_words
-from lbr.messages.unreadable import UNREADABLE
+from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 T = TypeVar("T")
 LONGEST = 200
@@ -16,15 +16,16 @@ LONGEST = 200
 
 
 class Decoder(Generic[T]):
-    """Decodes the JSON of one message type."""
+    """Decodes the JSON of one message type; of a command, which asks for something, no key may stand twice."""
 
-    def __init__(self, kind: type[T]) -> None:
+    def __init__(self, kind: type[T], *, command: bool = False) -> None:
         self._decoder = msgspec.json.Decoder(kind)
+        self._command = command
 
     def decode(self, data: bytes) -> T:
         """Return the message; raise MalformedError saying in one line what is wrong."""
         try:
-            return self._decoder.decode(data)
+            return self._decoder.decode(keyed_once(data) if self._command else data)
         except msgspec.ValidationError as err:
             raise MalformedError(_bounded(in_words(str(err)))) from err
         except RecursionError as err:
@@ -55,4 +56,10 @@ def decode(data: bytes) -> Any:
     return _anything.decode(data)
 
 
+def decode_request(data: bytes) -> Any:
+    """Return what somebody asks for, any JSON, as plain data; raise MalformedError."""
+    return _request.decode(data)
+
+
 _anything: Decoder[Any] = Decoder(Any)
+_request: Decoder[Any] = Decoder(Any, command=True)

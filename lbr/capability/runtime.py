@@ -210,7 +210,7 @@ class ProcessContext:
                     source=config.name,
                     inflow=None if name == STOP else Inflow(),
                 ),
-                Decoder(message),
+                Decoder(message, command=True),
             )
             for name, message in kind.messages.items()
         }

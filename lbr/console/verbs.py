@@ -212,7 +212,8 @@ class Vocabulary:
         words |= set(self._external)
         said = {known.lstrip("/"): known for known in sorted(words)}
         exact = [known for known in said if known.lower() == word.lower().lstrip("/")]
-        close = exact or near(word.lstrip("/"), said)
+        changes = {verb.pattern.word for verb in self._verbs if verb.row.role == "admin"}
+        close = exact or near(word.lstrip("/"), said.keys() - changes)
         hint = f"did you mean '{said[close[0]]}'? " if close else ""
         text = f"'{shown(word)}' is not a word of this robot; {hint}'help' lists what can be said"
         return InputError(text, "unknown_command")

@@ -1,6 +1,24 @@
-"""What bytes raise that are no message."""
+"""What bytes raise that are not a message, and JSON that contradicts itself."""
+
+import json
+from contextlib import suppress
+from typing import Any
 
 import msgspec
 
 UNREADABLE = (msgspec.MsgspecError, UnicodeDecodeError, RecursionError)
 """From decoding JSON: it is none, not of that type, holds bytes that are no text, or is nested too deeply."""
+
+
+def keyed_once(data: bytes) -> bytes:
+    """Return the same JSON; ValidationError if a key stands twice in one object, where decoders take the last in silence."""
+    with suppress(json.JSONDecodeError, UnicodeDecodeError):  # what is not JSON is the decoder's to report
+        json.loads(data, object_pairs_hook=_once_each, parse_int=str, parse_float=str, parse_constant=str)
+    return data
+
+
+def _once_each(pairs: list[tuple[str, Any]]) -> None:
+    names = [name for name, _ in pairs]
+    if len(set(names)) < len(names):
+        repeated = next(name for name in names if names.count(name) > 1)
+        raise msgspec.ValidationError(f"the key '{repeated[:40]}' stands twice in one object")

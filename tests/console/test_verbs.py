@@ -289,3 +289,11 @@ def test_a_word_of_a_capability_does_not():
 def test_a_recordings_name_that_cannot_be_is_told_by_the_characters_it_may_have():
     with pytest.raises(InputError, match=r"name 'a b' is not a file's name \(letters, digits"):
         Message(RecordCommand).field("name").read("a b")
+
+
+def test_a_word_that_changes_the_robot_is_never_proposed():
+    close = VerbRow(word="close", pattern="close", target="executive.close", role="admin", help="shuts the door")
+    with pytest.raises(InputError) as refused:
+        Vocabulary([close]).parse("clear")
+    assert refused.value.code == "unknown_command"
+    assert "close" not in str(refused.value)

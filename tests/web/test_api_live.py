@@ -12,6 +12,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
+from lbr.apps.http import serving
 from lbr.apps.web import viewing
 from lbr.apps.web.api import live
 from lbr.apps.web.page import files
@@ -364,3 +365,20 @@ def test_a_page_hears_first_which_page_the_robot_has():
     with api(users=USERS, faces=("page",)) as served, page(served) as one:
         one.say(hear=["@status"])
         assert one.frame()["page"] == files.build()
+
+
+SLEEPS = (
+    b"GET /api/live HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: lbr.live\r\n\r\n"
+)
+
+
+def test_a_page_that_reads_and_answers_no_ping_is_cut_and_nothing_crashes(monkeypatch, capfd):
+    monkeypatch.setattr(serving, "PING_S", 0.05)
+    monkeypatch.setattr(serving, "PONG_S", 0.05)
+    with api(users=USERS) as served, socket.create_connection(("127.0.0.1", served.port), timeout=5) as sleeping:
+        sleeping.sendall(SLEEPS)
+        assert sleeping.recv(65536).startswith(b"HTTP/1.1 101")
+        until(lambda: not served.web._live._viewers._taken, what="its place is free")
+        assert served.ask("GET", "/state").status == 200
+    assert capfd.readouterr().err == ""

@@ -167,4 +167,5 @@ def test_two_faces_may_not_answer_the_same_askers_at_one_path(served):
 
     with serving(PageFace((file("index.html", b"<!doctype html>"),)), Second(), faces=()) as found:
         assert b"doctype" in found.ask("GET", "/", headers=BROWSER).body
+        assert found.ask("HEAD", "/").status == found.ask("GET", "/", headers={"Accept": "*/*"}).status == 200
         assert "GET / is taken by face 'page'" in found.web._faces.trouble

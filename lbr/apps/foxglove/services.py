@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 from msgspec import Struct
 
-from lbr.bus.codec import decode
+from lbr.bus.codec import decode_request
 from lbr.errors import InputError, MalformedError
 
 STOP, ESTOP = "stop", "estop"
@@ -81,7 +81,7 @@ def told(number: int, service: Service) -> dict[str, Any]:
 def read(payload: bytes) -> dict[str, Any]:
     """Return the fields of a request; InputError says why there are none."""
     try:
-        found = decode(payload or b"{}")
+        found = decode_request(payload or b"{}")
     except MalformedError as err:
         raise InputError(f"the request: {err}", "malformed") from None
     if not isinstance(found, dict):

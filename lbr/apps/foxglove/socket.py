@@ -30,7 +30,7 @@ from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.requests import source_of
 from lbr.apps.web.api.service import Api
 from lbr.apps.web.face import Client, Refused
-from lbr.bus.codec import decode
+from lbr.bus.codec import decode_request
 from lbr.errors import InputError, MalformedError
 from lbr.messages.unreadable import UNREADABLE
 
@@ -383,7 +383,7 @@ def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, 
     A Twist, as a Teleop panel publishes it, goes to the base; what is published on a command's own topic goes there.
     """
     try:
-        said = decode(payload)
+        said = decode_request(payload)
     except MalformedError as err:
         raise InputError(f"{channel.topic}: {err}", "malformed") from None
     if not isinstance(said, dict):

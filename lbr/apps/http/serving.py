@@ -12,6 +12,7 @@ import h11
 import uvicorn
 from starlette.types import ASGIApp, Scope
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from uvicorn.server import ServerState
 
@@ -85,6 +86,16 @@ class Viewing(WebSocketsSansIOProtocol):
             self.transport.abort()
         else:
             super().data_received(data)
+
+    def keepalive_timeout(self) -> None:
+        """Cut a viewer that answers no ping: a device that sleeps reads no farewell."""
+        self.transport.abort()
+
+    async def send(self, message: Any) -> None:
+        """Send to the viewer; ClientDisconnected once the connection was closed for what the viewer did."""
+        if self.close_sent:
+            raise ClientDisconnected
+        await super().send(message)
 
 
 class _Lingering:

@@ -31,7 +31,7 @@ from lbr.messages.mqtt import MqttState
 from lbr.messages.plain import one_line
 from lbr.messages.speech import SayCommand
 from lbr.messages.system import Role
-from lbr.messages.unreadable import UNREADABLE
+from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 ASK_S = 3.0
 TELL_S = 1.0
@@ -431,7 +431,7 @@ def _named(name: str, payload: bytes, word: words.Word | None) -> Ask:
 
 def _json(payload: bytes) -> Any:
     try:
-        return msgspec.json.decode(payload)
+        return msgspec.json.decode(keyed_once(payload))
     except UNREADABLE as err:
         raise InputError(f"it is no JSON ({str(err)[:100]})", "malformed") from err
 

@@ -10,7 +10,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr.errors import InputError
-from lbr.messages.unreadable import UNREADABLE
+from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 LARGEST_BYTES = 64 * 1024
 """A document has 8 kB, and its metadata is some times as long."""
@@ -41,7 +41,7 @@ def read(payload: bytes) -> dict[str, Any]:
     if len(payload) > LARGEST_BYTES:
         raise InputError(f"it has {len(payload)} bytes, and a document {LARGEST_BYTES} at most", "malformed")
     try:
-        found = msgspec.json.decode(payload)
+        found = msgspec.json.decode(keyed_once(payload))
     except RecursionError as err:
         raise InputError("its JSON is too deep", "malformed") from err
     except UNREADABLE as err:

@@ -2,7 +2,7 @@
 say."""
 
 import asyncio
-from collections.abc import Callable, Coroutine, Iterable, Mapping
+from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
 from dataclasses import replace
 from html import escape
 from inspect import isawaitable
@@ -163,7 +163,7 @@ def application(
         found = _options(scope, endpoints, gate) if scope["method"] == "OPTIONS" else no_route(scope, endpoints)
         await found(scope, receive, send)
 
-    closest = sorted(routes, key=lambda route: (not route.accept, route.path.count("{")))
+    closest = sorted(_also_for_all(routes), key=lambda route: (not route.accept, route.path.count("{")))
     endpoints = [Endpoint(route, answer) for route in closest]
     stops = [endpoint for endpoint in endpoints if endpoint.route.regardless]
     return Router(
@@ -178,6 +178,16 @@ def application(
             Middleware(Hosts, own=own_names, where=names_are),
         ],
     )
+
+
+def _also_for_all(routes: Iterable[Route]) -> Iterator[Route]:
+    """Yield the routes; one for a media type is there for everybody where its path has no other."""
+    every = list(routes)
+    taken = {(route.method, route.path) for route in every if not route.accept}
+    for route in every:
+        yield route
+        if route.accept and (route.method, route.path) not in taken:
+            yield replace(route, accept="")
 
 
 def no_route(scope: Scope, endpoints: Iterable[Endpoint]) -> Response:

@@ -203,8 +203,8 @@ class Route:
     so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
     What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign in. One that
     `signs_in` gives a cookie, so that it is looked up whose program asks.
-    With `accept`, it answers only who names that media type in `Accept`: a browser that is led there, such as for
-    `text/html`; another route may answer all others at the same path.
+    With `accept`, it is first for who names that media type in `Accept`, such as a browser `text/html`; another route may
+    answer all others at the same path.
     """
 
     method: Method

@@ -17,7 +17,7 @@ from starlette.types import Receive, Scope, Send
 
 from lbr.apps.web.face import Refused, Route
 from lbr.messages.in_words import in_words
-from lbr.messages.unreadable import UNREADABLE
+from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 MOST_PARAMETERS = 64
 _KEY = re.compile(r"\{([a-z_]+\*?)\}")
@@ -116,7 +116,7 @@ def converted(query: Iterable[tuple[str, str]], kind: type[Struct]) -> Any:
 def decoded(body: bytes, kind: Any) -> Any:
     """Return a JSON body as what a route takes; Refused (400) says where it does not fit."""
     try:
-        return msgspec.json.decode(body, type=kind)
+        return msgspec.json.decode(keyed_once(body), type=kind)
     except msgspec.ValidationError as err:
         raise Refused(400, plain(err)) from None
     except RecursionError:

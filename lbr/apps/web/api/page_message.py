@@ -7,6 +7,7 @@ from msgspec import UNSET, Meta, Struct, UnsetType
 
 from lbr.apps.web.routing import plain
 from lbr.messages.units import NAME_LETTERS
+from lbr.messages.unreadable import keyed_once
 
 LARGEST = 16 * 1024
 MOST_KEYS = 64
@@ -63,7 +64,7 @@ def parse(said: bytes) -> PageMessage:
     if len(said) > LARGEST:
         raise Rubbish(f"a message may have {LARGEST} bytes")
     try:
-        found = _decoder.decode(said)
+        found = _decoder.decode(keyed_once(said))
         if found.hold is UNSET:
             return found
         message = {name: value for name, value in found.hold.message.items() if name not in _OF_THE_SERVER}

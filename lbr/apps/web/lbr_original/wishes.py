@@ -13,6 +13,7 @@ from msgspec import Struct
 
 from lbr.errors import InputError
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
+from lbr.messages.unreadable import keyed_once
 
 Motion = DriveCommand | TurnCommand | HeadingCommand
 Port = Literal["drive_command", "drive_turn", "drive_heading"]
@@ -52,11 +53,11 @@ class Asked(Struct, frozen=True, kw_only=True):
 def decoded(body: bytes) -> Any:
     """Return what a body says; InputError for what is not JSON. NaN and infinite numbers are read as such."""
     try:
-        found = json.loads(body)
+        found = json.loads(keyed_once(body))
         json.dumps(found, ensure_ascii=False).encode()  # half a character is JSON, but no text
     except UnicodeEncodeError:
         raise InputError("the body has text that is no Unicode") from None
-    except (ValueError, RecursionError) as err:
+    except (ValueError, RecursionError) as err:  # a ValidationError is a ValueError
         raise InputError(f"the body is not JSON: {str(err)[:120]}") from None
     return found
 

@@ -15,7 +15,7 @@ from lbr.apps.web.uxa90.editing import Editor
 from lbr.apps.web.uxa90.jobs import JobReply, JobsReply
 from lbr.apps.web.uxa90.service import Service
 from lbr.messages.system import Role
-from lbr.messages.unreadable import UNREADABLE
+from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 
 class Handlers:
@@ -117,6 +117,6 @@ def _body(request: Request) -> Any:
     if media != web.JSON:
         raise web.Refused(400, f"the body must be application/json, not '{media[:60]}'")
     try:
-        return msgspec.json.decode(request.body)
+        return msgspec.json.decode(keyed_once(request.body))
     except UNREADABLE as err:
         raise web.Refused(400, f"the body is not JSON: {err}") from None
