@@ -54,3 +54,53 @@ def test_a_robot_of_the_network_is_found_and_reached(network, tmp_path):
         assert (name, host, at) == ("lbr", network.address, door.endpoint)
         assert page.startswith(f"https://{network.address}:")
         assert (role, looked) == ("operate", True)
+
+
+ANNOUNCING = """
+import asyncio, sys
+from lbr.apps.web.announce import Announcer
+
+asyncio.run(Announcer("lbr on pi", int(sys.argv[2]), lambda: (sys.argv[1],), lambda: {"robot": "lbr"}).run())
+"""
+LISTING = """
+import json, sys, time
+from zeroconf import ServiceBrowser, Zeroconf
+
+names, network = set(), Zeroconf()
+ServiceBrowser(network, "_lbr._tcp.local.", handlers=[lambda name, **_rest: names.add(name)])
+end = time.monotonic() + 20.0
+while len(names) < 2 and time.monotonic() < end:
+    time.sleep(0.05)
+infos = [network.get_service_info("_lbr._tcp.local.", name) for name in names]
+print(json.dumps({info.port: [info.server, *info.parsed_addresses()] for info in infos if info}))
+network.close()
+"""
+
+
+def test_two_robots_of_one_host_name_are_two_each_at_its_own_address(network, tmp_path):
+    environment = os.environ | {"LBR_HOME": str(tmp_path)}
+    robots_at = [(network.address, "50001", network.robot), (network.client_address, "50002", network.client)]
+    robots = [
+        programs.start([*where, sys.executable, "-c", ANNOUNCING, address, port], env=environment)
+        for address, port, where in robots_at
+    ]
+    try:
+        done = programs.run(
+            [*network.client, sys.executable, "-c", LISTING],
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=30,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        hosts = json.loads(done.stdout)
+        assert {port: addresses for port, (_, *addresses) in hosts.items()} == {
+            port: [address] for address, port, _ in robots_at
+        }
+        assert len({server for server, *_ in hosts.values()}) == 2
+        assert [robot.poll() for robot in robots] == [None, None]
+    finally:
+        for robot in robots:
+            robot.kill()
+            robot.wait()

@@ -1,6 +1,7 @@
 """Tells the network by zeroconf where the robot is, for as long as it is there; runs in the server's event loop."""
 
 import asyncio
+import hashlib
 import ipaddress
 import socket
 from collections.abc import Callable
@@ -8,12 +9,20 @@ from contextlib import suppress
 
 LOOK_S = 5.0
 TRY_AGAIN_S = 30.0
+LONGEST_HOST = 56
+"""A label has 63 bytes."""
 KINDS = ("_http._tcp.local.", "_lbr._tcp.local.")
+
+
+def own_mark(there: tuple[str, ...], port: int) -> str:
+    """Return what tells a server from others: machines of one image have the same host name, but not one address."""
+    return hashlib.blake2b(f"{there} {port}".encode(), digest_size=3).hexdigest()
 
 
 class Announcer:
     """Announces `name` at `port` under the addresses that `where` returns, with `properties`, and follows both as they change.
 
+    A mark of its own stands behind its name and behind the host's, so that no other robot's addresses pass for its own.
     `said` is under which name it is announced now, or empty; `trouble` why it is not.
     """
 
@@ -59,14 +68,15 @@ class Announcer:
         try:
             properties = self._properties()
             there_as = [ipaddress.ip_address(one).packed for one in there]
+            mark = own_mark(there, self._port)
             infos = [
                 AsyncServiceInfo(
                     kind,
-                    f"{self._name}.{kind}",
+                    f"{self._name} {mark}.{kind}",
                     port=self._port,
                     addresses=there_as,
                     properties=properties,
-                    server=f"{socket.gethostname().partition('.')[0]}.local.",
+                    server=f"{socket.gethostname().partition('.')[0][:LONGEST_HOST]}-{mark}.local.",
                 )
                 for kind in KINDS
             ]

@@ -196,7 +196,7 @@ class Web(Capability[WebSettings]):
         if not settings.announce or listening.is_loopback(sock):
             return None
         self._announcer = Announcer(
-            f"{self.ctx.robot} on {socket.gethostname()}"[:60], self._place.port, self._place.look, self._announced
+            f"{self.ctx.robot} on {socket.gethostname()}"[:56], self._place.port, self._place.look, self._announced
         )
         return self._announcer.run
 
