@@ -78,6 +78,8 @@ PHRASES = [
     {"name": "battery_low", "language": "en", "text": "My battery is low."},
 ]
 
+OVERDUE = "emergency stop: motors has not acknowledged: use the hardware switch"
+
 
 class Base:
     """Two wheels in a rectangular room."""
@@ -238,7 +240,7 @@ class PageRobot:
              "reason": "no loudspeaker: /dev/snd is not there" if one["name"] == "speech" else "", "rates_hz": dict.fromkeys(one["outputs"], 20.0), "cpu_percent": 1.7, "memory_mb": 31.0}
             for one in self.capabilities
         ]  # fmt: skip
-        estop = {"engaged": bool(self.estop), "reason": self.estop, "source": "web:page" if self.estop else "", "acknowledged": [], "waiting": []}  # fmt: skip
+        estop = {"engaged": bool(self.estop), "reason": self.estop, "source": "web:page" if self.estop else "", "acknowledged": [], "waiting": ["motors"], "overdue": ["motors"], "text": OVERDUE if self.estop else ""}  # fmt: skip
         return {"robot": "lbr", "profile": "lbr-sim", "ready": True, "pid": 1, "uptime_s": 300.0, "estop": estop, "capabilities": parts, "problems": [], "revision": 7}  # fmt: skip
 
     def describe(self) -> dict[str, Any]:

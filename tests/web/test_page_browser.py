@@ -284,6 +284,7 @@ def test_stop_is_above_a_dialogue_and_held_for_a_second_it_is_the_emergency_stop
     page.mouse.up()
     page.keyboard.press("Escape")
     expect(page.get_by_role("alert")).to_contain_text("Emergency stop is engaged")
+    expect(page.get_by_role("alert")).to_contain_text("motors has not acknowledged: use the hardware switch")
     page.get_by_role("button", name="Release").click()
     page.get_by_role("dialog").get_by_role("button", name="Release").click()
     assert within(page, lambda: ("reset", None) in robot.asked)

@@ -111,14 +111,14 @@ function useClearance(): Ref<HTMLDivElement> {
 function Alarms() {
   const [asks, ask] = useState(false);
   const box = useClearance();
-  const { engaged, told, reason, source } = estop.value;
+  const { engaged, told, reason, source, text } = estop.value;
   const lost = link.value === "lost" && robot.value !== null;
   return (
     <div class="alarms" ref={box}>
       {engaged && (
         <div class="alarm alarm-stop" role="alert">
           <Icon name="stop" />
-          <p class="alarm-said" tabIndex={0}><strong>{told ? t("stop.engaged") : t("stop.engaging")}</strong>{told && [source, reason].filter(Boolean).join(": ")}</p>
+          <p class="alarm-said" tabIndex={0}><strong>{told ? t("stop.engaged") : t("stop.engaging")}</strong>{told && [[source, reason].filter(Boolean).join(": "), text].filter(Boolean).join(" · ")}</p>
           {told && <Button onClick={() => ask(true)}>{t("stop.reset")}</Button>}
         </div>
       )}

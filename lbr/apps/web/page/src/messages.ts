@@ -30,7 +30,7 @@ export interface CapabilityStatus {
   name: string; kind: string; phase: string; pid: number | null; restarts: number; uptime_s: number | null; reason: string; rates_hz: Record<string, number>;
   cpu_percent?: number | null; memory_mb?: number | null; last_end?: string; host?: string; code?: string; process?: string;
 }
-export interface EstopState { engaged: boolean; reason: string; source?: string; acknowledged?: string[]; waiting?: string[] }
+export interface EstopState { engaged: boolean; reason: string; source?: string; acknowledged?: string[]; waiting?: string[]; overdue?: string[]; text?: string }
 export interface Status { robot: string; profile: string; ready: boolean; uptime_s: number; estop: EstopState; capabilities: CapabilityStatus[]; problems?: string[]; revision?: number }
 export interface Schema { $ref?: string; $defs?: Record<string, Schema>; title?: string; type?: string | string[]; properties?: Record<string, Schema>; description?: string; anyOf?: Schema[] }
 export interface CommandInfo { schema: Schema; role: Role; leased: boolean }

@@ -15,7 +15,7 @@ export const estop = computed(() => ({
   told: status.value?.estop.engaged ?? false,
   reason: status.value?.estop.reason ?? "",
   source: status.value?.estop.source ?? "",
-  waiting: status.value?.estop.waiting ?? [],
+  text: status.value?.estop.text ?? "",
 }));
 
 /** Stops the robot: wheels stand, joints hold, motions end. */
