@@ -1,6 +1,8 @@
 """The emergency stop of each healthy robot is acknowledged, at rest and in the middle of a motion: an alarm would be none."""
 
+import json
 import threading
+import urllib.request
 from contextlib import suppress
 from pathlib import Path
 
@@ -31,6 +33,17 @@ def test_the_emergency_stop_is_acknowledged_at_rest_and_in_mid_motion(name: str,
         keeping.join()
         kinds = [event["kind"] for event in robot.events() if event["kind"].startswith("estop")]
         assert kinds == ["estop", "estop_acknowledged", "estop_reset"] * 2
+
+
+@pytest.mark.timeout(60)
+def test_the_api_says_of_an_emergency_stop_what_the_console_does(tmp_path: Path) -> None:
+    with running(prepare(tmp_path / "h"), profile="uxa90-sim", limit_s=20.0) as robot:
+        request = urllib.request.Request(f"{robot.web}/estop", method="POST")
+        with urllib.request.urlopen(request, timeout=5.0) as answer:
+            text = json.load(answer)["message"]
+        assert text.startswith("emergency stop: ")
+        until(lambda: not robot.ask("@estop")["waiting"], what="it is acknowledged")
+        assert robot.line("estop")["text"] == robot.status()["estop"]["text"]
 
 
 def acknowledged(robot: Robot) -> None:
