@@ -9,17 +9,21 @@ from msgspec.structs import replace
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand, TwistCommand
 from lbr.messages.sensing import Ranges
-from lbr.operations.drive import distance_goal, turn_goal
+from lbr.operations.drive import distance_goal, range_goal, turn_goal
 from lbr.operations.drive.command import Motion, moves
+from lbr.operations.drive.distance_goal import STANDING_MPS
 from lbr.operations.drive.mixing import mix
+from lbr.operations.drive.range_goal import RangeGoal
 from lbr.operations.drive.rules import USUAL, View, measured_m, towards
-from lbr.operations.drive.sensors import Sensors
+from lbr.operations.drive.sensors import Sensors, sees_along
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Goal, State
 from lbr.operations.leasing.lease import Ending
 
 FARTHEST_CM = 768.0
 LOST_AFTER_S = 0.3
+LONGEST_LAG_S = 0.2
+"""A reading is half a cycle of its board old when it comes; a longer cycle is not believed."""
 
 
 def bounded(command: Motion) -> TypeGuard[DriveCommand | TurnCommand | HeadingCommand]:
@@ -58,6 +62,7 @@ def start(command: DriveCommand | TurnCommand | HeadingCommand, name: str, state
         turn = turn_goal.start(command, state.heading, settings, now)
         return Goal(goal=name, sensor="forward", target_m=nan, closing=False, started=now, turn=turn)
     goal = _to_range(command, name, state.views, settings, now)
+    goal = replace(goal, approach=_approach(goal, command, state))
     way = distance_goal.start(command, state.odometry, settings) if command.distance_cm > 0.0 else None
     return replace(goal, way=way)
 
@@ -78,13 +83,19 @@ def _to_range(command: DriveCommand, name: str, views: Mapping[str, View], setti
     )
 
 
-def watch(goal: Goal, ranges: Ranges, now: float, sensors: Sensors = USUAL) -> Goal:
+def watch(goal: Goal, ranges: Ranges, now: float, ahead_mps: float, sensors: Sensors = USUAL) -> Goal:
     """Return the goal with its sensor's newest reading; one without a value is passed over until it is too long ago."""
     if not ranges.tells_of(goal.sensor):
         return goal
     value_m, _ = measured_m(ranges, goal.sensor, sensors)
     overtaken = now < goal.last_seen
-    return goal if overtaken or isnan(value_m) else replace(goal, last_m=value_m, last_seen=now)
+    if overtaken or isnan(value_m):
+        return goal
+    goal = replace(goal, last_m=value_m, last_seen=now)
+    if goal.approach is None:
+        return goal
+    stands, lag_s = ahead_mps <= STANDING_MPS, min(ranges.cycle_s or 0.0, LONGEST_LAG_S) / 2
+    return replace(goal, approach=range_goal.read(goal.approach, _left_m(goal), ahead_mps, lag_s, stands=stands))
 
 
 def ending(goal: Goal, settings: DriveSettings, now: float) -> tuple[Ending, Reason] | None:
@@ -93,11 +104,8 @@ def ending(goal: Goal, settings: DriveSettings, now: float) -> tuple[Ending, Rea
         return _turned(goal, goal.turn, settings, now)
     if goal.way is not None and (ended := _travelled(goal, goal.way, now)):
         return ended
-    if not isnan(goal.target_m):
-        if _reached(goal, goal.last_m):
-            return "reached", Reason("done", f"{goal.sensor} is {_words(goal.last_m)}")
-        if not now - goal.last_seen <= LOST_AFTER_S:
-            return "fault", Reason("stale_sensor", f"sensor {goal.sensor} was lost")
+    if not isnan(goal.target_m) and (ended := _at_range(goal, now)):
+        return ended
     if not now < goal.ends:
         return "interval", Reason("time_over", f"the {goal.ends - goal.started:g} s are over")
     return None
@@ -130,12 +138,19 @@ def wheels(
         return push, -push
     if goal is not None and goal.way is not None:
         power = distance_goal.power(goal.way, power, settings, now)
+    if goal is not None and goal.approach is not None:
+        power = range_goal.power(goal.approach, power, settings)
     return mix(power, angle_deg, settings)
 
 
-def driven(goal: Goal | None, left: float, elapsed_s: float, settings: DriveSettings) -> Goal | None:
-    """Return the goal after the left wheel was given this power for a while."""
-    if goal is None or goal.turn is None:
+def driven(goal: Goal | None, left: float, ahead_mps: float, elapsed_s: float, settings: DriveSettings) -> Goal | None:
+    """Return the goal after the left wheel was given this power for a while, and the base went at this speed."""
+    if goal is None:
+        return goal
+    if goal.approach is not None:
+        way = range_goal.driven(goal.approach, ahead_mps * elapsed_s, ahead_mps, settings)
+        return replace(goal, approach=way)
+    if goal.turn is None:
         return goal
     return replace(goal, turn=turn_goal.driven(goal.turn, left, elapsed_s, settings))
 
@@ -154,6 +169,16 @@ def _travelled(goal: Goal, way: distance_goal.DistanceGoal, now: float) -> tuple
     return ("reached", Reason("done", distance_goal.ended(way, now - goal.started))) if done else None
 
 
+def _at_range(goal: Goal, now: float) -> tuple[Ending, Reason] | None:
+    """A reading that has passed the range ends the move at once, wherever the base was to come to rest."""
+    rests = goal.approach is not None and range_goal.is_over(goal.approach)
+    if rests or _reached(goal, goal.last_m):
+        return "reached", Reason("done", f"{goal.sensor} is {_words(goal.last_m)}")
+    if not now - goal.last_seen <= LOST_AFTER_S:
+        return "fault", Reason("stale_sensor", f"sensor {goal.sensor} was lost")
+    return None
+
+
 def _known(value: float, digits: int) -> float | None:
     return round(value, digits) if isfinite(value) else None
 
@@ -165,6 +190,19 @@ def _closing(command: DriveCommand, present_m: float, target_m: float, settings:
     if leads is not None and parts["forward"] + parts["back"] > 0.0:
         return leads > 0.0
     return present_m > target_m
+
+
+def _approach(goal: Goal, command: DriveCommand, state: State) -> RangeGoal | None:
+    """Return how the base comes to rest at the range; None where the sensor does not look along its way."""
+    if isnan(goal.target_m) or isnan(goal.last_m) or not sees_along(state.sensors.rows[goal.sensor]):
+        return None
+    parts = towards(*mix(command.power, command.angle_deg, state.settings))
+    along = parts["forward"] + parts["back"] > 0.0
+    return RangeGoal(left_m=_left_m(goal)) if along and state.sensors.rows[goal.sensor].level else None
+
+
+def _left_m(goal: Goal) -> float:
+    return goal.last_m - goal.target_m if goal.closing else goal.target_m - goal.last_m
 
 
 def _reached(goal: Goal, value_m: float) -> bool:

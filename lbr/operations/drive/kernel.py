@@ -144,7 +144,9 @@ def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
     goal = _goal(state)
     if goal is None:
         return state, ()
-    return end_what_is_over(_with_goal(state, goals.watch(goal, event.ranges, arrived, state.sensors)), now)
+    return end_what_is_over(
+        _with_goal(state, goals.watch(goal, event.ranges, arrived, state.ahead_mps(now), state.sensors)), now
+    )
 
 
 def _scan(state: State, event: ScanSeen, now: float) -> State:

@@ -18,6 +18,7 @@ from lbr.operations.drive.distance_goal import DistanceGoal
 from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.obstacle_memory import ObstacleMemory
 from lbr.operations.drive.odometry_view import OdometryView
+from lbr.operations.drive.range_goal import RangeGoal
 from lbr.operations.drive.rules import FREE, Limit, Odometer, View
 from lbr.operations.drive.sensors import Sensors
 from lbr.operations.drive.settings import DriveSettings
@@ -101,7 +102,8 @@ Outputs = tuple[Output, ...]
 class Goal(Struct, frozen=True, kw_only=True):
     """The bounds of a move: until `sensor` has come to `target_m` (NaN: none), and no longer than until `ends`.
 
-    `turn` is what a turn has to reach, `way` how far a bounded move goes.
+    `turn` is what a turn has to reach, `way` how far a bounded move goes, `approach` how it comes to rest at `target_m`
+    where its sensor looks along the way.
     """
 
     goal: str
@@ -114,6 +116,7 @@ class Goal(Struct, frozen=True, kw_only=True):
     last_seen: float = nan
     turn: TurnGoal | None = None
     way: DistanceGoal | None = None
+    approach: RangeGoal | None = None
 
 
 class ActiveMotion(Struct, frozen=True, kw_only=True):
@@ -164,6 +167,12 @@ class State(Struct, frozen=True, kw_only=True):
     def sides(self) -> Sides:
         """The setpoint now."""
         return self.left, self.right, self.aside
+
+    def ahead_mps(self, now: float) -> float:
+        """Return how fast the base goes ahead or back: by the odometry, or by the setpoint where that is not known."""
+        if odometry_view.not_known(self.odometry, now):
+            return abs(self.left + self.right) / 2 * self.settings.max_speed_mps
+        return abs(self.odometry.speed_mps)
 
     @property
     def lease(self) -> Lease[ActiveMotion] | None:

@@ -311,7 +311,11 @@ class Arena:
             raise self._violation(f"the result of {result.goal}, which does not run")
         self._goals.remove(result.goal)
         felt = self._kind in {"attitude", "odometry"} and result.result in {"reached", "fault"}
-        if felt and self.model.hold is not None and result.goal == self._held_goal:
+        if (
+            (felt or (result.result == "reached" and self.model.nears_a_range))
+            and self.model.hold is not None
+            and result.goal == self._held_goal
+        ):
             standing = self._wheels == (0.0, 0.0)
             if why := self.model.ended(result.result, result.code, standing):
                 raise self._violation(why)

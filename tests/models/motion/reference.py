@@ -14,7 +14,7 @@ EARLY_S = 0.03
 OFFERS = 8
 TURN_POWER, TURN_SPARE_S, TURN_TOLERANCE_DEG = 0.2, 4.0, 1.0
 STUCK_S, STUCK_DEG, AWAY_DEG = 1.0, 2.0, 5.0
-WAY_TOLERANCE_M, WRONG_M = 0.02, 0.15
+WAY_TOLERANCE_M, RANGE_TOLERANCE_M, WRONG_M = 0.02, 0.06, 0.15
 
 
 class Lease:
@@ -189,9 +189,20 @@ class Reference:
         sense = self.attitude if hold.message.turns else self.odometry
         return hold.asked - (sense.value - hold.begun)
 
+    @property
+    def nears_a_range(self) -> bool:
+        """Say whether a range that is asked for is as near as readings tell: a base that stands there has reached it."""
+        hold = self.hold
+        if hold is None or not (hold.message.power > 0.0 and hold.message.range_cm > 0.0):
+            return False
+        return abs(hold.last_m - hold.message.range_cm / 100) <= RANGE_TOLERANCE_M
+
     def ended(self, how: str, why: str, standing: bool) -> str:
         """Take the kernel's word, a code, that what is held came to an end by itself; return why it cannot be so, or nothing."""
         hold = self.hold
+        if how == "reached" and standing and self.nears_a_range:
+            self.hold = None
+            return ""
         if hold is None or not (hold.message.turns or self._travels(hold.message)):
             return f"nothing that could have ended: {how} {why}"
         left, self.hold = self.left(hold), None

@@ -1,0 +1,105 @@
+"""A range that is asked for is where the base comes to rest: braked before it, and never later than its readings end it."""
+
+from random import Random
+
+import pytest
+from msgspec.structs import replace
+
+from tests.operations.drive.drive_bench import ranges
+from tests.operations.drive.drive_body import Body
+
+STILL = (0.0, 0.0)
+CYCLE_TICKS, CYCLE_S = 6, 0.12
+
+
+class Walled(Body):
+    """A body before a wall, whose sonar tells whole centimetres at eight times a second, some ticks late."""
+
+    def __init__(self, wall_m, *, noise_m=0.0, seed=0, age_ticks=3, **settings):
+        self._dice, self._noise_m, self._age_ticks = Random(seed), noise_m, age_ticks
+        self._wall_m, self._ticks, self._told = wall_m, 0, {}
+        super().__init__(**settings)
+        self.ranges_speak = False
+        self.see(forward=round(wall_m, 2))
+
+    @property
+    def rests_cm(self):
+        return (self._wall_m - self.way_m) * 100
+
+    def step(self):
+        self._ticks += 1
+        if self._ticks % CYCLE_TICKS == 0:
+            metres = self.rests_cm / 100 + self._dice.gauss(0.0, self._noise_m)
+            self._told[self._ticks + self._age_ticks] = round(metres, 2)
+        if (metres := self._told.pop(self._ticks, None)) is not None:
+            self.around = replace(ranges(forward=metres), cycle_s=CYCLE_S)
+            self.ranges_speak = True
+            self.sense()
+            self.ranges_speak = False
+        super().step()
+
+    def asked(self, power, range_cm, **more):
+        """Drive to a range, and return its result once the base is at rest."""
+        command = {"power": power, "range_cm": range_cm, **more}
+        found = self.until_over(self.drive(**command), lambda lease: self.drive(**command, lease=lease))
+        for _ in range(50):
+            self.step()
+        assert (self.wheels, abs(self.speed_mps) < 1e-3) == (STILL, True)
+        return found
+
+
+@pytest.mark.parametrize("power", [0.1, 0.2, 0.25, 0.4, 0.8])
+@pytest.mark.parametrize("range_cm", [30.0, 40.0, 57.0])
+@pytest.mark.parametrize("late", [1, 3])
+def test_a_range_that_is_asked_for_is_where_the_base_rests(power, range_cm, late):
+    base = Walled(1.6, late=late)
+    found = base.asked(power, range_cm)
+    assert found.result == "reached"
+    assert base.rests_cm == pytest.approx(range_cm, abs=1.0)
+
+
+@pytest.mark.parametrize("power", [0.25, 0.6])
+def test_so_is_one_to_back_away_to(power):
+    base = Walled(0.6)
+    assert base.asked(power, 90.0, angle_deg=180.0).result == "reached"
+    assert base.rests_cm == pytest.approx(90.0, abs=1.0)
+
+
+def test_it_does_without_an_odometry():
+    base = Walled(1.6)
+    base.odometry_speaks = False
+    base.count(valid=False)
+    assert base.asked(0.25, 57.0).result == "reached"
+    assert base.rests_cm == pytest.approx(57.0, abs=1.5)
+
+
+def test_a_sonar_that_wavers_by_a_centimetre_is_a_centimetre_off_at_most_nearly_always():
+    off = []
+    for seed in range(40):
+        base = Walled(1.5 + 0.01 * seed, noise_m=0.008, seed=seed)
+        assert base.asked(0.25, 57.0).result == "reached"
+        off.append(abs(base.rests_cm - 57.0))
+    assert max(off) <= 2.0
+    assert sum(one <= 1.0 for one in off) >= 34
+
+
+def test_a_reading_that_has_passed_the_range_ends_it_at_once_at_any_speed():
+    base = Walled(1.6)
+    reply = base.drive(0.8, range_cm=57.0)
+    for _ in range(10):
+        base.step()
+    assert base.wheels != STILL
+    base.see(forward=0.3)
+    base.ranges_speak = True
+    base.sense()
+    assert (base.results[-1].goal, base.results[-1].result) == (reply.goal, "reached")
+    assert base.setpoints[-1].left == 0.0
+
+
+def test_a_sender_that_dies_on_the_approach_stops_the_base():
+    base = Walled(1.2)
+    base.drive(0.25, range_cm=57.0)
+    for _ in range(40):
+        base.step()
+    assert base.results[-1].result == "lapsed"
+    assert base.wheels == STILL
