@@ -127,7 +127,7 @@ class Telemetry(Struct, frozen=True, kw_only=True):
     """The nested package of the robot's readings. A part is null until it was heard once.
 
     Its `age_s` is how old it is; of a source that has fallen silent, the last is told with an age that grows. `time_s`
-    is when the package was made, in seconds since 1970.
+    is when the package was made, in seconds since 1970. `complete` once every part that is wired has told what clients ask for.
     """
 
     time_s: float
@@ -139,3 +139,4 @@ class Telemetry(Struct, frozen=True, kw_only=True):
     voltages: VoltagesPart | None = None
     dock_signal: DockSignalPart | None = None
     cameras: CamerasPart | None = None
+    complete: bool = False

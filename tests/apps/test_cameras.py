@@ -113,9 +113,12 @@ def test_one_selection_after_the_other_and_not_without_end(cameras, bus):
 
 def test_the_state_tells_which_is_on_at_once_and_every_second(cameras, bus):
     cameras.step()
+    assert bus.said("state") == [], "a camera that lives has not told its state"
+    for name in bus.cameras:
+        bus.state(name, on=False)
+    cameras.step()
     assert bus.said("state")[-1].selected == "off"
     bus.state("camera_front", on=True)
-    bus.state("camera_rear", on=False)
     cameras.step()
     assert bus.said("state")[-1].selected == "front"
     assert bus.said("state")[-1].cameras["rear"].phase == "off"
@@ -127,6 +130,7 @@ def test_the_state_tells_which_is_on_at_once_and_every_second(cameras, bus):
 
 
 def test_a_camera_whose_process_is_gone_is_not_on(cameras, bus):
+    bus.now = 1.1
     bus.state("camera_front", on=True)
     cameras.step()
     bus.gone |= set(bus.cameras)

@@ -4,7 +4,7 @@ import msgspec
 import pytest
 
 from lbr.apps.telemetry import KIND
-from lbr.apps.telemetry.package import package
+from lbr.apps.telemetry.package import is_complete, package
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.camera import CamerasState, CameraState
@@ -75,7 +75,7 @@ def test_every_source_has_its_part(ctx):
 def test_each_source_is_enough_for_its_own_part_or_none(ctx, port):
     ctx.hear(port)
     made = msgspec.to_builtins(package(ctx.latest, ctx.now, 1.7e9))
-    heard = {name for name, part in made.items() if part is not None} - {"time_s"}
+    heard = {name for name, part in made.items() if part is not None} - {"time_s", "complete"}
     parts = {
         "attitude": {"imu"},
         "motors": {"amperages", "counts", "voltages"},
@@ -104,6 +104,21 @@ def test_it_is_told_at_its_own_rate_whatever_arrives(ctx):
         ctx.on_tick = on_tick
         telemetry.step()
     assert len(ctx.published) == 2
+
+
+def test_a_package_is_complete_once_what_is_wired_has_told_what_clients_ask_for(ctx):
+    ctx.hear(*KIND.inputs)
+    wired = [*KIND.inputs]
+    assert is_complete(ctx.latest, wired)
+    for port, unknown in (
+        ("attitude", msgspec.structs.replace(SAID["attitude"], heading_deg=None)),
+        ("battery", BatteryState(valid=False)),
+        ("motors", msgspec.structs.replace(SAID["motors"], amps_left_a=None)),
+    ):
+        ctx.arrive(port, unknown)
+        assert not is_complete(ctx.latest, wired)
+        assert is_complete(ctx.latest, [one for one in wired if one != port])
+        ctx.hear(port)
 
 
 def test_the_package_reads_as_the_message_it_is(ctx):

@@ -3,6 +3,7 @@
 import os
 import sqlite3
 
+import msgspec
 import pytest
 from msgspec.structs import replace
 
@@ -15,6 +16,10 @@ from lbr.executive.planning import planner
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.profile import Profile, load
 from lbr.executive.planning.run_identity import RunIdentity
+from lbr.messages.calibration import CalibrationValue, values
+from lbr.operations.attitude.compass import from_values
+from lbr.operations.attitude.geometry import times
+from lbr.simulation.settings import WorldSettings
 from tests.support import databases
 from tests.support.packages import imported_from, package
 
@@ -67,6 +72,35 @@ def test_the_real_robot_has_no_world_and_its_own_addresses(rows):
 def test_a_profile_may_name_another_address_for_a_device(rows):
     profile = Profile(robot="lbr", devices={"motor_controller": "/dev/ttyACM1"})
     assert planned(rows, profile).units["motors"].config.devices[0].address == "/dev/ttyACM1"
+
+
+def kept_by_attitude(rows, profile):
+    found = planned(rows, profile).units["attitude"].config.rows[CalibrationValue.TABLE].rows
+    return values(msgspec.json.decode(found, type=list[CalibrationValue]))
+
+
+def test_what_ships_in_simulation_is_calibrated_and_what_was_measured_goes_before_that(rows, tmp_path):
+    world = WorldSettings().imu
+    kept = from_values(kept_by_attitude(rows, load("lbr-sim")))
+    assert kept.known
+    measured_ut = tuple(
+        a + b for a, b in zip(times(world.soft_iron, (10.0, -17.0, -40.0)), world.hard_iron_ut, strict=True)
+    )
+    assert kept.apply(measured_ut) == pytest.approx((10.0, -17.0, -40.0), abs=0.01)
+    assert kept_by_attitude(rows, load("lbr")) == {}
+    path = tmp_path / "robot.db"
+    databases.fresh(path)
+    with sqlite3.connect(path) as connection:
+        connection.execute(
+            "INSERT INTO calibration (robot, device, name, value, measured_at)"
+            " VALUES ('lbr', 'imu', 'mag_offset_x_ut', 1.0, '2026-01-01T00:00:00.000Z')"
+        )
+    connection.close()
+    with store.Database.open(path) as database:
+        measured = database.load("lbr")
+    assert kept_by_attitude(measured, load("lbr-sim")) == {"mag_offset_x_ut": 1.0}
+    said = "\n".join(problems(rows, Profile(robot="lbr", calibration={"wing": {"x": 1.0}})))
+    assert "'wing'" in said
 
 
 def test_in_simulation_a_device_without_a_twin_keeps_its_own_address_and_the_others_get_their_twins_place(rows):

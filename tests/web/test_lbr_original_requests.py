@@ -10,14 +10,16 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from msgspec import structs
 
 from lbr.messages.camera import SelectCommand
 from lbr.messages.dock import DockHeard
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import SayCommand
-from lbr.messages.telemetry import AmperagesPart, CameraPart, CamerasPart, Telemetry
+from lbr.messages.telemetry import AmperagesPart, CameraPart, CamerasPart, ImuPart, Telemetry
 from tests.docs.pages import ROOT
+from tests.support.robot import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.web_stage import Served, serving
 
@@ -186,11 +188,55 @@ def test_what_is_refused_is_told_beside_the_telemetry(server):
     assert found.json["amperages"]["leftMotor"] == 0.0
 
 
-def test_a_camera_that_is_off_by_request_is_asked_for_and_one_that_is_not_there_is_not(server):
+def test_whether_a_camera_is_there_is_for_the_cameras_to_say_and_what_is_no_name_is_not_asked_for(server):
     for name in ("front", "off", "side", "Front", "%00", "a" * 100):
         server.ask("POST", f"/camera/{name}", {})
     asked = [message.name for _, message in server.stage.asked if isinstance(message, SelectCommand)]
-    assert asked == ["front", "off"]
+    assert asked == ["front", "off", "side"]
+
+
+def test_a_camera_is_switched_before_telemetry_has_told_of_any(server):
+    server.stage.say("telemetry", structs.replace(TELEMETRY, cameras=None))
+    assert server.ask("POST", "/camera/front", {}).status == 200
+    assert server.ask("POST", "/camera/side", {}).status == 404
+
+
+def test_a_heading_that_is_not_known_any_more_is_the_last_one_with_its_own_old_time():
+    def imu(heading_deg, turns_rps):
+        return structs.replace(
+            TELEMETRY, imu=ImuPart(age_s=0.0, heading_deg=heading_deg, gyro_rps=(0.0, 0.0, turns_rps))
+        )
+
+    with serving(users=USERS, requests_per_s=10_000.0, **FACE) as served:
+        prepared(served).stage.say("telemetry", imu(270.0, 0.0))
+        before = until(lambda: served.ask("GET", "/telemetry").json.get("MPU"))
+        served.stage.say("telemetry", imu(None, -1.0))
+        found = until(
+            lambda: (
+                served.ask("GET", "/telemetry").json["MPU"]
+                if served.ask("GET", "/telemetry").json["MPU"]["gyro"][2] > 1.0
+                else None
+            )
+        )
+        served.stage.say("telemetry", TELEMETRY)
+        gone = until(
+            lambda: (
+                served.ask("GET", "/telemetry").json["MPU"]
+                if served.ask("GET", "/telemetry").json["MPU"]["gyro"][2] > 1.0
+                else None
+            )
+        )
+    for later in (found, gone):
+        assert later["heading"] == before["heading"] == 270.0
+        assert later["time"] == pytest.approx(before["time"], abs=0.05)
+
+
+def test_the_server_is_not_called_ready_before_its_telemetry_is_complete():
+    with serving(users=USERS, **FACE) as served:
+        prepared(served)
+        assert not served.web.answers()
+        served.stage.say("telemetry", structs.replace(TELEMETRY, complete=True))
+        assert served.web.answers()
 
 
 def test_a_beam_that_was_posted_counts_for_its_time_and_no_longer(server):

@@ -14,6 +14,8 @@ OFF_S, ON_S = 0.7, 1.2
 """A camera answers a little sooner."""
 STATE_PERIOD_S = 1.0
 MOST_WAITING = 8
+FIRST_S = 1.0
+"""How long the first state waits for those of all cameras."""
 
 
 @dataclass(slots=True)
@@ -40,6 +42,7 @@ class Cameras(Capability[CamerasSettings]):
         self._selecting: _Selecting | None = None
         self._said: dict[str, tuple[bool, CameraPhase, str]] | None = None
         self._say_at = 0.0
+        self._first_at = ctx.clock() + FIRST_S
 
     def step(self) -> None:
         """Go on with a selection, and tell which camera is on."""
@@ -97,6 +100,8 @@ class Cameras(Capability[CamerasSettings]):
         seen = {short: state for short, state in known.items() if self.ctx.alive(self._names[short])}
         on = [short for short, state in seen.items() if state.on]
         now = self.ctx.clock()
+        if self._said is None and len(seen) < len(self._names) and now < self._first_at:
+            return
         essence = {short: (state.on, state.phase, state.reason) for short, state in seen.items()}
         if now >= self._say_at or essence != self._said:
             self._said, self._say_at = essence, now + STATE_PERIOD_S

@@ -4,8 +4,8 @@ import time
 
 from msgspec import structs
 
-from lbr.apps.telemetry import TelemetrySettings
-from lbr.apps.telemetry.package import package
+from lbr.apps.telemetry import KIND, TelemetrySettings
+from lbr.apps.telemetry.package import is_complete, package
 from lbr.capability.base import Capability
 from lbr.capability.context import Context, Received
 
@@ -22,6 +22,7 @@ class TelemetryPackage(Capability[TelemetrySettings]):
         super().__init__(ctx)
         self.rate_hz = ctx.settings.rate_hz
         self._compass: Received | None = None
+        self._wired = [port for port in KIND.inputs if ctx.sources(port)]
 
     def step(self) -> None:
         """Publish, at the rate and not at every beat of the process."""
@@ -29,7 +30,8 @@ class TelemetryPackage(Capability[TelemetrySettings]):
             return
         for sample in self.ctx.take("imu"):
             self._compass = sample if sample.message.mag_ut is not None else self._compass
-        self.ctx.publish("package", package(self._newest, self.ctx.clock(), time.time()))
+        made = package(self._newest, self.ctx.clock(), time.time())
+        self.ctx.publish("package", structs.replace(made, complete=is_complete(self._newest, self._wired)))
 
     def _newest(self, port: str) -> Received | None:
         """Return the newest of a source; of the inertial unit, with what its slower compass measured last."""

@@ -1,6 +1,6 @@
 """From the newest message of each source to the package. Pure."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 from lbr.capability.context import Received
@@ -47,6 +47,19 @@ def package(latest: Latest, now: float, time_s: float) -> Telemetry:
         dock_signal=part("dock", _dock_signal),
         cameras=part("cameras", _cameras),
     )
+
+
+def is_complete(latest: Latest, wired: Iterable[str]) -> bool:
+    """Say whether each of these sources has told what its part is for."""
+    return all((received := latest(port)) is not None and _tells(port, received.message) for port in wired)
+
+
+def _tells(port: str, message: Any) -> bool:
+    if port == "attitude":
+        return message.heading_deg is not None
+    if port == "battery":
+        return message.voltage_v is not None
+    return port != "motors" or message.amps_left_a is not None
 
 
 def _age_s(received: Received, now: float) -> float:

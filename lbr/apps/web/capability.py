@@ -47,6 +47,8 @@ TELL_S = 1.0
 BUSY_HZ, IDLE_HZ, IDLE_AFTER_S = 50.0, 10.0, 2.0
 """How often states are looked at while there is a client, or was one lately, and without."""
 LOOK_S = 5.0
+KNOWS_S = 5.0
+"""How long a server that listens waits for what its faces tell first; where a device is missing, it never comes."""
 ENDS = "the server ends; it comes back at once if its rows were changed"
 
 
@@ -72,12 +74,12 @@ class Web(Capability[WebSettings]):
         self._api: Api | None = None
         self._announcer: Announcer | None = None
         self._place = AdvertisedAddress(ctx.settings, ctx.settings.port, here=tuple)
-        self._tell_at = self._look_at = self._busy_until = 0.0
+        self._tell_at = self._look_at = self._busy_until = self._opened = 0.0
         self._requests = 0
 
     def open(self) -> None:
         """Listen and serve."""
-        settings, self._told = self.ctx.settings, ""
+        settings, self._told, self._opened = self.ctx.settings, "", self.ctx.clock()
         try:
             sockets = listening.listen(settings.host, settings.port)
         except InputError as err:
@@ -118,6 +120,10 @@ class Web(Capability[WebSettings]):
         if now >= self._tell_at:
             self._tell_at = now + TELL_S
             self._tell()
+
+    def answers(self) -> bool:
+        """Say whether the faces know what their first clients ask for, or it will not come."""
+        return self._faces.know() or self.ctx.clock() - self._opened >= KNOWS_S
 
     def command(self, call: Call) -> None:
         """Say where it is, or stop what was asked for here."""

@@ -244,6 +244,10 @@ class Face:
     def step(self, now: float) -> None:
         """Do one round of work, in the capability's loop; must not block."""
 
+    def knows(self) -> bool:
+        """Say whether it has heard what its clients ask for first; for some seconds the server is not called ready before."""
+        return True
+
     def stopped(self, reason: str) -> None:
         """Forget what is waiting to be done: the robot was stopped by way of this server, or it ends."""
 

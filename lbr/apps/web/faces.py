@@ -37,6 +37,10 @@ class Shown:
         """Do one round of work."""
         self._run(lambda: self._face.step(now), None)
 
+    def knows(self) -> bool:
+        """Say whether it has heard what its clients ask for first."""
+        return bool(self._run(self._face.knows, True))
+
     def stopped(self, reason: str) -> None:
         """Forget what waits."""
         self._run(lambda: self._face.stopped(reason), None)
@@ -128,6 +132,10 @@ class Faces:
         """Let each do a round of work."""
         for one in self.shown:
             one.step(now)
+
+    def know(self) -> bool:
+        """Say whether all have heard what their clients ask for first."""
+        return all(one.knows() for one in self.shown)
 
     def stopped(self, reason: str) -> None:
         """Have each forget what waits: the robot was stopped by way of this server, or it ends."""

@@ -168,12 +168,14 @@ def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:
     names, devices = rows.names("capability"), rows.names("device")
     there_are = f"(there is: {', '.join(sorted(devices))})"
     bad_names = sorted({*(profile.only or ()), *profile.without} - names)
-    bad_devices = sorted(set(profile.devices) - devices)
+    bad_devices = [
+        (field, name) for field in ("devices", "calibration") for name in sorted({*getattr(profile, field)} - devices)
+    ]
     return [
         *(Problem("profile", profile.robot, "only/without", f"there is no capability '{name}'") for name in bad_names),
         *(
-            Problem("profile", profile.robot, "devices", f"there is no device row '{name}' {there_are}")
-            for name in bad_devices
+            Problem("profile", profile.robot, field, f"there is no device row '{name}' {there_are}")
+            for field, name in bad_devices
         ),
     ]
 

@@ -24,6 +24,7 @@ from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.sharing import LAN
 from lbr.executive.planning.wiring import EXECUTIVE
+from lbr.messages.calibration import CalibrationValue
 from lbr.messages.rows import Row, RowSet, row_set, with_rows
 
 
@@ -97,7 +98,7 @@ def unit(
         wiring=_wiring(row.name, kinds, channels, site, robot),
         outputs={name: _outputs(row.name, name, kinds, channels, site, robot) for name in ports.outputs},
         requests=_requests(row.name, kinds, channels, robot),
-        rows={read.row.TABLE: _read(read, settings, rows, site) for read in kind.reads},
+        rows={read.row.TABLE: _read(read, settings, rows, site, profile) for read in kind.reads},
         release_key=site.seal(keys.estop_release(robot, row.name)),
     )
     return ProcessSpec(
@@ -192,13 +193,27 @@ def _put(units: Iterable[ProcessSpec]) -> Iterator[tuple[ProcessSpec, str]]:
     return ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
 
 
-def _read(read: Read, settings: Any, rows: RobotRows, site: RunIdentity) -> RowSet:
+def _read(read: Read, settings: Any, rows: RobotRows, site: RunIdentity, profile: Profile) -> RowSet:
     """Return the rows of a table that a kind reads; users come with the secrets that their tokens must fit, rights without."""
     if read.row is LanUser:
         return row_set(read.row, _users(rows, site, "web"))
     if read.row is TokenRight:
         return row_set(read.row, read_by(read, settings, (TokenRight(name=t.name, role=t.role) for t in rows.tokens)))
+    if read.row is CalibrationValue:
+        return row_set(read.row, read_by(read, settings, _calibration(rows.of(CalibrationValue), profile)))
     return row_set(read.row, read_by(read, settings, rows.of(read.row)))
+
+
+def _calibration(rows: Iterable[CalibrationValue], profile: Profile) -> tuple[CalibrationValue, ...]:
+    """Return the calibration of the rows, and of the profile for devices that have none there."""
+    known = tuple(rows)
+    measured = {row.device for row in known}
+    return known + tuple(
+        CalibrationValue(device=device, name=name, value=value, measured_at="")
+        for device, found in profile.calibration.items()
+        if device not in measured
+        for name, value in found.items()
+    )
 
 
 def _users(rows: RobotRows, site: RunIdentity, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:

@@ -57,6 +57,12 @@ def package(
     return found
 
 
+def lasting(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the inertial unit tells now, and what it told before where it tells nothing, as old as the older of both."""
+    kept = {name: one for name, one in before.items() if one is not None and now.get(name) is None}
+    return {**now, **kept, "time": before["time"]} if kept else dict(now)
+
+
 def cameras(telemetry: Received | None) -> dict[str, Any]:
     """Return which cameras there are and which is on; `off` is for none."""
     part = telemetry.message.cameras if telemetry is not None else None

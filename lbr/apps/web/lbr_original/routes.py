@@ -15,7 +15,7 @@ from lbr.apps.web.cameras.routes import CamerasFace
 from lbr.apps.web.face import Refused, Request, Route
 from lbr.apps.web.lbr_original import wishes
 from lbr.apps.web.lbr_original.driving import Driver, Who
-from lbr.apps.web.lbr_original.package import cameras, package, with_beams
+from lbr.apps.web.lbr_original.package import cameras, lasting, package, with_beams
 from lbr.apps.web.lbr_original.wishes import Asked, NotFiniteError
 from lbr.apps.web.robot import Robot
 from lbr.errors import InputError
@@ -51,6 +51,8 @@ class LbrOriginalFace(web.Face):
         self._driver = Driver(robot, settings.heartbeat_s, settings.unattended_s)
         self._cameras = CamerasFace(Ports(robot))
         self._seen: dict[str, float] = {}
+        self._imu: dict[str, Any] = {}
+        self._imu_at: float | None = None
 
     def routes(self) -> Sequence[Route]:
         """Return what it answers; what fits any path comes last."""
@@ -61,6 +63,12 @@ class LbrOriginalFace(web.Face):
         """Go on with what moves, and take pictures in."""
         self._cameras.step(now)
         self._driver.step(now)
+        self._remember(now)
+
+    def knows(self) -> bool:
+        """Say whether every part of the telemetry that the robot has was told."""
+        latest = self._robot.ctx.latest("telemetry")
+        return latest is not None and latest.message.complete
 
     def stopped(self, reason: str) -> None:
         """Move nothing any more."""
@@ -178,12 +186,13 @@ class LbrOriginalFace(web.Face):
     async def _camera(self, request: Request) -> Response:
         _require(request, "operate")
         name = request.keys["name"]
-        there = cameras(self._robot.ctx.latest("telemetry"))
-        if name not in {*there, "off"}:
-            raise Refused(404, f"there is no camera '{name[:40]}'; there are {', '.join(there) or 'none'}")
-        reply = await self._robot.ask("select_camera", SelectCommand(name=name), timeout_s=ASK_S)
+        try:
+            command = msgspec.convert({"name": name}, SelectCommand)
+        except msgspec.ValidationError:
+            raise Refused(404, f"there is no camera '{name[:40]}'") from None
+        reply = await self._robot.ask("select_camera", command, timeout_s=ASK_S)
         if not reply.accepted:
-            raise Refused(409, reply.why)
+            raise Refused(404 if reply.code == "unknown_name" else 409, reply.why)
         return web.text(f"{{}}{LINE_END}")
 
     async def _speak(self, text: str) -> None:
@@ -219,8 +228,18 @@ class LbrOriginalFace(web.Face):
         now, latest = self._robot.now(), self._robot.ctx.latest
         wall = time.time()
         found = package(latest("telemetry"), latest("ranges"), now, wall, self._settings.over_range_cm)
+        if imu := lasting(self._imu, found.get("MPU", {})):
+            found["MPU"] = imu
         self._seen = {name: at for name, at in self._seen.items() if now - at <= self._settings.dock_ttl_s}
         return with_beams(found, {name: now - at for name, at in self._seen.items() if name != "power"}, wall)
+
+    def _remember(self, now: float) -> None:
+        """Keep what the inertial unit told last: state machines compute with its heading, also while that is not known."""
+        newest = self._robot.ctx.latest("telemetry")
+        if newest is not None and newest.arrived != self._imu_at:
+            self._imu_at = newest.arrived
+            told = package(newest, None, now, time.time(), self._settings.over_range_cm)
+            self._imu = lasting(self._imu, told.get("MPU", {}))
 
     def _answered(self, err: Refused | None = None) -> Response:
         """Return the telemetry, and what was refused of what was asked."""
