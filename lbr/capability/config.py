@@ -46,7 +46,8 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     the capabilities asked and their keys. `simulated`: the robot's devices are emulated. `release_key` proves that a
     release of the e-stop is the executive's. `rows` are those that its kind reads, by table, and `private` is a
     document between its kind and the executive alone. `host` is the other machine that it runs on, where `certificate`
-    (PEM) is the only one that the robot's door may show; both are empty where the robot runs. `process` is the one that
+    (PEM) is the only one that the robot's door may show; both are empty where the robot runs. `source` is the text of the user's own file that
+    declares its kind, as it was accepted; empty: the kind is an installed one, or the host has its file. `process` is the one that
     it shares with others, whose devices are at the addresses `reach`; empty: it has one of its own.
     """
 
@@ -60,6 +61,7 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     credentials: Credentials | None = None
     host: str = ""
     certificate: str = ""
+    source: str = ""
     process: str = ""
     reach: tuple[str, ...] = ()
     device: str = ""

@@ -140,7 +140,7 @@ class Loop:
         while not _finding.acquire(timeout=BEAT_S):
             self._reporter.beat({})
         try:
-            kind = registry.find(self._config.kind, Path(self._config.home), trial=False)
+            kind = registry.accepted(self._config.kind, Path(self._config.home), self._config.source)
             return kind, kind.load()
         finally:
             _finding.release()

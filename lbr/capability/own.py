@@ -18,6 +18,7 @@ import threading
 import traceback
 from collections.abc import Iterator
 from importlib.machinery import SourceFileLoader
+from importlib.util import decode_source
 from pathlib import Path
 from types import CodeType
 from typing import Any, TextIO
@@ -87,10 +88,14 @@ def trial(name: str, path: Path) -> str:
     return f"{path} ends the process that imports it, {how}: let it declare KIND and do nothing else"
 
 
-def load(name: str, path: Path) -> Kind:
-    """Import a file and return its kind; KindError names file and line. What is in the file runs here and now."""
-    module_name = f"lbr_user_capabilities.{name}"
+def load(name: str, path: Path, source: str = "") -> Kind:
+    """Import a file, or the text of it that was accepted, and return its kind; KindError names file and line.
+
+    What is in the file runs here and now.
+    """
+    module_name = _module_name(name)
     loader = _FromSource(module_name, str(path))
+    loader.text = source
     spec = importlib.util.spec_from_file_location(module_name, path, loader=loader)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
@@ -112,11 +117,24 @@ def load(name: str, path: Path) -> Kind:
         raise
 
 
+def source(name: str) -> str:
+    """Return the text of the file that was imported last as the kind of that name; empty if none was."""
+    loader = getattr(sys.modules.get(_module_name(name)), "__loader__", None)
+    return loader.text if isinstance(loader, _FromSource) else ""
+
+
+def _module_name(name: str) -> str:
+    return f"lbr_user_capabilities.{name}"
+
+
 class _FromSource(SourceFileLoader):
-    """Reads the file itself: a compiled copy beside it could be older, or another user's."""
+    """Reads the file itself: a compiled copy beside it could be older, or another user's. `text` is what it compiled."""
+
+    text = ""
 
     def get_code(self, fullname: str) -> CodeType | None:  # noqa: ARG002 - as the import system calls it
-        return self.source_to_code(self.get_data(self.path), self.path)
+        self.text = self.text or decode_source(self.get_data(self.path))
+        return self.source_to_code(self.text, self.path)
 
 
 class _Muted:

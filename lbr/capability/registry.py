@@ -13,6 +13,7 @@ from lbr.messages.rows import Row
 from lbr.plugins import Plugin, PluginError
 
 GROUP = "lbr.capabilities"
+_texts: dict[str, str] = {}
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
@@ -45,7 +46,22 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
             raise KindError(f"{text}: start the robot again")
         raise KindError(f"there is no kind '{name}': {', '.join(names(home))} exist; a new one is {path}")
     _refuse_if_others_may_write(path)
-    return _from_file(name, path, fingerprint(name, home), trial=trial)
+    kind, _texts[name] = _from_file(name, path, fingerprint(name, home), trial=trial)
+    return kind
+
+
+def accepted(name: str, home: Path, source: str) -> Kind:
+    """Return the kind of a robot that runs: of a file of the user's own by the text that was accepted, whatever it holds now."""
+    if not source:
+        return find(name, home, trial=False)
+    from lbr.capability import own  # noqa: PLC0415 - most processes have no use for it
+
+    return own.load(name, user_directory(home) / f"{name}.py", source)
+
+
+def source(name: str) -> str:
+    """Return the text of the user's own file of which the kind was found last; empty for an installed one."""
+    return _texts.get(name, "")
 
 
 @cache
@@ -110,10 +126,11 @@ def declared(point: Plugin) -> Kind:
 
 
 @lru_cache(maxsize=64)
-def _from_file(name: str, path: Path, _fingerprint: str, *, trial: bool) -> Kind:
+def _from_file(name: str, path: Path, _fingerprint: str, *, trial: bool) -> tuple[Kind, str]:
     from lbr.capability import own  # noqa: PLC0415 - most processes have no use for it
 
-    return own.find(name, path) if trial else own.load(name, path)
+    kind = own.find(name, path) if trial else own.load(name, path)
+    return kind, own.source(name)
 
 
 def _faults(kind: Kind) -> tuple[str, ...]:

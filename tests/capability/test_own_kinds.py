@@ -203,6 +203,18 @@ def test_an_edit_of_the_same_size_within_a_second_is_read_and_no_compiled_copy_i
     assert list(folder.iterdir()) == [folder / "own.py"]
 
 
+def test_the_text_that_was_accepted_is_what_a_process_imports_whatever_the_file_holds_now(folder):
+    (folder / "own.py").write_text(declared(summary="'accepted'"))
+    registry.find("own", folder.parent)
+    text = registry.source("own")
+    (folder / "own.py").write_text("raise ValueError")
+    with pytest.raises(KindError):
+        registry.find("own", folder.parent)
+    assert registry.source("own") == text
+    assert registry.accepted("own", folder.parent, text).summary == "accepted"
+    assert registry.source("drive") == ""
+
+
 def test_a_file_that_breaks_leaves_the_types_of_what_runs_where_they_are_looked_up(folder):
     (folder / "own.py").write_text(
         "from __future__ import annotations\n"

@@ -1,6 +1,8 @@
 """A file of the user's own that breaks, hangs or exits while the robot runs: one sentence, and the robot goes on."""
 
 import json
+import os
+import signal
 import time
 
 import pytest
@@ -109,6 +111,18 @@ def test_a_check_hints_at_a_mover_that_no_stop_reaches_and_at_a_file_that_is_not
     hints = " ".join(json.loads(done.stdout)[0]["hints"])
     assert "capability 'greeter' moves something, and `stop` does not reach it" in hints
     assert f"does not run {file.parent / 'drive.py'}: an installed kind has that name" in hints
+
+
+def test_what_was_accepted_starts_again_though_a_newer_file_is_refused(robot, file, greeted):
+    file.write_text("raise ValueError")
+    until(lambda: any("ValueError" in problem for problem in robot.status()["problems"]))
+    before = pids(robot)["greeter"]
+    os.kill(before, signal.SIGKILL)
+    until(lambda: _phase(robot, "greeter") == "ready" and pids(robot)["greeter"] != before, limit_s=15.0)
+
+
+def _phase(robot, name):
+    return next(unit["phase"] for unit in robot.status()["capabilities"] if unit["name"] == name)
 
 
 def test_who_is_locked_out_is_out_while_a_file_is_broken(robot, file, greeted):

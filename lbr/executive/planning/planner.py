@@ -21,7 +21,7 @@ from lbr.executive.planning import machine, placement, rights, said, sharing, wo
 from lbr.executive.planning.devices import check_device_settings, check_devices
 from lbr.executive.planning.machine import Machine
 from lbr.executive.planning.plan import Plan
-from lbr.executive.planning.process_specs import unit, with_lan
+from lbr.executive.planning.process_specs import ProcessSpec, unit, with_lan
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.sharing import LAN
@@ -85,8 +85,13 @@ def with_tokens(
     made, _ = make(replace(plan.rows, tokens=tokens), profile, site, on, find=lambda name, _home: kinds[name])
     if made is None:
         return None
-    units = {name: replace(one, fingerprint=plan.units[name].fingerprint) for name, one in made.units.items()}
+    units = {name: _of_the_same_file(one, plan.units[name]) for name, one in made.units.items()}
     return replace(made, units=units)
+
+
+def _of_the_same_file(unit: ProcessSpec, before: ProcessSpec) -> ProcessSpec:
+    config = replace(unit.config, source=before.config.source)
+    return replace(unit, fingerprint=before.fingerprint, config=config)
 
 
 def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:

@@ -92,6 +92,7 @@ def unit(
         credentials=_guest(host, row.name, rows, site) if host else site.credentials(sharing.user(row.name, process)),
         home="" if host else site.home,
         host=host,
+        source="" if host else registry.source(row.kind),
         process=process,
         device=device,
         devices=devices,
