@@ -14,6 +14,7 @@ from lbr.apps.behaviours import drawing, files, outputs, texts
 from lbr.apps.behaviours.table import Parts, compile_table, linked
 from lbr.messages.behaviour import BehaviourRow, BehaviourState, BehaviourTable
 
+TABLES = Path(__file__).with_name("tables")
 PATROL = """Type,Current State,Forward,Run Time,O:level,O:range,O:turn,O:speech,Next State,Deadline
 start,Deciding,,>= 300,,,,,Home,
 ,Deciding,> 90,,0.3,70,,,Deciding,60
@@ -86,6 +87,32 @@ def test_with_semicolons_a_comma_is_a_decimal_one():
     found = read("Type;Current State;Forward;O:level;O:speech;Next State\nstart;A;0,5:1,5;0,25;Ja, 1,5;B\n")
     assert found.rows[0].conditions == {"Forward": "0.5:1.5"}
     assert found.rows[0].outputs == {"level": "0.25", "speech": "Ja, 1,5"}
+
+
+def test_the_decimal_mark_is_one_of_a_file():
+    found = read((TABLES / "thousands_in_decimal_comma_file.csv").read_bytes())
+    assert [(fault.line, fault.column) for fault in found.faults] == [(2, "Run Time")]
+    assert found.rows[1].outputs["level"] == "0.3"
+    points = read("Type;Current State;Forward;Next State\nstart;A;0.5:1.5;B\n")
+    assert (points.faults, points.rows[0].conditions) == ((), {"Forward": "0.5:1.5"})
+    quoted = read('Type;Current State;Forward;Word;Next State\nstart;A;< 0,5;"""v1.2,3""";B\n')
+    assert (quoted.faults, quoted.rows[0].conditions) == ((), {"Forward": "< 0.5", "Word": '"v1.2,3"'})
+
+
+def test_with_semicolons_numbers_are_written_with_commas():
+    rows = read(
+        "Type,Current State,Forward,O:level,O:speech,Next State,Deadline\nstart,A,< 0.5,0.25,Version 1.5,B,2.5\n"
+    ).rows
+    text = files.to_csv(rows, ";")
+    assert text.splitlines()[1] == "start;A;< 0,5;0,25;Version 1.5;B;2,5"
+    assert read(text).rows == rows
+
+
+@pytest.mark.parametrize("name", ["header_in_other_case.csv", "nbsp_in_header.csv"])
+def test_a_header_is_taken_as_people_and_programs_write_it(name):
+    found = read((TABLES / name).read_bytes())
+    assert (found.faults, len(found.rows)) == ((), 5)
+    assert (found.rows[0].type, found.rows[0].state, found.rows[0].next_state) == ("start", "Deciding", "Home")
 
 
 def test_western_letters_without_a_mark_are_read():

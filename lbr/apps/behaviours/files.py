@@ -1,5 +1,6 @@
 """State tables as files: CSV as spreadsheets write it, and JSON; in the columns that tables have always had. Pure."""
 
+import contextlib
 import csv
 import io
 import re
@@ -18,6 +19,10 @@ OUTPUT = "O:"
 MOST_FAULTS = 50
 _TYPES = get_args(RowType)
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
+_POINT = re.compile(r"(?<=\d)\.(?=\d)")
+_TEXTS = {TYPE, STATE, NEXT, f"{OUTPUT}speech"}
+"""Columns without numbers."""
+_HEADINGS = {name.casefold(): name for name in (TYPE, STATE, NEXT, DEADLINE)}
 _SEPARATOR = re.compile(r"^sep=([,;|\t])\r?\n", re.IGNORECASE)
 
 
@@ -61,8 +66,12 @@ def to_csv(rows: Iterable[BehaviourRow], delimiter: str = ",") -> str:
     )
     for row in ordered:
         deadline = [f"{row.deadline_s:g}" if row.deadline_s is not None else ""] if deadlines else []
-        cells = [row.conditions.get(one, "") for one in conditions] + [row.outputs.get(one, "") for one in results]
-        writer.writerow([row.type, row.state, *cells, row.next_state, *deadline])
+        inputs = [row.conditions.get(one, "") for one in conditions]
+        outputs = {OUTPUT + one: row.outputs.get(one, "") for one in results}
+        if delimiter == ";":  # with it go decimal commas
+            inputs, deadline = ([_with_mark(",", cell) for cell in cells] for cells in (inputs, deadline))
+            outputs = {name: cell if name in _TEXTS else _with_mark(",", cell) for name, cell in outputs.items()}
+        writer.writerow([row.type, row.state, *inputs, *outputs.values(), row.next_state, *deadline])
     return file.getvalue()
 
 
@@ -107,11 +116,12 @@ def _of_csv(content: bytes, name: str) -> Read:
     if text[:2] == "PK":
         return _refused("it is a spreadsheet's own file: save it as CSV (UTF-8)")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
+    commas = delimiter != "," and _has_commas(text, delimiter)
     rows: list[BehaviourRow] = []
     lines: dict[int, int] = {}
     faults: list[FileFault] = []
     try:
-        header = [column.strip() for column in next(reader, [])]
+        header = [_heading(column) for column in next(reader, [])]
         faults += _of_header(header, reader.line_num + skipped)
         if any(fault.column in {STATE, NEXT} for fault in faults):
             return Read((), {}, tuple(faults))
@@ -123,7 +133,7 @@ def _of_csv(content: bytes, name: str) -> Read:
             if len(rows) >= MOST_ROWS or len(faults) >= MOST_FAULTS:
                 faults.append(FileFault(line, "", f"the rest is not read: {MOST_ROWS} rows are the most"))
                 break
-            row = _row(name, len(rows) + 1, line, header, cells, delimiter, faults)
+            row = _row(name, len(rows) + 1, line, header, cells, faults, commas=commas)
             lines[row.step] = line
             rows.append(row)
     except csv.Error as err:
@@ -153,8 +163,9 @@ def _row(
     line: int,
     header: Sequence[str],
     cells: Sequence[str],
-    delimiter: str,
     faults: list[FileFault],
+    *,
+    commas: bool,
 ) -> BehaviourRow:
     given = {column: cell.strip() for column, cell in zip(header, cells, strict=False) if column}
     beyond = [cell for cell in cells[len(header) :] if cell.strip()]
@@ -163,10 +174,41 @@ def _row(
     nameless = [cell for column, cell in zip(header, cells, strict=False) if not column and cell.strip()]
     if nameless:
         faults.append(FileFault(line, "", f"'{nameless[0][:40]}' stands in a column without a name"))
-    if delimiter == ";":  # with it go decimal commas
-        keep = {TYPE, STATE, NEXT, f"{OUTPUT}speech"}
-        given = {column: cell if column in keep else _COMMA.sub(".", cell) for column, cell in given.items()}
+    if commas:
+        for column in [one for one in given if one not in _TEXTS]:
+            if any(_POINT.search(part) for part in given[column].split('"')[::2]):
+                text = f"'{given[column][:40]}' has a point, and the numbers of this file have decimal commas: write one mark"
+                faults.append(FileFault(line, column, text))
+                del given[column]
+            else:
+                given[column] = _with_mark(".", given[column])
     return _made(name, step, line, given, faults)
+
+
+def _heading(text: str) -> str:
+    """Return the name of a column, however many blanks of whatever kind and whichever letters it is written with."""
+    name = " ".join(text.split())
+    if name[: len(OUTPUT)].upper() == OUTPUT:
+        return OUTPUT + name[len(OUTPUT) :].strip()
+    return _HEADINGS.get(name.casefold(), name)
+
+
+def _has_commas(text: str, delimiter: str) -> bool:
+    """Say whether the numbers of a file have decimal commas: what one cell shows counts for all."""
+    header: list[str] = []
+    with contextlib.suppress(csv.Error):
+        for cells in csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True):
+            if any(_COMMA.search(cell) for name, cell in zip(header, cells, strict=False) if name not in _TEXTS):
+                return True
+            header = header or [_heading(cell) for cell in cells]
+    return False
+
+
+def _with_mark(mark: str, cell: str) -> str:
+    """Return a cell with another decimal mark in its numbers; a quoted text stays."""
+    parts = cell.split('"')
+    parts[::2] = [(_POINT if mark == "," else _COMMA).sub(mark, part) for part in parts[::2]]
+    return '"'.join(parts)
 
 
 def _made(name: str, step: int, line: int, given: Mapping[str, str], faults: list[FileFault]) -> BehaviourRow:
