@@ -157,7 +157,7 @@ def _optional(kind: Kind) -> Iterator[str]:
         yield f"'optional' is {_shown(optional)}, and must be a tuple of inputs"
         return
     for name in optional:
-        if not isinstance(kind.inputs, Mapping) or name not in kind.inputs:
+        if not (isinstance(name, str) and isinstance(kind.inputs, Mapping) and name in kind.inputs):
             yield f"'optional' names {_shown(name)}, which is not one of its inputs"
 
 

@@ -4,7 +4,7 @@ import re
 from dataclasses import fields, replace
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from msgspec import Struct
 
@@ -84,6 +84,7 @@ def test_a_kind_that_is_whole_has_no_fault():
     assert faults(GOOD) == ()
 
 
+@example({"optional": [[]]})
 @given(st.dictionaries(st.sampled_from(NAMES), PARTS, max_size=4))
 def test_whatever_stands_in_a_field_the_faults_are_short_lines(said):
     for found in faults(replace(GOOD, **said)):
