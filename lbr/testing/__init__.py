@@ -4,7 +4,8 @@
 and is answered the test decides. `FakeCall` is a command for it.
 
 `lbr.testing.device` plugs in a device's twin, `lbr.testing.driver` checks what every driver has to do on it,
-`lbr.testing.servos` what every driver of servos has to, and `lbr.testing.robot` runs a whole robot for the time of a test.
+`lbr.testing.servos` and `lbr.testing.wheels` what every driver of those has to, and `lbr.testing.robot` runs a whole
+robot for the time of a test.
 """
 
 from lbr.testing.context import FakeAsked, FakeCall, FakeContext, FakeEstop

@@ -2,7 +2,7 @@
 `check(bench)`."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import inf, isfinite, nan
 from typing import Any
 
@@ -26,6 +26,8 @@ RUBBISH = ("garbage", "bit_flip", "half", "half_lines", "drop", "nak")
 """Faults of a line that emulated devices may have, each with how often it strikes."""
 BAD_SHARE = 0.3
 POWER = 0.2
+Powers = float | Mapping[str, float]
+"""The power of all wheels, or of each motor by its name; those that are not named stand still."""
 STOPS_WITHIN_S = 1.0
 """Longer than any controller's own watchdog, on a machine that has much else to do."""
 
@@ -60,6 +62,7 @@ class DriverBench:
         self.lost = lose
         self.settings = settings
         self._leases = 0
+        self._rest = {"lose": lose, "wired": wired, **rest}
         self.ctx = RealTimeContext(kind.parse(settings), device=device.device, devices=(device.device,), **rest)
         self.ctx.wired = wired or {}
         self.driver: Capability[Any] = kind.load()(self.ctx)
@@ -93,13 +96,21 @@ class DriverBench:
         """Return what can be made to go wrong with its device, as it is now."""
         return self.device.twin.fault("unplug", value=False)
 
-    def drive(self, power: float) -> None:
-        """Have a setpoint for wheels come, as from the drive."""
-        self.ctx.arrive(
-            "setpoint", MotorSetpoint(left=power, right=power, lease=f"lease {self._leases}"), source=self._sender()
-        )
+    def again(self, **settings: Any) -> "DriverBench":
+        """Return a bench of the same driver and device, after its row has been changed so."""
+        self.close()
+        changed = msgspec.json.decode(self.settings) | settings
+        return DriverBench(self.kind, msgspec.json.encode(changed).decode(), self.device, **self._rest)
 
-    def drives(self) -> None:
+    def drive(self, power: Powers) -> None:
+        """Have a setpoint for wheels come, as from the drive."""
+        each = power if isinstance(power, Mapping) else {"left": power, "right": power}
+        sides = {side: each.get(side, 0.0) for side in ("left", "right")}
+        others = {} if each.keys() <= sides.keys() else dict(each)
+        message = MotorSetpoint(**sides, motors=others, lease=f"lease {self._leases}")
+        self.ctx.arrive("setpoint", message, source=self._sender())
+
+    def drives(self, power: Powers = POWER) -> None:
         """Have wheels turn, by a lease of their own: a zero arms their driver, then they are told to."""
         self._leases += 1
 
@@ -108,15 +119,19 @@ class DriverBench:
             return any(state.armed for state in self.ctx.said("state")[-1:])
 
         def turning() -> bool:
-            self.drive(POWER)
-            return any(state.left > 0.0 for state in self.ctx.said("state")[-1:])
+            self.drive(power)
+            return any(
+                any((state.left, state.right, *(motor.power for motor in state.motors.values())))
+                for state in self.ctx.said("state")[-1:]
+            )
 
         self.until(armed, "its driver is armed by a zero")
         self.until(turning, "its wheels are told to turn")
 
-    def told(self) -> dict[str, Any]:
-        """Return it as JSON tells it to another process."""
+    def told(self, powers: Powers = POWER) -> dict[str, Any]:
+        """Return it as JSON tells it to another process, which drives wheels with these powers."""
         return {
+            "powers": powers,
             "kind": self.kind.name,
             "home": self.ctx.home,
             "settings": self.settings,

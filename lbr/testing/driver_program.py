@@ -13,7 +13,7 @@ from lbr.capability import registry
 from lbr.capability.context import Device
 from lbr.messages.motors import MotorSetpoint
 from lbr.testing.device import Plugged
-from lbr.testing.driver import POWER, DriverBench
+from lbr.testing.driver import DriverBench
 from lbr.testing.driver_process import WORKS
 
 STEP_S = 0.01
@@ -40,11 +40,11 @@ def main(said: dict[str, Any]) -> None:
     turns = bench.kind.setpoints.get("setpoint") is MotorSetpoint
     bench.works()
     if turns:
-        bench.drives()
+        bench.drives(said["powers"])
     print(WORKS, flush=True)
     while True:
         if turns:
-            bench.drive(POWER)
+            bench.drive(said["powers"])
         bench.runs(STEP_S)
 
 

@@ -33,7 +33,8 @@ class RoboclawFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
     `silent`: it obeys but says nothing. `drop`, `bit_flip`, `garbage`: an answer is lost, has a bit wrong, has noise
     before it. `brown_out`: its supply is gone, and with it its serial timeout. `pressed`: the emergency stop at its pin
-    S3. `overheat`, `undervoltage`: the fault, with the motors off.
+    S3. `overheat`, `undervoltage`: the fault, with the motors off. `no_watchdog`: its serial timeout can be set, and does
+    not stop it.
     """
 
     silent: bool = False
@@ -44,6 +45,7 @@ class RoboclawFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     pressed: bool = False
     overheat: bool = False
     undervoltage: bool = False
+    no_watchdog: bool = False
 
 
 class RoboclawRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -90,7 +92,8 @@ class RoboclawTwin(PortTwin[PtyPort, RoboclawFaults]):
 
     def wheels(self, now: float) -> tuple[float, float]:
         """Return the power of the left and the right wheel, forward positive."""
-        if self._off() or (self._timeout_s and now - self._fed > self._timeout_s):
+        late = now - self._fed > self._timeout_s > 0.0 and not self._faults.no_watchdog
+        if self._off() or late:
             self._duties = (0.0, 0.0)
         left = self._row.left_channel - 1
         return (

@@ -6,8 +6,9 @@ import msgspec
 import pytest
 from lbr_roboclaw import KIND, RoboclawSettings
 
+from lbr.testing import driver, wheels
 from lbr.testing.device import plugged
-from lbr.testing.driver import CHECKS, DriverBench
+from lbr.testing.driver import DriverBench
 
 SETTINGS = '{"device": "motors", "guard_silence_ms": 250, "setpoint_valid_s": 0.25, "reply_timeout_s": 0.03}'
 """As patient as a row may be: the machine that runs this may have much else to do."""
@@ -25,7 +26,7 @@ def state(bench):
     return bench.ctx.said("state")[-1]
 
 
-@pytest.mark.parametrize("check", CHECKS)
+@pytest.mark.parametrize("check", [*driver.CHECKS, *wheels.CHECKS])
 def test_it_does_what_every_driver_has_to(check, bench):
     check(bench)
 

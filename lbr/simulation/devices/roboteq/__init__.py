@@ -13,11 +13,13 @@ Sense = Literal[-1, 1]
 class RoboteqFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of the motor controller: those of a line, and more.
 
-    `undervoltage`, `overheat`: the fault bit, with the power stage off.
+    `undervoltage`, `overheat`: the fault bit, with the power stage off. `no_watchdog`: its watchdog can be set, and
+    does not stop it.
     """
 
     undervoltage: bool = False
     overheat: bool = False
+    no_watchdog: bool = False
 
 
 class RoboteqRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

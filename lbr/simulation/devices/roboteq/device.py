@@ -119,7 +119,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
     def boot(self) -> None:
         """Start with what was saved; all else is forgotten."""
         super().boot()
-        self._stage = PowerStage()
+        self._stage = PowerStage(lambda: not self._faults.no_watchdog)
         self._stage.watchdog_ms = self._saved["RWD"]
         self._stage.mixing = self._saved["MXMD"]
         self.echo = not self._saved["ECHOF"]

@@ -1,5 +1,7 @@
 """The motor side of an emulated Roboteq: two channels behind a watchdog, a stop latch and a mixing mode."""
 
+from collections.abc import Callable
+
 FULL = 1000
 """A command's full scale."""
 
@@ -10,14 +12,15 @@ class PowerStage:
     """What the two outputs do, as a function of the commands heard and the time.
 
     Only `feed` keeps the watchdog from expiring. Expiry takes the outputs to zero but forgets nothing: the next
-    `feed` brings back whatever the channels' commands then are.
+    `feed` brings back whatever the channels' commands then are. `works` says whether the watchdog does.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, works: Callable[[], bool] = lambda: True) -> None:
         self.commands = [0, 0]
         self.watchdog_ms = DEFAULT_WATCHDOG_MS
         self.mixing = 0
         self.latched = False
+        self._works = works
         self._fed_at = 0.0
         self._expired = True
 
@@ -28,13 +31,15 @@ class PowerStage:
 
     def expired(self, now: float) -> bool:
         """Say whether the watchdog has cut the outputs; it stays so until fed."""
-        if self.watchdog_ms and not now - self._fed_at < self.watchdog_ms / 1000:  # this way round, NaN means stop
+        if (
+            self.watchdog_ms and self._works() and not now - self._fed_at < self.watchdog_ms / 1000
+        ):  # this way round, NaN means stop
             self._expired = True
         return self._expired
 
     def expires_at(self) -> float | None:
         """Return when the watchdog will cut the outputs unless fed, or None if it will not."""
-        if self._expired or not self.watchdog_ms:
+        if self._expired or not (self.watchdog_ms and self._works()):
             return None
         return self._fed_at + self.watchdog_ms / 1000
 
