@@ -13,6 +13,7 @@ from types import FrameType
 from lbr import home
 from lbr.bus import session
 from lbr.bus.session import Session
+from lbr.bus.stamp import Origin
 from lbr.errors import BusError, InputError, LbrError
 
 FAILED, BAD_INPUT = 1, 2
@@ -22,13 +23,15 @@ FAILED, BAD_INPUT = 1, 2
 class Robot:
     """A robot of this home, and a session on its bus with the rights of its local door: look and operate.
 
-    `started_s`, monotonic, is when the program was asked for: what was stopped since then is not to begin.
+    `started_s`, monotonic, is when the program was asked for: what was stopped since then is not to begin. `origin` is
+    whose line that was, and when it was written; None if no robot started the program.
     """
 
     bus: Session
     name: str
     source: str
     started_s: float
+    origin: Origin | None = None
 
 
 @contextmanager
@@ -43,18 +46,23 @@ def connected(program: str) -> Iterator[Robot]:
         raise InputError(f"several robots run here ({names}); say which with LBR_ROBOT=NAME")
     bus = session.open_client(here[0].endpoints)
     try:
-        yield Robot(bus, here[0].robot, f"{program}:{os.getpid()}", _started_s())
+        yield Robot(bus, here[0].robot, f"{program}:{os.getpid()}", _told_s("LBR_STARTED_S"), _origin())
     finally:
         bus.close()
 
 
-def _started_s() -> float:
-    """Return when the robot started this program; it was not the robot if that makes no sense."""
+def _told_s(name: str) -> float:
+    """Return a time that the robot told as it started this program; it was not the robot if that makes no sense."""
     now = time.monotonic()
     with contextlib.suppress(KeyError, ValueError):
-        said_s = float(os.environ["LBR_STARTED_S"])
+        said_s = float(os.environ[name])
         return min(now, said_s)  # this way round, NaN means now
     return now
+
+
+def _origin() -> Origin | None:
+    asker = os.environ.get("LBR_ASKED_BY")
+    return Origin(asker, _told_s("LBR_WRITTEN_S")) if asker else None
 
 
 def run(main: Callable[[], int]) -> int:

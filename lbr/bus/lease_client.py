@@ -206,5 +206,6 @@ class LeaseClient:
     def _halt(self, why: str, *, lost: bool = False, by: str = "", at_once: bool = False) -> PendingReply | None:
         if not self._target.halt:
             return None
-        stop = StopCommand(reason=why[:LONGEST_REASON], lost=lost, by=by[:LONGEST_REASON], at_once=at_once)
+        reason, by = why[:LONGEST_REASON], by[:LONGEST_REASON]
+        stop = StopCommand(reason=reason, lost=lost, by=by, own=True, at_once=at_once)
         return self._transport.ask(self._target.halt, stop, ANSWER_S)

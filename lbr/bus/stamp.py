@@ -5,6 +5,7 @@ import hmac
 import time
 from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import msgspec
 from msgspec.structs import replace
@@ -16,6 +17,13 @@ from lbr.messages.system import Stamp
 _decoder = Decoder(Stamp)
 _encoder = msgspec.json.Encoder()
 MAX_STAMP_BYTES = 2048
+
+
+class Origin(NamedTuple):
+    """Who asked for what is passed on, and when that was typed or written, on this machine's monotonic clock."""
+
+    source: str
+    written_s: float
 
 
 @lru_cache(maxsize=1)
@@ -41,13 +49,16 @@ def make(
     sent_s: float | None = None,
     token: str = "",
     waited_s: float = 0.0,
+    origin: Origin | None = None,
 ) -> bytes:
     """Return the attachment of a publication; with a key it is sealed, so that only the key's owners could write it.
 
     `token` names the token whose secret is the key, for the door of a robot elsewhere. `sent_s` is when what is passed on was sent first, on this machine's monotonic clock; now, if it is not given.
-    `waited_s` is for how long it had waited here by then.
+    `waited_s` is for how long it had waited here by then. `origin` is whose it is, where it is passed on, and since when.
     """
     mono_ns = time.monotonic_ns() if sent_s is None else int(sent_s * 1e9)
+    if origin is not None:
+        waited_s = mono_ns / 1e9 - origin.written_s
     seal = _seal(key, payload, seq, mono_ns, boot_id()).decode() if key else ""
     stamp = Stamp(
         source=source,
@@ -58,6 +69,7 @@ def make(
         seal=seal,
         token=token,
         waited_s=max(0.0, waited_s),
+        by=origin.source if origin is not None else "",
     )
     return _encoder.encode(stamp)
 

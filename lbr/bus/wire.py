@@ -328,7 +328,7 @@ class PendingQuery:
     """A query under way; its answers arrive on Zenoh's thread. `attachment` passes on a stamp instead of our own.
 
     `proof` is the token by which we came in at a robot's door: it tells there who asks. `waited_s`: this long it waited
-    here.
+    here. `origin`: who asked us for it.
     """
 
     def __init__(
@@ -342,6 +342,7 @@ class PendingQuery:
         attachment: bytes = b"",
         proof: Credentials | None = None,
         waited_s: float = 0.0,
+        origin: stamps.Origin | None = None,
         sent_s: float | None = None,
         wake: Callable[[], None] = lambda: None,
     ) -> None:
@@ -357,7 +358,7 @@ class PendingQuery:
                 payload=payload,
                 encoding=JSON,
                 attachment=attachment
-                or stamps.make(source, 0, payload, secret, token=user, sent_s=sent_s, waited_s=waited_s),
+                or stamps.make(source, 0, payload, secret, token=user, sent_s=sent_s, waited_s=waited_s, origin=origin),
                 timeout=timeout_s,
                 congestion_control=zenoh.CongestionControl.BLOCK,
                 priority=zenoh.Priority.REAL_TIME,
@@ -387,14 +388,16 @@ def ask(
     sent_s: float | None = None,
     attachment: bytes = b"",
     waited_s: float = 0.0,
+    origin: stamps.Origin | None = None,
 ) -> list[RawMessage]:
     """Query a key and wait for all answers; an empty list means that no answer came in time.
 
     `sent_s` is when what is passed on was said first, so that it is not taken for fresher than it is, and
-    `waited_s` for how long it had waited by then; `attachment` passes on the stamp itself.
+    `waited_s` for how long it had waited by then, and `origin` who asked us for it; `attachment` passes on the stamp
+    itself.
     """
     payload = encode(message) if message is not None else b""
-    stamp = attachment or stamps.make(source, 0, payload, seal, sent_s=sent_s, waited_s=waited_s)
+    stamp = attachment or stamps.make(source, 0, payload, seal, sent_s=sent_s, waited_s=waited_s, origin=origin)
     try:
         replies = session.get(
             key,

@@ -50,6 +50,7 @@ class BusCall:
         self.remote = (found is not None and bool(found.via)) or (away and boot != stamp.boot_id())
         self.sender_s = found.mono_ns / 1e9 if found is not None and found.boot else nan
         self.waited_s = found.waited_s if found is not None else 0.0
+        self.by = found.by[:80] if found is not None and not self.remote else ""
         self.answerable = request.answerable
         self.payload = request.payload
         self._request = request

@@ -6,6 +6,7 @@ from typing import Any, Protocol, TypeVar
 
 from msgspec import Struct
 
+from lbr.bus.stamp import Origin
 from lbr.capability.tap import Tap
 from lbr.messages.codes import Code, Reason
 from lbr.messages.rows import Row
@@ -33,6 +34,7 @@ class Call(Protocol):
 
     `arrived`: when it was sent, or else came, on our clock. `remote`: from another machine, where it was sent at
     `sender_s` by that machine's monotonic clock (NaN: unknown). `waited_s`: for this long it had waited at its sender.
+    `by`: who asked its sender for it; empty where nobody did, and from another machine, where it would prove nothing.
     """
 
     name: str
@@ -42,6 +44,7 @@ class Call(Protocol):
     remote: bool
     sender_s: float
     waited_s: float
+    by: str
     answerable: bool
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
@@ -59,10 +62,15 @@ class PendingReply(Protocol):
 
 
 class EmergencyStop(Protocol):
-    """The latch as this process knows it, straight from its own session."""
+    """The latch as this process knows it, straight from its own session; `by` pressed it last, or reset it.
+
+    A capability sets `follows` after a release: whether its next command would be obeyed.
+    """
 
     engaged: bool
     reason: str
+    by: str
+    follows: bool
 
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
         """Say whether the device has acknowledged the stop; cheap to repeat, published on change."""
@@ -154,11 +162,17 @@ class Context(Protocol[S_co]):
         """Return the names of the capabilities wired to a request."""
 
     def ask(
-        self, request: str, message: Struct, timeout_s: float, *, only: Collection[str] | None = None
+        self,
+        request: str,
+        message: Struct,
+        timeout_s: float,
+        *,
+        only: Collection[str] | None = None,
+        origin: Origin | None = None,
     ) -> PendingReply:
         """Ask every capability wired to a request, or `only` some of them; poll the result in later steps.
 
-        The loop wakes on answers.
+        The loop wakes on answers. `origin` is who asked for it, where that is not the capability itself.
         """
 
     def event(

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 
 from lbr.bus import keys, stamp, wire
@@ -12,20 +13,28 @@ from lbr.capability.send_times import SendTimes
 from lbr.errors import MalformedError
 from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply, refused
-from lbr.messages.system import EstopAcknowledgement, EstopRequest
+from lbr.messages.system import EstopAcknowledgement, EstopRelease, EstopRequest
 
+FOLLOWS_S = 0.3
+"""How long a release waits for what moves to be armed; a device may be missing."""
+PRESSED_AGAIN = Reason("estop", "it was pressed again meanwhile")
 _decoder = Decoder(EstopRequest)
+_release_words = Decoder(EstopRelease)
 
 
 class EstopLatch:
     """Latches on anything that is not a well-formed "not engaged"; only the executive's sealed release unlatches it.
 
+    `by` is who pressed it last, or reset it. While it `follows` not, what moves would refuse the first command after a
+    release: that is answered once it does, or soon after.
     `within_s` is how long the device may take to acknowledge.
     """
 
     def __init__(self, config: ProcessConfig, wake: Callable[[], None], within_s: float) -> None:
         self.engaged = config.estop.engaged
         self.reason = config.estop.reason
+        self.by, self.follows = "", True
+        self._released: deque[tuple[wire.Request, float]] = deque()
         self._name = config.name
         self._release_key = bytes.fromhex(config.release_key)
         self._wake = wake
@@ -55,12 +64,23 @@ class EstopLatch:
 
     def serve(self) -> None:
         """Answer releases; called by the process's loop."""
+        self._answer_releases()
         for request in self._release.take():
             with self._lock:
                 why_not = self._why_not(request)
                 if not why_not:
+                    self.by, self.follows = _released_by(request.payload), True
                     self.engaged, self.reason, self._said, self._noticed = False, "", None, False
-            request.reply(refused(why_not) if why_not else CommandReply(accepted=True), self._name)
+            if why_not:
+                request.reply(refused(why_not), self._name)
+            else:
+                self._released.append((request, time.monotonic() + FOLLOWS_S))
+
+    def _answer_releases(self) -> None:
+        """Answer those of the rounds before: by now it shows what would follow."""
+        while self._released and (self.engaged or self.follows or time.monotonic() >= self._released[0][1]):
+            request, _until = self._released.popleft()
+            request.reply(refused(PRESSED_AGAIN) if self.engaged else CommandReply(accepted=True), self._name)
 
     def close(self) -> None:
         """Leave the bus."""
@@ -72,6 +92,7 @@ class EstopLatch:
             if reason is not None:
                 with self._lock:
                     self._noticed = self._noticed and self.engaged
+                    self.by = _source(message)
                     self.reason, self.engaged, self._again = reason or "pressed", True, True
                     self._pressed_ns = max(self._pressed_ns, _sent_ns(message))
         self._wake()
@@ -83,7 +104,7 @@ class EstopLatch:
             return Reason("denied", "only the executive releases")
         sent_ns = int(stamp.sent_s(found, request.arrived) * 1e9)
         if not self._releases.newer(found) or sent_ns <= max(self._released_ns, self._pressed_ns):
-            return Reason("estop", "it was pressed again meanwhile")
+            return PRESSED_AGAIN
         if self.engaged and not self._noticed:  # a stop is never too short to stop anything
             return Reason("not_ready", "it has not stopped yet")
         self._released_ns = sent_ns
@@ -98,6 +119,18 @@ def _reason(payload: bytes) -> str | None:
     return request.reason if request.engaged else None
 
 
+def _source(message: wire.RawMessage) -> str:
+    found = stamp.read(message.attachment)
+    return found.source[:80] if found is not None else ""
+
+
+def _released_by(payload: bytes) -> str:
+    try:
+        return _release_words.decode(payload).by
+    except MalformedError:
+        return ""
+
+
 def _sent_ns(message: wire.RawMessage) -> int:
     """Return when a press was made: one that was long on its way must not undo a release that came after it."""
     return int(stamp.sent_s(stamp.read(message.attachment), message.arrived) * 1e9)
@@ -107,7 +140,8 @@ class NothingToStop:
     """The emergency stop of a capability that moves nothing: never engaged, costs no session."""
 
     engaged = False
-    reason = ""
+    reason = by = ""
+    follows = True
 
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
         """Do nothing."""

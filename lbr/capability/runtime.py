@@ -279,13 +279,23 @@ class ProcessContext:
         """Return the names of the capabilities wired to a request."""
         return tuple(self.config.requests.get(request, {}))
 
-    def ask(self, request: str, message: Struct, timeout_s: float, *, only: Collection[str] | None = None) -> Answers:
+    def ask(
+        self,
+        request: str,
+        message: Struct,
+        timeout_s: float,
+        *,
+        only: Collection[str] | None = None,
+        origin: stamp.Origin | None = None,
+    ) -> Answers:
         """Ask every capability wired to a request, or `only` some of them."""
         payload = wire.encode(message)
         wired = self.config.requests.get(request, {})
         asked = {name: key for name, key in wired.items() if only is None or name in only}
         questions = {
-            name: wire.PendingQuery(self._bus, key, payload, timeout_s=timeout_s, source=self.name, wake=self._wake)
+            name: wire.PendingQuery(
+                self._bus, key, payload, timeout_s=timeout_s, source=self.name, origin=origin, wake=self._wake
+            )
             for name, key in asked.items()
         }
         return Answers(questions, Decoder(self._kind.replies.get(request, CommandReply)))

@@ -11,7 +11,7 @@ from concurrent import futures
 from typing import IO
 
 from lbr.console.lease_keeper import Ending, LeaseKeeper
-from lbr.console.operator import Operator, stopped_since
+from lbr.console.operator import Operator
 from lbr.console.stops import is_stop
 from lbr.errors import BusError, InputError, LbrError
 from lbr.messages.plain import one_line
@@ -44,8 +44,8 @@ class Lines:
     held for `hold_s` if that is given, and otherwise until a later line moves or stops the robot, or the input ends.
 
     A stop never waits for a motion's end. One that comes while a line is under way waits for no other line either: what
-    came before it and was not said yet is dropped. Once another stops the robot, the lines that had come by then are
-    not said any more, except a stop.
+    came before it and was not said yet is dropped. Each line is said with how long it has waited: what moves refuses
+    one that was written before another stopped the robot.
     """
 
     def __init__(self, operator: Operator, out: IO[str], err: IO[str], *, hold_s: float | None = None) -> None:
@@ -58,7 +58,6 @@ class Lines:
         self._waiting: queue.SimpleQueue[tuple[float, str | None]] = queue.SimpleQueue()
         self._next: deque[tuple[float, str | None]] = deque()
         self._began = math.inf
-        self._stopped = -math.inf
 
     def run(self, lines: Iterable[str]) -> int:
         """Say every line; return the worst line's exit code."""
@@ -86,22 +85,10 @@ class Lines:
 
     def _take(self) -> tuple[float, str] | None:
         """Return when the next line came, and the line; None at the end."""
-        dropped = 0
-        while True:
-            while not self._peek(POLL_S):
-                self._operator.ear.beat()
-            came, line = self._next[0] if not self.closing else (0.0, None)
-            late = line is not None and came <= self._stopped and not is_stop(line)
-            if dropped and not late:
-                said = "1 line that" if dropped == 1 else f"{dropped} lines that"
-                self._failed(f"{said} came before that stop: not said any more", FAILED)
-                dropped = 0
-            if line is None:
-                return None
-            self._next.popleft()
-            if not late:
-                return came, line
-            dropped += 1
+        while not self._peek(POLL_S):
+            self._operator.ear.beat()
+        came, line = self._next.popleft()
+        return None if self.closing or line is None else (came, line)
 
     def _peek(self, timeout_s: float) -> bool:
         """Say whether a next line (or the end) is there, waiting a little for it."""
@@ -122,8 +109,6 @@ class Lines:
             return
         show(result, self._out, self._err)
         self._worst = max(self._worst, result.code)
-        if stopped_since(result):
-            self._stopped = time.monotonic()
         held = self._operator.latest()
         if held is None or held.hold is not result.hold:
             return

@@ -96,11 +96,6 @@ def emergency(line: str) -> str | None:
     return str(said.payload.get("reason", "")) if isinstance(said, VerbCall) and said.command == "estop" else None
 
 
-def stopped_since(result: ConsoleResult) -> bool:
-    """Say whether a line was refused because another stopped the robot after it was typed or written."""
-    return result.reason_code == "stopped_since"
-
-
 class BusOperator:
     """An operator over the bus; a console in the robot's own process passes `submit` to say its lines directly.
 

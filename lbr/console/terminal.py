@@ -32,7 +32,7 @@ from lbr.console.confirmation import LET_BE, QUESTION, Confirmation
 from lbr.console.ear import BEAT_S, STUCK_S, Contact
 from lbr.console.keyboard import CHARACTERS_AT_ONCE, CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
 from lbr.console.lease_keeper import Ending
-from lbr.console.operator import BusOperator, stopped_since
+from lbr.console.operator import BusOperator
 from lbr.console.printable import MAX_LINE, wrapped
 from lbr.console.prompt_output import PromptOutput, Screen
 from lbr.console.stops import is_stop
@@ -283,8 +283,6 @@ class Terminal:
         try:
             result = self._operator.submit(line, 0.0 if typed is None else time.monotonic() - typed)
             self._show(result)
-            if stopped_since(result):
-                self._tell_dropped(self._forget_lines())
             if result.confirm:
                 self._question.ask(result)
                 self._print(QUESTION, "warning")

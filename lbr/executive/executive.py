@@ -22,6 +22,7 @@ from msgspec.structs import replace
 from lbr import home
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS
+from lbr.bus.stamp import Origin
 from lbr.capability.config import ProcessConfig
 from lbr.console.outlet import say
 from lbr.console.toolbar import state_of
@@ -180,15 +181,10 @@ class Executive:
         waits = bool(state.waiting)
         return ConsoleResult(code=FAILED if waits else DONE, text=state.text, reason_code="timeout" if waits else "")
 
-    def pressed_by_others(self, source: str) -> tuple[float, str]:
-        """Return when another than `source` pressed the emergency stop last, and who that was."""
-        return self._emergency.pressed_by_others(source)
-
-    def estop_reset(self, source: str) -> ConsoleResult:
-        """Release the emergency stop; moves nothing."""
-        why_not = self._emergency.release(source)
-        if why_not:
-            return ConsoleResult(code=FAILED, text=why_not, reason_code="refused")
+    def estop_reset(self, source: str, written_s: float) -> ConsoleResult:
+        """Release the emergency stop, unless another has pressed it since that was written; moves nothing."""
+        if why_not := self._emergency.release(source, written_s):
+            return ConsoleResult(code=FAILED, text=why_not.text, reason_code=why_not.code)
         return ConsoleResult(code=DONE, text="emergency stop released; the next command may move the robot")
 
     def shutdown(self, source: str) -> None:
@@ -212,12 +208,12 @@ class Executive:
         self._written.setting(name, "host", host, who)
         self.note("edit", f"{who} had '{name}' listen at {host}")
 
-    def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:
+    def run_external(self, call: ExternalCall, who: str, origin: Origin, said_s: float) -> ConsoleResult:
         """Start an external command, and wait for a blocking one; who asked for what is written down before."""
         row = call.command
         argv = json.dumps([*row.argv, *call.arguments], ensure_ascii=False)
-        self.note("external", f"'{row.name}' is started by {who}: {argv}", about)
-        command = self._main.call(lambda: self._external.start(row, call.arguments))
+        self.note("external", f"'{row.name}' is started by {who}: {argv}", origin.source)
+        command = self._main.call(lambda: self._external.start(row, call.arguments, origin, said_s))
         if not row.blocking:
             says = f"it writes to {home.directory('logs') / f'{row.name}.log'}, and 'stop {row.name}' ends it"
             return ConsoleResult(code=DONE, text=f"'{row.name}' started (pid {command.pid}); {says}")

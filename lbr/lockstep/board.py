@@ -12,6 +12,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr.bus import keys
+from lbr.bus.stamp import Origin
 from lbr.capability.base import Capability
 from lbr.capability.config import InputWire, ProcessConfig
 from lbr.capability.context import Context, Device, Received
@@ -45,14 +46,14 @@ class Asked:
 
     remote = False
     sender_s = nan
-    waited_s = 0.0
     answerable = True
 
-    def __init__(self, board: "Board", name: str, message: Any, source: str) -> None:
+    def __init__(self, board: "Board", name: str, message: Any, source: str, origin: Origin | None = None) -> None:
         self.name = name
         self.message = message
         self.source = source
         self.arrived = board.moment()
+        self.by, self.waited_s = (origin.source, self.arrived - origin.written_s) if origin is not None else ("", 0.0)
         self.answer: Any = None
         self.answered_s = nan
         self._board = board
@@ -179,12 +180,19 @@ class BoardContext:
         """Return who is wired to a request."""
         return tuple(self._config.requests.get(request, {}))
 
-    def ask(self, request: str, message: Any, timeout_s: float, *, only: Collection[str] | None = None) -> Question:
+    def ask(
+        self,
+        request: str,
+        message: Any,
+        timeout_s: float,
+        *,
+        only: Collection[str] | None = None,
+        origin: Origin | None = None,
+    ) -> Question:
         """Ask those that are wired to a request."""
         wired = self._config.requests.get(request, {})
-        return self._board.ask(
-            {n: k for n, k in wired.items() if only is None or n in only}, message, self.name, timeout_s
-        )
+        asked = {n: k for n, k in wired.items() if only is None or n in only}
+        return self._board.ask(asked, message, self.name, timeout_s, origin)
 
     def event(
         self,
@@ -289,13 +297,15 @@ class Board:
         if key in self._wires or key in self._listeners:
             self._sent.append((key, Received(message, _NO_STAMP, self.now if sent_s is None else sent_s, source)))
 
-    def ask(self, wired: Mapping[str, str], message: Any, source: str, timeout_s: float) -> Question:
+    def ask(
+        self, wired: Mapping[str, str], message: Any, source: str, timeout_s: float, origin: Origin | None = None
+    ) -> Question:
         """Ask capabilities by the keys of their commands."""
         asked: dict[str, Asked | None] = {}
         for name, key in wired.items():
             asked[name] = None
             if name in self.members:
-                call = asked[name] = Asked(self, key.rpartition("/")[2], message, source)
+                call = asked[name] = Asked(self, key.rpartition("/")[2], message, source, origin)
                 self._asked.append((name, call))
         return Question(self, asked, timeout_s)
 

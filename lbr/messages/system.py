@@ -30,8 +30,9 @@ class Stamp(Struct, frozen=True, kw_only=True):
 
     `boot` tells whether two monotonic times can be compared: same boot, same clock. `seal` proves the writer of a
     setpoint. `waited_s` is for how long its sender had known that it would send this: a line that was typed or
-    wrote before. `via` names the door through which it came from another machine, and `token` who came in there: its
-    sender claims it and proves it by a seal, the door passes on what is proven.
+    wrote before. `by` is who asked for it, where its sender passes it on. `via` names the door through which it came
+    from another machine, and `token` who came in there: its sender claims it and proves it by a seal, the door passes on
+    what is proven.
     """
 
     source: str
@@ -43,11 +44,14 @@ class Stamp(Struct, frozen=True, kw_only=True):
     via: str = ""
     token: str = ""
     waited_s: Annotated[float, Meta(ge=0.0)] = 0.0
+    by: str = ""
 
     def __post_init__(self) -> None:
-        """Have what a sender calls itself be one line, wherever it is shown."""
+        """Have what a sender calls itself and others be one line, wherever it is shown."""
         if not self.source.isprintable():
             force_setattr(self, "source", one_line(self.source))
+        if not self.by.isprintable():
+            force_setattr(self, "by", one_line(self.by))
 
 
 class Event(Struct, frozen=True, kw_only=True):
@@ -85,6 +89,12 @@ class EstopRequest(Struct, frozen=True, kw_only=True):
 
 class EstopResetCommand(Struct, frozen=True, kw_only=True):
     """Release the emergency stop; by itself this moves nothing."""
+
+
+class EstopRelease(Struct, frozen=True, kw_only=True):
+    """The executive's word to one mover that the emergency stop is reset, and by whom."""
+
+    by: str = ""
 
 
 class EstopState(Struct, frozen=True, kw_only=True):

@@ -105,5 +105,5 @@ def test_what_refuses_it_is_told(robot):
 def test_when_it_was_asked_for_is_believed_if_it_makes_sense(monkeypatch, said, believed):
     monkeypatch.setenv("LBR_STARTED_S", said)
     before = time.monotonic()
-    found = program._started_s()
+    found = program._told_s("LBR_STARTED_S")
     assert (found == 1.5) if believed else before <= found <= time.monotonic()

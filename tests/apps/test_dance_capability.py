@@ -195,7 +195,7 @@ def test_without_sound_it_dances_silently_and_says_so(dance, world):
 def test_speech_that_answers_too_late_is_hushed_with_the_dance(dance, world):
     world.ask_now = world.ask
 
-    def ask(request, message, timeout_s):
+    def ask(request, message, timeout_s, **_):
         asked = world.ask_now(request, message, timeout_s)
         return SimpleNamespace(answers=lambda: {"speech": None}) if request == "sound" else asked
 

@@ -153,33 +153,16 @@ def refuses(robot, line: str) -> None:
     robot.lines[line] = ConsoleResult(code=1, text=f"{STOPPED_SINCE}by phone", reason_code="stopped_since")
 
 
-def test_after_a_stop_by_another_the_lines_of_a_script_are_not_said_but_a_stop_is(robot, operator):
+def test_after_a_stop_by_another_every_line_of_a_script_is_still_said_and_what_moves_decides(robot, operator):
     refuses(robot, "/r/0.2/0")
-    robot.lines["s"] = ConsoleResult(code=0, text="stopped")
-    code, out, err = run(operator, ["/r/0.2/0", "next", "next", "s", "/r/0.3/0"])
+    refuses(robot, "/r/0.3/0")
+    lines = ["/r/0.2/0", "/report/health", "s", "/r/0.3/0", "mark", "Shutdown"]
+    for line in ("/report/health", "s", "mark", "Shutdown"):
+        robot.lines[line] = ConsoleResult(code=0, text=line)
+    code, _out, err = run(operator, lines)
     assert code == 1
-    assert out == "stopped\n"
-    assert err.splitlines() == [
-        f"{STOPPED_SINCE}by phone",
-        "2 lines that came before that stop: not said any more",
-        "1 line that came before that stop: not said any more",
-    ]
-    assert [line for line, _, _ in robot.said] == ["/r/0.2/0", "s"]
-
-
-def test_lines_that_come_after_a_stop_by_another_are_said(robot, operator):
-    refuses(robot, "/r/0.2/0")
-    robot.lines["next"] = ConsoleResult(code=0, text="next")
-    err = io.StringIO()
-
-    def lines():
-        yield "/r/0.2/0"
-        wait_for(lambda: STOPPED_SINCE in err.getvalue())
-        yield "next"
-
-    out = io.StringIO()
-    assert Lines(operator, out, err).run(lines()) == 1
-    assert out.getvalue() == "next\n"
+    assert err.splitlines() == [f"{STOPPED_SINCE}by phone"] * 2
+    assert [line for line, _, _ in robot.said] == lines
 
 
 def test_a_line_tells_for_how_long_it_waited(robot, operator):

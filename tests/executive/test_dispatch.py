@@ -2,15 +2,15 @@
 
 from types import SimpleNamespace
 
-import msgspec
 import pytest
 
+from lbr.bus.stamp import Origin
 from lbr.console.verbs import Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS, ExternalCommandRow
 from lbr.errors import InputError
 from lbr.executive.planning.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
 from lbr.executive.service.dispatch import Dispatcher, _Speaker
-from lbr.messages.system import ConsoleResult, Role, Stamp
+from lbr.messages.system import ConsoleResult, Role
 from tests.support.words import as_shipped
 
 
@@ -51,44 +51,26 @@ def test_what_waits_for_a_machine_that_is_not_there_is_not_said_to_start_anew():
 PROGRAMS: dict[str, Role] = {"dim": "operate", "look": "view"}
 
 
-def dispatcher_of_programs(started: list[str]) -> Dispatcher:
+def dispatcher_of_programs(started: list[tuple]) -> Dispatcher:
     """A dispatcher whose robot has nothing but a program to start."""
     programs = [ExternalCommandRow(name=name, argv=("true",), role=role) for name, role in PROGRAMS.items()]
     robot = SimpleNamespace(
         plan=SimpleNamespace(robot="lamp", stoppable=tuple, units={}),
         vocabulary=Vocabulary([], programs),
         record=lambda *_: None,
-        run_external=lambda call, *_: started.append(call.command.name) or ConsoleResult(code=0, text="begun"),
+        run_external=lambda *said: started.append(said) or ConsoleResult(code=0, text="begun"),
     )
     return Dispatcher(robot, None, {})
 
 
-def of_afar(sent_s: float, boot: str = "afar") -> bytes:
-    return msgspec.json.encode(Stamp(source="ann", seq=1, mono_ns=int(sent_s * 1e9), wall_ns=0, boot=boot, via="lan"))
-
-
-@pytest.mark.parametrize("afar", [False, True], ids=["at this machine", "from another machine"])
-def test_a_line_that_a_stop_has_overtaken_starts_nothing(afar):
-    """Lines are carried out by many threads, and a stop waits for none of them."""
-    started: list[str] = []
+def test_a_program_is_started_after_any_stop_and_told_whose_line_it_was_and_when_that_was_written_and_said():
+    """What may not begin any more is decided by who begins it, by source and date."""
+    started: list[tuple] = []
     dispatcher = dispatcher_of_programs(started)
-
-    def say(line: str, sent_s: float, came_s: float):
-        return dispatcher.execute(
-            line,
-            source="ann",
-            role="operate",
-            sent_s=came_s if afar else sent_s,
-            remote_stamp=of_afar(sent_s) if afar else b"",
-        )
-
-    assert say("dim", 1.0, 101.0).code == 0
-    assert say("s", 3.0, 103.0).code == 0
-    overtaken = say("dim", 2.0, 104.0)
-    assert (overtaken.code, overtaken.reason_code) == (1, "stopped")
-    assert say("look", 2.0, 104.0).code == 0, "what anyone may do moves nothing, and may be late"
-    assert say("dim", 3.5, 105.0).code == 0, "what was said after the stop begins"
-    assert started == ["dim", "look", "dim"]
+    assert dispatcher.execute("s", source="bob", role="operate", sent_s=3.0).code == 0
+    assert dispatcher.execute("dim", source="ann", role="operate", sent_s=3.5, waited_s=2.0).code == 0
+    ((call, _who, origin, said_s),) = started
+    assert (call.command.name, origin, said_s) == ("dim", Origin("ann", 1.5), 3.5)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from threading import Event, Thread
 from typing import Any
@@ -77,12 +78,37 @@ def test_a_press_that_bears_the_stamp_of_a_repetition_counts(tmp_path: Path) -> 
         acknowledge(bus, engaged=True)
         until(lambda: robot.kept.state().acknowledged, what="the motors stand")
         release = releasing(bus)
-        until(lambda: robot.kept.release("tester") == "", what="it is released")
+        until(lambda: released(robot), what="it is released")
         assert not robot.kept.state().engaged
         for one in (*repeated, *heard.take()):
             bus.put(keys.estop("lbr"), one.payload, attachment=one.attachment)
             until(lambda: robot.kept.state().engaged, limit_s=1.0, what="what movers obey is latched here too")
-            until(lambda: robot.kept.release("tester") == "", what="it is released again")
+            until(lambda: released(robot), what="it is released again")
+        del release
+
+
+def released(robot: LastGoodCopy) -> bool:
+    return robot.kept.release("tester", emergency.time.monotonic()) is None
+
+
+def test_what_was_written_before_another_pressed_it_releases_nothing(tmp_path: Path) -> None:
+    with keeper(tmp_path) as (robot, bus):
+        release = releasing(bus)
+        began_s = emergency.time.monotonic()
+        acknowledge_soon = partial(acknowledge, bus, engaged=True)
+
+        def press(source: str) -> None:
+            robot.kept.press("a ladder", source)
+            until(lambda: acknowledge_soon() or robot.kept.state().acknowledged, what="the motors stand")
+
+        press("ann")
+        assert robot.kept.release("ann", began_s) is None, "her own press is meant"
+        press("bob")
+        why_not = robot.kept.release("ann", began_s)
+        assert why_not is not None
+        assert why_not.code == "stopped_since"
+        assert robot.kept.state().engaged
+        assert released(robot)
         del release
 
 

@@ -1,11 +1,11 @@
 """Programs by name: which one a row means, and where what it prints goes."""
 
 import sys
-import time
 from contextlib import closing
 
 import pytest
 
+from lbr.bus.stamp import Origin
 from lbr.database.rows import ExternalCommandRow
 from lbr.executive.processes import external
 from lbr.executive.processes.external import ExternalCommands
@@ -21,7 +21,10 @@ def commands(tmp_path):
 
 def said(commands: ExternalCommands, *argv: str, arguments: tuple[str, ...] = ()) -> tuple[int, str]:
     row = ExternalCommandRow(name="probe", argv=argv, blocking=True)
-    return commands.wait(row, commands.start(row, arguments))
+    return commands.wait(row, commands.start(row, arguments, LINE, 3.5))
+
+
+LINE = Origin("ann", 1.5)
 
 
 def test_python_is_the_interpreter_that_the_robot_runs_on(commands):
@@ -53,10 +56,10 @@ def test_a_program_learns_which_robot_called_it_and_by_which_name(commands):
     assert said(commands, "python", "-c", script) == (0, "lbr probe")
 
 
-def test_a_program_learns_when_it_was_started_so_that_it_knows_which_stops_are_for_it(commands):
-    before = time.monotonic()
-    _code, text = said(commands, "python", "-c", "import os; print(os.environ['LBR_STARTED_S'])")
-    assert before <= float(text) <= time.monotonic()
+def test_a_program_learns_whose_line_it_is_and_its_dates_so_that_it_knows_which_stops_are_for_it(commands):
+    names = ("LBR_ASKED_BY", "LBR_WRITTEN_S", "LBR_STARTED_S")
+    _code, text = said(commands, "python", "-c", f"import os; print(*(os.environ[name] for name in {names}))")
+    assert text.split() == ["ann", "1.5", "3.5"]
 
 
 def test_a_program_has_no_privileges_and_gains_none(commands):
@@ -75,7 +78,7 @@ def test_a_program_whose_row_is_gone_is_asked_to_end_once_and_has_its_time_for_i
         "print('asked', len(asked), flush=True)"
     )
     row = ExternalCommandRow(name="probe", argv=("python", "-c", script), blocking=False)
-    command = commands.start(row, ())
+    command = commands.start(row, (), LINE, 3.5)
     log = tmp_path / "probe.log"
     until(lambda: "up" in log.read_text(), what="it runs")
     until(lambda: commands.prune(set()) or command.over, what="it has ended")
@@ -88,7 +91,7 @@ def test_a_program_whose_row_is_gone_ends_also_if_it_does_not_want_to(commands, 
         "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print('up', flush=True); time.sleep(60)"
     )
     row = ExternalCommandRow(name="probe", argv=("python", "-c", script), blocking=False)
-    command = commands.start(row, ())
+    command = commands.start(row, (), LINE, 3.5)
     until(lambda: "up" in (tmp_path / "probe.log").read_text(), what="it runs")
     commands.prune({"probe"})
     assert not command.over

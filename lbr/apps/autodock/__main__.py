@@ -87,7 +87,7 @@ def _stopped_since(robot: Robot) -> str:
 
 def _asked(robot: Robot, command: str, message: Any) -> CommandReply:
     key = keys.port(robot.name, "behaviour", command)
-    for answer in wire.ask(robot.bus, key, message, source=robot.source, timeout_s=ANSWER_S):
+    for answer in wire.ask(robot.bus, key, message, source=robot.source, timeout_s=ANSWER_S, origin=robot.origin):
         return Decoder(CommandReply).decode(answer.payload)
     raise BusError("the capability 'behaviour' does not answer; without it no table runs")
 

@@ -236,10 +236,11 @@ class Behaviours(Capability[BehaviourSettings]):
         if call.waited_s == 0.0:
             return
         self._senses.listen(WATCHED)
-        halts = [self._halts.by_others(call.source)]
+        asker = call.by or call.source
+        halts = [self._halts.by_others(asker)]
         for received in (one for stream in WATCHED for one in self._senses.newest(stream)):
             at, who = received.message.halted_s, received.message.halted_by
-            if at is not None and who not in {"", call.source, self.ctx.name}:
+            if at is not None and who not in {"", asker, self.ctx.name}:
                 halts.append((_on_our_clock(received, at), who))
         at, who = max(halts)
         if not call.arrived - call.waited_s > at:  # this way round, NaN waited too long

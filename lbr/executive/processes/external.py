@@ -15,6 +15,7 @@ from pathlib import Path
 
 from lbr import home
 from lbr.bus.session import leaf_environment
+from lbr.bus.stamp import Origin
 from lbr.capability.die_with_parent import dying_with_parent
 from lbr.database.rows import ExternalCommandRow
 from lbr.errors import InputError, LbrError
@@ -60,14 +61,14 @@ class ExternalCommands:
         self._running: dict[str, Command] = {}
         self._asked_at: dict[int, float] = {}
 
-    def start(self, row: ExternalCommandRow, arguments: tuple[str, ...]) -> Command:
-        """Start it; raise InputError if it runs already, LbrError if it cannot be started."""
+    def start(self, row: ExternalCommandRow, arguments: tuple[str, ...], origin: Origin, said_s: float) -> Command:
+        """Start it for a line of an `origin`, said then; raise InputError if it runs already, LbrError if it cannot be started."""
         known = self._running.get(row.name)
         if known is not None and not known.over:
             raise InputError(f"'{row.name}' runs already (pid {known.pid}); 'stop {row.name}' ends it")
         mark = self._reaper.mark()
         try:
-            popen = self._spawn(row, arguments, mark)
+            popen = self._spawn(row, arguments, origin, said_s, mark)
         except OSError as err:
             raise LbrError(f"'{row.name}' could not be started: {err}") from err
         mark.began(popen.pid)
@@ -76,7 +77,16 @@ class ExternalCommands:
         self._running[row.name] = command = Command(row, popen, mark)
         return command
 
-    def _spawn(self, row: ExternalCommandRow, arguments: tuple[str, ...], mark: Mark) -> "subprocess.Popen[bytes]":
+    def _spawn(
+        self, row: ExternalCommandRow, arguments: tuple[str, ...], origin: Origin, said_s: float, mark: Mark
+    ) -> "subprocess.Popen[bytes]":
+        told = {
+            "LBR_ROBOT": self._robot,
+            "LBR_NAME": row.name,
+            "LBR_STARTED_S": repr(said_s),
+            "LBR_ASKED_BY": origin.source,
+            "LBR_WRITTEN_S": repr(origin.written_s),
+        }
         with contextlib.ExitStack() as stack:
             out = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
             popen = subprocess.Popen(
@@ -84,9 +94,7 @@ class ExternalCommands:
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,
-                env=leaf_environment()
-                | {"LBR_ROBOT": self._robot, "LBR_NAME": row.name, "LBR_STARTED_S": repr(time.monotonic())}
-                | mark.environment,
+                env=leaf_environment() | told | mark.environment,
                 start_new_session=True,
             )
         scheduling.rank(popen.pid, scheduling.BACKGROUND)

@@ -96,7 +96,7 @@ class ConsoleService:
         robot: str,
         dispatcher: Dispatcher,
         *,
-        reset: Callable[[str], ConsoleResult],
+        reset: Callable[[str, float], ConsoleResult],
     ) -> None:
         self._dispatcher = dispatcher
         self._reset = reset
@@ -167,7 +167,9 @@ class ConsoleService:
         )
 
     def _answer_reset(self, request: wire.Request) -> None:
-        result = self._reset(_caller(stamp.read(request.attachment)))
+        found = stamp.read(request.attachment)
+        waited_s = found.waited_s if found is not None else 0.0
+        result = self._reset(_caller(found), stamp.sent_s(found, request.arrived) - waited_s)
         request.reply({"accepted": result.code == DONE, "reason": result.text}, "executive")
 
 

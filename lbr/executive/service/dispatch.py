@@ -4,10 +4,9 @@ import ast
 import contextlib
 import io
 import json
-import threading
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import msgspec
@@ -15,9 +14,7 @@ import msgspec
 from lbr import home
 from lbr.bus import codec, keys, stamp, wire
 from lbr.bus.session import Session
-from lbr.capability.halts import Halts
 from lbr.capability.kind import STOP
-from lbr.capability.overtaken import Overtaken
 from lbr.console.printable import clean
 from lbr.console.stops import stop_in
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
@@ -29,7 +26,7 @@ from lbr.executive.service.letting_in import OPERATE, LettingIn
 from lbr.executive.service.reports import Reports
 from lbr.executive.service.robot import Robot
 from lbr.messages.codes import Reason
-from lbr.messages.leases import STOPPED_SINCE, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
 from lbr.why import telling
 from lbr.why.chain import explain
@@ -39,8 +36,6 @@ STOPPED = "stopped"
 MAX_RUN_S = 30.0
 BOUNDED_RUN_S = 86_400.0
 """What knows its own end is held until then, unless its capability sets a limit."""
-HALTED_S = 0.5
-"""How long movers are asked for a stop; their bus library answers, so that only one that is frozen does not."""
 MOST_LEASES = 256
 MOST_RECORDED = 200
 ROWS = "rows"
@@ -76,6 +71,11 @@ class _Speaker(NamedTuple):
         """Return whether its lines go into the audit trail: those from another machine, and of people on a web page."""
         return bool(self.remote_stamp) or self.page
 
+    @property
+    def origin(self) -> stamp.Origin:
+        """Return whose line it is and when it was written, for a program that it starts."""
+        return stamp.Origin(self.source, self.sent_s - self.waited_s)
+
     def holder(self, capability: str) -> tuple[str, str, bool]:
         """Return whose motion of what it is: a name from another machine is never that of a local one."""
         return capability, self.source, bool(self.remote_stamp)
@@ -89,8 +89,6 @@ class Dispatcher:
         self._bus = bus
         self._reports = Reports(robot, bus)
         self._namespace = dict(namespace)
-        self._halts, self._overtaken = Halts(), Overtaken()
-        self._halting = threading.Lock()
         self._leases: dict[tuple[str, str, bool], str] = {}
         self._letting_in = LettingIn(robot, self._address)
         self._built_in: dict[str, Callable[[VerbCall, _Speaker], ConsoleResult]] = {
@@ -98,7 +96,7 @@ class Dispatcher:
             "report": self._report,
             "status": lambda _call, _by: ConsoleResult(code=DONE, text=self._reports.health()),
             "estop": self._estop,
-            "reset": lambda _call, by: robot.estop_reset(by.source),
+            "reset": lambda _call, by: robot.estop_reset(by.source, by.sent_s - by.waited_s),
             "help": self._help,
             "shutdown": self._shutdown,
             "restart": self._restart,
@@ -131,9 +129,6 @@ class Dispatcher:
             if parsed is None:
                 return ConsoleResult(code=DONE, text="")
             said_s = time.monotonic() if sent_s is None else sent_s
-            if remote_stamp:
-                with self._halting:
-                    said_s = self._overtaken.dated(stamp.read(remote_stamp), said_s)
             return self._run(parsed, _Speaker(source, role, local, said_s, remote_stamp, waited_s, page), clean(line))
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err), reason_code=err.code)
@@ -149,62 +144,19 @@ class Dispatcher:
         if isinstance(parsed, PythonLine):
             return self._python(parsed.code, by)
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
-        if why := _not_allowed(needed, by) or _not_from_there(parsed, by) or self._too_late(parsed, needed, by):
+        if why := _not_allowed(needed, by) or _not_from_there(parsed, by):
             return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
         if by.is_recorded and RANKS[needed] > RANKS["view"]:
             self._robot.record("line", by.told, line[:MOST_RECORDED])
         if isinstance(parsed, ExternalStop):
             return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told, by.source))
         if isinstance(parsed, ExternalCall):
-            return self._robot.run_external(parsed, by.told, by.source)
+            return self._robot.run_external(parsed, by.told, by.origin, by.sent_s)
         if parsed.capability == EXECUTIVE:
             return self._built_in[parsed.command](parsed, by)
         return self._ask(parsed, by)
 
-    def _too_late(self, parsed: Parsed, needed: Role, by: _Speaker) -> Reason | None:
-        """Return why a line does nothing any more: a stop has overtaken it, or another stopped the robot while it waited.
-
-        Each mover knows this of motion; here it holds for programs and whatever else may come to move something. What
-        stopped the robot past the executive, a page or a program, the movers are asked for. A reset moves nothing, and
-        releases what its sender has pressed; it is too late where another has pressed since.
-        """
-        ends = isinstance(parsed, ExternalStop) or (isinstance(parsed, VerbCall) and parsed.command in {STOP, "estop"})
-        if ends or RANKS[needed] <= RANKS["view"]:
-            return None
-        if not by.sent_s > self._halts.at:  # lines are answered by many threads, and stops by their own
-            return Reason("stopped", "a stop came after this line")
-        if by.waited_s == 0.0:
-            return None
-        movers = self._robot.plan.stoppable()
-        own = isinstance(parsed, VerbCall) and parsed.capability in movers
-        heard = [self._halts.by_others(by.source)]
-        if _releases(parsed):
-            heard.append(self._robot.pressed_by_others(by.source))
-        elif not own:
-            heard += self._halted(movers, by.source)
-        at, who = max(heard)
-        return None if by.sent_s - by.waited_s > at else Reason("stopped_since", f"{STOPPED_SINCE}by {who}")
-
-    def _halted(self, movers: Iterable[str], source: str) -> list[tuple[float, str]]:
-        """Return when movers were stopped last, and by which others; what one does not say in time is not known."""
-        keys_of = [keys.port(self._robot.plan.robot, name, "state") for name in movers]
-        found = []
-        for answer in wire.ask_all(self._bus, keys_of, source="executive", timeout_s=HALTED_S):
-            with contextlib.suppress(MalformedError):  # what a program publishes may be anything
-                said = codec.decode(answer.payload)
-                at, who = (said.get("halted_s"), said.get("halted_by")) if isinstance(said, dict) else (None, None)
-                if isinstance(at, float) and isinstance(who, str) and who not in {"", source}:
-                    found.append((at, who))
-        return found
-
-    def _halt(self, by: _Speaker) -> None:
-        with self._halting:
-            self._halts = self._halts.heard(by.sent_s, by.source)
-            if by.remote_stamp:
-                self._overtaken.stopped(stamp.read(by.remote_stamp), by.sent_s)
-
     def _estop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
-        self._halt(by)
         return self._robot.estop(str(call.payload.get("reason", "")), by.source)
 
     def _ask(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
@@ -289,7 +241,6 @@ class Dispatcher:
 
     def _stop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
         """Stop whatever moves, all of it at once: what one does not answer delays the stop of no other."""
-        self._halt(by)
         robot = self._robot.plan.robot
         movers = {keys.port(robot, name, STOP): name for name in self._robot.plan.stoppable()}
         if not movers:
@@ -366,10 +317,6 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=f"{out.getvalue()}{type(err).__name__}: {err}", reason_code="failed")
         text = out.getvalue() + ("" if value is None else repr(value))
         return ConsoleResult(code=DONE, text=text.rstrip("\n"))
-
-
-def _releases(parsed: Parsed) -> bool:
-    return isinstance(parsed, VerbCall) and (parsed.capability, parsed.command) == (EXECUTIVE, "reset")
 
 
 def _not_allowed(needed: Role, by: _Speaker) -> Reason | None:

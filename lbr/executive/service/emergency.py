@@ -15,13 +15,16 @@ from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.capability.halts import Halts
 from lbr.errors import LbrError, MalformedError
-from lbr.messages.system import EstopAcknowledgement, EstopRequest, EstopState
+from lbr.messages.codes import Reason
+from lbr.messages.leases import STOPPED_SINCE
+from lbr.messages.system import EstopAcknowledgement, EstopRelease, EstopRequest, EstopState
 
 REPEAT_S = 0.05
 REPEAT_LATER_S = 1.0
 REPEAT_FOR_S = 5.0
 SHORTEST_S = 0.2
 ACKNOWLEDGE_LIMIT_S = 0.5
+RELEASE_S = 1.0
 ALONE_S = 0.5
 """How long a mover may say that it is latched before the press that it heard is here too."""
 NOT_SAVED = "the emergency stop's latch is not on the disk"
@@ -59,7 +62,7 @@ class Emergency:
         self._within_s: dict[str, float] = {}
         self._begun: dict[str, float] = {}
         self._announced: tuple[bool, tuple[str, ...]] = (True, ())
-        self._changed = threading.Condition()
+        self._changed, self._answered = threading.Condition(), threading.Condition()
         self._repeat_at = 0.0
         self._repeat_until = 0.0
         self._latched_at = time.monotonic() if state.engaged else -inf
@@ -98,10 +101,6 @@ class Emergency:
             )
         )
 
-    def pressed_by_others(self, source: str) -> tuple[float, str]:
-        """Return when another than `source` pressed it last, by the monotonic clock, and who that was; from any thread."""
-        return self._halts.by_others(source)
-
     def press(self, reason: str, source: str) -> EstopState:
         """Latch, and wait until every mover's device has acknowledged, at most as long as their rows say; from any thread.
 
@@ -122,18 +121,21 @@ class Emergency:
                     break
         return self.state()
 
-    def release(self, source: str) -> str:
+    def release(self, source: str, written_s: float) -> Reason | None:
         """Release every mover, then the latch; return why not, or nothing. From any thread but the executive's own.
 
-        A press that comes meanwhile wins: what was released already is latched again. Waits for the disk, unless that
-        fails or takes half a second. A stop is never so short that a stream of commands has not met it.
+        What was written before another than `source` pressed it releases nothing. A press that comes meanwhile wins: what
+        was released already is latched again. Waits for the disk, unless that fails or takes half a second. A stop is never so short that a stream of commands has not met it.
         """
+        at, who = self._halts.by_others(source)
+        if not written_s > at:  # this way round, NaN was written too early
+            return Reason("stopped_since", f"{STOPPED_SINCE}by {who}")
         time.sleep(max(0.0, min(SHORTEST_S, self._latched_at + SHORTEST_S - time.monotonic())))
         with self._changed:
             presses = self._count
             self._releasing += 1  # a repetition now would latch again what has just been released
         try:
-            why_not = next((text for name in self._movers() if (text := self._release(name))), "")
+            why_not = self._release(source)
         except LbrError as err:
             why_not = f"{err}; it stays latched"
         with self._changed:
@@ -153,7 +155,7 @@ class Emergency:
         self._wake()
         with self._changed:
             self._changed.wait_for(lambda: self._save_tried, ACKNOWLEDGE_LIMIT_S)
-        return why_not
+        return Reason("refused", why_not) if why_not else None
 
     def forget(self, name: str) -> None:
         """Take back a mover's acknowledgement: its process is a new one."""
@@ -167,14 +169,31 @@ class Emergency:
         within_s = self._within_s.get(name, ACKNOWLEDGE_LIMIT_S)
         return max(self._latched_at, self._begun.get(name, -inf)) + within_s
 
-    def _release(self, name: str) -> str:
+    def _release(self, source: str) -> str:
+        """Release all movers at once, since those that follow others answer once these are armed; return why not."""
+        payload = wire.encode(EstopRelease(by=source))
+        asked = {name: self._asked_to_release(name, payload) for name in self._movers()}
+        until = time.monotonic() + RELEASE_S
+        with self._answered:
+            self._answered.wait_for(lambda: all(one.done for one in asked.values()), until - time.monotonic())
+        return next((why for name, one in asked.items() if (why := _not_released(name, one))), "")
+
+    def _asked_to_release(self, name: str, payload: bytes) -> wire.PendingQuery:
         key = keys.estop_release(self._robot, name)
-        seal = bytes.fromhex(self._seal(key))
-        answers = wire.ask(self._session, key, {}, source="executive", timeout_s=1.0, seal=seal)
-        if any(b'"accepted":true' in answer.payload for answer in answers):
-            return ""
-        why = "; ".join(answer.payload.decode(errors="replace") for answer in answers) or "no answer"
-        return f"'{name}' did not release its emergency stop ({why}); it stays latched"
+        sealed = stamp.make("executive", 0, payload, bytes.fromhex(self._seal(key)))
+        return wire.PendingQuery(
+            self._session,
+            key,
+            payload,
+            timeout_s=RELEASE_S,
+            source="executive",
+            attachment=sealed,
+            wake=self._hear_of_releases,
+        )
+
+    def _hear_of_releases(self) -> None:
+        with self._answered:
+            self._answered.notify_all()
 
     def step(self, now: float) -> float:
         """Write down what is new, repeat what is not acknowledged; return when to be called again."""
@@ -212,7 +231,7 @@ class Emergency:
                     self._session,
                     keys.estop(self._robot),
                     request,
-                    source="executive",
+                    source=self._source or "executive",
                     urgent=True,
                     to_others=True,  # what is heard here counts as a press
                 )
@@ -308,3 +327,10 @@ def in_words(state: EstopState) -> EstopState:
     else:
         how = f"acknowledged by {', '.join(state.acknowledged)}"
     return replace(state, text=f"emergency stop: {how}")
+
+
+def _not_released(name: str, asked: wire.PendingQuery) -> str:
+    if any(b'"accepted":true' in answer.payload for answer in asked.replies):
+        return ""
+    why = "; ".join(answer.payload.decode(errors="replace") for answer in asked.replies) or "no answer"
+    return f"'{name}' did not release its emergency stop ({why}); it stays latched"

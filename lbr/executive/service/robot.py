@@ -2,6 +2,7 @@
 
 from typing import Protocol
 
+from lbr.bus.stamp import Origin
 from lbr.console.verbs import ExternalCall, Vocabulary
 from lbr.executive.planning.plan import Plan
 from lbr.executive.service.pairing import Code
@@ -28,11 +29,8 @@ class Robot(Protocol):
     def estop(self, reason: str, source: str) -> ConsoleResult:
         """Latch the emergency stop and wait for the devices."""
 
-    def pressed_by_others(self, source: str) -> tuple[float, str]:
-        """Return when another than `source` pressed the emergency stop last, and who that was."""
-
-    def estop_reset(self, source: str) -> ConsoleResult:
-        """Release it."""
+    def estop_reset(self, source: str, written_s: float) -> ConsoleResult:
+        """Release it, unless another has pressed it since that was written."""
 
     def shutdown(self, source: str) -> None:
         """Begin the shutdown."""
@@ -46,8 +44,8 @@ class Robot(Protocol):
     def listen_at(self, name: str, host: str, who: str) -> None:
         """Write where a server listens, a setting of its row; RowError or InputError if it may not be."""
 
-    def run_external(self, call: ExternalCall, who: str, about: str) -> ConsoleResult:
-        """Start an external command."""
+    def run_external(self, call: ExternalCall, who: str, origin: Origin, said_s: float) -> ConsoleResult:
+        """Start an external command, which is told whose line that was, and when it was written and said."""
 
     def stop_external(self, name: str, who: str, about: str) -> str:
         """End one."""

@@ -33,6 +33,7 @@ def asks(event: Command, settings: DriveSettings) -> LeaseRequest:
         remote=event.remote,
         sender_s=event.sender_s,
         waited_s=event.waited_s,
+        by=event.by,
         answerable=event.answerable,
         patience_s=LATE_S + (2 * settings.checks_timeout_s if event.checks else 0.0),
     )

@@ -29,8 +29,8 @@ from lbr.operations.leasing.lease import EstopChanged, Happened, Lease, LeaseTab
 class Command(Struct, frozen=True, kw_only=True):
     """A motion command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
 
-    For `waited_s` before that it had waited at its sender. `remote`: from another machine, whose clock said `sender_s`
-    (NaN: it did not tell). `answerable`: the sender waits for the reply. `checks`: what the user's own checks said.
+    For `waited_s` before that it had waited at its sender; `by` asked the sender for it. `remote`: from another machine,
+    whose clock said `sender_s` (NaN: it did not tell). `answerable`: the sender waits for the reply. `checks`: what the user's own checks said.
     """
 
     command: Motion
@@ -41,6 +41,7 @@ class Command(Struct, frozen=True, kw_only=True):
     remote: bool = False
     sender_s: float = nan
     waited_s: float = 0.0
+    by: str = ""
     answerable: bool = True
     checks: Mapping[str, CheckVerdict | None] = {}
 

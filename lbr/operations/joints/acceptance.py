@@ -37,6 +37,7 @@ def asks(state: State, event: Command) -> LeaseRequest:
         remote=event.remote,
         sender_s=event.sender_s,
         waited_s=event.waited_s,
+        by=event.by,
         answerable=event.answerable,
     )
     known = quoted(state.leases, ask) if empty(command) else None

@@ -117,9 +117,9 @@ def _offer(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> D
 def stop(leases: LeaseTable[M], event: Stop, now: float) -> Decision[M]:
     """Stand still, whichever sender says so; a command that was sent before it begins nothing."""
     sent = min(now, event.received)  # this way round, NaN means now
-    own = leases.live is not None and leases.live.source == event.source
+    own = event.own or (leases.live is not None and leases.live.source == event.source)
     if event.whole or not own:
-        leases = replace(leases, halts=leases.halts.heard(sent, event.source))
+        leases = replace(leases, halts=leases.halts.heard(sent, event.by or event.source))
     if sent >= leases.stopped:
         leases = replace(leases, stopped=sent, stopped_by=event.source)
     leases = forget_persistent(leases, event.source)
@@ -135,7 +135,7 @@ def latch(leases: LeaseTable[M], event: EstopChanged, now: float) -> Decision[M]
     """Latch or release the emergency stop; what was sent before either begins nothing any more."""
     stopped = max(leases.stopped, now)
     leases = replace(leases, estop=event.engaged, estop_reason=event.reason, stopped=stopped, stopped_by="")
-    by = "the emergency stop" if event.engaged else "the emergency stop's reset"
+    by = event.by or ("the emergency stop" if event.engaged else "the emergency stop's reset")
     leases = replace(leases, halts=leases.halts.heard(now, by))
     why = f"emergency stop: {event.reason or 'no reason given'}" if event.engaged else "the emergency stop was reset"
     return end_all(leases, "fault", Reason("estop", why), now)

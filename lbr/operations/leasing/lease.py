@@ -37,7 +37,7 @@ class LeaseRequest(Struct, frozen=True, kw_only=True):
     `what` it asks for, apart from sender, lease and lifetime; `moves` says that it is not standing still. `remote`:
     from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: the sender waits for the
     reply. `new_lease` is for what it may begin. It may be `patience_s` old. For `waited_s` before it was sent it had
-    waited at its sender, as a line does that was typed ahead.
+    waited at its sender, as a line does that was typed ahead. `by` asked its sender for it, if anybody did.
     """
 
     source: str
@@ -53,14 +53,15 @@ class LeaseRequest(Struct, frozen=True, kw_only=True):
     answerable: bool = True
     patience_s: float = LATE_S
     waited_s: float = 0.0
+    by: str = ""
 
 
 class Stop(Struct, frozen=True, kw_only=True):
     """A sender wants it to stand still; `lost` says that the one who wanted the motion is gone, and counts from its
     holder.
 
-    `whole`: the robot is to stand still, not only what its holder moves. `by` is who said so, if its source passes it
-    on; `at_once`: it does not step to its feet first.
+    `whole`: the robot is to stand still, not only what its holder moves. `own`: its source gives up what it asked for
+    itself. `by` is who said so, if its source passes it on; `at_once`: it does not step to its feet first.
     """
 
     source: str
@@ -68,15 +69,17 @@ class Stop(Struct, frozen=True, kw_only=True):
     reason: str = ""
     lost: bool = False
     whole: bool = False
+    own: bool = False
     by: str = ""
     at_once: bool = False
 
 
 class EstopChanged(Struct, frozen=True, kw_only=True):
-    """The emergency stop was latched or reset."""
+    """The emergency stop was latched or reset, `by` whom."""
 
     engaged: bool
     reason: str = ""
+    by: str = ""
 
 
 class Lease(Struct, Generic[M], frozen=True, kw_only=True):

@@ -113,7 +113,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self._beat, self._meter, self._loop = Beat(self.rate_hz), LoopMeter(self.rate_hz), None
         self._waiting: deque[WaitingCommand] = deque()
         self._driver_at, self._driver_alive = -inf, False
-        self._alive_holder = ""
+        self._alive_holder = self._pressed_by = ""
 
     def step(self) -> None:
         """Take in what arrived; at the loop's rate have time go by."""
@@ -128,7 +128,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
     def command(self, call: Call) -> None:
         """Decide a command now, or once those have answered whom it needs.
 
-        By a name that comes from another machine nothing is lost: that proves nothing.
+        By a name that comes from another machine nothing is lost, or passed on: that proves nothing.
         """
         self.listen()
         if call.name == STOP:
@@ -139,7 +139,8 @@ class LeasingCapability(Capability[S], Generic[S, L]):
                 reason=said.reason,
                 lost=lost,
                 whole=said.whole,
-                by=said.by,
+                own=said.own,
+                by="" if call.remote else said.by,
                 at_once=said.at_once,
             )
             self.happen(stop, call)
@@ -162,12 +163,14 @@ class LeasingCapability(Capability[S], Generic[S, L]):
     def listen(self) -> None:
         """Take in what arrived."""
         estop = self.ctx.estop
-        if estop.engaged != self._state.leases.estop:
-            self.happen(EstopChanged(engaged=estop.engaged, reason=estop.reason))
+        if estop.engaged != self._state.leases.estop or (estop.engaged and estop.by != self._pressed_by):
+            self._pressed_by = estop.by
+            self.happen(EstopChanged(engaged=estop.engaged, reason=estop.reason, by=estop.by))
         if self.driver:
             self._watch_driver(self.driver)
         self._watch_holder()
         self.hear()
+        estop.follows = not self.trouble()
         if estop.engaged:
             why_not = self.not_at_rest()
             estop.acknowledge(stopped=not why_not, reason=why_not)
@@ -250,6 +253,7 @@ def said_by(call: Call) -> dict[str, Any]:
         "remote": call.remote,
         "sender_s": call.sender_s,
         "waited_s": call.waited_s,
+        "by": call.by,
         "answerable": call.answerable,
     }
 

@@ -102,11 +102,11 @@ def _held(lease: Lease[M], ask: LeaseRequest) -> Reason:
 def _waited(leases: LeaseTable[M], ask: LeaseRequest) -> Reason | None:
     """Refuse what was typed or written before another stopped the robot, however late it is sent.
 
-    How long it waited is told by its sender's clock alone, so that the clocks of two machines are never compared.
+    A sender's own stops are meant in their order, whoever passes them or its commands on. How long it waited is told by its sender's clock alone, so that the clocks of two machines are never compared.
     """
     if leases.estop or not ask.moves or ask.waited_s == 0.0:
         return None
-    at, by = leases.halts.by_others(ask.source)
+    at, by = leases.halts.by_others(ask.by or ask.source)
     if dated(leases, ask) - ask.waited_s > at:  # this way round, NaN waited too long
         return None
     return Reason("stopped_since", f"{STOPPED_SINCE}{f'by {by}' if by else 'what moves it started over'}")

@@ -49,13 +49,13 @@ class Hand:
             self._take(*decide.grant(self.leases, ask, verdict, what, self.now))
         return replies[0].message.reason if replies else ""
 
-    def stop(self, source: str = "phone", *, whole: bool = False) -> str:
-        event = Stop(source=source, received=self.now, whole=whole)
+    def stop(self, source: str = "phone", *, whole: bool = False, own: bool = False, by: str = "") -> str:
+        event = Stop(source=source, received=self.now, whole=whole, own=own, by=by)
         self._take(*decide.stop(self.leases, event, self.now))
         return ""
 
-    def latch(self, *, engaged: bool) -> None:
-        self._take(*decide.latch(self.leases, EstopChanged(engaged=engaged, reason="button"), self.now))
+    def latch(self, *, engaged: bool, by: str = "") -> None:
+        self._take(*decide.latch(self.leases, EstopChanged(engaged=engaged, reason="button", by=by), self.now))
 
     def wait(self, seconds: float) -> None:
         self.now += seconds
@@ -330,3 +330,64 @@ def test_stops_in_any_order_are_never_taken_for_later_than_the_last(stops, asker
     for at, source in stops:
         halts = halts.heard(at, source)
     assert halts.by_others(asker)[0] <= max((at for at, source in stops if source != asker), default=-inf)
+
+
+PEOPLE = st.sampled_from(["ann", "bob", "cy"])
+HAPPENINGS = st.one_of(
+    st.tuples(st.sampled_from(["whole", "stop", "passed_on", "gives_up", "press", "reset", "moves"]), PEOPLE),
+    st.tuples(st.just("time"), st.sampled_from([0.1, 0.5, 1.0])),
+)
+
+
+def live_through(hand: Hand, what: str, who) -> list[str]:
+    """Have it happen, and return whose stop it was, if it was one."""
+    holds = hand.leases.live is not None and hand.leases.live.source == who
+    match what:
+        case "time":
+            hand.wait(who)
+        case "moves":
+            hand.ask(source=who)
+        case "whole" | "stop":
+            hand.stop(who, whole=what == "whole")
+            return [who] if what == "whole" or not holds else []
+        case "passed_on":
+            hand.stop("motions", by=who)
+            return [who]
+        case "gives_up":
+            hand.stop(who, own=True)
+        case "press" | "reset":
+            hand.latch(engaged=what == "press", by=who)
+            return [who]
+    return []
+
+
+@given(st.lists(HAPPENINGS, max_size=12), PEOPLE, st.integers(0, 12), st.booleans())
+def test_what_was_written_before_a_stop_of_anothers_moves_nothing_and_ones_own_stops_are_meant(
+    happenings, writer, place, by_a_proxy
+):
+    """Against a list of all stops: refused for exactly those of others that came after the line was written."""
+    hand, stops, written = Hand(), [], None
+    for number, (what, who) in enumerate(happenings):
+        hand.wait(0.01)
+        if number == place:
+            written = hand.now
+        hand.wait(0.01)
+        stops += [(hand.now, stopper) for stopper in live_through(hand, what, who)]
+    hand.wait(0.5)
+    hand.latch(engaged=False, by=writer)  # what is latched refuses for that
+    hand.wait(0.5)
+    written = hand.now - 0.1 if written is None else written
+    waited_s = hand.now - written
+    more = {"source": "dance", "by": writer} if by_a_proxy else {"source": writer}
+    refusal = hand.ask("clap", waited_s=waited_s, **more)
+    others = [at for at, stopper in stops if stopper != writer and at >= written]
+    assert refusal.startswith(STOPPED_SINCE) == bool(others), refusal
+    assert (hand.motion == "clap") == (not others)
+
+
+def test_what_a_guest_says_of_whose_stop_it_passes_on_counts_for_nothing(hand):
+    """The process around the kernel drops `by` of what comes from another machine; so it is the guest's own."""
+    hand.wait(10.0)
+    hand.stop("guest", whole=True)
+    hand.wait(1.0)
+    assert hand.ask(source="ann", waited_s=2.0) == f"{STOPPED_SINCE}by guest"
