@@ -15,6 +15,7 @@ import click
 import msgspec
 from msgspec import Struct, inspect
 
+from lbr import plugins
 from lbr.bus import keys
 from lbr.capability import registry, twins
 from lbr.capability.kind import Kind
@@ -63,7 +64,12 @@ def main(arguments: list[str]) -> int:
 def not_installed() -> list[str]:
     """Return the kinds that the project declares and this environment has not heard of: the pages would leave them out."""
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["entry-points"]["lbr.capabilities"]
-    return sorted(declared.keys() - set(registry.names(NOWHERE)))
+    return sorted(declared.keys() - set(own(registry.GROUP)))
+
+
+def own(group: str) -> list[str]:
+    """Return the names that lbr itself brings to a group; packages that share the environment have pages of their own."""
+    return sorted(name for name, one in plugins.installed(group).items() if one.ours)
 
 
 def pages() -> dict[str, str]:
@@ -82,7 +88,7 @@ def pages() -> dict[str, str]:
 
 def kinds() -> list[Kind]:
     """Return the installed kinds, by family and name."""
-    found = [registry.find(name, NOWHERE) for name in registry.names(NOWHERE)]
+    found = [registry.find(name, NOWHERE) for name in own(registry.GROUP)]
     return sorted(found, key=lambda kind: (FAMILIES.index(kind.family), kind.name))
 
 
@@ -367,7 +373,7 @@ def settings_page(known: list[Kind]) -> str:
         "its twin is built, and what is wrong with it; the command `fault` of the simulated world changes the faults "
         "while it runs. Any device can be unplugged.\n"
     )
-    for device in twins.names():
+    for device in own(twins.GROUP):
         found = twins.find(device)
         assert found is not None
         row = found.row

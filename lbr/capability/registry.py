@@ -10,6 +10,7 @@ from pathlib import Path
 from lbr import ownership, plugins
 from lbr.capability.kind import Kind, KindError
 from lbr.messages.rows import Row
+from lbr.names import did_you_mean
 from lbr.plugins import Plugin, PluginError
 
 GROUP = "lbr.capabilities"
@@ -44,7 +45,7 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
         if package := plugins.fresh(GROUP, name):
             text = f"kind '{name}' of package '{package}' was installed after this robot was started"
             raise KindError(f"{text}: start the robot again")
-        raise KindError(f"there is no kind '{name}': {', '.join(names(home))} exist; a new one is {path}")
+        raise KindError(f"there is no kind '{name}': {did_you_mean(name, names(home))} A new one is {path}")
     _refuse_if_others_may_write(path)
     kind, _texts[name] = _from_file(name, path, fingerprint(name, home), trial=trial)
     return kind

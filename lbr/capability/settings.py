@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import msgspec
-from msgspec import Struct
+from msgspec import Struct, inspect
 
 from lbr.capability.choices import with_choices
 from lbr.names import near
@@ -58,10 +58,26 @@ def _of_value(kind: Any, value: Any, at: str) -> tuple[str, ...]:
     try:
         msgspec.json.decode(msgspec.json.encode(value), type=kind)
     except msgspec.ValidationError as err:
-        return (_placed(with_choices(str(err), kind), at),)
+        return (_beyond(kind, value, at) or _placed(with_choices(str(err), kind), at),)
     except Exception as err:  # noqa: BLE001 - see above
         return (_placed(f"{type(err).__name__}: {err}", at),)
     return ()
+
+
+def _beyond(kind: Any, value: Any, at: str) -> str:
+    """Return which bounds a number is beyond, in the console's words; nothing if something else is wrong."""
+    found = inspect.type_info(kind)
+    while isinstance(found, inspect.Metadata):
+        found = found.type
+    numbers = [one for one in getattr(found, "types", (found,)) if isinstance(one, inspect.IntType | inspect.FloatType)]
+    if len(numbers) != 1 or isinstance(value, bool) or not isinstance(value, int | float):
+        return ""
+    (number,) = numbers
+    if isinstance(number, inspect.IntType) and not isinstance(value, int):
+        return ""
+    bounds = {"above": number.gt, "at least": number.ge, "below": number.lt, "at most": number.le}
+    said = " and ".join(f"{words} {bound:.12g}" for words, bound in bounds.items() if bound is not None)
+    return f"{at.removeprefix('$.')} is {said}, not {value:.12g}" if said else ""
 
 
 def _placed(text: str, at: str) -> str:

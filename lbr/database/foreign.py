@@ -1,14 +1,18 @@
 """Tables, triggers, indexes and views in a database that are not of lbr's schema."""
 
+import re
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
 from lbr.database.connection import Connection
+from lbr.database.tables import Schema
+from lbr.database.triggers import revision_triggers
 from lbr.messages.rows import shown
 from lbr.resources import robot_db_sql
 
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
 _OBJECTS = (
     "SELECT type, name, tbl_name FROM sqlite_schema WHERE name NOT LIKE 'sqlite!_%' ESCAPE '!' ORDER BY type, name"
 )
@@ -19,9 +23,24 @@ def foreign(connection: Connection, sql: Path | None = None) -> Iterator[str]:
     with closing(sqlite3.connect(":memory:")) as ours:
         ours.executescript((sql or robot_db_sql()).read_text(encoding="utf-8"))
         known = {(kind, name) for kind, name, _ in ours.execute(_OBJECTS)}
+    schema = Schema(connection)
     for kind, name, table in connection.execute(_OBJECTS):
         if (kind, name) not in known:
+            if kind == "table" and name not in schema and (triggers := _triggers(connection, name)):
+                yield (
+                    f"table '{shown(name)}' has not the triggers that keep its changes, so nothing of lbr reads it."
+                    f" If a capability of yours is to, these make them:\n\n{triggers}"
+                )
             where = (
                 f" on the table '{shown(table)}', which acts by itself at each edit there," if kind == "trigger" else ""
             )
             yield f"{kind} '{shown(name)}'{where} is not of lbr's schema: unless it is yours, `DROP {kind.upper()} {shown(name)}`"
+
+
+def _triggers(connection: Connection, table: str) -> str:
+    """Return the SQL of the triggers that a table lacks; nothing for one that could not be a capability's, by its names."""
+    found = connection.execute("SELECT name, pk FROM pragma_table_info(?)", (table,)).fetchall()
+    columns = [name for name, _ in found]
+    key = [name for name, _ in sorted((one for one in found if one[1]), key=lambda one: one[1])]
+    plain = all(_NAME.fullmatch(name) for name in (table, *columns))
+    return revision_triggers(table, columns, key) if key and plain else ""

@@ -34,7 +34,7 @@ def test_every_field_says_its_own_with_its_path():
     found = faults(Settings, {"near_m": 9, "kind": "a", "inner": {"at": "x", "words": ["a", ""], "other": 1}})
     assert list(found) == [
         "Object contains unknown field `kind`, there is device, inner, near_m, type",
-        "Expected `float` <= 5.0 - at `$.near_m`",
+        "near_m is above 0 and at most 5, not 9",
         "Object missing required field `device`",
         "Object contains unknown field `other`, there is at, words - at `$.inner`",
         "Expected `float`, got `str` - at `$.inner.at`",

@@ -95,6 +95,27 @@ def test_what_is_not_of_our_schema_is_a_hint(path, sql, said):
     assert said in hint
 
 
+def test_a_table_without_triggers_is_told_with_the_sql_that_makes_them(path):
+    table = "CREATE TABLE greeting (robot TEXT NOT NULL, name TEXT NOT NULL, said INTEGER, PRIMARY KEY (robot, name))"
+    lacking, _ = hints(path, table)["schema"]
+    assert "'greeting'" in lacking
+    with closing(sqlite3.connect(path)) as connection:
+        connection.executescript(lacking.partition("\n\n")[2])
+        connection.execute("INSERT INTO greeting VALUES ('lbr', 'ann', 0)")
+        connection.execute("UPDATE greeting SET said = 1")
+        connection.execute("UPDATE greeting SET said = 1")
+        connection.execute("DELETE FROM greeting")
+        connection.commit()
+        kept = "SELECT row_key, operation, old_row, new_row FROM revision WHERE table_name = 'greeting' ORDER BY id"
+        was, now = (f'{{"robot":"lbr","name":"ann","said":{said}}}' for said in (0, 1))
+        assert connection.execute(kept).fetchall() == [
+            ('["lbr","ann"]', "insert", None, was),
+            ('["lbr","ann"]', "update", was, now),
+            ('["lbr","ann"]', "delete", now, None),
+        ]
+    assert all("triggers that keep" not in hint for hint in hints(path, "SELECT 1")["schema"])
+
+
 def test_code_of_ones_own_is_a_hint(path):
     own = path.parent / "capabilities"
     own.mkdir(mode=0o700)

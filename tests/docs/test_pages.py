@@ -15,7 +15,7 @@ import pytest
 
 from tests.docs.pages import FILE, PAGES, ROOT, RUNNABLE, VARYING, Block, anchors, blocks, links
 from tests.docs.ready import measured
-from tests.support import programs, slots
+from tests.support import packages, programs, slots
 from tests.support.machine import Stopwatch
 from tests.support.robot import Robot, prepare, running
 
@@ -77,6 +77,16 @@ def generate(*arguments: str) -> "subprocess.CompletedProcess[str]":
 
 def test_reference_pages_are_fresh():
     done = generate("--check")
+    assert done.returncode == 0, done.stderr
+
+
+def test_what_other_packages_bring_is_not_in_the_reference(tmp_path):
+    kind = "from lbr.capability import Capability, Kind\nKIND = Kind(name='stranger', summary='', family='app', entry=Capability)\n"
+    points = {"lbr.capabilities": "stranger = stranger:KIND", "lbr.twins": "stranger = stranger:TWIN"}
+    packages.package(tmp_path, "stranger", entry_points=points, files={"stranger.py": kind})
+    command = [sys.executable, str(ROOT / "docs" / "generate.py"), "--check"]
+    environment = {**os.environ, "PYTHONPATH": packages.on_path(tmp_path)}
+    done = programs.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 

@@ -35,7 +35,7 @@ def test_a_kind_brings_its_table_reads_it_and_writes_back_what_it_learns(robot):
     shutil.copy(EXAMPLES / "greetings.py", folder)
     (folder / "greetings.py").chmod(0o600)
     sql(robot, kind)
-    missing = "'greetings' reads the table 'greeting', which is not there: its SQL makes it"
+    missing = "'greetings' reads the table 'greeting', which is not there, or has not the triggers"
     until(lambda: any(missing in problem for problem in robot.status()["problems"]), what="the table is missed")
     sql(robot, "DELETE FROM capability WHERE name = 'early'")
     sql(robot, (EXAMPLES / "greetings.sql").read_text())

@@ -171,7 +171,7 @@ def test_every_problem_is_named_at_once(rows):
     found = "\n".join(problems(bad))
     for words in (
         "capability 'lbr/shell', kind: 'os.system' is not a kind's name",
-        "capability 'lbr/second', settings: Expected `int` <= 250 - at `$.watchdog_ms`",
+        "capability 'lbr/second', settings: watchdog_ms is at least 50 and at most 250, not 900",
         "capability 'lbr/third', settings: device: device 'motor_controller' is of type 'roboteq'",
         "channel 'lbr/drive.nonsense/motors.setpoint', source: 'drive' has no output 'nonsense'",
         "verb 'lbr/fly//fly/{height}', pattern: drive.command has no field 'height'",

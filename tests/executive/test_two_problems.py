@@ -48,7 +48,7 @@ VERB = "INSERT INTO verb (robot, word, pattern, target, payload, role) VALUES "
 
 SETTINGS = '{"device": "motor_controller", "watchdog_ms": 900, "lefty": 3, "nonsense": 1}'
 OF_SETTINGS = (
-    "settings: Expected `int` <= 250 - at `$.watchdog_ms` (kind 'roboteq')",
+    "settings: watchdog_ms is at least 50 and at most 250, not 900 (kind 'roboteq')",
     "settings: Object contains unknown field `nonsense`, there is ",
     "settings: Object contains unknown field `lefty`, did you mean `left`?",
 )

@@ -165,7 +165,10 @@ def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Proble
         if row.TABLE in rows.tables:
             yield from rows.tables.problems(row)
         elif name := readers.get(row, ""):
-            text = f"'{kinds[name].name}' reads the table '{row.TABLE}', which is not there: its SQL makes it, with triggers"
+            text = (
+                f"'{kinds[name].name}' reads the table '{row.TABLE}', which is not there, or has not the triggers that keep"
+                " its changes: its SQL makes both, `lbr db check` prints the triggers of a table that has none"
+            )
             yield Problem("capability", f"{rows.robot.name}/{name}", "kind", text)
 
 
