@@ -924,7 +924,7 @@ INSERT INTO behaviour_row (robot, behaviour, step, type, state, conditions, outp
 
 
 -- ---------------------------------------------------------------------------------------------------------------------
--- Triggers that keep the revisions; last, so that a new database begins at revision 0. What lbr itself writes into the
+-- Triggers that keep the revisions, written by docs/generate.py from the columns; last, so that a new database begins at revision 0. What lbr itself writes into the
 -- robot's row while it runs (last start and shutdown, emergency stop) is no revision.
 
 CREATE TRIGGER robot_insert AFTER INSERT ON robot
@@ -932,7 +932,8 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('robot', json_array(NEW.name), 'insert',
             NULL,
-            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner));
+            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description,
+            'owner', NEW.owner));
 END;
 
 CREATE TRIGGER robot_update AFTER UPDATE ON robot
@@ -941,15 +942,18 @@ WHEN (OLD.name, OLD.model, OLD.description, OLD.owner)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('robot', json_array(NEW.name), 'update',
-            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner),
-            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description, 'owner', NEW.owner));
+            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description,
+            'owner', OLD.owner),
+            json_object('name', NEW.name, 'model', NEW.model, 'description', NEW.description,
+            'owner', NEW.owner));
 END;
 
 CREATE TRIGGER robot_delete AFTER DELETE ON robot
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('robot', json_array(OLD.name), 'delete',
-            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description, 'owner', OLD.owner),
+            json_object('name', OLD.name, 'model', OLD.model, 'description', OLD.description,
+            'owner', OLD.owner),
             NULL);
 END;
 
@@ -958,8 +962,9 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('capability', json_array(NEW.robot, NEW.name), 'insert',
             NULL,
-            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'enabled', NEW.enabled, 'settings',
-            NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help, 'process', NEW.process));
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'enabled', NEW.enabled,
+            'settings', NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help,
+            'process', NEW.process));
 END;
 
 CREATE TRIGGER capability_update AFTER UPDATE ON capability
@@ -968,18 +973,21 @@ WHEN (OLD.robot, OLD.name, OLD.kind, OLD.enabled, OLD.settings, OLD.restart, OLD
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('capability', json_array(NEW.robot, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'enabled', OLD.enabled, 'settings',
-            OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help, 'process', OLD.process),
-            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'enabled', NEW.enabled, 'settings',
-            NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help, 'process', NEW.process));
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'enabled', OLD.enabled,
+            'settings', OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help,
+            'process', OLD.process),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'enabled', NEW.enabled,
+            'settings', NEW.settings, 'restart', NEW.restart, 'needs', NEW.needs, 'help', NEW.help,
+            'process', NEW.process));
 END;
 
 CREATE TRIGGER capability_delete AFTER DELETE ON capability
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('capability', json_array(OLD.robot, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'enabled', OLD.enabled, 'settings',
-            OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help, 'process', OLD.process),
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'enabled', OLD.enabled,
+            'settings', OLD.settings, 'restart', OLD.restart, 'needs', OLD.needs, 'help', OLD.help,
+            'process', OLD.process),
             NULL);
 END;
 
@@ -1018,8 +1026,8 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('device', json_array(NEW.robot, NEW.name), 'insert',
             NULL,
-            json_object('robot', NEW.robot, 'name', NEW.name, 'type', NEW.type, 'address', NEW.address, 'settings',
-            NEW.settings));
+            json_object('robot', NEW.robot, 'name', NEW.name, 'type', NEW.type, 'address', NEW.address,
+            'settings', NEW.settings));
 END;
 
 CREATE TRIGGER device_update AFTER UPDATE ON device
@@ -1028,18 +1036,18 @@ WHEN (OLD.robot, OLD.name, OLD.type, OLD.address, OLD.settings)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('device', json_array(NEW.robot, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'type', OLD.type, 'address', OLD.address, 'settings',
-            OLD.settings),
-            json_object('robot', NEW.robot, 'name', NEW.name, 'type', NEW.type, 'address', NEW.address, 'settings',
-            NEW.settings));
+            json_object('robot', OLD.robot, 'name', OLD.name, 'type', OLD.type, 'address', OLD.address,
+            'settings', OLD.settings),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'type', NEW.type, 'address', NEW.address,
+            'settings', NEW.settings));
 END;
 
 CREATE TRIGGER device_delete AFTER DELETE ON device
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('device', json_array(OLD.robot, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'type', OLD.type, 'address', OLD.address, 'settings',
-            OLD.settings),
+            json_object('robot', OLD.robot, 'name', OLD.name, 'type', OLD.type, 'address', OLD.address,
+            'settings', OLD.settings),
             NULL);
 END;
 
@@ -1129,6 +1137,102 @@ BEGIN
             NULL);
 END;
 
+CREATE TRIGGER range_sensor_insert AFTER INSERT ON range_sensor
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('range_sensor', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'x_m', NEW.x_m, 'y_m', NEW.y_m,
+            'z_m', NEW.z_m, 'yaw_rad', NEW.yaw_rad, 'pitch_rad', NEW.pitch_rad, 'fov_rad', NEW.fov_rad,
+            'min_m', NEW.min_m, 'max_m', NEW.max_m, 'rays', NEW.rays, 'stop_m', NEW.stop_m));
+END;
+
+CREATE TRIGGER range_sensor_update AFTER UPDATE ON range_sensor
+WHEN (OLD.robot, OLD.name, OLD.kind, OLD.x_m, OLD.y_m, OLD.z_m, OLD.yaw_rad, OLD.pitch_rad, OLD.fov_rad,
+     OLD.min_m, OLD.max_m, OLD.rays, OLD.stop_m)
+     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.x_m, NEW.y_m, NEW.z_m, NEW.yaw_rad, NEW.pitch_rad, NEW.fov_rad,
+     NEW.min_m, NEW.max_m, NEW.rays, NEW.stop_m)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('range_sensor', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'x_m', OLD.x_m, 'y_m', OLD.y_m,
+            'z_m', OLD.z_m, 'yaw_rad', OLD.yaw_rad, 'pitch_rad', OLD.pitch_rad, 'fov_rad', OLD.fov_rad,
+            'min_m', OLD.min_m, 'max_m', OLD.max_m, 'rays', OLD.rays, 'stop_m', OLD.stop_m),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'x_m', NEW.x_m, 'y_m', NEW.y_m,
+            'z_m', NEW.z_m, 'yaw_rad', NEW.yaw_rad, 'pitch_rad', NEW.pitch_rad, 'fov_rad', NEW.fov_rad,
+            'min_m', NEW.min_m, 'max_m', NEW.max_m, 'rays', NEW.rays, 'stop_m', NEW.stop_m));
+END;
+
+CREATE TRIGGER range_sensor_delete AFTER DELETE ON range_sensor
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('range_sensor', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'x_m', OLD.x_m, 'y_m', OLD.y_m,
+            'z_m', OLD.z_m, 'yaw_rad', OLD.yaw_rad, 'pitch_rad', OLD.pitch_rad, 'fov_rad', OLD.fov_rad,
+            'min_m', OLD.min_m, 'max_m', OLD.max_m, 'rays', OLD.rays, 'stop_m', OLD.stop_m),
+            NULL);
+END;
+
+CREATE TRIGGER kinematics_insert AFTER INSERT ON kinematics
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind,
+            'track_factor', NEW.track_factor));
+END;
+
+CREATE TRIGGER kinematics_update AFTER UPDATE ON kinematics
+WHEN (OLD.robot, OLD.name, OLD.kind, OLD.track_factor)
+     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.track_factor)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind,
+            'track_factor', OLD.track_factor),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind,
+            'track_factor', NEW.track_factor));
+END;
+
+CREATE TRIGGER kinematics_delete AFTER DELETE ON kinematics
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('kinematics', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind,
+            'track_factor', OLD.track_factor),
+            NULL);
+END;
+
+CREATE TRIGGER wheel_insert AFTER INSERT ON wheel
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('wheel', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'motor', NEW.motor, 'x_m', NEW.x_m,
+            'y_m', NEW.y_m, 'yaw_rad', NEW.yaw_rad, 'roller_rad', NEW.roller_rad, 'diameter_m', NEW.diameter_m));
+END;
+
+CREATE TRIGGER wheel_update AFTER UPDATE ON wheel
+WHEN (OLD.robot, OLD.name, OLD.motor, OLD.x_m, OLD.y_m, OLD.yaw_rad, OLD.roller_rad, OLD.diameter_m)
+     IS NOT (NEW.robot, NEW.name, NEW.motor, NEW.x_m, NEW.y_m, NEW.yaw_rad, NEW.roller_rad, NEW.diameter_m)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('wheel', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'motor', OLD.motor, 'x_m', OLD.x_m,
+            'y_m', OLD.y_m, 'yaw_rad', OLD.yaw_rad, 'roller_rad', OLD.roller_rad, 'diameter_m', OLD.diameter_m),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'motor', NEW.motor, 'x_m', NEW.x_m,
+            'y_m', NEW.y_m, 'yaw_rad', NEW.yaw_rad, 'roller_rad', NEW.roller_rad, 'diameter_m', NEW.diameter_m));
+END;
+
+CREATE TRIGGER wheel_delete AFTER DELETE ON wheel
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('wheel', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'motor', OLD.motor, 'x_m', OLD.x_m,
+            'y_m', OLD.y_m, 'yaw_rad', OLD.yaw_rad, 'roller_rad', OLD.roller_rad, 'diameter_m', OLD.diameter_m),
+            NULL);
+END;
+
 CREATE TRIGGER choreography_insert AFTER INSERT ON choreography
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
@@ -1200,8 +1304,10 @@ BEGIN
 END;
 
 CREATE TRIGGER joint_update AFTER UPDATE ON joint
-WHEN (OLD.robot, OLD.name, OLD.device_id, OLD.side, OLD.sign, OLD.zero_rad, OLD.lower_rad, OLD.upper_rad, OLD.speed_rps, OLD.bus)
-     IS NOT (NEW.robot, NEW.name, NEW.device_id, NEW.side, NEW.sign, NEW.zero_rad, NEW.lower_rad, NEW.upper_rad, NEW.speed_rps, NEW.bus)
+WHEN (OLD.robot, OLD.name, OLD.device_id, OLD.side, OLD.sign, OLD.zero_rad, OLD.lower_rad, OLD.upper_rad,
+     OLD.speed_rps, OLD.bus)
+     IS NOT (NEW.robot, NEW.name, NEW.device_id, NEW.side, NEW.sign, NEW.zero_rad, NEW.lower_rad, NEW.upper_rad,
+     NEW.speed_rps, NEW.bus)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('joint', json_array(NEW.robot, NEW.name), 'update',
@@ -1262,8 +1368,8 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'insert',
             NULL,
-            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step, 'duration_s', NEW.duration_s,
-            'positions', NEW.positions, 'stable', NEW.stable));
+            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step,
+            'duration_s', NEW.duration_s, 'positions', NEW.positions, 'stable', NEW.stable));
 END;
 
 CREATE TRIGGER motion_step_update AFTER UPDATE ON motion_step
@@ -1272,18 +1378,18 @@ WHEN (OLD.robot, OLD.motion, OLD.step, OLD.duration_s, OLD.positions, OLD.stable
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'update',
-            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step, 'duration_s', OLD.duration_s,
-            'positions', OLD.positions, 'stable', OLD.stable),
-            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step, 'duration_s', NEW.duration_s,
-            'positions', NEW.positions, 'stable', NEW.stable));
+            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step,
+            'duration_s', OLD.duration_s, 'positions', OLD.positions, 'stable', OLD.stable),
+            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step,
+            'duration_s', NEW.duration_s, 'positions', NEW.positions, 'stable', NEW.stable));
 END;
 
 CREATE TRIGGER motion_step_delete AFTER DELETE ON motion_step
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('motion_step', json_array(OLD.robot, OLD.motion, OLD.step), 'delete',
-            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step, 'duration_s', OLD.duration_s,
-            'positions', OLD.positions, 'stable', OLD.stable),
+            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step,
+            'duration_s', OLD.duration_s, 'positions', OLD.positions, 'stable', OLD.stable),
             NULL);
 END;
 
@@ -1293,22 +1399,24 @@ BEGIN
     VALUES ('motor', json_array(NEW.robot, NEW.layer, NEW.id), 'insert',
             NULL,
             json_object('robot', NEW.robot, 'layer', NEW.layer, 'id', NEW.id, 'name', NEW.name,
-            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest, 'highest', NEW.highest,
-            'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
+            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest,
+            'highest', NEW.highest, 'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
 END;
 
 CREATE TRIGGER motor_update AFTER UPDATE ON motor
-WHEN (OLD.robot, OLD.layer, OLD.id, OLD.name, OLD.description, OLD.initial, OLD.lowest, OLD.highest, OLD.rest, OLD.inverted, OLD.builtin)
-     IS NOT (NEW.robot, NEW.layer, NEW.id, NEW.name, NEW.description, NEW.initial, NEW.lowest, NEW.highest, NEW.rest, NEW.inverted, NEW.builtin)
+WHEN (OLD.robot, OLD.layer, OLD.id, OLD.name, OLD.description, OLD.initial, OLD.lowest, OLD.highest, OLD.rest,
+     OLD.inverted, OLD.builtin)
+     IS NOT (NEW.robot, NEW.layer, NEW.id, NEW.name, NEW.description, NEW.initial, NEW.lowest, NEW.highest, NEW.rest,
+     NEW.inverted, NEW.builtin)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('motor', json_array(NEW.robot, NEW.layer, NEW.id), 'update',
             json_object('robot', OLD.robot, 'layer', OLD.layer, 'id', OLD.id, 'name', OLD.name,
-            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest, 'highest', OLD.highest,
-            'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
+            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest,
+            'highest', OLD.highest, 'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
             json_object('robot', NEW.robot, 'layer', NEW.layer, 'id', NEW.id, 'name', NEW.name,
-            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest, 'highest', NEW.highest,
-            'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
+            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest,
+            'highest', NEW.highest, 'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
 END;
 
 CREATE TRIGGER motor_delete AFTER DELETE ON motor
@@ -1316,8 +1424,8 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('motor', json_array(OLD.robot, OLD.layer, OLD.id), 'delete',
             json_object('robot', OLD.robot, 'layer', OLD.layer, 'id', OLD.id, 'name', OLD.name,
-            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest, 'highest', OLD.highest,
-            'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
+            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest,
+            'highest', OLD.highest, 'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
             NULL);
 END;
 
@@ -1348,98 +1456,6 @@ BEGIN
     VALUES ('button', json_array(OLD.robot, OLD.id), 'delete',
             json_object('robot', OLD.robot, 'id', OLD.id, 'name', OLD.name, 'button', OLD.button,
             'motion', OLD.motion, 'builtin', OLD.builtin),
-            NULL);
-END;
-
-CREATE TRIGGER range_sensor_insert AFTER INSERT ON range_sensor
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('range_sensor', json_array(NEW.robot, NEW.name), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'x_m', NEW.x_m, 'y_m', NEW.y_m,
-            'z_m', NEW.z_m, 'yaw_rad', NEW.yaw_rad, 'pitch_rad', NEW.pitch_rad, 'fov_rad', NEW.fov_rad,
-            'min_m', NEW.min_m, 'max_m', NEW.max_m, 'rays', NEW.rays, 'stop_m', NEW.stop_m));
-END;
-
-CREATE TRIGGER range_sensor_update AFTER UPDATE ON range_sensor
-WHEN (OLD.robot, OLD.name, OLD.kind, OLD.x_m, OLD.y_m, OLD.z_m, OLD.yaw_rad, OLD.pitch_rad, OLD.fov_rad,
-     OLD.min_m, OLD.max_m, OLD.rays, OLD.stop_m)
-     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.x_m, NEW.y_m, NEW.z_m, NEW.yaw_rad, NEW.pitch_rad, NEW.fov_rad,
-     NEW.min_m, NEW.max_m, NEW.rays, NEW.stop_m)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('range_sensor', json_array(NEW.robot, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'x_m', OLD.x_m, 'y_m', OLD.y_m,
-            'z_m', OLD.z_m, 'yaw_rad', OLD.yaw_rad, 'pitch_rad', OLD.pitch_rad, 'fov_rad', OLD.fov_rad,
-            'min_m', OLD.min_m, 'max_m', OLD.max_m, 'rays', OLD.rays, 'stop_m', OLD.stop_m),
-            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'x_m', NEW.x_m, 'y_m', NEW.y_m,
-            'z_m', NEW.z_m, 'yaw_rad', NEW.yaw_rad, 'pitch_rad', NEW.pitch_rad, 'fov_rad', NEW.fov_rad,
-            'min_m', NEW.min_m, 'max_m', NEW.max_m, 'rays', NEW.rays, 'stop_m', NEW.stop_m));
-END;
-
-CREATE TRIGGER range_sensor_delete AFTER DELETE ON range_sensor
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('range_sensor', json_array(OLD.robot, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'x_m', OLD.x_m, 'y_m', OLD.y_m,
-            'z_m', OLD.z_m, 'yaw_rad', OLD.yaw_rad, 'pitch_rad', OLD.pitch_rad, 'fov_rad', OLD.fov_rad,
-            'min_m', OLD.min_m, 'max_m', OLD.max_m, 'rays', OLD.rays, 'stop_m', OLD.stop_m),
-            NULL);
-END;
-
-CREATE TRIGGER kinematics_insert AFTER INSERT ON kinematics
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'track_factor', NEW.track_factor));
-END;
-
-CREATE TRIGGER kinematics_update AFTER UPDATE ON kinematics
-WHEN (OLD.robot, OLD.name, OLD.kind, OLD.track_factor)
-     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.track_factor)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'track_factor', OLD.track_factor),
-            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind, 'track_factor', NEW.track_factor));
-END;
-
-CREATE TRIGGER kinematics_delete AFTER DELETE ON kinematics
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('kinematics', json_array(OLD.robot, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind, 'track_factor', OLD.track_factor),
-            NULL);
-END;
-
-CREATE TRIGGER wheel_insert AFTER INSERT ON wheel
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('wheel', json_array(NEW.robot, NEW.name), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'name', NEW.name, 'motor', NEW.motor, 'x_m', NEW.x_m, 'y_m', NEW.y_m, 'yaw_rad',
-            NEW.yaw_rad, 'roller_rad', NEW.roller_rad, 'diameter_m', NEW.diameter_m));
-END;
-
-CREATE TRIGGER wheel_update AFTER UPDATE ON wheel
-WHEN (OLD.robot, OLD.name, OLD.motor, OLD.x_m, OLD.y_m, OLD.yaw_rad, OLD.roller_rad, OLD.diameter_m)
-     IS NOT (NEW.robot, NEW.name, NEW.motor, NEW.x_m, NEW.y_m, NEW.yaw_rad, NEW.roller_rad, NEW.diameter_m)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('wheel', json_array(NEW.robot, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'motor', OLD.motor, 'x_m', OLD.x_m, 'y_m', OLD.y_m, 'yaw_rad',
-            OLD.yaw_rad, 'roller_rad', OLD.roller_rad, 'diameter_m', OLD.diameter_m),
-            json_object('robot', NEW.robot, 'name', NEW.name, 'motor', NEW.motor, 'x_m', NEW.x_m, 'y_m', NEW.y_m, 'yaw_rad',
-            NEW.yaw_rad, 'roller_rad', NEW.roller_rad, 'diameter_m', NEW.diameter_m));
-END;
-
-CREATE TRIGGER wheel_delete AFTER DELETE ON wheel
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('wheel', json_array(OLD.robot, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'motor', OLD.motor, 'x_m', OLD.x_m, 'y_m', OLD.y_m, 'yaw_rad',
-            OLD.yaw_rad, 'roller_rad', OLD.roller_rad, 'diameter_m', OLD.diameter_m),
             NULL);
 END;
 
@@ -1474,24 +1490,34 @@ BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('behaviour_row', json_array(NEW.robot, NEW.behaviour, NEW.step), 'insert',
             NULL,
-            json_object('robot', NEW.robot, 'behaviour', NEW.behaviour, 'step', NEW.step, 'type', NEW.type, 'state', NEW.state, 'conditions', NEW.conditions, 'outputs', NEW.outputs, 'next_state', NEW.next_state, 'deadline_s', NEW.deadline_s));
+            json_object('robot', NEW.robot, 'behaviour', NEW.behaviour, 'step', NEW.step, 'type', NEW.type,
+            'state', NEW.state, 'conditions', NEW.conditions, 'outputs', NEW.outputs,
+            'next_state', NEW.next_state, 'deadline_s', NEW.deadline_s));
 END;
 
 CREATE TRIGGER behaviour_row_update AFTER UPDATE ON behaviour_row
-WHEN (OLD.robot, OLD.behaviour, OLD.step, OLD.type, OLD.state, OLD.conditions, OLD.outputs, OLD.next_state, OLD.deadline_s)
-     IS NOT (NEW.robot, NEW.behaviour, NEW.step, NEW.type, NEW.state, NEW.conditions, NEW.outputs, NEW.next_state, NEW.deadline_s)
+WHEN (OLD.robot, OLD.behaviour, OLD.step, OLD.type, OLD.state, OLD.conditions, OLD.outputs, OLD.next_state,
+     OLD.deadline_s)
+     IS NOT (NEW.robot, NEW.behaviour, NEW.step, NEW.type, NEW.state, NEW.conditions, NEW.outputs, NEW.next_state,
+     NEW.deadline_s)
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('behaviour_row', json_array(NEW.robot, NEW.behaviour, NEW.step), 'update',
-            json_object('robot', OLD.robot, 'behaviour', OLD.behaviour, 'step', OLD.step, 'type', OLD.type, 'state', OLD.state, 'conditions', OLD.conditions, 'outputs', OLD.outputs, 'next_state', OLD.next_state, 'deadline_s', OLD.deadline_s),
-            json_object('robot', NEW.robot, 'behaviour', NEW.behaviour, 'step', NEW.step, 'type', NEW.type, 'state', NEW.state, 'conditions', NEW.conditions, 'outputs', NEW.outputs, 'next_state', NEW.next_state, 'deadline_s', NEW.deadline_s));
+            json_object('robot', OLD.robot, 'behaviour', OLD.behaviour, 'step', OLD.step, 'type', OLD.type,
+            'state', OLD.state, 'conditions', OLD.conditions, 'outputs', OLD.outputs,
+            'next_state', OLD.next_state, 'deadline_s', OLD.deadline_s),
+            json_object('robot', NEW.robot, 'behaviour', NEW.behaviour, 'step', NEW.step, 'type', NEW.type,
+            'state', NEW.state, 'conditions', NEW.conditions, 'outputs', NEW.outputs,
+            'next_state', NEW.next_state, 'deadline_s', NEW.deadline_s));
 END;
 
 CREATE TRIGGER behaviour_row_delete AFTER DELETE ON behaviour_row
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
     VALUES ('behaviour_row', json_array(OLD.robot, OLD.behaviour, OLD.step), 'delete',
-            json_object('robot', OLD.robot, 'behaviour', OLD.behaviour, 'step', OLD.step, 'type', OLD.type, 'state', OLD.state, 'conditions', OLD.conditions, 'outputs', OLD.outputs, 'next_state', OLD.next_state, 'deadline_s', OLD.deadline_s),
+            json_object('robot', OLD.robot, 'behaviour', OLD.behaviour, 'step', OLD.step, 'type', OLD.type,
+            'state', OLD.state, 'conditions', OLD.conditions, 'outputs', OLD.outputs,
+            'next_state', OLD.next_state, 'deadline_s', OLD.deadline_s),
             NULL);
 END;
 

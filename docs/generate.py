@@ -1,12 +1,14 @@
-"""Write docs/reference/*.md from the rows, kinds, messages, settings and commands themselves.
+"""Write docs/reference/*.md from the rows, kinds, messages, settings and commands themselves, and the triggers of robot.db.sql.
 
 `python docs/generate.py` writes what has changed; with `--check` it writes nothing and fails if a page is stale.
 """
 
 import re
+import sqlite3
 import sys
 import tomllib
 from collections.abc import Iterable, Mapping
+from contextlib import closing
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -26,6 +28,8 @@ from lbr.database.arguments import told
 from lbr.database.checks import check
 from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.database.shipped import shipped
+from lbr.database.tables import WRITTEN_BY_LBR
+from lbr.database.triggers import revision_triggers
 from lbr.executive.planning import words
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_roles
@@ -50,7 +54,7 @@ def main(arguments: list[str]) -> int:
         return 1
     stale = []
     for name, text in pages().items():
-        path = PAGES / name
+        path = ROOT / name
         if not path.exists() or path.read_text() != text:
             stale.append(name)
             if "--check" not in arguments:
@@ -73,9 +77,9 @@ def own(group: str) -> list[str]:
 
 
 def pages() -> dict[str, str]:
-    """Return every page's text by file name."""
+    """Return the text of every file that is written here, by its path."""
     sql = (ROOT / "robot.db.sql").read_text()
-    return {
+    references = {
         "rows.md": HEAD + rows_page(sql),
         "topics.md": HEAD + topics_page(kinds()),
         "console.md": HEAD + console_page(),
@@ -84,12 +88,36 @@ def pages() -> dict[str, str]:
         "codes.md": HEAD + codes_page(),
         "lbr.1": man_page(),
     }
+    written = {str((PAGES / name).relative_to(ROOT)): text for name, text in references.items()}
+    return {**written, "robot.db.sql": with_triggers(sql)}
 
 
 def kinds() -> list[Kind]:
     """Return the installed kinds, by family and name."""
     found = [registry.find(name, NOWHERE) for name in own(registry.GROUP)]
     return sorted(found, key=lambda kind: (FAMILIES.index(kind.family), kind.name))
+
+
+# -- triggers ---------------------------------------------------------------------------------------------------------
+
+_TRIGGERS = re.compile(r"^CREATE TRIGGER robot_insert .*?(?=^-- The audit trail)", re.MULTILINE | re.DOTALL)
+_WITHOUT_REVISIONS = {"alembic_version", "user_token", "revision", "change", "trial", "event", "audit", "adopted"}
+
+
+def with_triggers(sql: str) -> str:
+    """Return robot.db.sql with the triggers that keep the revisions, as its tables' columns want them."""
+    written = []
+    with closing(sqlite3.connect(":memory:")) as database:
+        database.executescript(sql)
+        tables = database.execute("SELECT name FROM sqlite_schema WHERE type = 'table' ORDER BY rowid").fetchall()
+        for (table,) in tables:
+            if table in _WITHOUT_REVISIONS or table.startswith("sqlite_"):
+                continue
+            found = database.execute("SELECT name, pk FROM pragma_table_info(?)", (table,)).fetchall()
+            kept = [name for name, _ in found if (table, name) not in WRITTEN_BY_LBR]
+            key = [name for name, place in sorted(found, key=lambda one: one[1]) if place]
+            written.append(revision_triggers(table, kept, key))
+    return _TRIGGERS.sub(lambda _: "\n".join(written) + "\n", sql)
 
 
 # -- rows -------------------------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from lbr.database.connection import Connection, pragma, transaction
 from lbr.errors import RowError
 
 HEAD = "0015"
+NEW = "NEW.db"
 MIGRATIONS = Path(__file__).with_name("migrations")
 
 
@@ -56,9 +57,13 @@ def _refuse_unknown(stamp: str, path: Path) -> None:
     from alembic.script import ScriptDirectory  # noqa: PLC0415 - only the rare upgrade pays for the import
 
     known = {revision.revision for revision in ScriptDirectory(str(MIGRATIONS)).walk_revisions()}
-    if stamp not in known:
-        text = f"database {path} has the schema '{stamp}', which this version of lbr (schema {HEAD}) does not know"
-        raise RowError((f"{text}: install a newer lbr, or put a backup in its place",))
+    if stamp in known:
+        return
+    text = f"database {path} has the schema '{stamp}', which this version of lbr (schema {HEAD}) does not know"
+    if stamp.isdigit() and stamp < min(known):
+        do = f"it is older; `lbr db export DIR` of the lbr that made it, then `lbr db init --db {NEW}` and `lbr db import DIR --db {NEW}` of this one"
+        raise RowError((f"{text}: {do}",))
+    raise RowError((f"{text}: install a newer lbr, or put a backup in its place",))
 
 
 def _upgrade(connection: Connection) -> None:

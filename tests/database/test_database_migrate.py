@@ -215,6 +215,15 @@ def test_a_newer_or_unknown_schema_is_refused_and_left_alone(path, unknown):
     assert [file.name for file in path.parent.iterdir()] == ["robot.db"]
 
 
+def test_an_older_schema_than_the_first_is_refused_with_the_way_to_take_its_rows_along(path):
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute("UPDATE alembic_version SET version_num = '0014'")
+    before = path.read_bytes()
+    with pytest.raises(RowError, match=r"'0014'.*`lbr db export DIR` of the lbr that made it"):
+        Database.open(path)
+    assert path.read_bytes() == before
+
+
 def test_a_database_without_a_stamp_is_refused(path):
     with closing(sqlite3.connect(path, isolation_level=None)) as connection:
         connection.execute("DELETE FROM alembic_version")

@@ -5,5 +5,5 @@ robot.db.sql with its stamp, and `HEAD` in lbr/database/migrate.py. Tests hold t
 
 Write `op.add_column`, or SQLite's own ALTER TABLE by `op.execute`. Alembic's batch operations must not be used: they
 build the table again without its CHECKs and STRICT. What ALTER TABLE cannot do takes a new table, a copy, a drop and
-a rename, and then the table's triggers again.
+a rename, and then the table's triggers again: `lbr.database.triggers` writes them from the columns.
 """

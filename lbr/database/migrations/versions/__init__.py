@@ -1,1 +1,1 @@
-"""The revisions of the schema."""
+"""The changes of the schema."""

@@ -1,6 +1,6 @@
-"""The first schema: what robot.db.sql built when databases began to carry a stamp."""
+"""The first schema: what robot.db.sql builds."""
 
-revision = "0001"
+revision = "0015"
 down_revision = None
 
 
