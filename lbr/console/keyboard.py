@@ -23,6 +23,7 @@ QUIET_S = 0.25
 LONGEST = 1000
 PASTE_BEGINS, PASTE_ENDS = "\x1b[200~", "\x1b[201~"
 CURSOR_IS_HERE = re.compile(r"\x1b\[[0-9]+;[0-9]+R")
+_CUT_OFF = re.compile(r"\x1b(?:\[[0-9;?<]*)?$")
 _ENDS = re.compile(r"[\r\n]")
 _MARKS = re.compile(r"(\x1b\[20[01]~)")
 _HALF_MARKS = ("\x1b[200", "\x1b[201", "\x1b[20", "\x1b[2", "\x1b[", "\x1b")
@@ -112,9 +113,10 @@ class Keyboard(PosixStdinReader):
         self._heard = heard
         self._flooded = flooded
         self._typed = typed
+        self._begun = ""
 
     def read(self, count: int = 1024) -> str:
-        """Return what is there for the editor."""
+        """Return what is there for the editor; a sequence that is cut off waits for its end, so that its rest is not text."""
         text = super().read(count)
         if not text:
             return text
@@ -123,7 +125,18 @@ class Keyboard(PosixStdinReader):
             self._heard(stop)
         if heard.begins:
             self._flooded()
-        return "" if heard.flood else text
+        return self._whole("" if heard.flood else text)
+
+    def forget(self) -> None:
+        """Forget a sequence that was begun and not ended."""
+        self._begun = ""
+        self.overhearing.forget_paste()
+
+    def _whole(self, text: str) -> str:
+        text = self._begun + text
+        cut_off = _CUT_OFF.search(text)
+        self._begun = cut_off.group() if cut_off else ""
+        return text.removesuffix(self._begun)
 
 
 def listen(
@@ -140,4 +153,4 @@ def begin_again(source: Input) -> None:
     if isinstance(source, Vt100Input):
         source.vt100_parser.reset()
         if isinstance(source.stdin_reader, Keyboard):
-            source.stdin_reader.overhearing.forget_paste()
+            source.stdin_reader.forget()

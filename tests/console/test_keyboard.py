@@ -1,9 +1,24 @@
 """What is overheard in typed keys, piece by piece as they come."""
 
+import itertools
+import os
+
 from hypothesis import given
 from hypothesis import strategies as st
+from prompt_toolkit.input.vt100_parser import Vt100Parser
+from prompt_toolkit.key_binding.key_processor import KeyPress
+from prompt_toolkit.keys import Keys
 
-from lbr.console.keyboard import INTERRUPT, LINES_AT_ONCE, PASTE_BEGINS, PASTE_ENDS, QUIET_S, Heard, Overhearing
+from lbr.console.keyboard import (
+    INTERRUPT,
+    LINES_AT_ONCE,
+    PASTE_BEGINS,
+    PASTE_ENDS,
+    QUIET_S,
+    Heard,
+    Keyboard,
+    Overhearing,
+)
 from lbr.console.printable import MAX_LINE
 
 KEYS_BEFORE = [
@@ -95,3 +110,38 @@ def test_a_line_that_is_longer_than_any_may_be_is_a_flood_and_a_stop_behind_it_i
     assert typist.types("\rstop\r") == Heard(("stop",), flood=True)
     assert typist.types("\x03") == Heard((INTERRUPT,), flood=True)
     assert typist.types("x", after_s=QUIET_S) == Heard()
+
+
+REPORT = "\x1b[20;1R"
+WORDS = ["s", "S", "stop", "estop", "/s"]
+
+
+@given(
+    st.sampled_from(WORDS),
+    st.sampled_from(["before", "after"]),
+    st.sets(st.integers(1, 12)),
+    st.sampled_from([0.0, 0.6, 1.0]),
+)
+def test_a_stop_and_a_terminals_report_cut_anywhere_are_that_stop_and_no_text(word, where, cuts, gap_s):
+    """What the editor gets of pieces that come up to a second apart, and what is overheard in them."""
+    text = (word + REPORT if where == "after" else REPORT + word) + "\r"
+    places = [0, *sorted(cut for cut in cuts if cut < len(text)), len(text)]
+    reader, writer = os.pipe()
+    heard: list[str] = []
+    keyboard = Keyboard(reader, "utf-8", heard=heard.append, flooded=lambda: None, typed=lambda: 0)
+    now = 100.0
+    keyboard.overhearing = Overhearing(lambda: now)
+    keys: list[KeyPress] = []
+    parser = Vt100Parser(keys.append)
+    try:
+        for begin, end in itertools.pairwise(places):
+            now += gap_s
+            os.write(writer, text[begin:end].encode())
+            parser.feed(keyboard.read())
+            if gap_s >= 0.5:
+                parser.flush()
+    finally:
+        os.close(writer)
+        os.close(reader)
+    assert heard == [word]
+    assert "".join(key.data for key in keys if key.key not in {Keys.CPRResponse, Keys.ControlM}) == word
