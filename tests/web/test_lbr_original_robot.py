@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import degrees, remainder
 from typing import Any
 
 import pytest
@@ -131,6 +132,21 @@ def test_telemetry_has_every_part_in_its_unit(api):
     assert found["Bat"]["source"] in {"BAT", "AC"}
     assert found["cameras"]["front"]["status"] == "on"
     assert "voltages" not in found
+
+
+def test_headings_are_known_all_the_way_and_are_where_the_robot_ends_up(api):
+    for wanted in (180.0, 40.0):
+        seen = []
+
+        def stands(wanted: float = wanted, seen: list[float] = seen) -> bool:
+            seen.append(api.telemetry["MPU"]["heading"])
+            return api.stands() and abs(remainder(seen[-1] - wanted, 360.0)) < 5.0
+
+        until(lambda wanted=wanted: api.accepted({"heading": wanted}), what="a turn that is accepted")
+        until(stands, limit_s=12.0, what=f"heading {wanted:g}")
+        assert None not in seen
+        yaw = until(lambda: api.robot.ask("world/pose"))["yaw_rad"]
+        assert abs(remainder(-degrees(yaw) - wanted, 360.0)) < 6.0, "the compass is right"
 
 
 def test_a_turn_is_made_for_a_client_that_polls_as_the_state_machine_does(api):
