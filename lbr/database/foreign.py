@@ -25,16 +25,17 @@ def foreign(connection: Connection, sql: Path | None = None) -> Iterator[str]:
         known = {(kind, name) for kind, name, _ in ours.execute(_OBJECTS)}
     schema = Schema(connection)
     for kind, name, table in connection.execute(_OBJECTS):
-        if (kind, name) not in known:
-            if kind == "table" and name not in schema and (triggers := _triggers(connection, name)):
-                yield (
-                    f"table '{shown(name)}' has not the triggers that keep its changes, so nothing of lbr reads it."
-                    f" If a capability of yours is to, these make them:\n\n{triggers}"
-                )
-            where = (
-                f" on the table '{shown(table)}', which acts by itself at each edit there," if kind == "trigger" else ""
+        if (kind, name) in known:
+            continue
+        drop = f"unless it is yours, `DROP {kind.upper()} {shown(name)}`"
+        if kind == "table" and name not in schema and (triggers := _triggers(connection, name)):
+            yield (
+                f"table '{shown(name)}' has not the triggers that keep its changes, so nothing of lbr reads it: {drop};"
+                f" if a capability of yours is to read it, these make them:\n\n{triggers}"
             )
-            yield f"{kind} '{shown(name)}'{where} is not of lbr's schema: unless it is yours, `DROP {kind.upper()} {shown(name)}`"
+            continue
+        where = f" on the table '{shown(table)}', which acts by itself at each edit there," if kind == "trigger" else ""
+        yield f"{kind} '{shown(name)}'{where} is not of lbr's schema: {drop}"
 
 
 def _triggers(connection: Connection, table: str) -> str:

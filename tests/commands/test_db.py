@@ -97,7 +97,7 @@ def test_what_is_not_of_our_schema_is_a_hint(path, sql, said):
 
 def test_a_table_without_triggers_is_told_with_the_sql_that_makes_them(path):
     table = "CREATE TABLE greeting (robot TEXT NOT NULL, name TEXT NOT NULL, said INTEGER, PRIMARY KEY (robot, name))"
-    lacking, _ = hints(path, table)["schema"]
+    (lacking,) = hints(path, table)["schema"]
     assert "'greeting'" in lacking
     with closing(sqlite3.connect(path)) as connection:
         connection.executescript(lacking.partition("\n\n")[2])
