@@ -24,15 +24,16 @@ from numpy.typing import NDArray
 from lbr import home
 from lbr.bus import keys
 from lbr.capability import registry
+from lbr.capability.calls import Answers
+from lbr.capability.stage import ROUND_S, Stage
 from lbr.commands.rows import planned
 from lbr.database import store
 from lbr.database.rows import RobotRows
 from lbr.errors import InputError
-from lbr.lockstep.board import ROUND_S, Board, BoardContext, Question
 from lbr.lockstep.faults import NONE
 from lbr.lockstep.instruments import Instruments
 from lbr.lockstep.places import free, starts
-from lbr.lockstep.trial import COMPASS_DEG, NOISY
+from lbr.lockstep.trial import COMPASS_DEG, NOISY, rows_of
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.dock import DockSignal
@@ -98,7 +99,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
                 "battery": spaces.Box(0.0, 1.0, (2,), np.float32),
             }
         )
-        self._board: Board | None = None
+        self._board: Stage | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Seen, dict[str, Any]]:
         """Put the robot anywhere where it can turn, or where `options["start"]` says: x and y in metres, yaw in radians.
@@ -108,24 +109,22 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         super().reset(seed=seed)
         random = Random(int(self.np_random.integers(1 << 62)))
         world = replace(self._world, start=self._start(options or {}, random), seed=random.randrange(1 << 30))
-        board = self._board = Board(self._robot)
-        rows = BoardContext(board, self._units["world"], self._kinds["world"]).rows
-        sensors, wheels, rollers = body_of(world, rows)
+        board = self._board = Stage(self._robot)
+        sensors, wheels, rollers = body_of(world, rows_of(self._units["world"]))
         self._seen: dict[str, Any] = {}
         for name, unit in self._units.items():
             if self._kinds[name].name in WITHIN:
                 board.add(unit, self._kinds[name], random.uniform(0.0, 0.02))
             for output, message in self._kinds[name].outputs.items():
                 if message in HEARD:
-                    board.listen(keys.port(self._robot, name, output), self._hears(HEARD[message]))
+                    board.listen(keys.port(self._robot, name, output), message, self._hears(HEARD[message]))
         others = {name: (unit, self._kinds[name]) for name, unit in self._units.items() if name not in board.members}
         compass_deg = random.uniform(-COMPASS_DEG, COMPASS_DEG)
         engine = Engine(world, sensors, wheels, rollers=rollers)
         self._instruments = Instruments(board, others, engine, random, NONE, compass_deg)
-        self._asked: Question | None = None
+        self._asked: Answers | None = None
         self._lease = self._refusal = ""
         self._against = False
-        board.open()
         self._rounds(WARM_S)
         self._began_s = board.now
         return self._observed(), self._told()

@@ -116,12 +116,14 @@ class Publisher:
         if watching is not None:
             self._watch(watching)
 
-    def put(self, message: Any, *, taken_s: float | None = None) -> bytes:
+    def put(self, message: Any, *, taken_s: float | None = None, payload: bytes | None = None) -> bytes:
         """Publish, and return the stamp; a bus that is away loses it silently, so motion never relies on it alone.
 
-        `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time.
+        `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time. `payload` is the message
+        as bytes, where those are known.
         """
-        payload = message.data if isinstance(message, JpegFrame) else encode(message)
+        if payload is None:
+            payload = message.data if isinstance(message, JpegFrame) else encode(message)
         self.count += 1
         attachment = stamps.make(self._source, self.count, payload, self._seal, sent_s=taken_s)
         self._last = (message if self._renew is not None else None, payload, attachment)
@@ -246,23 +248,14 @@ class Request:
             query.reply(self.key, payload, encoding=JSON, attachment=attachment)
 
 
-class QueryServer:
-    """A command key: queries and puts queue here, bounded, until our thread answers them.
+class CommandQueue:
+    """The commands of one key: queued, bounded, until they are taken.
 
     What quotes the lease `first` has a queue of its own and is served before all else. With an `inflow` each other
     sender is let in only as often as that allows.
     """
 
-    def __init__(
-        self,
-        session: zenoh.Session,
-        key: str,
-        wake: Callable[[], None],
-        *,
-        puts: bool = True,
-        source: str = "",
-        inflow: Inflow | None = None,
-    ) -> None:
+    def __init__(self, key: str, wake: Callable[[], None], source: str, inflow: Inflow | None) -> None:
         self.key = key
         self.dropped = 0
         self.first = b""
@@ -271,8 +264,6 @@ class QueryServer:
         self._inflow = inflow
         self._waiting: deque[Request] = deque()
         self._waiting_first: deque[Request] = deque()
-        self._queryable = session.declare_queryable(key, direct(self._asked), complete=True)
-        self._subscriber = session.declare_subscriber(key, direct(self._put)) if puts else None
 
     def take(self) -> list[Request]:
         """Return the waiting requests, oldest first; before them those that quote the lease that is served first."""
@@ -282,30 +273,8 @@ class QueryServer:
                 taken.append(waiting.popleft())
         return taken
 
-    def close(self) -> None:
-        """Stop answering."""
-        self._queryable.undeclare()
-        if self._subscriber is not None:
-            self._subscriber.undeclare()
-
-    def _asked(self, query: zenoh.Query) -> None:
-        if str(query.key_expr) != self.key:
-            return  # a query with a wildcard only looks around; a command is meant for one
-        payload, attachment = query.payload, query.attachment
-        self._queue(
-            Request(
-                self.key,
-                payload.to_bytes() if payload is not None else b"",
-                attachment.to_bytes() if attachment is not None else b"",
-                query,
-            )
-        )
-
-    def _put(self, sample: zenoh.Sample) -> None:
-        message = raw(sample)
-        self._queue(Request(self.key, message.payload, message.attachment, None))
-
-    def _queue(self, request: Request) -> None:
+    def queue(self, request: Request) -> None:
+        """Have a request wait, or refuse it where there is no room."""
         first = self.first
         quotes = bool(first) and first in request.payload
         waiting = self._waiting_first if quotes else self._waiting
@@ -322,6 +291,47 @@ class QueryServer:
             return True
         found = stamps.read(request.attachment)
         return self._inflow.admits(found.source if found is not None else "", request.arrived)
+
+
+class QueryServer(CommandQueue):
+    """The queries and puts of a command key, from Zenoh's threads."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        key: str,
+        wake: Callable[[], None],
+        *,
+        puts: bool = True,
+        source: str = "",
+        inflow: Inflow | None = None,
+    ) -> None:
+        super().__init__(key, wake, source, inflow)
+        self._queryable = session.declare_queryable(key, direct(self._asked), complete=True)
+        self._subscriber = session.declare_subscriber(key, direct(self._put)) if puts else None
+
+    def close(self) -> None:
+        """Stop answering."""
+        self._queryable.undeclare()
+        if self._subscriber is not None:
+            self._subscriber.undeclare()
+
+    def _asked(self, query: zenoh.Query) -> None:
+        if str(query.key_expr) != self.key:
+            return  # a query with a wildcard only looks around; a command is meant for one
+        payload, attachment = query.payload, query.attachment
+        self.queue(
+            Request(
+                self.key,
+                payload.to_bytes() if payload is not None else b"",
+                attachment.to_bytes() if attachment is not None else b"",
+                query,
+            )
+        )
+
+    def _put(self, sample: zenoh.Sample) -> None:
+        message = raw(sample)
+        self.queue(Request(self.key, message.payload, message.attachment, None))
 
 
 class PendingQuery:

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from lbr.bus import stamp, wire
 from lbr.bus.codec import Decoder
+from lbr.bus.transport import Question
 from lbr.capability.kind import STOP
 from lbr.capability.overtaken import Overtaken
 from lbr.errors import MalformedError
@@ -53,6 +54,7 @@ class BusCall:
         self.by = found.by[:80] if found is not None and not self.remote else ""
         self.answerable = request.answerable
         self.payload = request.payload
+        self.open = True
         self._request = request
         self._owner = owner
         self._refused = refused
@@ -60,6 +62,7 @@ class BusCall:
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
         """Answer, once. A refusal is an event too, unless it is `quiet` and the sender waits for the answer."""
+        self.open = False
         if getattr(answer, "accepted", True) is False and not getattr(answer, "code", "refused"):
             answer = replace(answer, code="refused")
         if isinstance(answer, CommandReply) and not answer.accepted and not (quiet and self._request.answerable):
@@ -77,7 +80,7 @@ class BusCall:
 class Answers:
     """A question to several capabilities; complete once all have answered or run out of time."""
 
-    def __init__(self, questions: dict[str, wire.PendingQuery], decoder: Decoder[Any]) -> None:
+    def __init__(self, questions: dict[str, Question], decoder: Decoder[Any]) -> None:
         self._questions = questions
         self._decoder = decoder
 
@@ -87,7 +90,7 @@ class Answers:
             return None
         return {name: self._decode(question) for name, question in self._questions.items()}
 
-    def _decode(self, question: wire.PendingQuery) -> Any:
+    def _decode(self, question: Question) -> Any:
         try:
             return self._decoder.decode(question.replies[0].payload) if question.replies else None
         except MalformedError:

@@ -1,13 +1,12 @@
 """The emergency stop inside a process that moves something: a latch fed by a session of its own."""
 
 import threading
-import time
 from collections import deque
 from collections.abc import Callable
 
 from lbr.bus import keys, stamp, wire
 from lbr.bus.codec import Decoder
-from lbr.capability import way_in
+from lbr.bus.transport import Transport
 from lbr.capability.config import ProcessConfig
 from lbr.capability.send_times import SendTimes
 from lbr.errors import MalformedError
@@ -30,7 +29,7 @@ class EstopLatch:
     `within_s` is how long the device may take to acknowledge.
     """
 
-    def __init__(self, config: ProcessConfig, wake: Callable[[], None], within_s: float) -> None:
+    def __init__(self, config: ProcessConfig, wake: Callable[[], None], within_s: float, bus: Transport) -> None:
         self.engaged = config.estop.engaged
         self.reason = config.estop.reason
         self.by, self.follows = "", True
@@ -44,12 +43,12 @@ class EstopLatch:
         self._noticed = False
         self._lock = threading.Lock()
         self._releases = SendTimes()
-        self._pressed_ns = self._released_ns = time.monotonic_ns()
-        self._session = way_in.enter_alone(config)
+        self._pressed_ns = self._released_ns = int(bus.clock() * 1e9)
+        self._bus = bus
         self._ack_key = keys.estop_acknowledgement(config.robot, config.name)
-        self._presses = wire.Subscription(self._session, keys.estop(config.robot), depth=8, wake=self._press)
+        self._presses = bus.subscribe(keys.estop(config.robot), depth=8, wake=self._press)
         release = keys.estop_release(config.robot, config.name)
-        self._release = wire.QueryServer(self._session, release, wake, puts=False, source=config.name)
+        self._release = bus.serve(release, wake, puts=False, source=config.name)
 
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
         """Say whether the device has acknowledged the stop; sent when that changes or when the stop is repeated."""
@@ -60,7 +59,7 @@ class EstopLatch:
         )
         if said != self._said or self._again:
             self._said, self._again = said, False
-            wire.put(self._session, self._ack_key, said, source=self._name, urgent=True)
+            self._bus.put(self._ack_key, said, source=self._name)
 
     def serve(self) -> None:
         """Answer releases; called by the process's loop."""
@@ -74,17 +73,17 @@ class EstopLatch:
             if why_not:
                 request.reply(refused(why_not), self._name)
             else:
-                self._released.append((request, time.monotonic() + FOLLOWS_S))
+                self._released.append((request, self._bus.clock() + FOLLOWS_S))
 
     def _answer_releases(self) -> None:
         """Answer those of the rounds before: by now it shows what would follow."""
-        while self._released and (self.engaged or self.follows or time.monotonic() >= self._released[0][1]):
+        while self._released and (self.engaged or self.follows or self._bus.clock() >= self._released[0][1]):
             request, _until = self._released.popleft()
             request.reply(refused(PRESSED_AGAIN) if self.engaged else CommandReply(accepted=True), self._name)
 
     def close(self) -> None:
         """Leave the bus."""
-        self._session.close()
+        self._bus.close()
 
     def _press(self) -> None:
         for message in self._presses.take():

@@ -4,15 +4,18 @@ import gc
 import queue
 import threading
 import time
+from collections.abc import Callable
+from math import inf
 from pathlib import Path
 from typing import Any
 
-from lbr.capability import registry
+from lbr.capability import leaving, registry
 from lbr.capability.base import Capability
+from lbr.capability.calls import BusCall
 from lbr.capability.config import ProcessConfig
 from lbr.capability.kind import Kind
 from lbr.capability.reporter import BEAT_S, Reporter, Said
-from lbr.capability.runtime import ProcessContext
+from lbr.capability.runtime import Join, ProcessContext
 from lbr.capability.suspended import Suspended
 from lbr.errors import DeviceError
 from lbr.messages.codes import Reason
@@ -25,6 +28,8 @@ TELL_MISSED_S = 1.0
 COLLECT_S = 10.0
 BEGINS_S = 60.0
 """So long a process begins, on a slow computer that imports much."""
+EARLY_S = 1e-9
+"""Periods are added up: what is due at the end of a sum is due then."""
 _finding = threading.Lock()
 
 
@@ -80,18 +85,36 @@ class Garbage:
 
 
 class Loop:
-    """Runs in one thread; `stop` and `close` may come from another."""
+    """Runs in one thread; `stop` and `close` may come from another.
 
-    def __init__(self, config: ProcessConfig, reporter: Reporter, garbage: "Garbage | None" = None) -> None:
+    Who has a transport with a clock of its own steps it by that: `begin`, `step` whenever it is due or woken, `end`.
+    """
+
+    def __init__(
+        self,
+        config: ProcessConfig,
+        reporter: Reporter,
+        garbage: "Garbage | None" = None,
+        join: Join | None = None,
+        wake: Callable[[], None] | None = None,
+        kind: Kind | None = None,
+    ) -> None:
         self._config = config
         self._reporter = reporter
         self._garbage = garbage or Garbage()
+        self._join = join
+        self._kind = kind
         self._wake = Wake()
+        self._woken = wake or self._wake.set
         self._stopping = False
         self._capability: Capability[Any] | None = None
         self._suspended = Suspended()
-        self._tell_at = 0.0
+        self._report_at = 0.0
         self._settled = False
+        self._said: Said = ("", "", "")
+        self._opened_s = self._due = self._retry_at = -inf
+        self._open = self._begins = False
+        self._retry_s, self._lost = RETRY_FIRST_S, Reason("failed", "")
 
     def stop(self) -> None:
         """Ask the loop to end; from any thread or a signal handler."""
@@ -100,35 +123,37 @@ class Loop:
 
     def run(self) -> None:
         """Run until asked to stop; raise whatever the capability raises."""
+        ctx = self.begin()
+        while not self._stopping:
+            due = self.step()
+            self._wake.wait(min(due - ctx.clock(), BEAT_S))
+        self.end()
+
+    def begin(self) -> ProcessContext:
+        """Have the capability on its bus, and not open yet."""
         kind, make = self._find()
-        streams = self._wake.set if getattr(make, "woken_by_streams", True) else None
-        ctx = ProcessContext(self._config, kind, self._reporter, self._wake.set, streams)
+        streams = self._woken if getattr(make, "woken_by_streams", True) else None
+        self._ctx = ctx = ProcessContext(self._config, kind, self._reporter, self._woken, streams, self._join)
         try:
-            self._capability = capability = make(ctx)
+            self._capability = make(ctx)
         except BaseException:
             ctx.close()
             raise
         if kind.moves:
             self._garbage.wait_for_us()
-        retry_s, opened = RETRY_FIRST_S, time.monotonic()
-        while not self._stopping:
-            said = self._reporter.said
-            try:
-                capability.open()
-                if not self._settled:
-                    self._settled = True
-                    self._garbage.settle()
-                opened = time.monotonic()
-                self._loop(ctx, capability, said)
-            except DeviceError as err:
-                capability.close()
-                if time.monotonic() - opened > STEADY_S:
-                    retry_s = RETRY_FIRST_S
-                self._wait_degraded(ctx, capability, Reason(err.code, str(err)), retry_s)
-                retry_s = min(retry_s * 2, RETRY_MOST_S)
+        self._opened_s = ctx.clock()
+        return ctx
+
+    def end(self) -> None:
+        """Close the capability, and leave the bus."""
         self._reporter.phase("stopping")
-        capability.close()
-        ctx.close()
+        self.close()
+        self._ctx.close()
+
+    @property
+    def capability(self) -> Capability[Any] | None:
+        """What runs here; before it has begun, nothing."""
+        return self._capability
 
     @property
     def began(self) -> bool:
@@ -140,7 +165,7 @@ class Loop:
         while not _finding.acquire(timeout=BEAT_S):
             self._reporter.beat({})
         try:
-            kind = registry.accepted(self._config.kind, Path(self._config.home), self._config.source)
+            kind = self._kind or registry.accepted(self._config.kind, Path(self._config.home), self._config.source)
             return kind, kind.load()
         finally:
             _finding.release()
@@ -150,54 +175,93 @@ class Loop:
         if self._capability is not None:
             self._capability.close()
 
-    def _loop(self, ctx: ProcessContext, capability: Capability[Any], said: Said) -> None:
-        """Step until asked to stop; ready is who has stepped, whose device answers, and who lacks nothing."""
-        due, begins = time.monotonic(), True
-        while not self._stopping:
-            period = 1.0 / capability.rate_hz
-            now = time.monotonic()
-            ctx.on_tick = now >= due
-            if ctx.on_tick:
-                due = due + period if now < due + period else now + period
-            self._round(ctx, capability)
-            if begins and capability.answers():
-                lacks, own = capability.lacks(), self._reporter.said is not said
-                begins = lacks is not None
-                if not own:  # what it has reported itself stands
-                    ctx.warn(lacks) if lacks else ctx.ready()
-                    said = self._reporter.said
-            due = min(due, now + 1.0 / capability.rate_hz)  # its rate may have risen, as when it begins something
-            self._wake.wait(min(due - time.monotonic(), BEAT_S))
+    def step(self) -> float:
+        """Do a round, open, or wait for a device that is away; return when the next is due."""
+        ctx, capability = self._ctx, self._capability
+        assert capability is not None
+        if ctx.clock() < self._retry_at:
+            return self._wait_degraded(ctx, capability)
+        try:
+            if not self._open:
+                self._open_it(ctx, capability)
+            return self._tick(ctx, capability)
+        except DeviceError as err:
+            self._open = False
+            capability.close()
+            now = ctx.clock()
+            if now - self._opened_s > STEADY_S:
+                self._retry_s = RETRY_FIRST_S
+            self._lost, self._report_at, self._retry_at = Reason(err.code, str(err)), 0.0, now + self._retry_s
+            self._retry_s = min(self._retry_s * 2, RETRY_MOST_S)
+            ctx.warn(self._lost)
+            return self._wait_degraded(ctx, capability)
+
+    def _open_it(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
+        self._said = self._reporter.said
+        capability.open()
+        if not self._settled:
+            self._settled = True
+            self._garbage.settle()
+        self._open = self._begins = True
+        self._opened_s = self._due = ctx.clock()
+
+    def _tick(self, ctx: ProcessContext, capability: Capability[Any]) -> float:
+        """Do one round; ready is who has stepped, whose device answers, and who lacks nothing."""
+        period = 1.0 / capability.rate_hz
+        now = ctx.clock()
+        ctx.on_tick = now >= self._due - EARLY_S
+        if ctx.on_tick:
+            self._due = self._due + period if now < self._due + period else now + period
+        self._round(ctx, capability)
+        if self._begins and capability.answers():
+            lacks, own = capability.lacks(), self._reporter.said is not self._said
+            self._begins = lacks is not None
+            if not own:  # what it has reported itself stands
+                ctx.warn(lacks) if lacks else ctx.ready()
+                self._said = self._reporter.said
+        self._due = min(self._due, now + 1.0 / capability.rate_hz)  # its rate may have risen, as it began something
+        return self._due
 
     def _round(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
         if slept_s := self._suspended.for_s():
             capability.woke(slept_s)
         for call in ctx.calls():
-            capability.command(call)
+            self._command(capability, call)
         capability.step()
         self._reporter.beat(ctx.counts())
         if ctx.on_tick:
             self._keep_house(ctx)
 
+    @staticmethod
+    def _command(capability: Capability[Any], call: BusCall) -> None:
+        """Have a command answered; what is raised ends this process, or its device's session, and is the answer."""
+        try:
+            capability.command(call)
+        except Exception as err:
+            if call.open:
+                call.refuse(
+                    Reason(err.code, str(err)) if isinstance(err, DeviceError) else Reason("failed", leaving.told(err))
+                )
+            raise
+
     def _keep_house(self, ctx: ProcessContext) -> None:
         """Do what may wait, right after a tick: nothing else is due for almost a period."""
-        now = time.monotonic()
+        now = ctx.clock()
         ctx.tell_recorder()
-        if now >= self._tell_at:
-            self._tell_at = now + TELL_MISSED_S
+        if now >= self._report_at:
+            self._report_at = now + TELL_MISSED_S
             ctx.tell_missed()
             ctx.drop_unread()
         self._garbage.collect(now)
 
-    def _wait_degraded(self, ctx: ProcessContext, capability: Capability[Any], reason: Reason, wait_s: float) -> None:
-        ctx.warn(reason)
-        tell, until = 0.0, time.monotonic() + wait_s
-        while not self._stopping and time.monotonic() < until:
-            if time.monotonic() >= tell:
-                tell = time.monotonic() + TELL_DEGRADED_S
-                capability.degraded(str(reason))
-            for call in ctx.calls():
-                call.refuse(f"{ctx.name}: {reason}", reason.code)
-            self._reporter.beat(ctx.counts())
-            ctx.tell_recorder()
-            self._wake.wait(min(until - time.monotonic(), BEAT_S))
+    def _wait_degraded(self, ctx: ProcessContext, capability: Capability[Any]) -> float:
+        """Refuse commands while the device is away."""
+        now = ctx.clock()
+        if now >= self._report_at:
+            self._report_at = now + TELL_DEGRADED_S
+            capability.degraded(str(self._lost))
+        for call in ctx.calls():
+            call.refuse(f"{ctx.name}: {self._lost}", self._lost.code)
+        self._reporter.beat(ctx.counts())
+        ctx.tell_recorder()
+        return min(self._retry_at, now + BEAT_S)

@@ -1,10 +1,10 @@
-"""The bus side of a running capability: its ports, commands, presence and emergency stop."""
+"""The context of a capability over a transport: its ports, commands, presence and emergency stop."""
 
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
-from typing import Any, TypeVar, cast
+from typing import Any, Protocol, TypeVar, cast
 
 import msgspec
 from msgspec import Struct
@@ -12,10 +12,11 @@ from msgspec import Struct
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder, PictureDecoder
 from lbr.bus.inflow import Inflow
+from lbr.bus.transport import Feed, Transport, ZenohTransport
 from lbr.capability import way_in
 from lbr.capability.calls import UNSTAMPED, Answers, BusCall
 from lbr.capability.config import InputWire, ProcessConfig
-from lbr.capability.context import Call, Device, EmergencyStop, Received
+from lbr.capability.context import Device, EmergencyStop, Received
 from lbr.capability.estop import EstopLatch, NothingToStop
 from lbr.capability.events import Throttle
 from lbr.capability.kind import STOP, Kind
@@ -40,6 +41,13 @@ NEWEST_WAIT_S = 0.1
 R = TypeVar("R", bound=Row)
 
 
+class Join(Protocol):
+    """Opens a capability's part of the bus; the emergency stop has one `alone`."""
+
+    def __call__(self, config: ProcessConfig, *, alone: bool) -> Transport:
+        """Open it; BusError: it is not let in."""
+
+
 class Port:
     """One input or setpoint: decodes what its streams bring, drops what is not genuine, too fast or malformed.
 
@@ -48,7 +56,7 @@ class Port:
 
     def __init__(
         self,
-        bus: session.Session,
+        bus: Transport,
         wires: tuple[InputWire, ...],
         kind: type[Struct],
         wake: Callable[[], None] | None,
@@ -66,7 +74,7 @@ class Port:
         self._fresh: deque[Received] = deque(maxlen=max((wire.history for wire in wires), default=1))
         self._next: dict[str, float] = {}
         self._dates = {wire.key: SendTimes() for wire in wires}
-        self._feeds: list[tuple[InputWire, wire.Subscription | wire.PolledSubscription]] = []
+        self._feeds: list[tuple[InputWire, Feed]] = []
         if not self._while_read:
             self._subscribe()
 
@@ -90,20 +98,22 @@ class Port:
             self._feeds.clear()
 
     def _subscribe(self) -> None:
-        self._feeds = [(feed, _subscription(self._bus, feed, self._wake)) for feed in self._wires]
+        self._feeds = [
+            (feed, self._bus.subscribe(feed.key, depth=feed.history, wake=self._wake)) for feed in self._wires
+        ]
 
     def _begin_to_read(self) -> None:
         """Receive pictures, and have the newest one at once."""
         self._subscribe()
         keys_asked = {feed.key: feed for feed in self._wires}
-        for raw in wire.ask_all(self._bus, keys_asked, source=self._name, timeout_s=NEWEST_WAIT_S):
+        for raw in self._bus.newest(keys_asked, source=self._name, timeout_s=NEWEST_WAIT_S):
             if raw.key in keys_asked and (received := self._check(keys_asked[raw.key], raw)) is not None:
                 self.last = received
                 self._fresh.append(received)
 
     def _drain(self) -> None:
         if self._while_read:
-            self._read_at = time.monotonic()
+            self._read_at = self._bus.clock()
             if self._wires and not self._feeds:
                 self._begin_to_read()
         for feed, subscription in self._feeds:
@@ -114,7 +124,7 @@ class Port:
                     self._fresh.append(received)
 
     def _check(self, feed: InputWire, raw: wire.RawMessage) -> Received | None:
-        now = time.monotonic()
+        now = self._bus.clock()
         found = stamp.read(raw.attachment)
         source = found.source if found is not None else UNSTAMPED
         if feed.seal:
@@ -140,7 +150,7 @@ class Port:
 
 
 class ProcessContext:
-    """The context of a capability in a process of its own.
+    """What a capability does by its context, over a transport that `join` opens: Zenoh's unless another is given.
 
     `wake` is called from any thread for whatever arrives; for streams `wake_for_streams` is, or nothing if it is None.
     """
@@ -152,7 +162,9 @@ class ProcessContext:
         reporter: Reporter,
         wake: Callable[[], None],
         wake_for_streams: Callable[[], None] | None,
+        join: Join | None = None,
     ) -> None:
+        join = join or _by_zenoh
         self.robot = config.robot
         self.name = config.name
         self.simulated = config.simulated
@@ -166,7 +178,9 @@ class ProcessContext:
         self.live_lease = ""
         self._overtaken = Overtaken()
         within_s = getattr(self.settings, "acknowledge_s", ACKNOWLEDGE_S)
-        self.estop: EmergencyStop = EstopLatch(config, wake, within_s) if kind.moves else NothingToStop()
+        self.estop: EmergencyStop = (
+            EstopLatch(config, wake, within_s, join(config, alone=True)) if kind.moves else NothingToStop()
+        )
         self.config = config
         self._kind = kind
         self._reporter = reporter
@@ -174,18 +188,19 @@ class ProcessContext:
         self._complained: dict[str, float] = {}
         self._throttle = Throttle()
         self._dropped: dict[str, int] = {}
+        self._refused_outputs: set[str] = set()
         try:
-            self._bus = way_in.enter(config)
+            self._bus = join(config, alone=False)
         except BaseException:  # also an interruption leaves nothing open; it goes on upwards
             self.estop.close()
             raise
-        self._events = wire.Publisher(self._bus, keys.event(config.robot), config.name)
+        self.clock = self._bus.clock
+        self._events = self._bus.publisher(keys.event(config.robot), config.name)
         taps = {device.name: device.tap for device in self.devices} if self.device is not None else {}
         self._tape = Tape(self._bus, config.robot, config.name, taps)
         self._outputs = {
             name: [
-                wire.Publisher(
-                    self._bus,
+                self._bus.publisher(
                     o.key,
                     config.name,
                     seal=bytes.fromhex(o.seal),
@@ -196,6 +211,7 @@ class ProcessContext:
             ]
             for name, wires in config.outputs.items()
         }
+        self._declared = {name: Decoder(one) for name, one in kind.outputs.items() if one is not JpegFrame}
         ports = {**kind.inputs, **kind.setpoints}
         self._ports = {
             name: Port(self._bus, config.wiring.get(name, ()), message, wake_for_streams, self._refused, config.name)
@@ -203,8 +219,7 @@ class ProcessContext:
         }
         self._commands = {
             name: (
-                wire.QueryServer(
-                    self._bus,
+                self._bus.serve(
                     keys.port(config.robot, config.name, name),
                     wake,
                     source=config.name,
@@ -214,14 +229,14 @@ class ProcessContext:
             )
             for name, message in kind.messages.items()
         }
-        self._schemas = _serve_schemas(self._bus, config, kind)
-        self._presence = wire.Presence(self._bus, config.robot, lambda _name, _alive: wake())
-        self._token = wire.alive(self._bus, config.robot, config.name)
+        _serve_schemas(self._bus, config, kind)
+        self._presence = self._bus.presence(config.robot, lambda _name, _alive: wake())
+        self._token = self._bus.alive(config.robot, config.name)
 
     @property
-    def bus(self) -> session.Session:
-        """This process's session, for kinds that hear what no row wires; one thread takes from it."""
-        return self._bus
+    def bus(self) -> session.Session | None:
+        """This process's session, for kinds that hear what no row wires; one thread takes from it. None: it has none."""
+        return self._bus.session if isinstance(self._bus, ZenohTransport) else None
 
     def rows(self, row: type[R]) -> tuple[R, ...]:
         """Return the rows of a table that the kind reads."""
@@ -231,20 +246,36 @@ class ProcessContext:
             self._rows[row] = tuple(msgspec.json.decode(self._row_sets[row.TABLE].rows, type=list[row]))  # type: ignore[valid-type]
         return cast("tuple[R, ...]", self._rows[row])
 
-    def clock(self) -> float:
-        """Monotonic seconds."""
-        return time.monotonic()
-
     def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:
-        """Publish on every key of an output; `taken_s` is when a picture was taken."""
+        """Publish on every key of an output; `taken_s` is when a picture was taken.
+
+        What the declared type does not allow is not published, and that is reported once until it is as declared again.
+        """
         if output not in self._outputs:
             raise KeyError(f"'{self.name}' has no output '{output}'; it has {', '.join(self._outputs) or 'none'}")
         declared = self._kind.outputs[output]
         if not isinstance(message, declared):
             what = f"a {type(message).__name__} on '{output}', which its kind declares to be {declared.__name__}"
             raise TypeError(f"'{self.name}' publishes {what}")
-        for publisher in self._outputs[output]:
-            publisher.put(message, taken_s=taken_s)
+        payload = self._checked(output, message)
+        for publisher in self._outputs[output] if payload is not None else ():
+            publisher.put(message, taken_s=taken_s, payload=payload)
+
+    def _checked(self, output: str, message: Struct) -> bytes | None:
+        """Return a message as bytes, once its declared type reads them; None if it does not."""
+        if isinstance(message, JpegFrame):
+            return message.data
+        try:
+            payload = wire.encode(message)
+            self._declared[output].decode(payload)
+        except (MalformedError, TypeError, ValueError, RecursionError) as err:
+            if output not in self._refused_outputs:
+                self._refused_outputs.add(output)
+                text = f"'{self.name}' published on '{output}' what its kind does not declare: {err}"
+                self.event("refused", text, level="warning", data={"output": output}, code="malformed", about=self.name)
+            return None
+        self._refused_outputs.discard(output)
+        return payload
 
     def forget(self, output: str) -> None:
         """Answer no `get` any more with what was published there."""
@@ -293,9 +324,7 @@ class ProcessContext:
         wired = self.config.requests.get(request, {})
         asked = {name: key for name, key in wired.items() if only is None or name in only}
         questions = {
-            name: wire.PendingQuery(
-                self._bus, key, payload, timeout_s=timeout_s, source=self.name, origin=origin, wake=self._wake
-            )
+            name: self._bus.query(key, payload, timeout_s=timeout_s, source=self.name, origin=origin, wake=self._wake)
             for name, key in asked.items()
         }
         return Answers(questions, Decoder(self._kind.replies.get(request, CommandReply)))
@@ -311,7 +340,7 @@ class ProcessContext:
         about: str = "",
     ) -> None:
         """Publish on `@event`, unless there were too many of this kind; those are counted and told together."""
-        if not self._throttle.take(kind, time.monotonic()):
+        if not self._throttle.take(kind, self.clock()):
             return
         safe = level if level in {"info", "warning", "error"} else "info"
         event = Event(
@@ -335,18 +364,18 @@ class ProcessContext:
 
     def drop_unread(self) -> None:
         """Receive pictures no longer that are not read; called once a second."""
-        now = time.monotonic()
+        now = self.clock()
         for port in self._ports.values():
             port.drop_unread(now)
 
     def tell_recorder(self) -> None:
         """Tell a recorder, if there is one, of bytes and commands; called after each tick."""
-        self._tape.step(time.monotonic())
+        self._tape.step(self.clock())
 
     def engage_estop(self, reason: str) -> None:
         """Latch the emergency stop of everything that moves."""
         request = EstopRequest(engaged=True, reason=reason[:200])
-        wire.put(self._bus, keys.estop(self.robot), request, source=self.name, urgent=True)
+        self._bus.put(keys.estop(self.robot), request, source=self.name)
 
     def learn(self, *rows: Row) -> None:
         """Have rows that the kind learns written down."""
@@ -373,7 +402,7 @@ class ProcessContext:
         """Say that it does not work as it should."""
         self._reporter.phase("degraded", str(reason), reason.code if isinstance(reason, Reason) else code)
 
-    def calls(self) -> Iterator[Call]:
+    def calls(self) -> Iterator[BusCall]:
         """Yield the commands that wait; malformed ones are refused here.
 
         What moves hears of a stop before each of them: it knows by their dates what came before that, and begins none.
@@ -392,7 +421,7 @@ class ProcessContext:
                     yield from (call for stop in self._commands[STOP][0].take() for call in self._call(STOP, stop))
                 yield from self._call(name, request)
 
-    def _call(self, name: str, request: wire.Request) -> list[Call]:
+    def _call(self, name: str, request: wire.Request) -> list[BusCall]:
         """Return what is asked for, or refuse it."""
         call = BusCall(
             name,
@@ -424,7 +453,7 @@ class ProcessContext:
         self._bus.close()
 
     def _refused(self, key: str, text: str, code: str, about: str = "") -> None:
-        now = time.monotonic()
+        now = self.clock()
         if now >= self._complained.get(key, 0.0):
             if len(self._complained) > 256:
                 self._complained.clear()
@@ -437,13 +466,8 @@ def _told(rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
     return by_table(msgspec.convert(msgspec.to_builtins(row), type(row)) for row in rows)
 
 
-def _subscription(
-    bus: session.Session, feed: InputWire, wake: Callable[[], None] | None
-) -> wire.Subscription | wire.PolledSubscription:
-    """Receive a stream; one that wakes no loop waits within Zenoh."""
-    if wake is None:
-        return wire.PolledSubscription(bus, feed.key, depth=feed.history)
-    return wire.Subscription(bus, feed.key, depth=feed.history, wake=wake)
+def _by_zenoh(config: ProcessConfig, *, alone: bool) -> Transport:
+    return ZenohTransport(way_in.enter_alone(config) if alone else way_in.enter(config))
 
 
 def _read(name: str, payload: bytes, decoder: Decoder[Any]) -> Any:
@@ -462,11 +486,9 @@ def _decode(payload: bytes, decoder: Decoder[Any]) -> Any:
     return decoder.decode(payload or b"{}")
 
 
-def _serve_schemas(bus: session.Session, config: ProcessConfig, kind: Kind) -> list[wire.StaticReply]:
+def _serve_schemas(bus: Transport, config: ProcessConfig, kind: Kind) -> None:
     keyed = {wire.key for wires in config.outputs.values() for wire in wires}
     own = {name: kind.outputs[name] for name in kind.outputs if keys.port(config.robot, config.name, name) in keyed}
     types = {**own, **kind.messages, **kind.setpoints}
-    return [
-        wire.StaticReply(bus, keys.schema(config.robot, config.name, name), partial(kind.schema, name, message))
-        for name, message in types.items()
-    ]
+    for name, message in types.items():
+        bus.document(keys.schema(config.robot, config.name, name), partial(kind.schema, name, message))

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from msgspec import Raw, Struct
 
 from lbr.bus import keys, wire
-from lbr.bus.session import Session
+from lbr.bus.transport import Transport
 from lbr.capability.calls import BusCall
 from lbr.capability.tap import Tap
 from lbr.messages.taped import Taped, TapedCommand, TapedLine
@@ -22,12 +22,12 @@ MOST_COMMANDS = 1000
 class Tape:
     """What of a process is published while a recorder hears it. One thread uses it."""
 
-    def __init__(self, bus: Session, robot: str, name: str, taps: Mapping[str, Tap]) -> None:
+    def __init__(self, bus: Transport, robot: str, name: str, taps: Mapping[str, Tap]) -> None:
         self._taps = taps
         self._commands: list[TapedCommand] = []
         self._on = False
         self._send_at = 0.0
-        self._publisher = wire.Publisher(bus, keys.taped(robot, name), name, watching=lambda: None)
+        self._publisher = bus.publisher(keys.taped(robot, name), name, watching=lambda: None)
 
     def answered(self, call: BusCall, answer: Struct) -> None:
         """Take a command with its answer."""

@@ -13,7 +13,7 @@ from lbr.bus import keys
 from lbr.capability import twins
 from lbr.capability.config import ProcessConfig
 from lbr.capability.kind import Kind
-from lbr.lockstep.board import ROUND_S, Board
+from lbr.capability.stage import ROUND_S, Stage
 from lbr.lockstep.faults import Faults
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.joints import Joint
@@ -56,7 +56,7 @@ class BodyInstruments:
 
     def __init__(
         self,
-        board: Board,
+        board: Stage,
         others: Mapping[str, tuple[ProcessConfig, Kind]],
         engine: HumanoidEngine,
         rows: Sequence[Joint],
@@ -94,7 +94,7 @@ class BodyInstruments:
                 board.names.add(name)
             for port, message in kind.setpoints.items():
                 if message is ServoSetpoint:
-                    board.listen(keys.port(board.robot, name, port), self._take)
+                    board.listen(keys.port(board.robot, name, port), ServoSetpoint, self._take)
 
     def round(self) -> None:
         """Move the body for one round, and tell what is due."""

@@ -5,10 +5,11 @@ from random import Random
 from typing import Any
 
 from lbr.bus import keys
-from lbr.lockstep.board import Board, BoardContext
+from lbr.capability.stage import Stage
 from lbr.lockstep.body import BodyInstruments, standing_angles
 from lbr.lockstep.faults import NONE, Faults
-from lbr.lockstep.trial import BY, RUNS, WORLD, Setup, TableTrial
+from lbr.lockstep.trial import BY, RUNS, WORLD, Setup, TableTrial, rows_of
+from lbr.messages.behaviour import BehaviourState
 from lbr.messages.joints import Joint, TorqueCommand
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
@@ -30,10 +31,10 @@ class HumanoidTrial(TableTrial):
         self.number, self.fault, self.start = number, fault, StartPose()
         random = Random(f"{seed}/{number}/{fault}")
         kinds, units = setup.kinds(), setup.units
-        board = Board(setup.robot)
+        board = Stage(setup.robot)
         super().__init__(setup, board)
         world = setup.humanoid or HumanoidWorldSettings(model=setup.robot)
-        rows = BoardContext(board, units[WORLD], kinds[WORLD]).rows(Joint)
+        rows = rows_of(units[WORLD])(Joint)
         self.engine = HumanoidEngine(world, rows, setup.home)
         self.began = _placed(self.engine, setup.begins, number, random)
         for name, unit in units.items():
@@ -48,8 +49,7 @@ class HumanoidTrial(TableTrial):
         self.instruments = BodyInstruments(board, others, self.engine, rows, random, faults)
         self.falls = 0
         self._upright = self.engine.pose().upright
-        board.listen(keys.port(setup.robot, self._runs, "state"), self._hear)
-        board.open()
+        board.listen(keys.port(setup.robot, self._runs, "state"), BehaviourState, self._hear)
 
     def warm_up(self) -> None:
         """Let it fall if it is to, and switch its torque on, as a person does before a table."""

@@ -7,7 +7,7 @@ from random import Random
 from lbr.bus import keys
 from lbr.capability.config import ProcessConfig
 from lbr.capability.kind import Kind
-from lbr.lockstep.board import ROUND_S, Board
+from lbr.capability.stage import ROUND_S, Stage
 from lbr.lockstep.faults import Faults
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.dock import DockSignal
@@ -35,7 +35,7 @@ class Instruments:
 
     def __init__(
         self,
-        board: Board,
+        board: Stage,
         others: Mapping[str, tuple[ProcessConfig, Kind]],
         engine: Engine,
         random: Random,
@@ -71,7 +71,7 @@ class Instruments:
                     self._tell.append((keys.port(board.robot, name, output), name, tell))
             for port, message in kind.setpoints.items():
                 if message is MotorSetpoint:
-                    board.listen(keys.port(board.robot, name, port), self._take)
+                    board.listen(keys.port(board.robot, name, port), MotorSetpoint, self._take)
 
     def round(self) -> None:
         """Move the world for one round, and tell what is due."""

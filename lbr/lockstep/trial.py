@@ -2,11 +2,13 @@
 
 from abc import ABC, abstractmethod
 from collections import deque
+from collections.abc import Callable
 from math import degrees, hypot
 from pathlib import Path
 from random import Random
 from typing import Any, Literal
 
+import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -14,12 +16,13 @@ from lbr.bus import keys
 from lbr.capability import registry
 from lbr.capability.config import ProcessConfig
 from lbr.capability.kind import Kind
-from lbr.lockstep.board import ROUND_S, Board, BoardContext, Told
+from lbr.capability.stage import ROUND_S, Stage, Told
 from lbr.lockstep.faults import NONE, Faults
 from lbr.lockstep.instruments import Instruments
 from lbr.messages.behaviour import BehaviourState, RunBehaviour
 from lbr.messages.codes import Reason, ReasonCode, heard
 from lbr.messages.leases import StopCommand
+from lbr.messages.rows import Row
 from lbr.messages.simulation import WorldPose
 from lbr.simulation.engine import Engine, body_of
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
@@ -59,6 +62,11 @@ class Setup(Struct, frozen=True, kw_only=True):
     def kinds(self) -> dict[str, Kind]:
         """Return the kind of each."""
         return {name: registry.find(unit.kind, Path(self.home)) for name, unit in self.units.items()}
+
+
+def rows_of(unit: ProcessConfig) -> Callable[[type[Row]], tuple[Any, ...]]:
+    """Return what returns the rows of a table, of those that a process gets."""
+    return lambda row: tuple(msgspec.json.decode(unit.rows[row.TABLE].rows, type=list[row]))  # type: ignore[valid-type]
 
 
 class Outcome(Struct, frozen=True, kw_only=True):
@@ -102,7 +110,7 @@ class TableTrial(ABC):
     start: StartPose
     fault: str
 
-    def __init__(self, setup: Setup, board: Board) -> None:
+    def __init__(self, setup: Setup, board: Stage) -> None:
         self._setup = setup
         self.board = board
         self.state = BehaviourState(phase="resting")
@@ -194,13 +202,12 @@ class Trial(TableTrial):
     ):
         self.number, self.start, self.fault = number, start, fault
         random = Random(f"{seed}/{number}/{fault}")
-        super().__init__(setup, Board(setup.robot))
+        super().__init__(setup, Stage(setup.robot))
         world = faults.world(replace(setup.world, start=start, seed=random.randrange(1 << 30)))
         if world.ultrasonic == Ultrasonic():
             world = replace(world, ultrasonic=NOISY)
         kinds, units = setup.kinds(), setup.units
-        rows = BoardContext(self.board, units[WORLD], kinds[WORLD]).rows
-        sensors, wheels, rollers = body_of(world, rows)
+        sensors, wheels, rollers = body_of(world, rows_of(units[WORLD]))
         self.engine = Engine(world, sensors, wheels, rollers=rollers)
         for name, unit in units.items():
             if kinds[name].name in AS_THEY_ARE:
@@ -216,8 +223,7 @@ class Trial(TableTrial):
         self._speed_mps = 0.0
         self._been: deque[tuple[float, float, int]] = deque(maxlen=round(STUCK_S / LOOK_S))
         self._look_at_s = 0.0
-        self.board.listen(keys.port(setup.robot, self._runs, "state"), self._hear)
-        self.board.open()
+        self.board.listen(keys.port(setup.robot, self._runs, "state"), BehaviourState, self._hear)
 
     def round(self) -> None:
         """Let one round go by, and watch the robot."""

@@ -50,7 +50,7 @@ def _put_in() -> None:
         if str(sample.key_expr).endswith("/setpoint"):
             reached(number["heard"])
 
-    _around(wire.QueryServer, "_queue", stamp("arrived"))
+    _around(wire.QueryServer, "queue", stamp("arrived"))
     _around(wire.Subscription, "_store", heard)
     _around(wire.Request, "forward_reply", None, stamp("replied"))
     _around(wire.Publisher, "put", put("sent"), put("given"))

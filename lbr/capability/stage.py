@@ -1,0 +1,208 @@
+"""Capabilities as they are run, in one process, by a clock that is stepped: their contexts and loops, over a bus in memory.
+
+What is published, asked or answered in one round is there in the next; nothing happens between rounds, and the order is
+always the same. A capability that raises ends the round with what it raised.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+import msgspec
+from msgspec import Struct
+
+from lbr.bus import keys, wire
+from lbr.bus.codec import Decoder
+from lbr.bus.memory import BEGAN_S, Memory, MemoryTransport
+from lbr.bus.transport import Question
+from lbr.capability.base import Capability
+from lbr.capability.calls import Answers
+from lbr.capability.config import ProcessConfig
+from lbr.capability.kind import Kind
+from lbr.capability.loop import EARLY_S, Garbage, Loop
+from lbr.capability.reporter import Reporter, Said
+from lbr.capability.runtime import ProcessContext
+from lbr.messages.codes import ReasonCode
+from lbr.messages.leases import CommandReply
+from lbr.messages.system import EstopRequest, Event
+
+ROUND_S = 0.01
+"""One hop over the bus takes up to 7 ms beside four busy loops; a round is a bit more."""
+
+
+class Told(NamedTuple):
+    """An event, with when it came; that a capability is degraded counts as one."""
+
+    at_s: float
+    subject: str
+    kind: str
+    text: str
+    code: str
+
+
+class StageReporter(Reporter):
+    """Keeps what a capability reports of itself: its `phases`, and the rows that it `learnt`."""
+
+    def __init__(self, reported: Callable[[Said], None]) -> None:
+        self._reported = reported
+        self.said = ("", "", "")
+        self.phases: list[Said] = []
+        self.rows: list[Mapping[str, msgspec.Raw]] = []
+
+    def phase(self, phase: str, reason: str = "", code: ReasonCode = "") -> None:
+        """Keep a change of phase or reason."""
+        if (phase, reason, code) != self.said:
+            self.said = (phase, reason, code)
+            self.phases.append(self.said)
+            self._reported(self.said)
+
+    def learnt(self, rows: Mapping[str, msgspec.Raw]) -> None:
+        """Keep rows; nothing is written down."""
+        self.rows.append(rows)
+
+    def beat(self, counts: dict[str, int]) -> None:
+        """Do nothing: nobody waits for it."""
+
+
+class LeftAlone(Garbage):
+    """Leaves what a process collects, and when, to whoever runs the stage."""
+
+    def wait_for_us(self) -> None:
+        """Do nothing."""
+
+    def settle(self) -> None:
+        """Do nothing."""
+
+    def collect(self, now: float) -> None:
+        """Do nothing."""
+
+
+class Member:
+    """A capability on the stage; one that is `frozen` has no rounds."""
+
+    def __init__(self, loop: Loop, ctx: ProcessContext, reporter: StageReporter, opens_s: float) -> None:
+        assert loop.capability is not None
+        self.loop, self.ctx, self.reporter = loop, ctx, reporter
+        self.capability: Capability[Any] = loop.capability
+        self.frozen = False
+        self.woken = False
+        self._opens_s = self._due_s = opens_s
+
+    def round(self, now: float) -> None:
+        """Do what its process does now, if anything."""
+        due = self.woken or now >= self._due_s - EARLY_S
+        if due and not self.frozen and now >= self._opens_s - EARLY_S:
+            self.woken = False
+            self._due_s = self.loop.step()
+
+
+class Stage:
+    """Capabilities by name, and the bus between them. `told` are the events, and `names` all that count as alive."""
+
+    def __init__(self, robot: str, now: float = BEGAN_S, round_s: float = ROUND_S) -> None:
+        self.robot = robot
+        self.round_s = round_s
+        self.bus = Memory(now)
+        self.told: list[Told] = []
+        self.members: dict[str, Member] = {}
+        self._outside = MemoryTransport(self.bus)
+        self._transports: dict[str, list[MemoryTransport]] = {}
+        self._seals: dict[str, bytes] = {}
+        self.listen(keys.event(robot), Event, self._keep)
+
+    @property
+    def now(self) -> float:
+        """The time of the stage."""
+        return self.bus.now
+
+    @property
+    def names(self) -> set[str]:
+        """All that count as alive, who is not on the stage included."""
+        return self.bus.names
+
+    def add(self, config: ProcessConfig, kind: Kind | None = None, phase_s: float = 0.0) -> Capability[Any]:
+        """Have a capability live here, of an installed kind unless that is given; it opens after `phase_s`."""
+        for feeds in config.wiring.values():
+            self._seals.update((feed.key, bytes.fromhex(feed.seal)) for feed in feeds)
+        reporter = StageReporter(partial(self._reported, config.name))
+        loop = Loop(
+            config,
+            reporter,
+            LeftAlone(),
+            join=self._join,
+            wake=partial(self._wake, config.name),
+            kind=kind,
+        )
+        ctx = loop.begin()
+        self.members[config.name] = member = Member(loop, ctx, reporter, self.now + phase_s)
+        return member.capability
+
+    def kill(self, name: str) -> None:
+        """Have a capability be gone at once, as a process that is killed: it closes nothing."""
+        del self.members[name]
+        for transport in self._transports.pop(name):
+            transport.close()
+
+    def close(self) -> None:
+        """End all of them in order."""
+        for member in self.members.values():
+            member.loop.end()
+        self.members.clear()
+
+    def listen(self, key: str, message: type[Any], hear: Callable[[Any], None]) -> None:
+        """Have something hear every message of a key."""
+        self.bus.listen(key, message, hear)
+
+    def put(self, key: str, message: Struct, source: str) -> None:
+        """Publish as one who is not on the stage; what only that one may publish is sealed as by it."""
+        self.bus.publish(key, message, source, seal=self._seals.get(key, b""))
+
+    def press(self, reason: str, source: str = "stage") -> None:
+        """Press the emergency stop."""
+        self.bus.publish(keys.estop(self.robot), EstopRequest(engaged=True, reason=reason), source)
+
+    def command(
+        self, name: str, what: str, message: Any, source: str, timeout_s: float = 2.0, reply: type[Any] = CommandReply
+    ) -> Answers:
+        """Ask one capability from outside."""
+        key = keys.port(self.robot, name, what)
+        question: Question = self._outside.query(key, wire.encode(message), timeout_s=timeout_s, source=source)
+        return Answers({name: question}, Decoder(reply))
+
+    def answer(self, name: str, what: str, message: Any, source: str = "stage", timeout_s: float = 2.0) -> Any:
+        """Ask one capability, and let time go by until it has answered; None if it does not."""
+        asked = self.command(name, what, message, source, timeout_s)
+        while (answers := asked.answers()) is None:
+            self.round()
+        return answers[name]
+
+    def round(self) -> None:
+        """Let one round go by."""
+        self.bus.step(self.round_s)
+        for member in list(self.members.values()):
+            member.round(self.now)
+
+    def run(self, seconds: float, each: Iterable[Callable[[], object]] = ()) -> None:
+        """Let time go by, and do something in each round."""
+        for _ in range(round(seconds / self.round_s)):
+            self.round()
+            for do in each:
+                do()
+
+    def _join(self, config: ProcessConfig, *, alone: bool) -> MemoryTransport:
+        del alone
+        transport = MemoryTransport(self.bus)
+        self._transports.setdefault(config.name, []).append(transport)
+        return transport
+
+    def _wake(self, name: str) -> None:
+        if name in self.members:
+            self.members[name].woken = True
+
+    def _keep(self, event: Event) -> None:
+        self.told.append(Told(self.now, event.subject, event.kind, event.text, event.code))
+
+    def _reported(self, name: str, said: Said) -> None:
+        phase, reason, code = said
+        if phase == "degraded":
+            self.told.append(Told(self.now, name, phase, reason, code))
