@@ -1,6 +1,6 @@
 """A robot on wheels in the simulated world, stepped apart from wall time: its capabilities as they are, in one process.
 
-    trying ──► trial ──► board: drive, beacon, behaviours, battery, odometry, each with a context of the board's
+    trying ──► trial ──► stage: drive, beacon, behaviours, battery, odometry, each in the loop and context of its own process
                     └──► instruments: what drivers would tell of the world, with their rates, delays and noise
                               └──► the world's engine
 
