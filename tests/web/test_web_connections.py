@@ -216,3 +216,17 @@ def test_where_tls_is_spoken_silence_and_half_a_greeting_deny_nobody(monkeypatch
                 assert answer().startswith(b"HTTP/1.1 200")
                 until(lambda: served.web._serving.connections <= 1, limit_s=4.0, what="room again")
                 assert held[-1].recv(1) == b""
+
+
+@pytest.mark.parametrize(("settings", "status"), [({"host": "0.0.0.0"}, 200), ({"tls": True}, 307)])
+def test_without_tls_this_machine_is_served_as_before_and_others_are_led_to_https(
+    monkeypatch, tmp_path, settings, status
+):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path))
+    with serving(Plain(), **settings) as served:
+        answer = served.ask("GET", "/state?a=b")
+        assert answer.status == status
+        if status == 307:
+            assert answer.headers["location"] == f"https://127.0.0.1:{served.port}/state?a=b"
+            with burdened(served.port, VIEW, 1) as (page,):
+                assert page.recv(4096).startswith(b"HTTP/1.1 307")

@@ -124,9 +124,11 @@ def line(robot: Robot, text: str, key: str = keys.console("lbr", "admin")) -> di
         return json.loads(next(iter(bus.get(key, payload=text, timeout=15.0))).ok.payload.to_bytes())
 
 
-def test_who_speaks_for_pages_gets_no_code(robot):
-    said = line(robot, "pair", keys.console_of_pages("lbr", "admin"))
-    assert (said["code"], said["reason_code"], said["data"]) == (1, "denied", None)
+@pytest.mark.parametrize("role", ["view", "operate"])
+def test_on_a_page_a_code_is_for_admins_alone(robot, role):
+    refused = line(robot, "pair", keys.console_of_pages("lbr", role))
+    assert (refused["code"], refused["reason_code"], refused["data"]) == (1, "role", None)
+    assert len(line(robot, "pair", keys.console_of_pages("lbr", "admin"))["data"]["digits"]) == 6
 
 
 def test_open_is_said_once_and_close_takes_it_back(robot):

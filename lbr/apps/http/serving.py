@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import os
 import socket
 import ssl
 import time
@@ -10,6 +11,7 @@ from typing import Any, cast
 
 import h11
 import uvicorn
+from starlette.middleware.httpsredirect import HTTPSRedirectMiddleware
 from starlette.types import ASGIApp, Scope
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.utils import ClientDisconnected
@@ -33,6 +35,8 @@ MOST_TOLD_BYTES = 32 * 1024
 """What a viewer may send in a second, pings and all; a browser sends six bytes in ten."""
 PING_S, PONG_S = 10.0, 10.0
 GRACE_S = 1
+TLS_HANDSHAKE = b"\x16"
+"""A client's first byte where it speaks TLS (RFC 8446, 5.1); no method of HTTP begins so."""
 
 
 class _Bounded(h11.Connection):
@@ -162,6 +166,11 @@ class Connection(H11Protocol):
             self._marked = self.cycle
         self._to(phase)
 
+    def lead_to_https(self) -> None:
+        """Answer each request with its address by https."""
+        self.app = HTTPSRedirectMiddleware(self.app)
+        self.ws_protocol_class = None
+
     @property
     def is_held(self) -> bool:
         """Return whether the other end has not cut the connection, as far as the kernel knows: see `peers.is_held`."""
@@ -234,11 +243,15 @@ class Connection(H11Protocol):
 
 
 class Server(uvicorn.Server):
-    """Serves with every connection in one of `slots`, from the first packet on, TLS or not."""
+    """Serves with every connection in one of `slots`, from the first packet on.
 
-    def __init__(self, config: uvicorn.Config) -> None:
+    With a certificate it serves TLS. What comes without is led to https; with `plain_here` this machine's own is served.
+    """
+
+    def __init__(self, config: uvicorn.Config, *, plain_here: bool = False) -> None:
         super().__init__(config)
         self.slots = Slots()
+        self._plain_here = plain_here
         self._looking: asyncio.TimerHandle | None = None
         self._greeting: set[asyncio.Task[None]] = set()
 
@@ -272,6 +285,7 @@ class Server(uvicorn.Server):
             transport.set_protocol(connection)
             connection.begin(transport, slot)
         else:
+            transport.pause_reading()
             self.slots.to(slot, "greeting", time.monotonic())
             task = asyncio.ensure_future(self._greet(transport, connection, slot))
             self._greeting.add(task)
@@ -279,6 +293,15 @@ class Server(uvicorn.Server):
 
     async def _greet(self, transport: asyncio.Transport, connection: Connection, slot: Slot) -> None:
         assert self.config.ssl is not None
+        begins = await _first_byte(transport)
+        if begins and begins != TLS_HANDSHAKE:
+            transport.set_protocol(connection)
+            peer = transport.get_extra_info("peername")
+            if not (self._plain_here and peer and names.is_loopback(str(peer[0]))):
+                connection.lead_to_https()
+            connection.begin(transport, slot)
+            transport.resume_reading()
+            return
         try:
             secure = await asyncio.get_running_loop().start_tls(
                 transport,
@@ -304,13 +327,33 @@ class Server(uvicorn.Server):
 
 
 class _Door(asyncio.Protocol):
-    """What a connection is before it is let in."""
+    """What a connection is before it is let in; `begun` is set once it sends, or is over."""
 
     def __init__(self, admit: Callable[[asyncio.Transport], None]) -> None:
+        self.begun = asyncio.Event()
         self._admit = admit
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._admit(cast("asyncio.Transport", transport))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Let nobody wait for it."""
+        del exc
+        self.begun.set()
+
+
+async def _first_byte(transport: asyncio.Transport) -> bytes:
+    """Return what a connection begins with, unread; empty if it ends before."""
+    loop, door = asyncio.get_running_loop(), cast("_Door", transport.get_protocol())
+    with socket.socket(fileno=os.dup(transport.get_extra_info("socket").fileno())) as peeked:
+        loop.add_reader(peeked, door.begun.set)
+        try:
+            await door.begun.wait()
+            return peeked.recv(1, socket.MSG_PEEK)
+        except OSError:
+            return b""
+        finally:
+            loop.remove_reader(peeked)
 
 
 def _ends_doubtfully(headers: Iterable[tuple[bytes, bytes]]) -> bool:

@@ -89,7 +89,13 @@ class Web(Capability[WebSettings]):
         self._bridge.open()
         try:
             self._api = Api(self._robot, self._open_bus(), version("lbr"))
-            self._serving = Serving(self._application(), sockets, tls=self._place.tls, beside=self._beside(sockets[0]))
+            self._serving = Serving(
+                self._application(),
+                sockets,
+                tls=self._place.tls,
+                plain_here=not settings.tls,
+                beside=self._beside(sockets[0]),
+            )
         except (InputError, BusError) as err:
             for one in sockets:
                 one.close()

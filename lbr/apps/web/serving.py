@@ -21,11 +21,12 @@ class Serving:
         sockets: list[socket.socket],
         *,
         tls: bool,
+        plain_here: bool = False,
         beside: Callable[[], Awaitable[None]] | None = None,
     ) -> None:
         self._sockets = sockets
         self._beside = beside
-        self._server = serving.Server(serving.config(app, tls=tls, sockets=True))
+        self._server = serving.Server(serving.config(app, tls=tls, sockets=True), plain_here=plain_here)
         self._thread = threading.Thread(target=self._run, name="http", daemon=True)
 
     @property

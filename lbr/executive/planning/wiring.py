@@ -43,9 +43,6 @@ EXECUTIVE_ROLES: Mapping[str, Role] = {
 }
 """The least role that each needs."""
 
-LETS_IN = frozenset({"pair", "open", "close"})
-"""What decides who comes in from outside; not for lines from pages, whose server is what people come in by."""
-
 
 def least_roles(kinds: Mapping[str, Kind]) -> dict[str, Role]:
     """Return the least role that each command of a robot needs, by `capability.command`: its kind says so."""

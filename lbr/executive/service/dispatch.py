@@ -19,7 +19,7 @@ from lbr.console.printable import clean
 from lbr.console.stops import stop_in
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
 from lbr.errors import InputError, LbrError, MalformedError
-from lbr.executive.planning.wiring import EXECUTIVE, LETS_IN
+from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.service import looking, reports
 from lbr.executive.service.completion_values import choices
 from lbr.executive.service.letting_in import OPERATE, LettingIn
@@ -121,7 +121,7 @@ class Dispatcher:
         """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock.
 
         `remote_stamp` is its stamp if it came from another machine; for `waited_s` it had waited since it was typed or
-        written. From a `page` nothing is said that decides who comes in.
+        written.
         """
         try:
             line = stop_in(line) or line
@@ -144,7 +144,7 @@ class Dispatcher:
         if isinstance(parsed, PythonLine):
             return self._python(parsed.code, by)
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
-        if why := _not_allowed(needed, by) or _not_from_there(parsed, by):
+        if why := _not_allowed(needed, by):
             return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
         if by.is_recorded and RANKS[needed] > RANKS["view"]:
             self._robot.record("line", by.told, line[:MOST_RECORDED])
@@ -323,13 +323,6 @@ def _not_allowed(needed: Role, by: _Speaker) -> Reason | None:
     if RANKS[by.role] >= RANKS[needed]:
         return None
     return Reason("role", f"this needs the role '{needed}', and you have '{by.role}'")
-
-
-def _not_from_there(parsed: Parsed, by: _Speaker) -> Reason | None:
-    """Return why a page's server may not say it: one that was taken over would let others in."""
-    if by.page and isinstance(parsed, VerbCall) and parsed.capability == EXECUTIVE and parsed.command in LETS_IN:
-        return Reason("denied", f"'{parsed.command}' is for the robot's console, or 'lbr send', and not for a page")
-    return None
 
 
 def _stopped(name: str, answer: object) -> tuple[str, bool]:

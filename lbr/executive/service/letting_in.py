@@ -51,7 +51,15 @@ class LettingIn:
         url, is_open, tls = str(place.get("url", "")), bool(place.get("open")), bool(place.get("tls"))
         way = f"{url}#pair={code.digits}" if url else ""
         print_of = credentials.fingerprint_shown() if tls else ""
-        data = {"digits": code.digits, "role": role, "good_for_s": GOOD_FOR_S, "url": way, "fingerprint": print_of}
+        data = {
+            "digits": code.digits,
+            "role": role,
+            "good_for_s": GOOD_FOR_S,
+            "url": way,
+            "open": is_open,
+            "svg": _svg(way) if is_open and way else "",
+            "fingerprint": print_of,
+        }
         lines = [
             *([drawn] if is_open and url and (drawn := _drawn(way)) else ()),
             f"{code.digits[:3]} {code.digits[3:]}   at {url or 'the address of this machine, which is in no network now'}",
@@ -135,6 +143,13 @@ def _drawn(url: str) -> str:
     """Return a QR code for a terminal; nothing where what draws it is not installed, as the server may have its own."""
     with contextlib.suppress(ImportError):
         return qr.characters(url)
+    return ""
+
+
+def _svg(url: str) -> str:
+    """Return the same for a page."""
+    with contextlib.suppress(ImportError):
+        return qr.drawing(url).decode()
     return ""
 
 

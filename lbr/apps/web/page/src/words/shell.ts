@@ -17,7 +17,7 @@ export const shell = {
   "link.lost.long": ["The link to the robot is lost. It has stopped by itself; trying again.", "Die Verbindung ist weg. Der Roboter hält von selbst an; neuer Versuch läuft."],
   "link.slept": ["this device was asleep, or the link was cut", "dieses Gerät schlief, oder die Verbindung war unterbrochen"],
   "away.title": ["The robot does not answer", "Der Roboter antwortet nicht"],
-  "away.text": ["It is off, or this device is in another network. What you see is kept on this device; it asks again by itself.", "Er ist aus, oder dieses Gerät ist in einem anderen Netz. Was Sie sehen, liegt auf diesem Gerät; es fragt von selbst weiter."],
+  "away.text": ["Nothing answers at this address: the robot may be off, starting, or at another address, or this device is in another network. It asks again by itself.", "Unter dieser Adresse antwortet nichts: Der Roboter ist vielleicht aus, startet gerade oder hat eine andere Adresse, oder dieses Gerät ist in einem anderen Netz. Es fragt von selbst weiter."],
   "hand.ask": ["Ask for it", "Darum bitten"],
   "hand.asked": ["Asked. The one who drives sees it now.", "Gefragt. Wer fährt, sieht es jetzt."],
   "hand.wants": ["{by} asks for {what}", "{by} bittet um {what}"],
