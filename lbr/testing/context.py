@@ -5,11 +5,14 @@ from dataclasses import dataclass, field
 from math import nan
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr.bus import wire
 from lbr.bus.stamp import Origin, sent_s
 from lbr.capability.context import Call, Context, Device, Received
+from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import MEANINGS, Code, Reason
 from lbr.messages.leases import refused
 from lbr.messages.rows import Row
@@ -174,7 +177,9 @@ class FakeContext(Generic[S]):
         return self.now
 
     def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:
-        """Keep it."""
+        """Keep it; a value that its declared type does not allow is a defect."""
+        if not isinstance(message, JpegFrame):
+            msgspec.json.decode(wire.encode(message), type=type(message))
         self.published.append((output, message))
         self.answered[output] = message
         if taken_s is not None:

@@ -77,7 +77,8 @@ class Driven:
         for _ in range(5):
             self.trial.rounds(0.1)
             assert self.drive(reply.lease).accepted
-        assert self.moved and self.moved[-1] > self.stage.now - 0.1
+        assert self.moved
+        assert self.moved[-1] > self.stage.now - 0.1
         return reply.lease
 
 

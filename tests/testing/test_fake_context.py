@@ -3,7 +3,7 @@
 import inspect
 
 import pytest
-from msgspec import Struct
+from msgspec import Struct, ValidationError
 from msgspec.structs import replace
 
 from lbr.capability import NoSettings
@@ -71,6 +71,12 @@ def test_what_is_published_is_kept_by_output_and_forgotten_for_those_who_ask(ctx
     ctx.forget("frame")
     assert set(ctx.answered) == {"state"}
     assert ctx.said("frame")
+
+
+def test_a_value_that_its_declared_type_does_not_allow_is_a_defect(ctx):
+    with pytest.raises(ValidationError):
+        ctx.publish("state", Said("fast"))
+    assert ctx.published == []
 
 
 def test_a_question_is_answered_as_the_test_says_or_waits(ctx):
