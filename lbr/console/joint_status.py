@@ -53,6 +53,10 @@ def _doing(state: JointsState) -> tuple[str, str]:
     if state.moving:
         return DOUBTFUL, "joints moving"
     style, words = _PHASES[state.phase]
+    unknown = sum(1 for one in state.joints.values() if one.torque is None)
+    if unknown:
+        known = "" if state.phase == "released" else f"{words}, "
+        words = f"{known}torque of {unknown} of {len(state.joints)} unknown"
     without = sum(1 for one in state.joints.values() if one.torque == 0.0)
     if state.phase == "following" and 0 < without < len(state.joints):
         words = f"{words}, {without} without torque"

@@ -51,6 +51,7 @@ def _note(one: JointState) -> str:
             *doubted,
             *([shown(one.reason)] if one.reason and not doubted else []),
             *(["no torque"] if one.torque == 0.0 else []),
+            *(["torque unknown"] if one.torque is None else []),
             *([f"torque {one.torque * 100:.0f} %"] if one.torque and one.torque < WEAK else []),
         )
     )

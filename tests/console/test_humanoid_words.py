@@ -186,7 +186,9 @@ def test_the_bar_of_a_humanoid_tells_of_joints_and_power_and_of_no_base():
         ({"joints": {"a": JointState(id=1, torque=1.0, trusted=False)}}, "joints holding, 1 not believed"),
         ({"moving": True, "stored": 4, "left_s": 1.6}, "controller plays slot 4, 2 s more"),
         ({"joints": {"left_knee": JointState(id=1, latched=("overload",))}}, "latched: left_knee overload"),
-        ({"joints": {"a": JointState(id=1), "b": JointState(id=2, temperature_c=None)}}, "joints holding"),
+        ({"joints": {"a": JointState(id=1, torque=1.0, temperature_c=None)}}, "joints holding"),
+        ({"joints": {"a": JointState(id=1), "b": JointState(id=2, torque=1.0)}}, "holding, torque of 1 of 2 unknown"),
+        ({"phase": "released", "joints": {"a": JointState(id=1)}}, "joints torque of 1 of 1 unknown"),
     ],
 )
 def test_what_the_joints_do_is_said_in_words(fields, words):
@@ -201,7 +203,7 @@ def test_the_table_says_of_a_joint_that_it_is_weak_not_believed_or_without_torqu
     }
     first, _, *rows = lines(body(joints=of, moving=True, stored=4, left_s=1.6), None, 100, 20)
     assert first == "the controller plays slot 4 for 1.6 s more"
-    assert [row.split("  ")[-1] for row in rows] == ["torque 40 %", "says 200, not believed", "was released, no torque"]
+    assert [row.split("  ")[-1] for row in rows] == ["torque 40 %", "says 200, not believed, torque unknown", "was released, no torque"]
 
 
 @pytest.mark.parametrize(

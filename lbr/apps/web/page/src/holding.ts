@@ -18,7 +18,7 @@ const ASLEEP_MS = 1000;
 /** The robot waits longer for a page that plays what ends by itself; so does this. */
 const PLAYING_MS = 3000;
 /** A reason why it ended is shown for so long. */
-const SHOWN_MS = 8000;
+export const SHOWN_MS = 5000;
 /** What is told of the last few wishes still counts: so many are told while an answer is on its way. */
 const LATELY = 8;
 const EXPECTED = new Set(["", "done", "idle", "superseded", "time_over"]);
@@ -104,8 +104,7 @@ function release(): void {
   toldAt = changedAt = 0;
   if (state.value === RESTS) return;
   state.value = { ...RESTS, code: state.value.code, reason: state.value.reason, holder: state.value.holder };
-  const left = state.value;
-  setTimeout(() => { if (state.value === left) state.value = RESTS; }, SHOWN_MS);
+  fade();
 }
 
 function heard(news: HoldNews): void {
@@ -121,10 +120,17 @@ function end(news: HoldNews): void {
   wanted = told_ = "";
   over = !once;
   state.value = { ...state.value, moving: false, holds: false, code: news.code, reason: news.reason, holder: news.holder };
+  fade();
   if (once) {
     if (EXPECTED.has(news.code)) notice(t("drive.reached", { reason: news.reason }), "good");
     else notice(told(news), news.code === "stopped" ? "info" : "warn");
   }
+}
+
+/** Lets a reason go that is over; what was asked for stays, so that a hand that is still there has to come to rest first. */
+function fade(): void {
+  const left = state.value;
+  setTimeout(() => { if (state.value === left) state.value = { ...RESTS, to: left.to }; }, SHOWN_MS);
 }
 
 /** Forgets the last refusal. */

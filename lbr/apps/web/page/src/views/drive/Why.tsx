@@ -7,9 +7,11 @@ import { askFor } from "../../handover";
 import { holding } from "../../holding";
 import { clock, useStream } from "../../live";
 import type { DriveState } from "../../messages";
+import { useNews } from "../../news";
 import { Button, Icon, Stale, type IconName } from "../../parts";
 import { fetchJson, may, role } from "../../robot";
 import { maybe, t } from "../../words";
+import { first } from "./line";
 import { refused, takeOver } from "./pilot";
 
 /** The robot's own answer: the first link that holds it, and what to type. */
@@ -20,7 +22,9 @@ interface Line { tone: "calm" | "good" | "warn" | "bad"; icon: IconName; head: s
 export function Why({ from }: { from: string }) {
   void clock.value;
   const sample = useStream<DriveState>(from);
-  const line = said(sample?.message ?? null);
+  const drive = sample?.message ?? null;
+  const fresh = useNews(drive && !drive.moving ? `${drive.code} ${drive.reason}` : "");
+  const line = said(drive, fresh);
   const mine = holding.state.value.moving;
   const [why, setWhy] = useState<Chain | null>(null);
   const part = from.split("/")[0]!;
@@ -49,25 +53,32 @@ export function Why({ from }: { from: string }) {
   );
 }
 
-function said(drive: DriveState | null): Line {
-  const { moving, holds, code, reason, holder } = holding.state.value;
-  if (!may("operate")) return { tone: "calm", icon: "info", head: t("drive.stick.view", { role: t(`role.${role.value ?? "view"}`) }), text: other(drive) };
+function said(drive: DriveState | null, fresh: boolean): Line {
+  const hand = holding.state.value;
+  const { holds, code, reason, holder } = hand;
+  if (!may("operate")) return { tone: "calm", icon: "info", head: t("drive.stick.view", { role: t(`role.${role.value ?? "view"}`) }), text: other(drive, fresh) };
   if (drive?.estop) return { tone: "bad", icon: "stop", head: t("code.estop"), text: drive.reason };
-  if (code && code !== "done" && !holds) {
-    const text = code === "held" ? t("drive.holder", { holder: holder || drive?.holder || "?" }) : reason;
-    const head = maybe(`code.${code}`);
-    const more = [head ? text : "", refused.value ? t("drive.again") : ""].filter(Boolean).map((one) => one.replace(/[.\s]*$/, "."));
-    return { tone: "warn", icon: "warn", head: head || told({ code: "", reason }), text: more.join(" "), held: code === "held" };
+  const over = code !== "" && code !== "done" && !holds;
+  switch (first(hand, drive, refused.value)) {
+    case "limited":
+      return { tone: "warn", icon: "warn", head: t("drive.limited", { by: plain(drive!.limited_by!) }), text: drive!.reason };
+    case "mine":
+      return { tone: "good", icon: "drive", head: t("drive.you"), text: drive?.goal ?? "" };
+    case "other":
+      return { tone: "calm", icon: "person", head: t("drive.holder", { holder: drive!.holder ?? "?" }), text: drive!.goal ?? drive!.reason, held: true };
+    case "ended": {
+      const text = code === "held" ? t("drive.holder", { holder: holder || drive?.holder || "?" }) : reason;
+      const head = over ? maybe(`code.${code}`) || told({ code: "", reason }) : t("drive.again");
+      const more = over ? [maybe(`code.${code}`) ? text : "", refused.value ? t("drive.again") : ""] : [];
+      return { tone: "warn", icon: "warn", head, text: more.filter(Boolean).map((one) => one.replace(/[.\s]*$/, ".")).join(" "), held: code === "held" };
+    }
+    default:
+      if (!drive) return { tone: "calm", icon: "info", head: t("age.never"), text: "" };
+      return { tone: "calm", icon: "check", head: t("drive.ready"), text: fresh && drive.code && drive.code !== "idle" && !byHand(drive) ? drive.reason : "" };
   }
-  if (refused.value) return { tone: "warn", icon: "warn", head: t("drive.again"), text: "" };
-  if (!drive) return { tone: "calm", icon: "info", head: t("age.never"), text: "" };
-  if (drive.limited_by) return { tone: "warn", icon: "warn", head: t("drive.limited", { by: plain(drive.limited_by) }), text: drive.reason };
-  if (moving && holds) return { tone: "good", icon: "drive", head: t("drive.you"), text: drive.goal ?? "" };
-  if (drive.moving) return { tone: "calm", icon: "person", head: t("drive.holder", { holder: drive.holder ?? "?" }), text: drive.goal ?? drive.reason, held: true };
-  return { tone: "calm", icon: "check", head: t("drive.ready"), text: drive.code && drive.code !== "idle" && !byHand(drive) ? drive.reason : "" };
 }
 
 /** A hand that came to rest on a page ended it, or a stop on a page, which tells of itself: nothing keeps the robot from moving. */
 const byHand = (drive: DriveState): boolean => drive.code === "stopped" && (drive.stopped_by ?? "").startsWith("web:");
 
-const other = (drive: DriveState | null): string => (drive?.moving ? t("drive.holder", { holder: drive.holder ?? "?" }) : drive?.reason ?? "");
+const other = (drive: DriveState | null, fresh: boolean): string => (drive?.moving ? t("drive.holder", { holder: drive.holder ?? "?" }) : fresh ? drive?.reason ?? "" : "");

@@ -4,6 +4,7 @@ import { Held } from "../../handover";
 import { holding } from "../../holding";
 import { plain } from "../../format";
 import { Badge, Button, Card, Dialog, Empty, Icon, Segments, Stale, Toggle } from "../../parts";
+import { useNews } from "../../news";
 import { command, may, robot } from "../../robot";
 import { estop } from "../../stopping";
 import { maybe, t } from "../../words";
@@ -15,7 +16,7 @@ import { body, jointNames, loadBody, mirrored, type BodyModel, type JointsState,
 import { aims, Movers, speed, SPEEDS, type Speed } from "./mover";
 import { Row } from "./Row";
 import { positions } from "./state";
-import { BAD, toneOf } from "./tone";
+import { BAD, toneOf, torques } from "./tone";
 
 const SIDES: Side[] = ["right", "left", "centre"];
 
@@ -49,6 +50,8 @@ function Shown({ model }: { model: BodyModel }) {
   const mover = useMemo(() => new Movers(), []);
   const names = jointNames(model);
   const operates = may("operate");
+  const fresh = useNews(state ? whyNot(state) : "");
+  const lost = state?.phase === "holding" || state?.phase === "releasing";
 
   useEffect(() => { if (state) mover.seen(positions(state)); }, [state]);
   useEffect(() => holding.state.subscribe((now) => { if (!now.moving) mover.forget(); }), [mover]);
@@ -77,7 +80,7 @@ function Shown({ model }: { model: BodyModel }) {
 
   if (names.length === 0) return <Empty icon="joints" title={t("joints.none")}>{model.reason && <p>{model.reason}</p>}</Empty>;
   const groups = grouped(names, model, joints?.owners ?? {});
-  const why = state && !estop.value.engaged ? whyNot(state) : "";
+  const why = state && !estop.value.engaged && !state.moving && (fresh || lost) ? whyNot(state) : "";
   return (
     <div class="joints">
       <div class="joints-left">
@@ -144,10 +147,10 @@ function Moving({ both, onBoth, may: operates, pairs }: { both: boolean; onBoth:
 }
 
 function Locks({ group, state, may: operates, onTorque, title }: { group: string[]; state?: JointsState; may: boolean; onTorque: (joints: string[], on: boolean) => void; title: string }) {
-  const limp = group.filter((name) => state?.joints[name]?.torque === 0).length;
+  const { held, limp } = torques(group, state?.joints);
   return (
     <>
-      <Button kind="quiet" icon="lock" label={t("joints.lock.side", { side: title })} disabled={!operates || !state || limp === 0} onClick={() => onTorque(group, true)} />
+      <Button kind="quiet" icon="lock" label={t("joints.lock.side", { side: title })} disabled={!operates || !state || held === group.length} onClick={() => onTorque(group, true)} />
       <Button kind="quiet" icon="unlock" label={t("joints.release.side", { side: title })} disabled={!operates || !state || limp === group.length} onClick={() => onTorque(group, false)} />
     </>
   );
@@ -156,7 +159,7 @@ function Locks({ group, state, may: operates, onTorque, title }: { group: string
 function Torque({ names, model, joints, onRecover }: { names: string[]; model: BodyModel; joints: ReturnType<typeof useJoints>; onRecover: (joints: string[]) => void }) {
   const [asks, ask] = useState(false);
   const state = joints?.state;
-  const limp = names.filter((name) => state?.joints[name]?.torque === 0).length;
+  const { held, limp, unknown } = torques(names, state?.joints);
   const bad = names.filter((name) => BAD.has(toneOf(state?.joints[name]))).length;
   const latched = names.filter((name) => state?.joints[name]?.latched?.length);
   const operates = may("operate") && state !== undefined;
@@ -167,14 +170,15 @@ function Torque({ names, model, joints, onRecover }: { names: string[]; model: B
   return (
     <section class="joints-summary" aria-label={t("joints.torque")}>
       <p class="joints-badges">
-        {state && bad === 0 && limp === 0 && <Badge tone="good" icon="check">{t("joints.all.held", { count: names.length })}</Badge>}
+        {state && bad === 0 && held === names.length && <Badge tone="good" icon="check">{t("joints.all.held", { count: names.length })}</Badge>}
         {limp > 0 && <Badge tone="warn" icon="unlock">{t("joints.some.limp", { count: limp, of: names.length })}</Badge>}
+        {state && unknown > 0 && <Badge tone="warn" icon="info">{t("joints.some.unknown", { count: unknown, of: names.length })}</Badge>}
         {bad > 0 && <Badge tone="bad" icon="warn">{t("joints.some.bad", { count: bad })}</Badge>}
         <Stale sample={joints?.sample ?? null} />
       </p>
       <div class="joints-actions">
         {latched.length > 0 && <Button icon="restart" disabled={!operates} onClick={() => onRecover(latched)}>{t("joints.recover.all")}</Button>}
-        <Button icon="lock" disabled={!operates || limp === 0} onClick={() => all(true)}>{t("joints.lock.all")}</Button>
+        <Button icon="lock" disabled={!operates || held === names.length} onClick={() => all(true)}>{t("joints.lock.all")}</Button>
         <Button kind="danger" icon="unlock" disabled={!operates || limp === names.length} onClick={() => ask(true)}>{t("joints.release.all")}</Button>
       </div>
       <Dialog

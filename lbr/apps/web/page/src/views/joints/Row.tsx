@@ -6,7 +6,7 @@ import { maybe, t } from "../../words";
 import type { JointRange, JointState } from "./model";
 import { BADGE, toneOf, type Tone } from "./tone";
 
-const ICON: Record<Tone, IconName> = { near: "check", held: "check", moving: "play", loaded: "warn", fault: "warn", hot: "heat", limp: "unlock", unread: "unlink" };
+const ICON: Record<Tone, IconName> = { near: "check", held: "check", moving: "play", loaded: "warn", fault: "warn", hot: "heat", limp: "unlock", unread: "unlink", doubt: "info" };
 const STEP_RAD = Math.PI / 360;
 const inDegrees = (rad: number): number => Math.round((1800 * rad) / Math.PI) / 10;
 
@@ -31,6 +31,7 @@ export function Row({ name, range, state, aim, selected, may, onPick, onMove, on
   const [lower, upper] = [range.lower ?? -Math.PI, range.upper ?? Math.PI];
   const at = state?.position_rad ?? null;
   const limp = state?.torque === 0;
+  const holds = state?.torque != null && !limp;
   const can = may && !limp && at !== null && tone !== "fault";
   const word = t(`joints.tone.${tone}`);
   return (
@@ -43,8 +44,8 @@ export function Row({ name, range, state, aim, selected, may, onPick, onMove, on
         </button>
         <Angle name={name} at={aim ?? at} lower={lower} upper={upper} disabled={!can} onMove={onMove} />
         <Button
-          kind="quiet" class="joints-lock" icon={limp ? "unlock" : "lock"} pressed={!limp} disabled={!may || state?.torque == null}
-          label={t(limp ? "joints.lock.one" : "joints.release.one", { joint: plain(name) })} onClick={() => onTorque(name, limp)}
+          kind="quiet" class="joints-lock" icon={holds ? "lock" : "unlock"} pressed={holds} disabled={!may || !state}
+          label={t(holds ? "joints.release.one" : "joints.lock.one", { joint: plain(name) })} onClick={() => onTorque(name, !holds)}
         />
       </div>
       <Range name={name} at={at} aim={aim} lower={lower} upper={upper} disabled={!can} onMove={onMove} onFocus={() => { if (!selected) onPick(name); }} />
@@ -117,7 +118,7 @@ function Details({ state, tone, range, may, onRecover }: { state: JointState | u
     [t("joints.load"), percent(state?.load == null ? null : Math.abs(state.load))],
     [t("joints.temperature"), state?.temperature_c == null ? "–" : `${number(state.temperature_c)} °C`],
     [t("joints.voltage"), state?.voltage_v == null ? "–" : `${number(state.voltage_v, 1)} V`],
-    [t("joints.strength"), state?.torque == null ? "–" : state.torque === 0 ? t("joints.off") : percent(state.torque)],
+    [t("joints.strength"), state?.torque == null ? t("joints.unknown") : state.torque === 0 ? t("joints.off") : percent(state.torque)],
     [t("joints.servo"), state ? String(state.id) : "–"],
   ];
   return (

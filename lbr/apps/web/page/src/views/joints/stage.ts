@@ -322,7 +322,7 @@ export class Stage {
     const tone = this.tones.get(joint) ?? "unread";
     const picked = joint !== "" && joint === this.selected;
     const { accent, good, warn, bad, muted } = this.colours;
-    const colour = { near: good, held: good, moving: accent, loaded: bad, fault: bad, hot: warn, limp: muted, unread: muted }[tone];
+    const colour = { near: good, held: good, moving: accent, loaded: bad, fault: bad, hot: warn, limp: muted, unread: muted, doubt: warn }[tone];
     if (ring) {
       ring.material.color.set(picked && !["loaded", "fault"].includes(tone) ? accent : colour);
       ring.material.opacity = picked ? 1 : tone === "limp" || tone === "unread" ? 0.5 : 0.85;

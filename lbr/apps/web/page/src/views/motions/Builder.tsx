@@ -19,6 +19,7 @@ import { Hands } from "./Hands";
 import { added, doubled, faults, lasts, mirroredAll, mirroredFrame, paced, placed, poseAt, poseOver, removed, replaced, SHORTEST_S, smoothed, sparse } from "./sheet";
 import { Puppet } from "./Puppet";
 import { Timeline } from "./Timeline";
+import { torques } from "../joints/tone";
 
 /** What one message to the robot may hold, and some room: longer motions are saved first, and played by their name. */
 const MOST_TOLD = 14_000;
@@ -68,7 +69,7 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
     go: (by) => { setTime(null); chosen.value = Math.min(Math.max(0, now.frames.length - 1), Math.max(0, at + by)); },
     undo, redo,
   };
-  const start = (): Record<string, number> => (state && names.every((name) => state.joints[name]?.torque !== 0) ? measured() : {});
+  const start = (): Record<string, number> => (torques(names, state?.joints).held === names.length ? measured() : {});
   const run = (): Promise<Awaited<ReturnType<typeof check>>> => { goLive(false); return check(now, start()); };
   const play = (): void => {
     const frames = sparse(now.frames);

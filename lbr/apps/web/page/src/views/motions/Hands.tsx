@@ -5,6 +5,7 @@ import { command, may } from "../../robot";
 import { t } from "../../words";
 import type { Joints } from "../joints/hooks";
 import { jointNames, type BodyModel, type Side } from "../joints/model";
+import { torques } from "../joints/tone";
 
 const SIDES = ["left", "right", "all"] as const;
 type Which = (typeof SIDES)[number];
@@ -13,7 +14,7 @@ export function Hands({ model, joints, live, onLive, onCapture }: { model: BodyM
   const [which, choose] = useState<Which>("left");
   const [asks, ask] = useState(false);
   const names = jointNames(model).filter((name) => which === "all" || model.joints[name]?.side === (which as Side));
-  const limp = names.filter((name) => joints?.state.joints[name]?.torque === 0).length;
+  const { held, limp } = torques(names, joints?.state.joints);
   const can = may("operate") && joints !== null;
   const torque = (on: boolean, confirmed = false): void => {
     ask(false);
@@ -31,7 +32,7 @@ export function Hands({ model, joints, live, onLive, onCapture }: { model: BodyM
       <Segments<Which> label={t("motions.hands.which")} value={which} onChange={choose} options={SIDES.map((value) => ({ value, text: t(`motions.hands.${value}`) }))} />
       <div class="joints-actions">
         <Button icon="unlock" disabled={!can || limp === names.length} onClick={() => (which === "all" ? ask(true) : torque(false))}>{t("motions.hands.release")}</Button>
-        <Button icon="lock" disabled={!can || limp === 0} onClick={() => torque(true)}>{t("motions.hands.hold")}</Button>
+        <Button icon="lock" disabled={!can || held === names.length} onClick={() => torque(true)}>{t("motions.hands.hold")}</Button>
       </div>
       <Toggle label={t("motions.hands.live")} checked={live} disabled={joints === null} onChange={onLive} />
       <Button kind="primary" icon="camera" disabled={joints === null} onClick={onCapture}>{t("motions.add.robot")}</Button>

@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { number, plain } from "../../format";
 import { Held } from "../../handover";
+import { useNews } from "../../news";
 import { holding } from "../../holding";
 import { Badge, Button, Card, Empty, Field, Icon, Segments, Slider, Toggle } from "../../parts";
 import { capabilities, command, may, robot, streamOfType } from "../../robot";
@@ -93,8 +94,9 @@ function capOf(keys: ButtonRow[], motion: string): string {
 }
 
 function Playing({ state, part, onStop }: { state?: MotionsState; part: number; onStop: () => void }) {
+  const fresh = useNews(state && !state.playing ? `${state.code ?? ""} ${state.reason ?? ""}`.trim() : "");
   if (!state?.playing) {
-    const why = state?.reason && state.code && !["done", "idle", "", "cancelled"].includes(state.code) ? [maybe(`code.${state.code}`), state.reason].filter(Boolean).join(": ") : "";
+    const why = fresh && state?.reason && state.code && !["done", "idle", "", "cancelled"].includes(state.code) ? [maybe(`code.${state.code}`), state.reason].filter(Boolean).join(": ") : "";
     return why ? <p class="motions-why" role="status"><Icon name="info" />{why}</p> : null;
   }
   return (
@@ -139,7 +141,7 @@ function Remote({ all, can, now, onPlay }: { all: ButtonRow[]; can: boolean; now
   const on = pad ? new Set<string>(PAD.flat()) : new Set<string>();
   const rest = all.filter((one) => !on.has(one.button ?? ""));
   const key = (one: ButtonRow) => (
-    <button key={one.id} type="button" class="motions-key" data-red={one.button === "S" || undefined} aria-pressed={one.motion === now} disabled={!can} title={plain(one.motion ?? "")} onClick={() => onPlay(one.motion ?? "")}>
+    <button key={one.id} type="button" class="motions-key" aria-pressed={one.motion === now} disabled={!can} title={plain(one.motion ?? "")} onClick={() => onPlay(one.motion ?? "")}>
       <span class="motions-cap" aria-hidden="true">{keycap(one.button || String(one.id))}</span>
       <span class="motions-key-name">{plain(one.motion || one.name)}</span>
     </button>

@@ -25,7 +25,7 @@ export const buttons = (): ButtonRow[] => ((robot.value?.buttons ?? []) as unkno
 
 /** Where the keys of a remote control stand: its pad, and what is below. */
 export const PAD = [["LR", "U", "RR"], ["L", "S", "R"], ["LA", "D", "RA"]] as const;
-const ARROWS: Record<string, string> = { U: "↑", D: "↓", L: "←", R: "→", LR: "⟲", RR: "⟳", S: "■", LA: "⇈", RA: "⇈⇈" };
+const ARROWS: Record<string, string> = { U: "↑", D: "↓", L: "←", R: "→", LR: "⟲", RR: "⟳", S: "⇧", LA: "⇈", RA: "⇈⇈" };
 export const keycap = (button: string): string => ARROWS[button] ?? button;
 /** Whether buttons are laid out as on a remote control. */
 export const hasPad = (all: ButtonRow[]): boolean => PAD.flat().filter((key) => all.some((one) => one.button === key)).length >= 4;

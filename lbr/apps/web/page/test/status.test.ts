@@ -1,0 +1,52 @@
+import { kept, pass, Socket } from "./stage";
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { holding } from "../src/holding";
+import { connect, disconnect } from "../src/live";
+import { first } from "../src/views/drive/line";
+import { toneOf, torques } from "../src/views/joints/tone";
+
+void kept;
+const REST = { moving: false, holds: false, code: "" };
+const MOVING = { moving: true, limited_by: "" };
+
+test("torque that is not known is neither held nor released", () => {
+  const joints = { a: { id: 1, torque: null }, b: { id: 2 }, c: { id: 3, torque: 0 }, d: { id: 4, torque: 0.5 } };
+  assert.deepEqual(torques(["a", "b", "c", "d", "e"], joints), { held: 1, limp: 1, unknown: 3 });
+  assert.deepEqual(torques(["a"], undefined), { held: 0, limp: 0, unknown: 1 });
+  assert.equal(toneOf({ id: 1, position_rad: 0.1, torque: null }), "doubt");
+  assert.equal(toneOf({ id: 1, position_rad: 0.1, torque: 1 }), "held");
+  assert.equal(toneOf({ id: 1, position_rad: 0.1, torque: 0 }), "limp");
+});
+
+test("what goes on beats what went wrong", () => {
+  const slow = { ...REST, code: "lapsed" };
+  assert.equal(first(slow, { moving: false, limited_by: "" }, false), "ended");
+  assert.equal(first(slow, MOVING, false), "other");
+  assert.equal(first({ ...slow, code: "held" }, MOVING, false), "ended");
+  assert.equal(first({ moving: true, holds: true, code: "" }, MOVING, false), "mine");
+  assert.equal(first(REST, { moving: true, limited_by: "front" }, false), "limited");
+  assert.equal(first(REST, { moving: false, limited_by: "" }, false), "rest");
+  assert.equal(first(REST, MOVING, true), "ended");
+});
+
+test("why a hand's motion ended is shown for 5 s, and the hand still has to come to rest", () => {
+  disconnect();
+  connect();
+  const socket = Socket.all.at(-1)!;
+  socket.open();
+  socket.tell({});
+  assert.ok(holding.move("drive/command", { power: 0.3 }));
+  const told = socket.said.filter((one) => "hold" in one).at(-1)!.hold as { n: number };
+  socket.tell({ hold: { n: told.n, holds: false, code: "lapsed", reason: "the link was too slow", holder: "" } });
+  assert.equal(holding.state.value.code, "lapsed");
+  for (let left = 5100; left > 0; left -= 100) {
+    pass(100);
+    socket.tell({});
+  }
+  assert.equal(holding.state.value.code, "");
+  assert.equal(holding.move("drive/command", { power: 0.3 }), false);
+  holding.release();
+  assert.ok(holding.move("drive/command", { power: 0.3 }));
+  disconnect();
+});
