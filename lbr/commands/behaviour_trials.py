@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 LONGEST_S = 900.0
 WITHOUT_END_S = 180.0
 MOST_TOLD = 8
-GETS_UP = "get_up"
-"""A table that plays a motion whose name begins so is for a humanoid that has fallen."""
-
 
 OPTIONS = (
     click.argument("what", metavar="FILE|TABLE"),
@@ -256,5 +253,7 @@ def setup_of(
     setup = Setup(robot=rows.robot.name, table=table.name, units=units, home=home, max_s=max_s)
     if not walks:
         return replace(setup, world=world)
+    from lbr.operations.motions.fall import GETS_UP  # noqa: PLC0415 - for those who try tables
+
     gets_up = any(str(row.outputs.get("motion", "")).startswith(GETS_UP) for row in of_table)
     return replace(setup, humanoid=world, begins=begins or ("fallen" if gets_up else "standing"))

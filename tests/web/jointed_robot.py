@@ -72,6 +72,7 @@ class JointedRobot(PageRobot):
     def __init__(self, robot: str) -> None:
         super().__init__()
         self.name = robot
+        self.fallen = ""
         rows = rows_of(robot)
         self.joints: list[Joint] = _typed(rows["joint"], Joint)
         self.motions: tuple[Motion, ...] = motions_of(_typed(rows["motion"], MotionRow), _typed(rows["motion_step"], MotionStep))  # fmt: skip
@@ -155,8 +156,8 @@ class JointedRobot(PageRobot):
         ups = {"valid": True, "source": "external", "external_v": 11.62, "battery_v": 3.98, "output_v": 5.08, "charging": True, "temperature_c": 34.0, "relay": True}  # fmt: skip
         return {
             "joints/state": {"sequence": 1, "measured_s": 0.0, "moving": self.moves, "phase": "ready", "joints": joints, "holder": self.holder, "reason": "", "code": "idle", "estop": bool(self.estop)},
-            "motions/state": {"playing": bool(self.playing), "motion": self.playing, "frame": 1, "frames": len(self.frames), "round": 1, "times": 1, "left_s": left, "holder": self.holder},
-            "attitude/state": {"valid": True, "roll_rad": 0.03, "pitch_rad": -0.02, "yaw_rad": 0.6, "heading_deg": 55.0},
+            "motions/state": {"playing": bool(self.playing), "motion": self.playing, "frame": 1, "frames": len(self.frames), "round": 1, "times": 1, "left_s": left, "holder": self.holder, "fallen": self.fallen},
+            "attitude/state": {"valid": True, "roll_rad": 0.03, "pitch_rad": {"face": 1.5, "back": -1.5}.get(self.fallen, -0.02), "yaw_rad": 0.6, "heading_deg": 55.0},
             "ups/state": ups,
             "power/state": {"phase": "watching" if self.armed else "disarmed", "armed": self.armed, "warn_v": 10.5, "shutdown_v": 9.9, "reason": ""},
         }  # fmt: skip

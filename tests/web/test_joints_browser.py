@@ -50,6 +50,7 @@ def robot(served) -> JointedRobot:
     found.asked.clear()
     found.held.clear()
     found.broken.clear()
+    found.fallen = ""
     found.torque |= dict.fromkeys(found.torque, 0.9)
     found.angles |= dict.fromkeys(found.angles, 0.0)
     found.goals = dict(found.angles)
@@ -366,3 +367,26 @@ def test_a_thousand_key_frames_are_shown_and_ten_thousand_are_refused_in_words(b
     big = json.dumps({"format": "lbr-motion", "robot": "bioloid", "version": 1, "motion": {"name": "big", "frames": [frame(0.1, left_elbow=-0.1)] * 10_000}})  # fmt: skip
     page.locator("input[type=file]").set_input_files({"name": "big.json", "mimeType": "application/json", "buffer": big.encode()})  # fmt: skip
     expect(page.get_by_text("1000 may be").first).to_be_visible(timeout=LONG_MS)
+
+
+def test_torque_that_nobody_has_read_is_shown_as_unknown(opened, robot):
+    robot.torque |= dict.fromkeys(robot.torque, None)
+    page = opened("joints", DESK)
+    summary = page.get_by_role("region", name="Torque")
+    count = len(robot.torque)
+    expect(summary.get_by_text(f"Torque of {count} of {count} unknown")).to_be_visible()
+    expect(summary.get_by_text(f"All {count} joints hold")).to_have_count(0)
+    expect(summary.get_by_role("button", name="Lock all")).to_be_enabled()
+    expect(summary.get_by_role("button", name="Release all")).to_be_enabled()
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_a_robot_that_lies_is_shown_above_every_view_with_what_gets_it_up(opened, robot, size):
+    robot.fallen = "face"
+    page = opened("system", size)
+    banner = page.get_by_role("alert").filter(has_text="It has fallen: it lies on its face")
+    expect(banner).to_be_visible()
+    banner.get_by_role("button", name="Get up").click()
+    assert until_true(page, lambda: robot.held and robot.held[-1]["message"]["motion"] == "get_up_face")
+    robot.fallen = ""
+    expect(banner).to_have_count(0)

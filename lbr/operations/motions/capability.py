@@ -148,6 +148,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
         why: Reason | None = None
         try:
             wanted = programme(self._motions(), command)
+            why = fall.refusal(self._fall, command.motion)
         except InputError as err:
             why = Reason(err.code, str(err))
         event = Play(

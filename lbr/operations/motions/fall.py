@@ -7,6 +7,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.messages.attitude import AttitudeState
+from lbr.messages.codes import Reason
 
 Lies = Literal["", "face", "back", "side"]
 FALLEN_RAD, UPRIGHT_RAD = radians(60.0), radians(35.0)
@@ -18,11 +19,23 @@ ALONG = sin(radians(45.0))
 ON: dict[Lies, str] = {"face": "on its face", "back": "on its back", "side": "on its side"}
 
 
+GETS_UP = "get_up"
+"""A motion whose name begins so begins lying; every other one needs to stand."""
+
+
 class Fall(Struct, frozen=True, kw_only=True):
     """How it lies, empty: upright or unknown. `since` is when it began to lean otherwise than that says."""
 
     lies: Lies = ""
     since: float | None = None
+
+
+def refusal(state: Fall, motion: str) -> Reason | None:
+    """Return why a motion is not begun while the robot lies."""
+    if not state.lies or motion.startswith(GETS_UP):
+        return None
+    text = f"the robot lies {ON[state.lies]}, and '{motion}' needs it to stand; motions that begin lying are named {GETS_UP}…"
+    return Reason("fallen", text)
 
 
 def seen(state: Fall, attitude: AttitudeState, now: float) -> Fall:

@@ -44,6 +44,7 @@ MOTIONS = (
         lead_in="ready",
         lead_out="ready",
     ),
+    Motion(name="get_up_face", frames=(frame(right_elbow=-0.2), frame(right_elbow=-0.4))),
     Motion(name="empty", frames=()),
     Motion(name="stand", frames=(frame(neck=0.0), frame(right_elbow=-0.1)), slot=7, slot_s=2.0),
     Motion(name="sit", frames=(), slot=21, slot_s=1.0, limp=True),

@@ -49,7 +49,7 @@ def test_a_knock_is_no_fall_and_it_is_upright_again_after_a_while():
     assert after(down, 0.1, 1.0, pitch=-1.5).lies == "back", "it was turned over"
 
 
-def test_a_fall_ends_what_is_played_at_once_is_told_and_shown_and_motions_can_be_played_lying(stage, world):
+def test_a_fall_ends_what_is_played_at_once_is_told_and_shown_and_only_what_gets_it_up_is_played_lying(stage, world):
     call = stage.begun("walk", times=3)
     stage.run(0.3, call)
     world.pitch_rad = 1.5
@@ -61,12 +61,15 @@ def test_a_fall_ends_what_is_played_at_once_is_told_and_shown_and_motions_can_be
     assert result.reason == "the robot has fallen, it lies on its face"
     assert (world.state.playing, world.state.fallen) == (False, "face")
     assert ("fallen", "bioloid has fallen, it lies on its face") in [(one[0], one[1]) for one in world.events]
-    again = stage.begun("wave")
+    for lying, code in (("wave", "fallen"), ("walk", "fallen"), ("get_up_face", "")):
+        again = stage.begun(lying)
+        assert (again.answer.accepted, again.answer.code) == (not code, code)
     stage.run(2.0, again)
     assert world.said("result")[-1].result == "reached"
     world.pitch_rad = 0.0
     stage.run(0.6)
     assert world.state.fallen == ""
+    assert stage.begun("wave").answer.accepted
 
 
 @pytest.mark.parametrize("steps", [True, False])

@@ -4,6 +4,7 @@ import { Component, type ComponentType, type Ref } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { unknown } from "./access";
 import { loadAgain, outdated } from "./build";
+import { Fallen } from "./fallen";
 import { Asked } from "./handover";
 import { link } from "./live";
 import { dismiss, notices, type Tone } from "./notices";
@@ -122,6 +123,7 @@ function Alarms() {
           {told && <Button onClick={() => ask(true)}>{t("stop.reset")}</Button>}
         </div>
       )}
+      <Fallen />
       {lost && <div class="alarm" role="alert"><Icon name="unlink" /><p>{t("link.lost.long")}</p></div>}
       {outdated.value && <div class="alarm" role="alert"><Icon name="warn" /><p>{t("build.old")}</p><Button onClick={loadAgain}>{t("build.load")}</Button></div>}
       <Dialog

@@ -30,6 +30,7 @@ export const codes = {
   "code.foreign_lease": ["Another holds it", "Ein anderer hält es"],
   "code.repeated": ["Sent twice", "Doppelt gesendet"],
   "code.clock": ["A clock went back", "Eine Uhr ging zurück"],
+  "code.fallen": ["It has fallen", "Er ist gestürzt"],
   "code.busy": ["Busy with something else", "Mit anderem beschäftigt"],
   "code.confirm": ["To be confirmed", "Bitte bestätigen"],
   "code.denied": ["Not allowed from here", "Von hier aus nicht erlaubt"],
