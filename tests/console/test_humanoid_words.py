@@ -203,7 +203,11 @@ def test_the_table_says_of_a_joint_that_it_is_weak_not_believed_or_without_torqu
     }
     first, _, *rows = lines(body(joints=of, moving=True, stored=4, left_s=1.6), None, 100, 20)
     assert first == "the controller plays slot 4 for 1.6 s more"
-    assert [row.split("  ")[-1] for row in rows] == ["torque 40 %", "says 200, not believed, torque unknown", "was released, no torque"]
+    assert [row.split("  ")[-1] for row in rows] == [
+        "torque 40 %",
+        "says 200, not believed, torque unknown",
+        "was released, no torque",
+    ]
 
 
 @pytest.mark.parametrize(
