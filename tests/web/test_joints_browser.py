@@ -324,10 +324,10 @@ def test_what_falls_is_drawn_and_asked_about_once_more(building, robot):
 
 
 def test_a_motion_is_saved_and_comes_back_from_a_file(building, robot, tmp_path):
-    page = building(DESK, STANDS, "nod_twice")
+    page = building(DESK, [*STANDS[:2], frame(left_elbow=-0.2, right_elbow=-0.2)], "nod_twice")
     page.get_by_role("button", name="Save", exact=True).click()
     assert until_true(page, lambda: robot.kept)
-    assert [len(row.positions) for row in robot.kept[-1][1:]] == [1, 1, 1]
+    assert [len(row.positions) for row in robot.kept[-1][1:]] == [1, 1, 2]
     with page.expect_download() as started:
         page.get_by_role("button", name="Save as a .mtn file").click()
     file = tmp_path / "nod_twice.mtn"
