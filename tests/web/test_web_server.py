@@ -1,5 +1,4 @@
 import asyncio
-import http.client
 import select
 import socket
 import ssl
