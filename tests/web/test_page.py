@@ -105,6 +105,14 @@ def test_who_asks_for_no_page_is_answered_by_another_face(served):
     assert b"<!doctype html>" in served.ask("GET", "/", headers={"Accept": "text/plain, TEXT/HTML;q=0.1"}).body
 
 
+@pytest.mark.parametrize("accept", ["*/*", "application/json", "text/html"])
+@pytest.mark.parametrize("method", ["GET", "HEAD"])
+def test_a_page_without_another_face_beside_it_answers_everybody(accept, method):
+    with serving(faces=("page",)) as found:
+        answer = found.ask(method, "/", headers={"Accept": accept})
+    assert (answer.status, answer.headers["content-type"]) == (200, "text/html; charset=utf-8")
+
+
 @pytest.mark.parametrize(
     ("suffix", "media"),
     [

@@ -1,4 +1,6 @@
 import asyncio
+import http.client
+import itertools
 import select
 import socket
 import ssl
@@ -16,6 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from lbr import qr
+from lbr.apps.http import serving as http_serving
 from lbr.apps.http import slots
 from lbr.apps.web import WebSettings, application
 from lbr.apps.web.addresses import url
@@ -185,6 +188,20 @@ def test_a_stop_is_done_whatever_its_body_is(served):
     assert "halt" in {request for request, _ in served.stage.asked}
 
 
+@pytest.mark.parametrize("chunked", [False, True])
+def test_the_sender_of_a_stop_with_a_large_body_reads_the_answer(served, chunked):
+    served.stage.asked.clear()
+    body = b"x" * 5_000_000
+    length = b"Transfer-Encoding: chunked" if chunked else b"Content-Length: %d" % len(body)
+    with socket.create_connection(("127.0.0.1", served.port), timeout=20) as client:
+        client.sendall(b"POST /stop HTTP/1.1\r\nHost: localhost\r\n" + length + b"\r\n\r\n")
+        client.sendall(b"%x\r\n%b\r\n0\r\n\r\n" % (len(body), body) if chunked else body)
+        client.shutdown(socket.SHUT_WR)
+        answer = b"".join(iter(lambda: client.recv(65536), b""))
+    assert answer.startswith(b"HTTP/1.1 200")
+    assert "halt" in {request for request, _ in served.stage.asked}
+
+
 @pytest.mark.parametrize(
     ("target", "host", "status"),
     [
@@ -341,6 +358,24 @@ def test_whoever_talks_on_a_stream_is_shown_out(served):
             with suppress(ConnectionClosed):
                 viewer.send("hello")
         assert ending_of(viewer) == (1008, "nothing is to be said here")
+
+
+def test_a_viewer_that_answers_no_ping_is_no_fault(face, monkeypatch, capfd):
+    """A viewer that answers no ping is shown out, which is not a fault of the server"""
+    monkeypatch.setattr(http_serving, "PING_S", 0.05)
+    monkeypatch.setattr(http_serving, "PONG_S", 0.05)
+    with serving(face) as served, socket.create_connection(("127.0.0.1", served.port), timeout=8) as frozen:
+        frozen.sendall(
+            b"GET /ws?rate_hz=50 HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+        )
+        for number in itertools.count():
+            served.stage.say("joints", replace(JOINTS, sequence=number))
+            if not frozen.recv(65536):
+                break
+        until(lambda: served.web._serving.connections == 0)
+        assert not [event for event in served.stage.events if event[0] == "web_fault"]
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_a_reader_that_never_reads_costs_nothing_and_stops_nobody(served):

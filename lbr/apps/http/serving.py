@@ -27,6 +27,8 @@ LOOK_S = 0.25
 LARGEST_HEAD = 16 * 1024
 LARGEST_BODY = 128 * 1024
 """Of any request, read or not: twice what a handler takes, so that who sends a little too much reads why it is refused."""
+MOST_UNREAD = 16 * 1024 * 1024
+"""Of what still comes after an answer: it is thrown away, so that its sender reads the answer and not a reset."""
 MOST_PIECES = 256
 """Of a body, so that no client keeps the thread busy with pieces of a byte each: 43,000 of them fit into one reading and
 took 0.2 s."""
@@ -183,13 +185,13 @@ class Connection(H11Protocol):
             return
         if self._lingering is not None and self._lingering.lingers:
             self._unread += len(data)
-            if self._unread > LARGEST_BODY:
+            if self._unread > MOST_UNREAD:
                 self.transport.abort()
             return
         try:
             super().data_received(data)
-        except h11.LocalProtocolError:  # what is wrong came after the answer
-            self.transport.abort()
+        except h11.LocalProtocolError:  # what is wrong came after the answer, which its sender still has to read
+            self.transport.close()
         self._look()
 
     def send_400_response(self, msg: str) -> None:
