@@ -120,6 +120,7 @@ def test_a_page_without_another_face_beside_it_answers_everybody(accept, method)
         (".css", "text/css; charset=utf-8"),
         (".svg", "image/svg+xml"),
         (".webmanifest", "application/manifest+json"),
+        (".ico", "image/x-icon"),
     ],
 )
 def test_each_part_has_its_type(served, suffix, media):
