@@ -1,5 +1,4 @@
 import asyncio
-import http.client
 import itertools
 import select
 import socket
