@@ -5,11 +5,11 @@ import pytest
 
 from lbr.apps.web.api.holds import AGAIN_S, Hand, Holds
 from lbr.apps.web.api.page_message import Wanted
-from lbr.apps.web.api.patience import PLAYING_S, SILENT_S, silent_s
+from lbr.apps.web.api.patience import BOUNDED_S, SILENT_S, silent_s
 from lbr.errors import BusError
 from lbr.messages.codes import Reason
 from lbr.messages.description import CommandDescription
-from lbr.messages.drive import DriveCommand
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand, TwistCommand
 from lbr.messages.joints import JointMove, JointsCommand, PlayCommand
 from lbr.messages.leases import CommandReply
 from tests.web.api_stage import Lender, Lent
@@ -27,7 +27,7 @@ class Bench:
         self.holds = Holds(self._transport, self._keys, lambda: self.now, self._patience_s)
 
     def _patience_s(self, wanted):
-        return PLAYING_S if wanted.to == "motions/play" else SILENT_S
+        return BOUNDED_S if wanted.to == "motions/play" else SILENT_S
 
     def _transport(self, source, keys):
         if self.lost:
@@ -272,7 +272,7 @@ def test_a_motion_that_ends_by_itself_outlasts_a_page_that_draws_slowly(bench):
     hand = bench.hand()
     bench.want(hand, 1, to="motions/play")
     for _ in range(5):
-        bench.run(PLAYING_S - 4 * ROUND_S)
+        bench.run(BOUNDED_S - 4 * ROUND_S)
         hand.keep(1, bench.now)
     assert bench.lender.moving
     assert [(news.n, news.holds) for news in hand.told] == [(1, True)]
@@ -282,11 +282,31 @@ def test_it_is_released_when_the_page_stays_silent(bench):
     hand = bench.hand()
     bench.want(hand, 1, to="motions/play")
     said = hand.said.at
-    bench.run(PLAYING_S + 1.0)
+    bench.run(BOUNDED_S + 1.0)
     ((at, _, stop),) = bench.lender.halts
-    assert SILENT_S < at - said <= PLAYING_S + 2 * ROUND_S
+    assert SILENT_S < at - said <= BOUNDED_S + 2 * ROUND_S
     assert stop["lost"]
-    assert (last(hand).code, last(hand).reason) == ("lapsed", f"the page said nothing for {PLAYING_S:g} s")
+    assert (last(hand).code, last(hand).reason) == ("lapsed", f"the page said nothing for {BOUNDED_S:g} s")
+
+
+@pytest.mark.parametrize(("gap_s", "stops"), [(0.1, 0), (0.2, 10), (0.3, 10), (0.4, 10)])
+def test_a_link_with_a_gap_each_second_leaves_bounded_goals_alone_and_stops_a_stick_within_its_time(bench, gap_s, stops):
+    goal, stick = bench.hand("web:desk"), bench.hand("web:phone")
+    bench.want(goal, 1, to="motions/play")
+    for _ in range(10):
+        bench.run(1.0 - gap_s, (goal, 1))
+        bench.run(gap_s)
+    assert [(news.n, news.holds) for news in goal.told] == [(1, True)]
+    goal.release()
+    bench.run(ROUND_S)
+    before = len(bench.lender.halts)
+    for n in range(10):
+        bench.want(stick, n)  # a page that is back wants it anew
+        bench.run(1.0 - gap_s, (stick, n))
+        said = stick.said.at
+        bench.run(gap_s)
+        assert not stops or bench.lender.halts[-1][0] - said <= SILENT_S + 2 * ROUND_S
+    assert len(bench.lender.halts) - before == stops
 
 
 @pytest.mark.parametrize("gone", [True, False])
@@ -323,8 +343,15 @@ FRAME = {"positions": {"neck": 0.1}, "duration_s": 1.0}
 @pytest.mark.parametrize(
     ("message", "said", "expected_s"),
     [
-        (PlayCommand, KEPT, PLAYING_S),
-        (JointsCommand, {"frames": [FRAME]}, PLAYING_S),
+        (PlayCommand, KEPT, BOUNDED_S),
+        (JointsCommand, {"frames": [FRAME]}, BOUNDED_S),
+        (TurnCommand, {"angle_deg": 90}, BOUNDED_S),
+        (HeadingCommand, {"heading_deg": 0}, BOUNDED_S),
+        (DriveCommand, {"power": 0.3, "angle_deg": 0, "distance_cm": 50}, BOUNDED_S),
+        (DriveCommand, {"power": 0.3, "angle_deg": 0, "range_cm": 40, "sensor": "forward", "interval_s": 0}, BOUNDED_S),
+        (DriveCommand, {"power": 0.3, "angle_deg": 0, "interval_s": 5}, BOUNDED_S),
+        (DriveCommand, {"power": 0.3, "angle_deg": 0, "interval_s": 0}, SILENT_S),
+        (TwistCommand, {"vx_mps": 0.1}, SILENT_S),
         (JointsCommand, {"positions": {"neck": 0.1}}, SILENT_S),
         (JointsCommand, {"frames": [FRAME], "stay": True}, SILENT_S),
         (JointsCommand, {"frames": [FRAME], "append": True}, SILENT_S),

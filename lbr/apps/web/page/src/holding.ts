@@ -17,6 +17,10 @@ const CHANGE_MS = 16;
 const ASLEEP_MS = 1000;
 /** The robot waits longer for a page that plays what ends by itself; so does this. */
 const PLAYING_MS = 3000;
+/** A stick that is still held goes on from rest if the link was bad for no longer than this. */
+const RETURNS_MS = 1000;
+/** The link is good while a frame came so lately: the robot sends five a second. */
+const STEADY_MS = 300;
 /** A reason why it ended is shown for so long. */
 export const SHOWN_MS = 5000;
 /** What is told of the last few wishes still counts: so many are told while an answer is on its way. */
@@ -29,6 +33,7 @@ let wanted = "";
 let told_ = "";
 let toldAt = 0;
 let changedAt = 0;
+let steadyAt = 0;
 let over = false;
 /** Since the last release something was asked for: the robot wants to hear of the rest, after a refusal and a stop too. */
 let begun = false;
@@ -72,6 +77,7 @@ function behind(to: string): boolean {
 function beat(): void {
   clearTimeout(timer);
   const now = performance.now();
+  if (silentMs() < STEADY_MS) steadyAt = now;
   if (told_ && Math.max(now - toldAt, silentMs()) > (once ? PLAYING_MS : ASLEEP_MS)) return slept();
   const changed = wanted !== told_;
   if (changed && now - changedAt >= CHANGE_MS) tell(now);
@@ -109,8 +115,16 @@ function release(): void {
 
 function heard(news: HoldNews): void {
   if (!active || news.n < n - LATELY) return;
+  if (news.code === "lapsed" && !once && performance.now() - steadyAt < RETURNS_MS) return goOn();
   state.value = { ...state.value, holds: news.holds, code: news.code, reason: news.reason, holder: news.holder };
   if (!news.holds && (news.n === n || news.code)) end(news);
+}
+
+/** The robot stopped because the link was bad for a moment, and the hand is still there: it begins again, from rest. */
+function goOn(): void {
+  told_ = "";
+  notice(t("link.back"), "info");
+  beat();
 }
 
 /** Notes that what moved has ended without this hand. */

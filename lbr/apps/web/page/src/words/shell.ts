@@ -16,6 +16,7 @@ export const shell = {
   "link.hidden": ["Paused", "Pausiert"],
   "link.lost.long": ["The link to the robot is lost. It has stopped by itself; trying again.", "Die Verbindung ist weg. Der Roboter hält von selbst an; neuer Versuch läuft."],
   "link.slept": ["this device was asleep, or the link was cut", "dieses Gerät schlief, oder die Verbindung war unterbrochen"],
+  "link.back": ["The link was bad for a moment. The robot stopped, and goes on.", "Die Verbindung war kurz schlecht. Der Roboter hielt an und fährt weiter."],
   "away.title": ["The robot does not answer", "Der Roboter antwortet nicht"],
   "away.text": ["Nothing answers at this address: the robot may be off, starting, or at another address, or this device is in another network. It asks again by itself.", "Unter dieser Adresse antwortet nichts: Der Roboter ist vielleicht aus, startet gerade oder hat eine andere Adresse, oder dieses Gerät ist in einem anderen Netz. Es fragt von selbst weiter."],
   "hand.ask": ["Ask for it", "Darum bitten"],
