@@ -161,7 +161,7 @@ def test_a_stick_that_is_still_held_goes_on_when_the_link_is_back(opened, robot)
         before = len(robot.held)
         robot.news.append({"n": robot.halt(), "holds": False, "code": "lapsed", "reason": "silence", "holder": ""})
         assert not robot.moves
-        assert within(page, lambda: len(robot.held) > before and robot.moves)
+        assert within(page, lambda before=before: len(robot.held) > before and robot.moves)
     page.mouse.up()
     assert within(page, lambda: not robot.moves)
 
