@@ -290,7 +290,9 @@ def test_it_is_released_when_the_page_stays_silent(bench):
 
 
 @pytest.mark.parametrize(("gap_s", "stops"), [(0.1, 0), (0.2, 10), (0.3, 10), (0.4, 10)])
-def test_a_link_with_a_gap_each_second_leaves_bounded_goals_alone_and_stops_a_stick_within_its_time(bench, gap_s, stops):
+def test_a_link_with_a_gap_each_second_leaves_bounded_goals_alone_and_stops_a_stick_within_its_time(
+    bench, gap_s, stops
+):
     goal, stick = bench.hand("web:desk"), bench.hand("web:phone")
     bench.want(goal, 1, to="motions/play")
     for _ in range(10):
