@@ -39,6 +39,8 @@ COMMANDS = {
     "motion": ("motion", "Take motions from files, and write them to files."),
     "behaviour": ("behaviour", "Write state tables, check and take them, and run them."),
     "import": ("importing", "Take what a robot's former programs kept: databases, tables, motions."),
+    "get": ("getting", "Print the settings of the robot's parts."),
+    "set": ("setting", "Change one setting of one part; the robot follows."),
     "db": ("db", "Create, check and compare the robot's rows."),
     "completion": ("completion", "Print what makes a shell complete lbr's commands."),
     "new": ("new", "Write a robot, a driver, servos or a capability of your own, to begin with."),

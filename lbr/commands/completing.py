@@ -83,6 +83,27 @@ complete_behaviour = of_rows("behaviour", "name", "help")
 complete_token = of_rows("user_token", "name", "role")
 
 
+def complete_setting(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the parts that have settings; of the only one that is left, its settings, as `drive.max_power`."""
+    import msgspec  # noqa: PLC0415 - kept out of its `--help`
+
+    from lbr import home  # noqa: PLC0415
+    from lbr.capability import registry  # noqa: PLC0415
+    from lbr.database import glance  # noqa: PLC0415
+
+    part, dot, _ = begun.partition(".")
+    with suppress(LbrError, OSError):
+        database = context.params.get("database") or home.default_database()
+        rows = glance.column(database, "capability", "name", "kind")
+        parts = {name: kind for name, kind in rows if (name == part if dot else name.startswith(part))}
+        if len(parts) != 1:
+            return [CompletionItem(f"{name}.", help=kind) for name, kind in parts.items()]
+        ((name, kind),) = parts.items()
+        fields = msgspec.structs.fields(registry.find(kind, home.home()).settings)
+        return _items(begun, ((f"{name}.{field.encode_name}", "") for field in fields))
+    return []
+
+
 def complete_recording(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return what the box kept, and what was recorded on purpose."""
     from lbr import home  # noqa: PLC0415

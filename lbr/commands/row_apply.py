@@ -38,7 +38,7 @@ def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) 
 
     with opened(database) as rows:
         touching = Touching(rows, running_here(rows.path))
-        became = _become(rows, source, robot, touching, dry_run=True)
+        became = become(rows, _wanted(source, rows, robot), f"applied {source.name}", touching, dry_run=True)
         return tell(became, "", dry_run=True, as_json=as_json, touched=touching.told(), place=_place(source, rows))
 
 
@@ -130,7 +130,8 @@ def _apply(
                 f"no robot runs from {rows.path} that could say whether it is ready: leave --within out", "not_possible"
             )
         touching = Touching(rows, running)
-        became = _become(rows, source, robot, touching, expected, within_s, dry_run=dry_run)
+        wanted = _wanted(source, rows, robot)
+        became = become(rows, wanted, f"applied {source.name}", touching, expected, within_s, dry_run=dry_run)
         trial = None if within_s is None or became.revision == became.before else _awaited(rows, became.revision)
         code = tell(
             became,
@@ -162,21 +163,27 @@ def _awaited(rows: "Database", revision: int) -> "past.Trial | None":
     return trial
 
 
-def _become(
+def _wanted(source: Path, rows: "Database", robot: str | None) -> "past.Wanted":
+    from lbr.database import sources  # noqa: PLC0415
+
+    return sources.wanted(source, rows.path, robot)
+
+
+def become(
     rows: "Database",
-    source: Path,
-    robot: str | None,
+    wanted: "past.Wanted",
+    text: str,
     touching: Touching,
     expected: int | None = None,
     within_s: float | None = None,
     *,
     dry_run: bool,
 ) -> "past.Became":
-    from lbr.database import becoming, sources  # noqa: PLC0415
+    """Have the rows as `wanted` makes them; `touching` judges them and keeps what their change does to processes."""
+    from lbr.database import becoming  # noqa: PLC0415
 
     if not dry_run:
         end_left_trial(rows)
-    wanted = sources.wanted(source, rows.path, robot)
 
     def looked_at(*arguments: Any) -> "tuple[past.Step, ...]":
         found = wanted(*arguments)
@@ -190,7 +197,7 @@ def _become(
         rows,
         looked_at,
         touching,
-        text=f"applied {source.name}",
+        text=text,
         expected=expected,
         dry_run=dry_run,
         on_trial=on_trial if within_s is not None else None,

@@ -125,7 +125,10 @@ def with_setting(tables: RawTables, robot: str, capability: str, setting: str, v
     def changed(row: RawRow) -> RawRow:
         if (row["robot"], row["name"]) != (robot, capability):
             return row
-        settings = msgspec.json.decode(str(row["settings"]), type=dict[str, Any]) | {setting: value}
+        try:
+            settings = msgspec.json.decode(str(row["settings"]), type=dict[str, Any]) | {setting: value}
+        except UNREADABLE as err:
+            raise InputError(f"the settings of '{capability}' are not a JSON object: {err}", "malformed") from err
         return {**row, "settings": msgspec.json.encode(settings).decode()}
 
     return {**tables, "capability": [changed(row) for row in rows]}

@@ -1,0 +1,98 @@
+"""`lbr get`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from msgspec import Struct
+
+from lbr.commands.completing import complete_setting
+from lbr.commands.options import complete_robot, database_option, json_option, print_json
+from lbr.commands.row_past import running_here
+from lbr.commands.rows import opened
+from lbr.commands.setting import meant, parted, refuse_unknown
+from lbr.errors import InputError, LbrError
+from lbr.messages.plain import one_line
+from lbr.messages.rows import shown
+from lbr.names import near
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from lbr.database.rows import CapabilityRow
+
+
+class Setting(Struct, frozen=True):
+    """A setting of a part; `in_row` says whether its row has it, or its kind says what it is."""
+
+    part: str
+    setting: str
+    value: Any
+    in_row: bool
+
+    def __str__(self) -> str:
+        text = f"{self.part}.{self.setting} {_as_typed(self.value)}"
+        return text if self.in_row else f"{text} (by its kind)"
+
+
+@click.command("get")
+@click.argument("setting", metavar="[PART[.SETTING]]", default="", shell_complete=complete_setting)
+@click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="The settings of this robot's parts.")
+@database_option
+@json_option
+def command(setting: str, robot: str | None, database: Path | None, as_json: bool) -> int:
+    """Print a setting, all settings of a part, or what the rows of all parts set. 'lbr set' changes one."""
+    part, name = parted(setting)
+    with opened(database) as rows:
+        whose = meant(rows, robot, running_here(rows.path))
+        parts = rows.load(whose).capabilities
+    if part:
+        refuse_unknown(part, (row.name for row in parts), whose)
+    settings = [one for row in parts if part in {"", row.name} for one in _of(row) if part or one.in_row]
+    if name:
+        settings = [_chosen(part, name, settings)]
+    if as_json:
+        print_json(settings)
+    elif name:
+        click.echo(one_line(_as_typed(settings[0].value)))
+    else:
+        for one in settings:
+            click.echo(one_line(str(one)))
+        if not settings:
+            click.echo(f"{shown(part)} has no settings" if part else f"no row of '{shown(whose)}' sets anything")
+    return 0
+
+
+def _of(row: "CapabilityRow") -> "Iterator[Setting]":
+    """Yield a part's settings: those of its row, and those that its kind adds; the first alone if they are not valid."""
+    import msgspec  # noqa: PLC0415 - kept out of its `--help`
+
+    from lbr import home  # noqa: PLC0415
+    from lbr.capability import registry  # noqa: PLC0415
+
+    try:
+        in_row = msgspec.json.decode(row.settings, type=dict[str, Any])
+    except (msgspec.MsgspecError, ValueError):
+        in_row = {}
+    try:
+        whole = msgspec.to_builtins(registry.find(row.kind, home.home()).parse(row.settings))
+    except (LbrError, msgspec.MsgspecError, ValueError, TypeError):  # 'lbr db check' says what is wrong there
+        whole = {}
+    for name, value in {**whole, **in_row}.items():
+        yield Setting(row.name, name, value, name in in_row)
+
+
+def _chosen(part: str, name: str, settings: "Iterable[Setting]") -> Setting:
+    there = {one.setting: one for one in settings}
+    if name not in there:
+        close = near(name, sorted(there))
+        hint = f"did you mean '{close[0]}'?" if close else f"'lbr get {part}' lists them"
+        raise InputError(f"{shown(part)} has no setting '{shown(name)}'; {hint}", "unknown_name")
+    return there[name]
+
+
+def _as_typed(value: Any) -> str:
+    """Return a value as `lbr set` takes it."""
+    import msgspec  # noqa: PLC0415
+
+    return value if isinstance(value, str) else msgspec.json.encode(value).decode()

@@ -1,0 +1,91 @@
+"""`lbr set`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lbr.commands.completing import complete_setting
+from lbr.commands.row_apply import become
+from lbr.commands.row_past import change_options, running_here, tell
+from lbr.commands.row_touched import Touching
+from lbr.commands.rows import opened, robot_in
+from lbr.errors import InputError
+from lbr.messages.rows import shown
+from lbr.names import near
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from lbr.database import past
+    from lbr.database.reading import RawTables
+    from lbr.database.store import Database
+    from lbr.database.tables import Schema
+
+
+@click.command("set", context_settings={"ignore_unknown_options": True})
+@click.argument("setting", metavar="PART.SETTING", shell_complete=complete_setting)
+@click.argument("value", type=click.UNPROCESSED)
+@change_options
+def command(
+    setting: str,
+    value: str,
+    robot: str | None,
+    expected: int | None,
+    dry_run: bool,
+    database: Path | None,
+    as_json: bool,
+) -> int:
+    """Set one setting of one part, such as drive.max_power 0.3; all others stay. A running robot follows.
+
+    VALUE is JSON, or else a text: 0.3, true, '[100, 130]', slow, '"12"'. It is checked as a start would check it: exit
+    code 2 if it would be wrong, and nothing is changed. 'lbr db undo' takes it back, 'lbr get PART' lists what there is.
+    """
+    part, name = parted(setting)
+    if not name:
+        raise InputError(f"'{shown(setting)}' names no setting: say PART.SETTING, such as drive.max_power")
+    with opened(database) as rows:
+        running = running_here(rows.path)
+        whose = meant(rows, robot, running)
+
+        def wanted(tables: "RawTables", schema: "Schema", _at: "past.At") -> "tuple[past.Step, ...]":
+            from lbr.database import edits, past  # noqa: PLC0415 - kept out of its `--help`
+
+            refuse_unknown(part, (row["name"] for row in tables["capability"] if row["robot"] == whose), whose)
+            after = edits.with_setting(tables, whose, part, name, _read(value))
+            return past.steps(tables, after, schema, whose)
+
+        touching = Touching(rows, running)
+        became = become(rows, wanted, f"set {part}.{name}", touching, expected, dry_run=dry_run)
+    return tell(became, f"{part}.{name} is {shown(value)}", dry_run=dry_run, as_json=as_json, touched=touching.told())
+
+
+def parted(setting: str) -> tuple[str, str]:
+    """Return the part and the setting of `PART.SETTING`; the setting is empty where none is named."""
+    part, _, name = setting.partition(".")
+    return part, name
+
+
+def meant(rows: "Database", robot: str | None, running: "Iterable[str]") -> str:
+    """Return whose rows are meant: the named robot's, those of the only one that runs from them, or the usual one's."""
+    here = list(running)
+    return robot_in(rows, robot or (here[0] if len(here) == 1 else None))
+
+
+def refuse_unknown(part: str, names: "Iterable[Any]", robot: str) -> None:
+    """Raise InputError if a robot has no part of this name."""
+    there = sorted(map(str, names))
+    if part not in there:
+        close = near(part, there)
+        hint = f"did you mean '{close[0]}'?" if close else "'lbr get' lists them"
+        raise InputError(f"'{shown(robot)}' has no part '{shown(part)}'; {hint}", "unknown_name")
+
+
+def _read(value: str) -> Any:
+    """Return what was typed: JSON, or else a text."""
+    from lbr.database.columns import json_strictly  # noqa: PLC0415
+
+    try:
+        return json_strictly(value)
+    except (ValueError, RecursionError):
+        return value
