@@ -6,7 +6,7 @@ T ?= tests
 N ?= auto
 PAGE := lbr/apps/web/page
 
-.PHONY: help setup check lint format types docs site test coverage gate smoke page pagecheck all
+.PHONY: help setup check lint format types docs site test coverage nightly gate smoke page pagecheck all
 
 help: ## say what there is
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
@@ -37,8 +37,12 @@ docs: ## are the generated pages true? (`python docs/generate.py` writes them)
 site: ## the docs as a site, in build/site/index.html
 	$(BIN)/python docs/site/build.py
 
-test: ## the tests, or those under T=path, N at a time
+test: ## the tests of every day, or those under T=path, N at a time
 	$(BIN)/pytest -n $(N) --dist worksteal $(T)
+
+nightly: ## all tests, with many examples and what takes minutes, root or a network; the gate and every benchmark
+	$(BIN)/pytest -n $(N) --dist worksteal -m "nightly or not nightly" --hypothesis-profile nightly
+	$(MAKE) --no-print-directory gate smoke
 
 coverage: ## the tests, and what of the code their own processes run; what whole robots run beside them is not counted
 	$(BIN)/pytest -n $(N) --cov --cov-report=term $(T)
@@ -55,5 +59,5 @@ page: ## test and build the page that the robot serves, with node 20.19 or newer
 pagecheck: ## is the page that is committed what its sources build to?
 	@before=$$(mktemp -d) && cp -r $(PAGE)/dist $$before && $(MAKE) --no-print-directory page && diff -r $$before/dist $(PAGE)/dist && rm -r $$before
 
-all: ## all of it, as on a machine that has next to nothing
+all: ## the check of every change, as on a machine that has next to nothing
 	.ci/run

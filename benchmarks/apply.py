@@ -23,7 +23,8 @@ from lbr.database.store import Database
 from tests.support import programs
 from tests.support.bench import temporary_home
 from tests.support.figures import Promise, Results
-from tests.support.robot import LBR, Robot, environment, start, until
+from tests.support.robot import LBR, Robot, environment, start
+from tests.support.waiting import until
 
 SMOKE = "--n 3"
 

@@ -25,7 +25,8 @@ import psutil
 from benchmarks import Measured
 from tests.support.bench import temporary_home
 from tests.support.figures import Promise, Results
-from tests.support.robot import Robot, only, running, until
+from tests.support.robot import Robot, only, running
+from tests.support.waiting import until
 
 SMOKE = "--seconds 1 --calls 1"
 

@@ -26,7 +26,8 @@ from lbr.bus import keys, stamp, wire
 from tests.support import programs
 from tests.support.bench import temporary_home
 from tests.support.figures import Promise, Results
-from tests.support.robot import Robot, environment, running, until
+from tests.support.robot import Robot, environment, running
+from tests.support.waiting import until
 
 SMOKE = "--seconds 1"
 

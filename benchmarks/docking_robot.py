@@ -22,7 +22,8 @@ from benchmarks import Measured, listed
 from lbr.lockstep.places import starts
 from lbr.simulation.settings import WorldSettings
 from tests.support.figures import Promise, Results
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import until
 
 SMOKE = "--trials 0 --ends SIGKILL"
 PROMISES = {

@@ -27,8 +27,9 @@ from benchmarks.instruments.joints_traffic import Client, Watched, errors, pass_
 from lbr.bus import keys, wire
 from lbr.database import store
 from tests.support.figures import Promise, Results
-from tests.support.robot import Robot, start, until
+from tests.support.robot import Robot, start
 from tests.support.servo_bus.line import Process
+from tests.support.waiting import until
 
 SMOKE = "--seconds 2 --stops 2"
 

@@ -20,7 +20,8 @@ from benchmarks.instruments.stalling import Stalling, Way
 from tests.support.door import Door, opened
 from tests.support.figures import Promise, Results
 from tests.support.netns import Network, network, why_not
-from tests.support.robot import prepare, until
+from tests.support.robot import prepare
+from tests.support.waiting import until
 
 SMOKE = "--n 1"
 

@@ -13,7 +13,8 @@ from pathlib import Path
 from benchmarks import Measured
 from tests.models.original.machine import Machine, ask
 from tests.support.figures import Promise, Results
-from tests.support.robot import prepare, running, until
+from tests.support.robot import prepare, running
+from tests.support.waiting import until
 
 SMOKE = "--n 1 --tables pacing"
 FOLDER = Path(__file__).parents[1] / "tests" / "models" / "original"

@@ -27,8 +27,9 @@ from tests.support import netns
 from tests.support.bench import Bench
 from tests.support.door import add_token
 from tests.support.figures import Promise, Results
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
 from tests.support.trace import Line, Trace
+from tests.support.waiting import until
 
 SMOKE = "--n 1 --moves 4 --seconds 1"
 

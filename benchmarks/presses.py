@@ -13,7 +13,8 @@ from pathlib import Path
 from benchmarks import Measured
 from lbr.testing.robot import NoAnswerError
 from tests.support.figures import Promise, Results
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import until
 
 SMOKE = "--n 1 --robots lbr"
 MOTIONS = {"lbr": ("", "/r/0.4/0"), "bioloid": ("/torque/on", "/play/wave"), "uxa90": ("", "/play/walk_forward_6step")}

@@ -32,7 +32,7 @@ from tests.scenarios.promises import PROMISES
 from tests.scenarios.schedule import FIGURE_OF, SCENARIOS
 from tests.support.figures import Report, Result, Results
 from tests.support.ledger import Ledger
-from tests.support.machine import Stopwatch
+from tests.support.machine import Moment, share
 
 SMOKE = "--tries 1 --only S1"
 
@@ -75,7 +75,7 @@ class Run(NamedTuple):
 def together(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1, whole: bool = False) -> Measured:
     """Run all rounds; with several jobs, what need not be alone runs beside others."""
     results = Results(PROMISES, whole=whole)
-    watch = Stopwatch()
+    began = Moment.now()
     for plan in rounds:
         runs = [run._replace(whole=whole) for run in plan]
         shared = [run for run in runs if not SCENARIOS[run.name].alone] if jobs > 1 else []
@@ -84,7 +84,7 @@ def together(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1, whole: bo
             if run not in shared:
                 _by_itself(results, run, once_more=jobs > 1)
     return Measured(
-        load=f"{load}; no program waited for {watch.share:.0%} of the time",
+        load=f"{load}; no program waited for {share(began, Moment.now()):.0%} of the time",
         results=results.ordered(),
         repeated=results.repeated,
         disturbed=results.disturbed,

@@ -1,4 +1,4 @@
-"""A place of its own for each process that runs tests, time-outs that end one test alone, and whole robots.
+"""A place of its own for each process that runs tests, and whole robots.
 
 The heavy robot is shared by all tests of a module that leave it as it was.
 """
@@ -18,9 +18,8 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.support import machine, slots, sweep
+from tests.support import sweep
 from tests.support.robot import Robot, prepare, running
-from tests.support.second_try import SecondTry
 
 PLACE = sweep.enter()
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # a robot is ten processes, and each would compile all that it imports
@@ -28,10 +27,9 @@ sys.dont_write_bytecode = False
 os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = "unix:path=/nonexistent"  # no test may power this machine off
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored, in children too
 
-NOTE, LEFT = "machine", "left"
+LEFT = "left"
 ENDS_S = 2.0
 """What was told to end may take this long after the last test."""
-AGAIN_S = 0.5
 CACHES = {".cache", ".config"}
 """OpenGL keeps its shaders in the one, the sound server's library a link in the other."""
 
@@ -42,26 +40,51 @@ for profile, examples in (("everyday", 30), ("nightly", 500)):
     )
 settings.load_profile("everyday")
 
-WAITERS = 1
-"""Tests wait more than they compute, for lines, clocks and robots: this many more at a time than there are cores."""
-ROBOTS = 0
-"""This many more of them than there are cores have whole robots, or browsers, which draw without a graphics card. With one
-more, on two cores, three of them at once went without the processor for longer than leases last."""
+NIGHTLY = (
+    *("fuzzing", "intrusion", "kernel", "lab"),
+    *("commands/test_every_command.py", "commands/test_new.py", "docs/test_pages.py", "docs/test_tour.py", "examples"),
+    *("executive/test_captured_frames.py", "executive/test_many_rows.py", "executive/test_starving.py"),
+    *(
+        "lan/test_agent.py",
+        "lan/test_agent_placement.py",
+        "lan/test_found.py",
+        "lan/test_lan_attempts.py",
+        "lan/test_lan_cut.py",
+    ),
+    *("safety/test_behaviour.py", "safety/test_calibration_spin.py", "safety/test_dance.py", "safety/test_data.py"),
+    *(
+        "safety/test_following.py",
+        "safety/test_gamepad.py",
+        "safety/test_gamepad_humanoid.py",
+        "safety/test_turning.py",
+    ),
+    *(
+        "safety/test_humanoid_behaviours.py",
+        "safety/test_life.py",
+        "safety/test_power_cut.py",
+        "safety/test_self_check.py",
+    ),
+    *(
+        "web/test_behaviours_browser.py",
+        "web/test_call_browser.py",
+        "web/test_joints_browser.py",
+        "web/test_page_drive.py",
+    ),
+    *("web/test_page_kept.py", "web/test_page_tasks.py", "web/test_page_tilt.py", "web/test_system_browser.py"),
+    *(
+        "apps/test_registry.py",
+        "rerun/test_check.py",
+        "robots/test_robot_packages.py",
+        "operations/power/test_power_robot.py",
+    ),
+)
+"""Folders and modules of tests that need root, a network of their own, or minutes."""
 
 left_over = pytest.StashKey[list[str]]()
 
 
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int:
-    """Return what `-n auto` means here."""
-    return len(os.sched_getaffinity(0)) + WAITERS
-
-
 def pytest_configure(config: pytest.Config) -> None:
     config.stash[left_over] = []
-    config.pluginmanager.register(SecondTry())
-    if slots.PLACE not in os.environ:
-        slots.make(PLACE, len(os.sched_getaffinity(0)) + ROBOTS)
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -83,49 +106,12 @@ def pytest_collection(session: pytest.Session) -> None:
             importlib.import_module(module)
 
 
-@pytest.hookimpl(tryfirst=True, optionalhook=True)
-def pytest_timeout_set_timer(item: Any, settings: Any) -> bool | None:
-    """Fail the test alone when this machine has given it its time; `faulthandler_timeout` ends what hears no signal."""
-    if settings.method != "signal":
-        return None
-    watch, waited_s = machine.Stopwatch(), slots.waited()
-
-    def ring(*_: object) -> None:
-        left_s = settings.timeout - watch.given_s + (slots.waited() - waited_s)
-        if left_s > 0.0:
-            signal.setitimer(signal.ITIMER_REAL, max(AGAIN_S, left_s))
-        else:
-            pytest.fail(f"not done within {settings.timeout:g} s ({watch})")
-
-    def cancel() -> None:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, signal.SIG_DFL)
-
-    item.cancel_timeout = cancel
-    signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, settings.timeout)
-    return True
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Have what looks at pages wait for its turn: a browser takes as much of the machine as a robot does."""
-    if hasattr(getattr(item, "module", None), "sync_playwright"):
-        slots.take()
-
-
-def pytest_runtest_logfinish() -> None:
-    """Let another process have a robot, if this one has none any more."""
-    slots.give_back()
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport() -> Iterator[None]:
-    """Send what is to be told at the end of the run along with the test's report."""
-    report = yield
-    report.user_properties += [(NOTE, text) for text in machine.notes]
-    machine.notes.clear()
-    return report
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave what takes long to the nightly run."""
+    places = [Path(__file__).parent / name for name in NIGHTLY]
+    for item in items:
+        if any(place in (item.path, *item.path.parents) for place in places):
+            item.add_marker(pytest.mark.nightly)
 
 
 @pytest.hookimpl(trylast=True)
@@ -150,21 +136,10 @@ def pytest_testnodedown(node: Any) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
-    reports = [report for group in terminalreporter.stats.values() for report in group]
-    told = [
-        (report.nodeid, text)
-        for report in reports
-        for name, text in getattr(report, "user_properties", ())
-        if name == NOTE
-    ]
-    for title, lines in (
-        ("measured more than once", [f"{where}: {text}" for where, text in dict.fromkeys(told)]),
-        ("left behind by tests", config.stash[left_over]),
-    ):
-        if lines:
-            terminalreporter.section(title)
-            for line in lines:
-                terminalreporter.line(line)
+    if config.stash[left_over]:
+        terminalreporter.section("left behind by tests")
+        for line in config.stash[left_over]:
+            terminalreporter.line(line)
 
 
 @pytest.fixture(autouse=True)

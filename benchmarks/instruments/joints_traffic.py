@@ -14,7 +14,8 @@ from lbr.bus import wire
 from lbr.errors import BusError
 from lbr.messages.joints import JointsState
 from tests.support.figures import percentile
-from tests.support.robot import Robot, until
+from tests.support.robot import Robot
+from tests.support.waiting import until
 
 PERIOD_S = 0.01
 SPEED_RPS = 1.0

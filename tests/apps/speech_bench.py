@@ -11,7 +11,7 @@ from lbr.apps.speech import KIND
 from lbr.capability.context import Device
 from lbr.messages.speech import Phrase, SayCommand, SpeechState
 from lbr.testing import FakeCall, FakeContext
-from tests.support.machine import Stopwatch
+from tests.support.waiting import until
 
 ENGINE = textwrap.dedent("""
     import json, os, sys, time, wave
@@ -38,15 +38,6 @@ PHRASES = (
     Phrase(name="goodbye", language="en", text="Good bye."),
     Phrase(name="left_turn", language="en", text="Turning."),
 )
-
-
-def until(look: Any, within_s: float = 4.0) -> Any:
-    """Look again and again until it is so."""
-    watch = Stopwatch()
-    while not (seen := look()):
-        assert not watch.over(within_s), f"not within {within_s} s ({watch})"
-        time.sleep(0.002)
-    return seen
 
 
 def engine(tmp_path: Path, *options: str) -> list[str]:

@@ -13,7 +13,7 @@ from lbr.errors import LbrError
 from lbr.messages.behaviour import BehaviourState
 from lbr.messages.drive import DriveState
 from lbr.messages.leases import CommandReply
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 class FakeRobot:
@@ -58,7 +58,7 @@ class FakeRobot:
             wire.put(self.router, "lbr/behaviour/state", self.state, source="behaviour")
 
     def until(self, look):
-        until(lambda: self.serve() or look(), limit_s=8.0)
+        until(lambda: self.serve() or look())
 
     def close(self):
         self.bus.close()

@@ -28,7 +28,6 @@ from lbr.messages.sensing import Ranges
 from lbr.messages.sighting import SightingState, WatchCommand
 from lbr.messages.speech import SayCommand
 from lbr.testing import FakeCall, FakeContext
-from tests.support import machine
 
 TABLE = """Type,Current State,Forward,Time,O:level,O:range,O:turn,O:speech,Next State
 start,Go,> 90,,0.3,70,,,Turn
@@ -476,7 +475,7 @@ def test_what_pages_check_costs_little_however_wrong_it_is():
         stage.behaviour.step()
     header = ",".join(f"{n:x}" for n in range(9000)).encode()
     assert stage.say("read", ReadBehaviour(name="patrol", file="a.csv", content=header)).answer.faults
-    assert time.thread_time() - began < 0.6 * machine.slowness(), "it was 3 s"
+    assert time.thread_time() - began < 2.0, "it was 3 s"
 
 
 def test_tables_are_looked_at_one_a_round_so_that_the_run_goes_on():

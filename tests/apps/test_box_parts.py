@@ -16,7 +16,7 @@ from lbr.recording import chunks, selection
 from lbr.recording.chunks import Channel, Channels
 from lbr.recording.shelf import Shelf
 from tests.support import programs
-from tests.support.robot import until
+from tests.support.waiting import until
 
 S = 10**9
 

@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from tests.support import needs
-from tests.support.robot import until
+from tests.support.waiting import until
 
 needs.modules("aiortc", "PIL")
 
@@ -18,7 +18,6 @@ from lbr.testing.context import FakeCall, FakeContext  # noqa: E402
 from tests.apps.call_bench import GREY, Caller, jpeg  # noqa: E402
 from tests.apps.test_call_desk import OFFER  # noqa: E402
 
-pytestmark = pytest.mark.timeout(30)
 ON = CameraState(on=True, phase="streaming", device="/dev/video0")
 OFF = CameraState(on=False, phase="off", device="/dev/video0")
 

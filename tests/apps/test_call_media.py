@@ -6,15 +6,13 @@ from pathlib import Path
 import pytest
 
 from tests.support import needs
-from tests.support.robot import until
+from tests.support.waiting import until
 
 needs.modules("aiortc", "PIL")
 
 from lbr.apps.call.media import Media  # noqa: E402
 from lbr.apps.call.sound import BYTES, TONE_EVERY, Source, tone  # noqa: E402
 from tests.apps.call_bench import GREY, WHITE, Caller, Camera, news  # noqa: E402
-
-pytestmark = pytest.mark.timeout(30)
 
 
 @pytest.fixture

@@ -20,9 +20,10 @@ from websockets.sync.client import connect
 from lbr.apps.foxglove import shown
 from lbr.apps.web import addresses
 from tests.support import programs
-from tests.support.robot import free_port, lbr, prepare, running, until
+from tests.support.robot import free_port, lbr, prepare, running
+from tests.support.waiting import STOPS_S, until
 
-pytestmark = [pytest.mark.timeout(60), pytest.mark.slow_start]
+pytestmark = [pytest.mark.slow_start]
 
 PROTOCOL = "foxglove.websocket.v1"
 PAGE = "https://app.foxglove.dev"
@@ -86,7 +87,7 @@ class Foxglove:
             self.hear()
             return ready()
 
-        return until(look, limit_s=limit_s, what=what)
+        return until(look, what=what)
 
     def subscribe(self, topic):
         self.until(lambda: topic in self.channels, topic)
@@ -127,9 +128,9 @@ def robot(tmp_path_factory, port):
     )
     token = lbr(home, "token", "add", "viewer", "--role", "operate", "--for", "web")
     assert token.returncode == 0, token.stderr
-    with running(home, limit_s=20.0) as robot:
+    with running(home) as robot:
         robot.token = token.stdout.split()[-1]
-        until(lambda: (state := robot.ask("foxglove/state")) and state["listening"], limit_s=15.0, what="the bridge")
+        until(lambda: (state := robot.ask("foxglove/state")) and state["listening"], what="the bridge")
         yield robot
 
 
@@ -173,7 +174,7 @@ def test_it_shows_streams_by_their_schema_the_body_and_cameras_only_while_they_a
     assert frames <= placed
     assert client.newest("odometry/state/pose")["frame_id"] == "odom"
     assert client.newest("ranges/readings/rays")["entities"]
-    assert until(lambda: rests(robot), limit_s=15.0, what="a camera that nobody looks at")
+    assert until(lambda: rests(robot), what="a camera that nobody looks at")
     image = client.newest("camera_front/frame")
     assert image["format"] == "jpeg"
     assert set(image) == set(shown.SCHEMAS["foxglove.CompressedImage"]["properties"])
@@ -210,7 +211,7 @@ def test_a_goal_of_a_word_goes_on_while_its_client_is_there_and_ends_with_it(url
         client.until(lambda seen=seen: time.monotonic() - seen > 0.4, "a lease's life")
     assert moves(robot)
     client.socket.socket.close()
-    until(lambda: not moves(robot), limit_s=2.0, what="standing still")
+    until(lambda: not moves(robot), limit_s=STOPS_S, what="standing still")
     assert drive(robot)["holder"] is None
 
 
@@ -275,13 +276,13 @@ def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, rob
         until(lambda rests=rests: time.monotonic() - rests > 1.1, what="a rest after the last stop")
         other = Foxglove(url)
         other.until(lambda other=other: "/stop" in other.services, "its services")
-        until(lambda: pushed(lambda: moves(robot)), limit_s=5.0, what="driving")
+        until(lambda: pushed(lambda: moves(robot)), what="driving")
         with other.socket.protocol_mutex:
             other.socket.protocol.send_binary(struct.pack("<BIII", 2, other.services["/stop"]["id"], 1, 4) + b"json{}")
             other.socket.protocol.send_close(1000)
             other.socket.socket.sendall(b"".join(other.socket.protocol.data_to_send()))
         other.socket.socket.shutdown(socket.SHUT_RDWR)
-        until(lambda: pushed(lambda: not moves(robot)), limit_s=3.0, what="standing still")
+        until(lambda: pushed(lambda: not moves(robot)), limit_s=STOPS_S, what="standing still")
         other.close()
         seen = time.monotonic()
         client.until(lambda seen=seen: time.monotonic() - seen > 0.5, "a stick at rest")
@@ -290,10 +291,10 @@ def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, rob
 def test_a_killed_client_leaves_nothing_moving(url, robot):
     program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST)])
     try:
-        until(lambda: moves(robot), limit_s=8.0, what="driving")
+        until(lambda: moves(robot), what="driving")
         os.kill(program.pid, signal.SIGKILL)
         killed = time.monotonic()
-        until(lambda: not moves(robot), limit_s=2.0, what="standing still")
+        until(lambda: not moves(robot), limit_s=STOPS_S, what="standing still")
         assert time.monotonic() - killed < 1.0
         assert drive(robot)["left"] == drive(robot)["right"] == 0.0
     finally:
@@ -304,9 +305,9 @@ def test_a_killed_client_leaves_nothing_moving(url, robot):
 def test_a_frozen_client_leaves_nothing_moving(url, robot):
     program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST)])
     try:
-        until(lambda: moves(robot), limit_s=8.0, what="driving")
+        until(lambda: moves(robot), what="driving")
         os.kill(program.pid, signal.SIGSTOP)
-        until(lambda: not moves(robot), limit_s=2.0, what="standing still")
+        until(lambda: not moves(robot), limit_s=STOPS_S, what="standing still")
     finally:
         program.kill()
         program.wait()
@@ -392,10 +393,10 @@ def test_its_layout_names_only_what_there_is(client, url):
 def test_a_killed_bridge_leaves_nothing_moving_and_comes_back(url, robot):
     program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST)], stderr=subprocess.DEVNULL)
     try:
-        until(lambda: moves(robot), limit_s=8.0, what="driving")
+        until(lambda: moves(robot), what="driving")
         os.kill(robot.capability("foxglove")["pid"], signal.SIGKILL)
-        until(lambda: not moves(robot), limit_s=2.0, what="standing still")
-        until(lambda: robot.capability("foxglove")["phase"] == "ready", limit_s=10.0, what="the bridge")
+        until(lambda: not moves(robot), limit_s=STOPS_S, what="standing still")
+        until(lambda: robot.capability("foxglove")["phase"] == "ready", what="the bridge")
         assert not moves(robot)
     finally:
         program.kill()
@@ -410,7 +411,6 @@ def test_other_machines_come_in_by_tls_and_a_token_alone(robot, port):
     robot.edit("UPDATE capability SET settings = json_set(settings, '$.host', '0.0.0.0') WHERE name = 'foxglove'")
     until(
         lambda: (state := robot.ask("foxglove/state")) and any(one.startswith("wss://") for one in state["urls"]),
-        limit_s=15.0,
         what="listening anew",
     )
     trust = ssl.create_default_context()

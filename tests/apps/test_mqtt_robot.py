@@ -12,13 +12,13 @@ from lbr.apps.mqtt import KIND
 from lbr.messages.camera import JpegFrame
 from lbr.testing import FakeContext
 from tests.support import mosquitto, needs
-from tests.support.machine import measure_again
-from tests.support.robot import lbr, prepare, running, until
+from tests.support.robot import lbr, prepare, running
+from tests.support.waiting import STOPS_S, until
 
 needs.modules("paho")
 from tests.support.shadow_service import ShadowService  # noqa: E402 - it needs paho
 
-pytestmark = [needs.program("mosquitto", "mosquitto"), pytest.mark.timeout(60), pytest.mark.slow_start]
+pytestmark = [needs.program("mosquitto", "mosquitto"), pytest.mark.slow_start]
 
 WORDS = {
     "stop": {"do": "stop"},
@@ -84,8 +84,8 @@ def robot(tmp_path_factory, broker, person, service):
         (credentials / name).write_bytes((broker.folder / name).read_bytes())
         (credentials / name).chmod(0o600)
     assert lbr(home, "token", "add", "home", "--role", "operate").returncode == 0
-    with running(home, limit_s=20.0) as robot:
-        until(lambda: asked(robot, "mqtt/state")["connected"], limit_s=15.0, what="the broker")
+    with running(home) as robot:
+        until(lambda: asked(robot, "mqtt/state")["connected"], what="the broker")
         yield robot
     assert all(set(update["state"]) == {"reported"} for update in service.updates)
 
@@ -113,26 +113,22 @@ def test_home_assistant_finds_the_robot_and_hears_how_it_is(robot, person):
     assert found["dev"]["name"] == "Rob"
     assert {f"ask_{word}" for word in WORDS} <= set(found["cmps"])
     assert person.on(found["availability"][0]["topic"])[-1] == b"online"
-    state = until(lambda: person.on(found["cmps"]["battery"]["state_topic"]), what="a state", limit_s=8.0)[-1]
+    state = until(lambda: person.on(found["cmps"]["battery"]["state_topic"]), what="a state")[-1]
     assert json.loads(state)["motion"]["moving"] is False
 
 
 def test_the_shadow_is_told_how_it_is(robot, service):
-    until(lambda: service.state["reported"].get("battery", {}).get("voltage_v"), limit_s=12.0, what="a report")
+    until(lambda: service.state["reported"].get("battery", {}).get("voltage_v"), what="a report")
     assert service.state["desired"] == {}
 
 
 def test_what_a_shadow_desires_is_done_once_and_answered_five_seconds_apart_and_stays_desired(robot, service, person):
-    for turn in measure_again(["a way asked for by a shadow ended early"], times=3):
-        since, before = len(person.heard), asked(robot, "odometry/state")["distance_m"]
-        desired = {"word": "go", "value": 30, "id": f"a{turn}"}
-        service.desire(ask=desired, lamp="on")
-        ends = until(lambda s=since: [one["state"] for one in answers(person, s)][1:], limit_s=12.0, what="its end")
-        if ends == ["done"]:
-            break
-        rests(robot)
+    since, before = len(person.heard), asked(robot, "odometry/state")["distance_m"]
+    desired = {"word": "go", "value": 30, "id": "a1"}
+    service.desire(ask=desired, lamp="on")
+    assert until(lambda: [one["state"] for one in answers(person, since)][1:], "its end") == ["done"]
     assert asked(robot, "odometry/state")["distance_m"] - before == pytest.approx(0.3, abs=0.08)
-    until(lambda: service.state["reported"].get("answer", {}).get("state") == "done", limit_s=14.0, what="the answer")
+    until(lambda: service.state["reported"].get("answer", {}).get("state") == "done", what="the answer")
     assert service.state["desired"] == {"ask": desired, "lamp": "on"}
     assert service.state["reported"]["ask"] == desired
     assert [one["state"] for one in answers(person, since) if one["id"] == desired["id"]] == ["running", "done"]
@@ -154,7 +150,7 @@ def test_what_a_shadow_may_not_desire_is_refused_by_its_topic_and_nothing_moves(
 ):
     since = len(person.heard)
     service.desire(ask=ask, age_s=age_s)
-    told = until(lambda: answers(person, since), limit_s=8.0, what="the refusal")[0]
+    told = until(lambda: answers(person, since), what="the refusal")[0]
     assert (told["state"], told["code"]) == ("refused", code)
     assert told["reason"].startswith("$aws/things/rob/shadow/get/accepted: ")
     assert not drive(robot)["moving"]
@@ -210,7 +206,7 @@ def test_what_comes_with_a_word_is_said_and_turned_by(robot, person):
     since, before = len(person.heard), asked(robot, "attitude/state")["turned_deg"]
     person.say(f"{TOPIC}/ask/say", "Dinner is ready")
     person.say(f"{TOPIC}/ask", json.dumps({"word": "round", "value": 40, "id": 7}))
-    until(lambda: "done" in [one["state"] for one in answers(person, since) if one["id"] == 7], limit_s=12.0)
+    until(lambda: "done" in [one["state"] for one in answers(person, since) if one["id"] == 7])
     assert asked(robot, "attitude/state")["turned_deg"] - before == pytest.approx(40.0, abs=6.0)
     assert "done" in [one["state"] for one in answers(person, since) if one["word"] == "say"]
     until(lambda: asked(robot, "speech/state")["spoken"] >= 1, what="the sentence")
@@ -240,11 +236,11 @@ def test_when_the_sender_is_killed_the_robot_stops_by_its_lease_and_is_told_to_b
     until(lambda: drive(robot)["moving"], what="motion")
     os.kill(robot.capability("mqtt")["pid"], signal.SIGKILL)
     began = time.monotonic()
-    until(lambda: not drive(robot)["moving"], what="its stop", limit_s=2.0)
+    until(lambda: not drive(robot)["moving"], what="its stop", limit_s=STOPS_S)
     assert time.monotonic() - began < 2.0
     assert drive(robot)["holder"] is None
     until(lambda: b"offline" in person.on(f"{TOPIC}/available", since), what="the will")
-    until(lambda: person.on(f"{TOPIC}/available", since)[-1] == b"online", limit_s=10.0, what="it again")
+    until(lambda: person.on(f"{TOPIC}/available", since)[-1] == b"online", what="it again")
     assert not drive(robot)["moving"]
 
 
@@ -256,7 +252,7 @@ def test_a_broker_that_stands_still_stops_what_it_asked_for_and_what_it_held_bac
     broker.freeze()
     try:
         person.client.publish(f"{TOPIC}/ask/slowly", "PRESS", qos=1)
-        until(lambda: not drive(robot)["moving"], what="its stop", limit_s=6.0)
+        until(lambda: not drive(robot)["moving"], what="its stop", limit_s=STOPS_S)
         assert drive(robot)["holder"] is None
     finally:
         broker.thaw()
@@ -269,7 +265,7 @@ def test_a_broker_that_stands_still_stops_what_it_asked_for_and_what_it_held_bac
         person.say(f"{TOPIC}/ask/slowly", "PRESS")
         return drive(robot)["moving"]
 
-    until(moves, limit_s=6.0, what="motion when asked anew")
+    until(moves, what="motion when asked anew")
     person.say(f"{TOPIC}/ask/stop", "PRESS")
     rests(robot)
 
@@ -281,11 +277,11 @@ def test_a_broker_that_is_killed_stops_what_it_asked_for_and_is_found_again(robo
     person.say(f"{TOPIC}/ask/slowly", "PRESS")
     until(lambda: drive(robot)["moving"], what="motion")
     broker.kill()
-    until(lambda: not drive(robot)["moving"], what="its stop", limit_s=3.0)
+    until(lambda: not drive(robot)["moving"], what="its stop", limit_s=STOPS_S)
     told = until(lambda: (one := robot.capability("mqtt"))["phase"] == "degraded" and one, what="the loss")
     assert f"the broker localhost:{broker.port}: " in told["reason"]
     broker.start()
-    until(lambda: asked(robot, "mqtt/state")["connections"] > before, limit_s=20.0, what="the broker again")
+    until(lambda: asked(robot, "mqtt/state")["connections"] > before, what="the broker again")
     until(lambda: robot.capability("mqtt")["phase"] == "ready", what="its health")
 
 
@@ -370,13 +366,11 @@ def test_a_token_that_is_revoked_and_a_row_without_a_broker_ask_for_nothing(robo
         person.say(f"{TOPIC}/ask/slowly", "PRESS")
         return [one for one in answers(person, since) if one["code"] == "token"]
 
-    until(refused, limit_s=10.0, what="the refusal")
+    until(refused, what="the refusal")
     rests(robot)
     assert (
         f"'slowly' was asked for on {TOPIC}/ask/slowly" in lbr(robot.home, "db", "audit", "-n", "500", "--json").stdout
     )
     robot.edit("UPDATE capability SET settings = '{}' WHERE robot = 'lbr' AND name = 'mqtt'")
-    told = until(
-        lambda: "no broker is named" in robot.capability("mqtt")["reason"] and robot.capability("mqtt"), limit_s=8.0
-    )
+    told = until(lambda: "no broker is named" in robot.capability("mqtt")["reason"] and robot.capability("mqtt"))
     assert (told["phase"], told["code"]) == ("degraded", "off")

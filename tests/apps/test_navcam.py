@@ -19,7 +19,8 @@ from lbr import home
 from lbr.bus import session, wire
 from lbr.messages.camera import CameraState, JpegFrame
 from tests.support import programs
-from tests.support.robot import environment, until
+from tests.support.robot import environment
+from tests.support.waiting import until
 
 BEGINNING = 1 << 20
 PART = b"--FRAME\r\nContent-Type: image/jpeg\r\n\r\n"

@@ -13,8 +13,9 @@ from lbr.apps.speech.jobs import Job, Jobs
 from lbr.apps.speech.worker import Worker
 from lbr.errors import InputError
 from lbr.messages.speech import HushCommand
-from tests.apps.speech_bench import Bench, SpeechContext, engine, until, wav_file
+from tests.apps.speech_bench import Bench, SpeechContext, engine, wav_file
 from tests.support import needs
+from tests.support.waiting import until
 
 needs.modules("av")
 import av  # noqa: E402
@@ -112,7 +113,7 @@ def test_speech_plays_recordings_by_name_whatever_their_format(bench):
     wav_file(bench.home / "sounds" / "ping.wav", 0.02)
     assert bench.say("<jingle").accepted
     assert bench.say("<Ping").accepted
-    bench.until(lambda: bench.state.spoken == 2, 9.0)
+    bench.until(lambda: bench.state.spoken == 2)
     assert wav.read(bench.heard[0]).duration_s == pytest.approx(SECONDS, abs=0.15)  # in the order they were asked for
     assert "did you mean jingle" in bench.say("<jingl").reason
     assert list((bench.home / "run" / "lbr-speech").glob("decoded*")) == []
@@ -124,7 +125,7 @@ def test_speech_says_which_recording_cannot_be_decoded_and_goes_on(bench):
     wav_file(bench.home / "sounds" / "ping.wav", 0.02)
     bench.say("<broken")
     bench.say("<ping")
-    bench.until(lambda: bench.state.spoken == 1, 9.0)
+    bench.until(lambda: bench.state.spoken == 1)
     assert bench.state.failed == 1
     assert any("broken.mp3 cannot be decoded" in text for kind, text in bench.ctx.events if kind == "speech_failed")
 

@@ -14,11 +14,12 @@ from lbr.apps.registry.book import KEPT_S, MOST_ROBOTS, Book, Entry
 from lbr.bus import tokens
 from lbr.errors import BusError, InputError, LbrError
 from tests.support import needs, programs
-from tests.support.robot import LBR, environment, free_port, lbr, prepare, running, until
+from tests.support.robot import LBR, environment, free_port, lbr, prepare, running
+from tests.support.waiting import until
 
 needs.modules("starlette", "uvicorn")
 
-pytestmark = [pytest.mark.timeout(40), pytest.mark.slow_start]
+pytestmark = [pytest.mark.slow_start]
 
 
 @contextmanager
@@ -61,7 +62,7 @@ def test_a_robot_registers_is_listed_and_found_leaves_and_is_locked_out(tmp_path
     with running(home) as robot:
         until(lambda: "cannot be reached" in robot.capability("registrar")["reason"], what="that nobody is there")
         with service(place, port):
-            (one,) = until(listed, limit_s=15.0, what="the robot in the list")
+            (one,) = until(listed, what="the robot in the list")
             assert (one["name"], one["robot"], one["up"]) == ("kitchen", "lbr", True)
             assert one["endpoints"] == ["tls/robot.example:7447"]
             state = until(
@@ -70,7 +71,7 @@ def test_a_robot_registers_is_listed_and_found_leaves_and_is_locked_out(tmp_path
             assert (state["name"], state["reason"]) == ("kitchen", "")
             assert lbr(place, "registry", "revoke", "kitchen").returncode == 0
             until(lambda: not listed(), what="an empty list")
-            until(lambda: "says no (401)" in robot.capability("registrar")["reason"], limit_s=10.0, what="its refusal")
+            until(lambda: "says no (401)" in robot.capability("registrar")["reason"], what="its refusal")
 
 
 def test_a_list_is_for_those_with_a_token_and_a_forged_service_gets_none(tmp_path):

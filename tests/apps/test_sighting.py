@@ -11,8 +11,8 @@ from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.sighting import WatchCommand
 from lbr.messages.tracking import LookCommand
 from lbr.testing import FakeCall, FakeContext
-from tests.apps.speech_bench import until
 from tests.support import needs
+from tests.support.waiting import until
 
 needs.modules("cv2")
 from tests.apps.pictures_of_balls import ORANGE, picture  # noqa: E402

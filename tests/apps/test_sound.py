@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from lbr.apps.sound import wav
 from lbr.apps.sound.sinks import FILES_KEPT, sink_at
 from lbr.errors import DeviceError, InputError
-from tests.apps.speech_bench import until, wav_file
+from tests.apps.speech_bench import wav_file
 from tests.support import needs
+from tests.support.waiting import until
 
 PLAYER = "#!/bin/sh\n{}\n"
 

@@ -210,9 +210,9 @@ def test_the_real_engine_is_heard_in_the_simulated_speaker(tmp_path):
     found = Bench(SpeechContext(tmp_path / "home", str(tmp_path / "speaker")))
     found.speech.open()
     try:
-        found.until(lambda: found.ctx.health[-1] == "ready", 9.0)
+        found.until(lambda: found.ctx.health[-1] == "ready")
         found.say("Well.")
-        found.until(lambda: found.state.speaking, 9.0)
+        found.until(lambda: found.state.speaking)
         assert wav.peak(found.heard[0]) > wav.SILENT_PEAK
     finally:
         found.speech.close()

@@ -11,8 +11,9 @@ from lbr.apps.speech import worker
 from lbr.apps.speech.engine import Engine
 from lbr.apps.speech.request import Request
 from lbr.apps.speech.worker import Worker
-from tests.apps.speech_bench import engine, until
+from tests.apps.speech_bench import engine
 from tests.support import needs
+from tests.support.waiting import until
 
 
 def request(path, text="Hello, I am well.", language="en"):
@@ -33,13 +34,13 @@ def started(tmp_path):
 
 
 def ready(found):
-    until(lambda: (found.poll(), found.idle or found.trouble)[1], 9.0)
+    until(lambda: (found.poll(), found.idle or found.trouble)[1])
     return found
 
 
 def outcome(found, asked, limit_s=5.0):
     found.say(asked, limit_s)
-    return until(found.poll, 9.0).reason
+    return until(found.poll).reason
 
 
 @pytest.fixture(scope="module")

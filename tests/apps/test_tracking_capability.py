@@ -15,9 +15,9 @@ from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, Seen, TrackCommand
 from lbr.testing import FakeCall, FakeContext
-from tests.apps.speech_bench import until
 from tests.apps.tracking_bench import Head, away_rad, project
 from tests.support.replies import dead
+from tests.support.waiting import until
 
 JOINTS = (
     Joint(name="neck_yaw", device_id=23, lower_rad=-2.3, upper_rad=2.3, speed_rps=4.0),

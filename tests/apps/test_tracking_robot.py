@@ -3,10 +3,9 @@
 import os
 import signal
 
-import pytest
-
 from tests.support import needs
-from tests.support.robot import prepare, running, until
+from tests.support.robot import prepare, running
+from tests.support.waiting import until
 
 needs.modules("cv2")
 NEEDED = ("world", "servos", "joints", "camera_head", "tracking")
@@ -49,19 +48,18 @@ def yaw_goal(robot):
     return joints(robot)["neck_yaw"]["goal_rad"]
 
 
-@pytest.mark.timeout(30)
 def test_the_head_follows_a_ball_and_holds_when_tracking_is_killed_in_mid_move(home):
     prepare(home.parent / "u", edits=EDITS)
     with running(home.parent / "u", profile="uxa90-sim") as robot:
-        until(lambda: in_the_middle(robot), limit_s=LIMIT_S, what="the ball in the middle")
+        until(lambda: in_the_middle(robot), what="the ball in the middle")
         assert yaw_goal(robot) > 0.1
         assert {name for name, joint in joints(robot).items() if joint["torque"]} == {"neck_yaw", "head_pitch"}
         robot.ask("world/ball", {"name": "ball", "y_m": -0.4})
-        until(lambda: seen(robot) and yaw_goal(robot) < 0.1, limit_s=LIMIT_S, what="the head on its way")
+        until(lambda: seen(robot) and yaw_goal(robot) < 0.1, what="the head on its way")
         os.kill(robot.capability("tracking")["pid"], signal.SIGKILL)
         until(lambda: robot.ask("joints/state", timeout_s=5.0).get("holder") is None, what="the end of the lease")
         (held,) = until(lambda: rests_at(robot), what="the neck at rest")
-        until(lambda: robot.capability("tracking")["restarts"], limit_s=LIMIT_S, what="its restart")
-        state = until(lambda: robot.ask("tracking/state"), limit_s=LIMIT_S, what="its state")
+        until(lambda: robot.capability("tracking")["restarts"], what="its restart")
+        state = until(lambda: robot.ask("tracking/state"), what="its state")
         assert not state["following"]
         assert yaw_goal(robot) == held

@@ -15,8 +15,8 @@ from lbr.apps.speech.request import Cloud, Request
 from lbr.apps.speech.text import voice_of
 from lbr.apps.speech.worker import Worker
 from lbr.errors import LbrError
-from tests.apps.speech_bench import until
 from tests.support import needs
+from tests.support.waiting import until
 
 needs.modules("botocore")
 SOUND = b"\x00\x20\x00\xe0" * 4000
@@ -155,14 +155,14 @@ def real(cloud):
     if not (shutil.which("espeak-ng") or needs.IN_CI):
         pytest.skip("espeak-ng is not installed here: sudo apt install espeak-ng")
     found = Worker(time.monotonic)
-    until(lambda: (found.poll(), found.idle or found.trouble)[1], 9.0)
+    until(lambda: (found.poll(), found.idle or found.trouble)[1])
     yield found
     found.close()
 
 
 def said(found, request):
     found.say(request, 9.0)
-    return until(found.poll, 9.0)
+    return until(found.poll)
 
 
 def test_the_engine_speaks_by_the_rows_voice_and_by_its_own_when_that_is_away(real, cloud, wanted, tmp_path):

@@ -17,7 +17,7 @@ from lbr.bus import session, wire
 from lbr.bus.access import Limits
 from lbr.errors import BusError
 from tests.support import programs
-from tests.support.robot import until
+from tests.support.waiting import until
 
 QUESTIONS = 500
 MORE_THAN_A_SOCKET_HOLDS = 12_000
@@ -171,7 +171,7 @@ def test_connections_that_say_nothing_leave_a_process_with_two_doors_files_to_op
             counts.append(int(doors.stdout.readline()))
         assert max(counts) < 400, "those that are being turned away are held for a moment, too"
         stack.close()
-        until(lambda: _let_in(paths[0]), limit_s=8.0, what="a client is let in afterwards")
+        until(lambda: _let_in(paths[0]), what="a client is let in afterwards")
 
 
 def _let_in(path: Path) -> bool:

@@ -9,7 +9,7 @@ import pytest
 from lbr.bus import session, wire
 from lbr.bus.session import Session
 from lbr.bus.shared_session import LOOK_AFTER, SharedSession
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from lbr.bus import session, wire
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 def test_what_nobody_is_woken_for_waits_newest_only_oldest_first(tmp_path: Path):

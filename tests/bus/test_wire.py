@@ -9,7 +9,7 @@ from lbr.bus import access, inflow, keys, links, over_session, probe, session, s
 from lbr.bus.access import Credentials, Rights
 from lbr.errors import BusError
 from lbr.messages.leases import CommandReply
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,8 @@ from lbr.capability import fork_server
 from lbr.executive.processes.reaper import PROGRAM
 from tests.support import needs, programs
 from tests.support.bench import processes_of
-from tests.support.robot import Robot, until
+from tests.support.robot import Robot
+from tests.support.waiting import until
 
 CONFINED = """
 import sys

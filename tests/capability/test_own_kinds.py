@@ -12,7 +12,7 @@ import pytest
 from lbr.capability import own, registry
 from lbr.capability.faults import faults
 from lbr.capability.kind import KindError
-from tests.support.robot import until
+from tests.support.waiting import until
 
 HEAD = """
 from msgspec import Struct

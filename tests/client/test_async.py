@@ -13,7 +13,7 @@ from lbr.client import aio
 from tests.client.wheels import turning, wheels
 from tests.support import programs
 from tests.support import robot as robots
-from tests.support.robot import until
+from tests.support.waiting import until
 
 DRIVING = """
 import asyncio

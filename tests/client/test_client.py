@@ -12,7 +12,7 @@ from lbr import client
 from tests.client.wheels import turning, wheels
 from tests.support import programs
 from tests.support import robot as robots
-from tests.support.robot import until
+from tests.support.waiting import until
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENT = {"ttl_s": 1.0}

@@ -13,7 +13,7 @@ from lbr.client import Picture
 from tests.client.wheels import turning, wheels
 from tests.support import programs
 from tests.support import robot as robots
-from tests.support.robot import until
+from tests.support.waiting import until
 
 NOTEBOOK = Path(__file__).resolve().parents[2] / "docs" / "examples" / "drive.ipynb"
 PARTS = ("attitude", "imu", "odometry", "camera_front")
@@ -55,7 +55,6 @@ def execute(home, running):
         program.communicate()
 
 
-@pytest.mark.timeout(60)
 def test_the_notebook_runs_and_shows_pictures_and_plots(execute):
     program, path = execute(NOTEBOOK.read_text())
     _, told = program.communicate(timeout=50)
@@ -66,12 +65,11 @@ def test_the_notebook_runs_and_shows_pictures_and_plots(execute):
     assert "degrees" in str([output.get("text") for output in outputs])
 
 
-@pytest.mark.timeout(30)
 def test_a_killed_kernel_leaves_the_robot_standing(execute, home, running):
     book = json.loads(NOTEBOOK.read_text())
     cell = next(cell for cell in book["cells"] if cell["cell_type"] == "code")
     execute(json.dumps(book | {"cells": [cell | {"source": DRIVING}]}))
-    until(lambda: turning(running), limit_s=20.0)
+    until(lambda: turning(running))
     os.kill(int((home / "pid").read_text()), signal.SIGKILL)
     until(lambda: wheels(running) == (0.0, 0.0))
 

@@ -70,7 +70,6 @@ def looked(words, home, path=""):
     return json.loads(done.stdout)
 
 
-@pytest.mark.timeout(40)
 def test_ten_kinds_are_recognised_in_two_seconds_and_hear_nothing_but_harmless_questions(tmp_path, home, outside):
     before = (home / "robot.db").read_bytes()
     with ExitStack() as stack:
@@ -146,7 +145,6 @@ HANDSHAKE = SerialHandshake(baud=115_200, seen=lambda _heard: Event().wait(), qu
 """
 
 
-@pytest.mark.timeout(40)
 def test_a_package_whose_recognition_never_returns_is_named_and_keeps_out_no_other(tmp_path, home, outside):
     site = tmp_path / "site"
     packages.package(site, "crab", entry_points={"lbr.capabilities": "crab = crab:KIND"}, files={"crab.py": HANGING})
@@ -157,7 +155,6 @@ def test_a_package_whose_recognition_never_returns_is_named_and_keeps_out_no_oth
     assert [one for one in found["hints"] if one.startswith("crab.<lambda> has not returned within 1 s")]
 
 
-@pytest.mark.timeout(40)
 def test_what_floods_babbles_is_silent_goes_away_or_is_held_is_told_in_words_and_in_time(tmp_path, home):
     with ExitStack() as stack:
 
@@ -185,7 +182,6 @@ def test_what_floods_babbles_is_silent_goes_away_or_is_held_is_told_in_words_and
     assert found["proposals"] == []
 
 
-@pytest.mark.timeout(40)
 def test_a_proposal_is_written_only_when_asked_and_can_be_taken_back(tmp_path, home, outside):
     def devices():
         return json.loads(said(["db", "export", str(tmp_path / "rows"), "--json"], home, outside).stdout)["revision"]
@@ -212,7 +208,6 @@ def test_a_proposal_is_written_only_when_asked_and_can_be_taken_back(tmp_path, h
     assert said(["db", "diff"], home, outside).stdout.strip() == "the rows are as shipped"
 
 
-@pytest.mark.timeout(40)
 def test_listening_writes_no_byte_and_knows_what_talks_by_itself(tmp_path, home):
     with tapped("ld06", tmp_path) as (lidar, _), tapped("roboteq", tmp_path) as (wheels, heard):
         ports = ["--port", lidar.device.address, "--port", wheels.device.address]
@@ -305,7 +300,6 @@ def test_gamepads_are_known_by_their_keys_by_cable_and_by_radio_and_what_waits_f
     assert held == {"/dev/null": "robot 'two' runs with it as its device 'pad'"}
 
 
-@pytest.mark.timeout(40)
 def test_the_proposal_of_a_gamepad_is_written_over_the_shipped_rows(tmp_path):
     assert said(["db", "init"], tmp_path).returncode == 0
     kinds, _, _ = recognised.known_kinds(tmp_path)
@@ -322,7 +316,6 @@ def test_the_proposal_of_a_gamepad_is_written_over_the_shipped_rows(tmp_path):
     assert {"gamepad", "teleop"} <= on
 
 
-@pytest.mark.timeout(40)
 @pytest.mark.parametrize(
     ("type_", "gone", "is_so"),
     [
@@ -383,7 +376,6 @@ def test_of_many_alike_each_has_a_name_of_its_own(tmp_path):
     assert len({one.after["name"] for offer in offers for one in offer.changes if one.table == "device"}) == 200
 
 
-@pytest.mark.timeout(40)
 def test_watching_tells_what_comes_and_what_goes(tmp_path, home):
     port = tmp_path / "riox"
     env = {**os.environ, "LBR_HOME": str(home), "PYTHONUNBUFFERED": "1"}
@@ -400,7 +392,6 @@ def test_watching_tells_what_comes_and_what_goes(tmp_path, home):
             watching.kill()
 
 
-@pytest.mark.timeout(40)
 def test_what_a_running_robot_holds_is_not_opened_and_hears_nothing(tmp_path):
     kinds, known, _ = recognised.known_kinds(tmp_path)
     assert "roboteq" in kinds

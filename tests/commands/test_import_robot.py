@@ -5,7 +5,8 @@ import subprocess
 from lbr.robots.bioloid.mtn import Page
 from tests.support import programs
 from tests.support.old_data import BOW, motion_file
-from tests.support.robot import LBR, environment, lbr, only, prepare, running, until
+from tests.support.robot import LBR, environment, lbr, only, prepare, running
+from tests.support.waiting import until
 
 HIP, LEANT_RAD = "left_hip_pitch", 1.0
 HUNG_UP = "UPDATE capability SET settings = json_set(settings, '$.stand', json('true')) WHERE kind = 'humanoid_world'"
@@ -14,7 +15,7 @@ HUNG_UP = "UPDATE capability SET settings = json_set(settings, '$.stand', json('
 def test_a_motion_that_is_taken_over_is_played_by_the_robot_that_runs(tmp_path):
     home = prepare(tmp_path / "home", edits=(only("bioloid", "world", "servos", "joints", "motions"), HUNG_UP))
     (tmp_path / "bow.mtn").write_bytes(motion_file(Page("Bow", BOW)))
-    with running(home, profile="bioloid-sim", limit_s=25.0) as robot:
+    with running(home, profile="bioloid-sim") as robot:
         until(lambda: robot.line("/torque/on")["code"] == 0, what="the servos are known")
         until(lambda: robot.ask("joints/state")["phase"] == "following", what="the joints follow")
         assert "there is no motion 'bow'" in robot.line("/play/bow")["text"]

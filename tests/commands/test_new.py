@@ -13,7 +13,7 @@ import pytest
 from lbr.commands import scaffold
 from lbr.errors import InputError
 from tests.docs.pages import ROOT
-from tests.support import programs, slots
+from tests.support import programs
 from tests.support.packages import imported_from, of_project, package
 from tests.support.robot import lbr
 
@@ -41,7 +41,6 @@ def run(*argv: str, cwd: Path, env: dict[str, str]) -> "subprocess.CompletedProc
 @pytest.mark.timeout(120)
 @pytest.mark.parametrize("what", KINDS)
 def test_its_own_tests_pass(what, written, environment):
-    slots.take()
     done = run("pytest", "-q", "-p", "no:cacheprovider", cwd=written[what], env=environment)
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
 

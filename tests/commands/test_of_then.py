@@ -11,9 +11,10 @@ from lbr.commands.plot import MOST_COLUMNS, size, value_of
 from lbr.recording import selection
 from lbr.recording.shelf import Shelf
 from tests.support import programs
-from tests.support.robot import LBR, environment, lbr, prepare, running, until
+from tests.support.robot import LBR, environment, lbr, prepare, running
+from tests.support.waiting import until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
+pytestmark = [pytest.mark.slow_start]
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,7 @@ def robot(tmp_path_factory):
 
 
 def asked(robot, *words, code=0):
-    done = lbr(robot.home, *words, limit_s=15)
+    done = lbr(robot.home, *words)
     assert done.returncode == code, done.stderr
     return done.stdout if code == 0 else done.stderr
 

@@ -17,9 +17,9 @@ from lbr.recording.chunks import Channel, Channels
 from lbr.recording.player import Player
 from lbr.recording.segments import Segment
 from tests.support import programs
-from tests.support.robot import LBR, environment, lbr, until
+from tests.support.robot import LBR, environment, lbr
+from tests.support.waiting import until
 
-pytestmark = pytest.mark.timeout(40)
 S = 10**9
 DRIVE = Channel(
     "drive/state",
@@ -85,17 +85,13 @@ def test_it_is_looked_at_as_another_robot_paused_and_moved_to_and_fro(home):
         stderr=subprocess.DEVNULL,
     )
     try:
-        until(lambda: power(home) is not None, limit_s=15, what="a stream")
+        until(lambda: power(home) is not None, what="a stream")
         os.write(ours, b" ")
         first = power(home)
         os.write(ours, b"\x1b[C")
-        later = until(
-            lambda: (now := power(home)) is not None and now >= first + 9 and now, limit_s=10, what="a jump ahead"
-        )
+        later = until(lambda: (now := power(home)) is not None and now >= first + 9 and now, what="a jump ahead")
         os.write(ours, b"\x1b[D")
-        back = until(
-            lambda: (now := power(home)) is not None and now < later - 5 and now, limit_s=10, what="a jump back"
-        )
+        back = until(lambda: (now := power(home)) is not None and now < later - 5 and now, what="a jump back")
         assert power(home) == back, "it stands while it is paused"
         listed = lbr(home, "topic", "list", "--robot", "replay").stdout
         assert "drive/state" in listed
@@ -113,7 +109,7 @@ def test_what_was_cut_after_its_first_chunk_is_played_and_a_time_without_anythin
     walk, cut = home / "recordings" / "lbr" / "walk.mcap", tmp_path / "cut.mcap"
     with reader.opened(walk) as found:
         cut.write_bytes(walk.read_bytes()[: found.spans[1].at + 40])
-    played = lbr(home, "replay", str(cut), "--robot", "lbr", limit_s=15)
+    played = lbr(home, "replay", str(cut), "--robot", "lbr")
     assert (played.returncode, played.stdout) == (0, "")
     assert "replays cut.mcap" in played.stderr
     refused = lbr(home, "replay", str(cut), "--robot", "lbr", "--from", "1m")
@@ -122,10 +118,10 @@ def test_what_was_cut_after_its_first_chunk_is_played_and_a_time_without_anythin
 
 
 def test_it_ends_at_its_end_or_when_it_is_told_and_leaves_nothing(home):
-    done = lbr(home, "replay", "walk", "--robot", "lbr", "--speed", "100", limit_s=15)
+    done = lbr(home, "replay", "walk", "--robot", "lbr", "--speed", "100")
     assert done.returncode == 0, done.stderr
     popen = programs.start([*LBR, "replay", "walk", "--robot", "lbr"], env=environment(home), stdin=subprocess.DEVNULL)
-    until(lambda: power(home) is not None, limit_s=15, what="a stream")
+    until(lambda: power(home) is not None, what="a stream")
     popen.send_signal(signal.SIGTERM)
     assert popen.wait(10) == 0
     assert lbr(home, "status").returncode == 1

@@ -11,7 +11,6 @@ from lbr.bus import keys, session, stamp, wire
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import ConsoleResult, EstopState, Event, Hold, Role, Status
-from tests.support.machine import Stopwatch
 
 ROBOT = "rob"
 
@@ -118,12 +117,3 @@ class FakeRobot:
             return
         self.renewed.append((time.monotonic(), payload))
         request.reply(CommandReply(accepted=True, lease=lease, ttl_s=0.3), "drive")
-
-
-def wait_for(true, timeout_s: float = 5.0):
-    """Return what `true` returns once it is true."""
-    watch = Stopwatch()
-    while not (value := true()):
-        assert not watch.over(timeout_s), f"not within {timeout_s} s ({watch})"
-        threading.Event().wait(0.01)
-    return value

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.support import programs
-from tests.support.robot import LBR, environment, prepare, running, until
+from tests.support.robot import LBR, environment, prepare, running
+from tests.support.waiting import until
 
 NEEDED = ("servos", "joints", "motions", "world")
 

@@ -6,7 +6,8 @@ import pytest
 
 from lbr.console import operator
 from lbr.console.operator import BusOperator
-from tests.console.fake_robot import ROBOT, wait_for
+from tests.console.fake_robot import ROBOT
+from tests.support.waiting import until
 
 
 @pytest.mark.parametrize(("late", "code"), [(True, 1), (False, 0)])
@@ -22,5 +23,5 @@ def test_a_motion_whose_answer_is_late_is_stopped_and_not_held(robot, client, mo
         assert "so nothing moves; say it again" in result.text
         assert (robot.stopped, robot.renewed) == (["the answer came too late"], [])
     else:
-        wait_for(lambda: robot.renewed)
+        until(lambda: robot.renewed)
     said.close()

@@ -5,7 +5,7 @@ import pytest
 from lbr.console.ear import Ear
 from lbr.console.lease_keeper import LeaseKeeper, describe
 from lbr.messages.drive import GoalResult
-from tests.console.fake_robot import wait_for
+from tests.support.waiting import until
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def hold(client, ended):
 
 def test_a_hold_is_renewed_ten_times_a_second_quoting_its_lease(robot, hold):
     hold(robot.hold("L1"))
-    wait_for(lambda: len(robot.renewed) >= 6)
+    until(lambda: len(robot.renewed) >= 6)
     times = [at for at, _ in robot.renewed[:6]]
     assert 0.3 < times[-1] - times[0] < 1.5
     assert {payload["lease"] for _, payload in robot.renewed} == {"L1"}
@@ -40,7 +40,7 @@ def test_a_hold_is_renewed_ten_times_a_second_quoting_its_lease(robot, hold):
 
 def test_release_stops_the_motion_and_renews_no_more(robot, hold, ended):
     holder = hold(robot.hold("L1"))
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     holder.release("enough")
     assert robot.stopped == ["enough"]
     assert [ending.good for ending in ended] == [True]
@@ -50,7 +50,7 @@ def test_release_stops_the_motion_and_renews_no_more(robot, hold, ended):
 
 def test_drop_renews_no_more_and_stops_nothing(robot, hold):
     holder = hold(robot.hold("L1"))
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     holder.drop()
     holder._thread.join(2)
     assert not holder._thread.is_alive()
@@ -59,7 +59,7 @@ def test_drop_renews_no_more_and_stops_nothing(robot, hold):
 
 def test_a_refused_renewal_ends_the_hold_with_the_robots_reason(robot, hold, ended):
     holder = hold(robot.hold("L1"))
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     robot.dead["L1"] = "stopped by web"
     assert holder.wait(3).text == "stopped by web"
     assert [ending.good for ending in ended] == [False]
@@ -67,7 +67,7 @@ def test_a_refused_renewal_ends_the_hold_with_the_robots_reason(robot, hold, end
 
 def test_the_result_of_a_bounded_move_ends_its_hold(robot, hold):
     holder = hold(robot.hold("L1", goal="g7"))
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     robot.finish("another")
     robot.finish("g7", reason="forward is at 40 cm")
     ending = holder.wait(3)
@@ -91,7 +91,7 @@ def test_a_hold_ends_at_its_longest_time_with_a_stop(robot, hold):
 
 def test_a_robot_that_falls_silent_ends_the_hold(robot, hold):
     holder = hold(robot.hold("L1"))
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     robot.mute = True
     ending = holder.wait(4)
     assert not ending.good
@@ -100,9 +100,9 @@ def test_a_robot_that_falls_silent_ends_the_hold(robot, hold):
 
 def test_what_nobody_would_hear_a_stop_of_is_stopped(robot, hold, ended):
     holder = hold(robot.hold("L1"), Ear())
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     assert "would not have heard a stop" in holder.wait(3).text
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     before = len(robot.renewed)
     holder.join()
     assert (len(robot.renewed), [ending.good for ending in ended]) == (before, [False])
@@ -111,15 +111,15 @@ def test_what_nobody_would_hear_a_stop_of_is_stopped(robot, hold, ended):
 def test_what_else_speaks_against_going_on_stops_it_too(robot, hold):
     ear = Ear(clock=lambda: 0.0)
     holder = hold(robot.hold("L1"), ear)
-    wait_for(lambda: len(robot.renewed) > 2)
+    until(lambda: len(robot.renewed) > 2)
     ear.also = lambda: "the terminal is gone"
     assert holder.wait(3).text == "stopped: the terminal is gone"
-    wait_for(lambda: robot.stopped == ["the terminal is gone"])
+    until(lambda: robot.stopped == ["the terminal is gone"])
 
 
 def test_closing_the_session_ends_the_hold(robot, client, hold, ended):
     holder = hold(robot.hold("L1"))
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     client.close()
     assert not holder.wait(4).good
 

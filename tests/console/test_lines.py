@@ -10,7 +10,8 @@ from lbr.console.local import lines_of
 from lbr.console.operator import BusOperator
 from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.system import ConsoleResult
-from tests.console.fake_robot import ROBOT, wait_for
+from tests.console.fake_robot import ROBOT
+from tests.support.waiting import until
 
 
 @pytest.fixture
@@ -42,7 +43,7 @@ def test_empty_lines_and_comments_are_skipped_and_stop_nothing(robot, operator):
 
     def lines():
         yield from ["# first a motion\n", "\n", "/r/0.2/0\n", "  # and nothing more\n", " \t\n"]
-        wait_for(lambda: len(robot.renewed) > 2)
+        until(lambda: len(robot.renewed) > 2)
         yield "next"
 
     code, out, err = run(operator, lines())
@@ -58,7 +59,7 @@ def test_a_bounded_motion_is_waited_for_before_the_next_line(robot, operator):
     def lines():
         yield "/r/0.2/0/40/forward/5"
         yield "next"
-        wait_for(lambda: len(robot.renewed) > 2)
+        until(lambda: len(robot.renewed) > 2)
         assert [said for said, _, _ in robot.said] == ["/r/0.2/0/40/forward/5"]
         robot.finish("g1")
 
@@ -105,7 +106,7 @@ def test_a_stop_that_comes_later_waits_for_no_line_before_it(robot, operator):
 
     def lines():
         yield read("/r/0.2/0/40/forward/5", time.monotonic())
-        wait_for(lambda: len(robot.renewed) > 2)
+        until(lambda: len(robot.renewed) > 2)
         yield read("status", time.monotonic())
         yield read("stop", time.monotonic())
 
@@ -170,7 +171,7 @@ def test_a_line_tells_for_how_long_it_waited(robot, operator):
 
     def lines():
         yield from ["first", "next"]
-        wait_for(lambda: robot.said)
+        until(lambda: robot.said)
         threading.Event().wait(0.2)
         gate.set()
 

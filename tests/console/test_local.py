@@ -10,7 +10,7 @@ from unittest import mock
 import pytest
 
 from lbr.console import local, terminal
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 @pytest.mark.parametrize("at", [os.pipe, pty.openpty], ids=["a pipe", "a terminal"])

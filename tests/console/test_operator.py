@@ -8,7 +8,8 @@ from lbr.console.operator import BusOperator, emergency
 from lbr.console.stops import is_stop
 from lbr.errors import BusError, InputError
 from lbr.messages.system import ConsoleResult, Event
-from tests.console.fake_robot import ROBOT, wait_for
+from tests.console.fake_robot import ROBOT
+from tests.support.waiting import until
 
 
 @pytest.fixture
@@ -34,9 +35,9 @@ def test_a_new_motion_replaces_the_held_one_without_a_stop(robot, operator):
     robot.moves("/r/0.2/0", "L1")
     robot.moves("/r/0.2/90", "L2")
     operator.submit("/r/0.2/0")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     operator.submit("/r/0.2/90")
-    wait_for(lambda: robot.renewed[-1][1]["lease"] == "L2")
+    until(lambda: robot.renewed[-1][1]["lease"] == "L2")
     assert operator.held().hold.lease == "L2"
     assert robot.stopped == []
 
@@ -53,10 +54,10 @@ def test_who_says_a_stop_renews_no_more_also_when_the_robot_does_not_take_it(rob
     robot.moves("/r/0.2/0", "L1")
     robot.blocked["s"] = threading.Event()
     operator.submit("/r/0.2/0")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     said = threading.Thread(target=operator.submit, args=("s",))
     said.start()
-    wait_for(lambda: operator.held() is None)
+    until(lambda: operator.held() is None)
     robot.blocked["s"].set()
     said.join(5)
 
@@ -68,7 +69,7 @@ def test_an_emergency_stop_is_told_to_what_moves_before_the_executive_answers(ro
     robot.blocked[line] = threading.Event()
     said = threading.Thread(target=operator.submit, args=(line,))
     said.start()
-    (press,) = wait_for(robot.presses.take)
+    (press,) = until(robot.presses.take)
     assert msgspec.json.decode(press.payload) == {"engaged": True, "reason": reason}
     assert stamp.read(press.attachment).source == "console@here"
     robot.blocked[line].set()
@@ -86,7 +87,7 @@ def test_a_motion_accepted_after_a_later_line_is_stopped_not_held(robot, operato
     gate = robot.blocked["/r/0.2/0"] = threading.Event()
     late = threading.Thread(target=operator.submit, args=("/r/0.2/0",))
     late.start()
-    wait_for(lambda: robot.said)
+    until(lambda: robot.said)
     operator.submit("s")
     gate.set()
     late.join(5)
@@ -101,24 +102,24 @@ def test_the_end_of_a_motion_is_told_unless_a_stop_was_said(robot, operator):
     robot.moves("/r/0.2/0", "L1")
     operator.submit("/r/0.2/0")
     robot.dead["L1"] = "an obstacle"
-    wait_for(lambda: told)
+    until(lambda: told)
     assert told == [("/r/0.2/0", "an obstacle")]
 
 
 def test_what_the_robot_says_is_kept(robot, operator):
-    wait_for(lambda: robot.keep_telling() or operator.telemetry().status)
-    heard = wait_for(lambda: robot.keep_telling() or operator.events())
+    until(lambda: robot.keep_telling() or operator.telemetry().status)
+    heard = until(lambda: robot.keep_telling() or operator.events())
     assert {event.text for event in heard} == {"the battery is low"}
 
 
 def test_events_that_repeat_the_end_of_an_own_motion_are_left_out(robot, operator):
-    wait_for(lambda: robot.keep_telling() or operator.telemetry().status)
+    until(lambda: robot.keep_telling() or operator.telemetry().status)
     operator.events()
     for source in ("console@here", "web@there"):
         robot.events.put(Event(kind="stopped", subject="drive", text=f"{source}: stopped", about=source))
     robot.events.put(Event(kind="ready", subject="drive", text="ready"))
     heard = []
-    wait_for(lambda: heard.extend(operator.events()) or any(event.kind == "ready" for event in heard))
+    until(lambda: heard.extend(operator.events()) or any(event.kind == "ready" for event in heard))
     told = [event.text for event in heard if event.subject == "drive"]
     assert told == ["web@there: stopped", "ready"]
 

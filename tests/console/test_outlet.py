@@ -8,7 +8,7 @@ import threading
 import pytest
 
 from lbr.console.outlet import Outlet, Stream
-from tests.console.fake_robot import wait_for
+from tests.support.waiting import until
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def test_nothing_waits_for_a_reader_and_what_is_left_out_is_counted(pipe, outlet
     for number in range(1000):
         print(f"{number:099}", file=stream)
     assert 0 < outlet.waiting <= 8192
-    wait_for(lambda: outlet.stuck_s > 0.1)
+    until(lambda: outlet.stuck_s > 0.1)
     assert not outlet.drain(0.05)
     seen = b""
     while outlet.waiting:
@@ -67,7 +67,7 @@ def test_nothing_waits_for_a_reader_and_what_is_left_out_is_counted(pipe, outlet
 
 def test_closing_waits_for_nobody(pipe, outlet):
     Stream(outlet, pipe[1]).write("x" * 8000 + "\n")
-    wait_for(lambda: outlet.stuck_s > 0.05)
+    until(lambda: outlet.stuck_s > 0.05)
     outlet.close()
     assert Stream(outlet, pipe[1]).write("more\n") == 5
 
@@ -77,7 +77,7 @@ def test_a_reader_that_is_gone_is_an_error_once_it_is_known(pipe, outlet):
     pipe[0] = -1
     stream, lenient = Stream(outlet, pipe[1], strict=True), Stream(outlet, pipe[1])
     stream.write("a\n")
-    wait_for(lambda: outlet.error(pipe[1]))
+    until(lambda: outlet.error(pipe[1]))
     with pytest.raises(BrokenPipeError):
         stream.write("b\n")
     assert lenient.write("c\n") == 2
@@ -87,7 +87,7 @@ def test_a_reader_that_is_gone_is_an_error_once_it_is_known(pipe, outlet):
 def test_a_descriptor_that_others_made_non_blocking_gets_all(pipe, outlet):
     os.set_blocking(pipe[1], False)
     Stream(outlet, pipe[1]).write("y" * 8000 + "\n")
-    wait_for(lambda: outlet.stuck_s > 0.05)
+    until(lambda: outlet.stuck_s > 0.05)
     seen = b""
     while len(seen) < 8001:
         seen += read(pipe[0])

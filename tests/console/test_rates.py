@@ -6,7 +6,7 @@ from lbr.bus import probe, stamp, wire
 from lbr.bus.probe import Arrival
 from lbr.console.rates import measure
 from lbr.messages.system import Stamp
-from tests.console.fake_robot import wait_for
+from tests.support.waiting import until
 
 MS = 1_000_000
 
@@ -57,7 +57,7 @@ def test_a_reader_that_sleeps_on_the_job_still_tells_the_publishers_rate(robot, 
     """The reader keeps 5 messages of many: what was published shows in the stamps, not in what was read."""
     heard = probe.Arrivals(client, "rob/drive/state", depth=5)
     publisher = wire.Publisher(robot.bus, "rob/drive/state", "drive")
-    wait_for(lambda: publisher.put({}) or heard.count)
+    until(lambda: publisher.put({}) or heard.count)
     tick = threading.Event()
     while heard.count < 40:  # a busy machine loses some
         publisher.put({})

@@ -13,8 +13,9 @@ from lbr.messages.leases import STOPPED_SINCE
 from tests.support import programs
 from tests.support import robot as robots
 from tests.support.clients.terminal import OnTerminal
-from tests.support.robot import LBR, environment, until
+from tests.support.robot import LBR, environment
 from tests.support.trace import Trace
+from tests.support.waiting import until
 
 TURN, BOUNDED, ON = "/r/0.4/90", "/r/0.4/90/0/forward/20", "/r/0.3/270"
 
@@ -150,7 +151,7 @@ def test_lines_typed_ahead_do_not_move_what_another_console_stopped(tmp_path):
     home = robots.prepare(tmp_path)
     with terminal(home, "run") as ours, terminal(home) as theirs:
         trace = Trace(home / "trace.txt")
-        until(lambda: b"all up" in ours.said + theirs.said, limit_s=8, what="a robot that is ready, its ranges too")
+        until(lambda: b"all up" in ours.said + theirs.said, what="a robot that is ready, its ranges too")
         theirs.type(f"{TURN}\r".encode())
         moving(trace)
         for _ in range(5):

@@ -156,7 +156,7 @@ def test_a_robot_with_nowhere_to_print_runs_and_tells_of_it(tmp_path):
     closed = ["bash", "-c", 'exec "$@" <&- >&-', "bash", *robots.LBR, "run", "--no-console"]
     popen = programs.start(closed, env=robots.environment(home))
     try:
-        robots.until(lambda: "cannot be printed" in robots.lbr(home, "send", "/report/events").stdout, limit_s=8)
+        robots.until(lambda: "cannot be printed" in robots.lbr(home, "send", "/report/events").stdout)
     finally:
         popen.terminate()
         assert popen.wait(6) == 0

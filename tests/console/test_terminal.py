@@ -18,8 +18,9 @@ from lbr.console.prompt_output import Screen as TerminalScreen
 from lbr.console.terminal import Terminal, describe
 from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.system import ConsoleResult, Event
-from tests.console.fake_robot import ROBOT, wait_for
+from tests.console.fake_robot import ROBOT
 from tests.console.vt import Vt
+from tests.support.waiting import until
 
 PASTE = "\x1b[200~{}\x1b[201~"
 STEPS = re.compile(r"\x1b\[([0-9]*)C")
@@ -68,7 +69,7 @@ class Screen:
         *above, prompt = lines
         wanted = [*above, prompt, *[""] * (MENU_ROWS - 1)]
         try:
-            wait_for(lambda: self.shown[:-1] == wanted and self.shown[-1].startswith(f" {ROBOT} | "))
+            until(lambda: self.shown[:-1] == wanted and self.shown[-1].startswith(f" {ROBOT} | "))
         except AssertionError:
             raise AssertionError("the screen is\n" + "\n".join(self.shown)) from None
 
@@ -77,7 +78,7 @@ class Screen:
 
     def sees(self, text: str) -> None:
         try:
-            wait_for(lambda: text in self.text)
+            until(lambda: text in self.text)
         except AssertionError:
             raise AssertionError(f"'{text}' did not come; there is {self.text!r}") from None
 
@@ -129,7 +130,7 @@ def screen(robot, client):
     robot.lines["s"] = ConsoleResult(code=0, text="motors stopped")
     operator = BusOperator(client, ROBOT, "console")
     seen = Screen(operator)
-    wait_for(lambda: seen.terminal._completer.entries)
+    until(lambda: seen.terminal._completer.entries)
     yield seen
     seen.close()
     operator.close()
@@ -154,7 +155,7 @@ def test_what_needs_a_yes_is_asked_for_and_enter_is_no(robot, screen):
     screen.sees("Nothing was done.")
     assert said(robot) == ["/torque/off"]
     screen.types("/torque/off\r")
-    wait_for(lambda: screen.text.count("Do it? y/N") == 2)
+    until(lambda: screen.text.count("Do it? y/N") == 2)
     screen.types("y\r")
     screen.sees("all are let go")
 
@@ -166,7 +167,7 @@ def test_tab_completes_words_and_choices(robot, screen):
         screen.types(typed)
         screen.sees("health" if typed == "h" else "/report/")
         screen.types("\t")
-        wait_for(lambda: buffer.text == completed)  # noqa: B023 - waited for here
+        until(lambda: buffer.text == completed)  # noqa: B023 - waited for here
     screen.types("\r")
     screen.sees("all is well")
 
@@ -179,7 +180,7 @@ def test_a_paste_of_several_lines_runs_none_of_them(robot, screen):
 
 def test_a_paste_of_one_line_waits_for_enter(robot, screen):
     screen.types(PASTE.format("s\n"))
-    wait_for(lambda: screen.terminal._session.default_buffer.text == "s")
+    until(lambda: screen.terminal._session.default_buffer.text == "s")
     assert said(robot) == []
     screen.types("\r")
     screen.sees("motors stopped")
@@ -190,26 +191,26 @@ def test_ctrl_c_and_end_of_input_stop_what_moves_and_return(robot, screen, leave
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
     screen.sees("moving under L1")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     screen.types(leave)
     assert screen.ends() == 0
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     assert len(robot.stopped) == 1
 
 
 def test_a_terminal_that_hangs_up_stops_what_it_held(robot, screen):
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     screen.hang_up()
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     screen.ends()
 
 
 def test_close_from_another_thread_ends_it_and_stops(robot, screen):
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     screen.terminal.close()
     assert screen.ends() == 0
     assert len(robot.stopped) == 1
@@ -218,7 +219,7 @@ def test_close_from_another_thread_ends_it_and_stops(robot, screen):
 def test_events_and_ends_of_motions_appear_above_the_prompt(robot, screen):
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     robot.dead["L1"] = "taken over by web"
     screen.sees("/r/0.2/0: taken over by web")
     robot.tell("no answer from the controller", "error")
@@ -270,7 +271,7 @@ def test_what_is_typed_told_and_moved_leaves_one_prompt_and_one_bar(robot, scree
     screen.shows(
         "motors: the first", "Robot> /r/0.2/0", "moving under L1", "/r/0.2/0: taken over by web", "Robot> xyz"
     )  # fmt: skip
-    wait_for(lambda: screen.shown[-1] == f" {ROBOT} | ready")
+    until(lambda: screen.shown[-1] == f" {ROBOT} | ready")
 
 
 def test_a_full_screen_scrolls_and_keeps_one_prompt_and_one_bar(robot, screen):
@@ -299,42 +300,42 @@ def test_a_narrower_terminal_keeps_one_bar_within_its_columns(robot, screen):
     robot.lines["long"] = ConsoleResult(code=0, text="word " * 30)
     screen.size = 24, 40
     termios.tcsetwinsize(screen.master, screen.size)
-    wait_for(lambda: screen.terminal._screen.get_size().columns == 40)
+    until(lambda: screen.terminal._screen.get_size().columns == 40)
     screen.types("long\r")
-    wait_for(lambda: [line for line in screen.shown if line.startswith("  word word")])
+    until(lambda: [line for line in screen.shown if line.startswith("  word word")])
     # The prompt is drawn again a moment after what is printed above it.
-    wait_for(lambda: sum(line.startswith(f" {ROBOT} | ") for line in screen.shown) == 1)
+    until(lambda: sum(line.startswith(f" {ROBOT} | ") for line in screen.shown) == 1)
     assert sum(line.startswith("Robot>") for line in screen.shown) == 2
 
 
 def test_ctrl_c_clears_a_half_typed_line_and_stops(robot, screen):
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     screen.types("half")
     screen.shows("Robot> /r/0.2/0", "moving under L1", "Robot> half")
     screen.types("\x03")
     screen.shows("Robot> /r/0.2/0", "moving under L1", "Robot>")
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     robot.show()
     screen.types("\x03")
     assert screen.ends() == 0
     left = ["Robot> /r/0.2/0", "moving under L1", "Stopped; leaving. The robot runs on."]
-    wait_for(lambda: screen.shown == left)
+    until(lambda: screen.shown == left)
 
 
 def test_who_leaves_without_contact_is_not_told_that_it_stopped(screen, monkeypatch):
     monkeypatch.setattr("lbr.console.terminal.CONTACT_S", 0.0)
     screen.types("\x04")
     assert screen.ends() == 0
-    wait_for(lambda: any(line.startswith("Leaving without contact") for line in screen.shown))
+    until(lambda: any(line.startswith("Leaving without contact") for line in screen.shown))
     assert not any("Stopped" in line for line in screen.shown)
 
 
 def test_lines_typed_ahead_are_said_in_their_order(robot, screen):
     words = [f"word{number}" for number in range(8)]
     screen.types("".join(f"{word}\r" for word in words))
-    wait_for(lambda: len(said(robot)) == len(words))
+    until(lambda: len(said(robot)) == len(words))
     assert said(robot) == words
 
 
@@ -342,11 +343,11 @@ def test_after_a_stop_by_another_what_was_typed_ahead_is_still_said_and_what_mov
     robot.lines["/r/0.2/0"] = ConsoleResult(code=1, text=f"{STOPPED_SINCE}by phone", reason_code="stopped_since")
     gate = robot.blocked["/r/0.2/0"] = threading.Event()
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: said(robot) == ["/r/0.2/0"])
+    until(lambda: said(robot) == ["/r/0.2/0"])
     screen.types("word1\rword2\r")
-    wait_for(lambda: screen.terminal._lines.qsize() == 2)
+    until(lambda: screen.terminal._lines.qsize() == 2)
     gate.set()
-    wait_for(lambda: said(robot) == ["/r/0.2/0", "word1", "word2"])
+    until(lambda: said(robot) == ["/r/0.2/0", "word1", "word2"])
 
 
 def flood(robot, screen) -> None:
@@ -354,37 +355,37 @@ def flood(robot, screen) -> None:
     screen.reads.clear()
     for number in range(40):
         robot.tell(f"{number} {'x' * 1000}")
-    wait_for(lambda: robot.tell("more") or screen.terminal._screen.outlet.stuck_s > 0.05)
+    until(lambda: robot.tell("more") or screen.terminal._screen.outlet.stuck_s > 0.05)
 
 
 def test_a_terminal_that_is_not_read_stops_what_it_holds(robot, screen):
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     flood(robot, screen)
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     assert robot.stopped == ["the terminal has taken no output for 0.4 s"]
 
 
 def test_a_terminal_whose_output_is_held_back_stops_what_it_holds(robot, screen):
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     termios.tcflow(screen._text.fileno(), termios.TCOOFF)
     flood(robot, screen)
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     termios.tcflow(screen._text.fileno(), termios.TCOON)
 
 
 def test_ctrl_s_and_ctrl_q_are_no_keys(robot, screen):
     screen.types("\x13s\x11\r")
-    wait_for(lambda: said(robot) == ["s"])
+    until(lambda: said(robot) == ["s"])
 
 
 def test_a_stop_typed_at_a_terminal_that_is_not_read_is_said(robot, screen):
     flood(robot, screen)
     screen.types("s\r")
-    wait_for(lambda: said(robot) == ["s"])
+    until(lambda: said(robot) == ["s"])
 
 
 @pytest.mark.parametrize("leave", ["\x03", "\x04", ""])
@@ -403,9 +404,9 @@ def test_a_reader_who_is_back_sees_a_whole_screen_and_how_much_was_left_out(robo
     for number in range(50):
         screen.terminal._above.print(f"line {number}")
     screen.types("abc")
-    wait_for(lambda: screen.terminal._session.default_buffer.text == "abc")
+    until(lambda: screen.terminal._session.default_buffer.text == "abc")
     screen.reads.set()
-    wait_for(lambda: screen.shown[-MENU_ROWS - 2 : -MENU_ROWS] == ["line 49", "Robot> abc"])
+    until(lambda: screen.shown[-MENU_ROWS - 2 : -MENU_ROWS] == ["line 49", "Robot> abc"])
     lines = screen.shown
     assert [line for line in lines if line.endswith("lines were not read in time and left out)")]
     assert sum(line.startswith("Robot>") for line in lines) == 1
@@ -420,20 +421,20 @@ def test_a_terminal_that_ceases_to_answer_stops_what_it_holds(robot, screen, mon
     screen.types("\x1b[7;9R")  # to the question at the start
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: screen._seen.count(b"\x1b[6n") > 4)
+    until(lambda: screen._seen.count(b"\x1b[6n") > 4)
     assert robot.stopped == []
     screen.answers = False
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     assert robot.stopped == ["the terminal has not answered for 1 s"]
 
 
 def test_a_loop_that_hears_no_key_stops_what_it_holds(robot, screen):
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     gate = threading.Event()
     screen.terminal._session.app.loop.call_soon_threadsafe(gate.wait, 5)
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     gate.set()
     assert "would not have heard a stop" in robot.stopped[0]
 
@@ -442,7 +443,7 @@ def test_answers_of_the_terminal_never_come_into_the_line(robot, screen):
     screen.types("ab\x1b[7;9Rc")
     for piece in ("d\x1b", "[12;3", "4Re", PASTE.format("f\x1b[7;9Rg"), "\x1b[7;9R"):
         screen.types(piece)
-    wait_for(lambda: screen.terminal._session.default_buffer.text == "abcdefg")
+    until(lambda: screen.terminal._session.default_buffer.text == "abcdefg")
     screen.shows("Robot> abcdefg")
 
 
@@ -450,13 +451,13 @@ def test_a_stop_waits_for_no_line_before_it_and_those_are_not_said(robot, screen
     robot.lines["clock"] = ConsoleResult(code=0, text="it is late")
     gate = robot.blocked["clock"] = threading.Event()
     screen.types("clock\r")
-    wait_for(lambda: said(robot) == ["clock"])
+    until(lambda: said(robot) == ["clock"])
     screen.types("clock\rword1\rword2\rs\r")
-    wait_for(lambda: "s" in said(robot))
+    until(lambda: "s" in said(robot))
     gate.set()
     screen.sees("word2")
     screen.types("end\r")
-    wait_for(lambda: "end" in said(robot))
+    until(lambda: "end" in said(robot))
     assert "word2" not in said(robot)
 
 
@@ -468,7 +469,7 @@ def test_a_history_that_cannot_be_written_keeps_no_line_from_being_said(robot, c
     robot.lines["s"] = ConsoleResult(code=0, text="motors stopped")
     for _ in range(2):
         seen.types("s\r")
-    wait_for(lambda: said(robot) == ["s", "s"])
+    until(lambda: said(robot) == ["s", "s"])
     seen.close()
     operator.close()
 
@@ -506,28 +507,28 @@ def test_a_stop_is_said_whatever_keys_came_before_it(robot, screen, before):
     screen.types("s\r")
     screen.sees("motors stopped")
     screen.types("s\r")
-    wait_for(lambda: said(robot).count("s") == 2)
+    until(lambda: said(robot).count("s") == 2)
 
 
 def test_a_stop_is_said_in_a_paste_that_does_not_end(robot, screen):
     screen.types("\x1b[200~half a line\r")
-    wait_for(lambda: screen.terminal._session.app.input.vt100_parser._in_bracketed_paste)
+    until(lambda: screen.terminal._session.app.input.vt100_parser._in_bracketed_paste)
     assert not threading.Event().wait(QUIET_S * 1.2)
     screen.types("s\r")
     screen.sees("motors stopped")
     screen.types("s\r")
-    wait_for(lambda: said(robot) == ["s", "s"])
+    until(lambda: said(robot) == ["s", "s"])
 
 
 def test_ctrl_c_is_heard_in_a_paste_that_does_not_end(robot, screen):
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     screen.types("\x1b[200~half a line\r")
-    wait_for(lambda: screen.terminal._session.app.input.vt100_parser._in_bracketed_paste)
+    until(lambda: screen.terminal._session.app.input.vt100_parser._in_bracketed_paste)
     assert not threading.Event().wait(QUIET_S * 1.2)
     screen.types("\x03")
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     screen.types("\x03")
     assert screen.ends() == 0
 
@@ -543,9 +544,9 @@ def test_a_flood_of_lines_is_not_run_and_a_stop_in_it_is(robot, screen):
 def test_behind_a_line_without_an_end_a_stop_is_heard_at_once(robot, screen):
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
-    wait_for(lambda: robot.renewed)
+    until(lambda: robot.renewed)
     screen.types("x" * 100_000 + "\x03")
-    wait_for(lambda: robot.stopped)
+    until(lambda: robot.stopped)
     screen.sees("or 1000 characters, came at once")
     assert said(robot) == ["/r/0.2/0"]
 

@@ -16,8 +16,9 @@ from lbr.bus import wire
 from tests.support import programs
 from tests.support import robot as robots
 from tests.support.clients.terminal import OnTerminal
-from tests.support.robot import LBR, environment, until
+from tests.support.robot import LBR, environment
 from tests.support.trace import Trace
+from tests.support.waiting import until
 
 TURN = "/r/0.4/90"
 
@@ -95,7 +96,7 @@ def into_full_pipe(robot, *command: str) -> "Iterator[subprocess.Popen[bytes]]":
 
 
 def shows(on: OnTerminal, text: bytes) -> None:
-    until(lambda: text in on.said, limit_s=8, what=f"{text!r} on the terminal")
+    until(lambda: text in on.said, what=f"{text!r} on the terminal")
 
 
 def ended(popen: "subprocess.Popen[bytes]") -> int | None:
@@ -125,7 +126,7 @@ def test_a_terminal_that_takes_no_output_stops_the_wheels(robot, trace):
         on.thaw()
         # whichever was first; a console without the processor is held up, or its lease lapses
         told = (b"the terminal has taken no output", b"the console was held up", b"lapsed")
-        until(lambda: any(why in on.said for why in told), limit_s=8, what="why, on the terminal")
+        until(lambda: any(why in on.said for why in told), what="why, on the terminal")
 
 
 def test_a_terminal_that_answers_no_more_stops_the_wheels(robot, trace):
@@ -229,7 +230,7 @@ def test_the_ready_line_holds_up_no_robot(tmp_path):
     popen = programs.start([*LBR, "run", "--no-console"], env=environment(home), stdout=writer)
     os.close(writer)
     try:
-        until(lambda: '"ready":true' in robots.lbr(home, "status", "--json").stdout, limit_s=8)
+        until(lambda: '"ready":true' in robots.lbr(home, "status", "--json").stdout)
         popen.terminate()
         assert ended(popen) == 0
     finally:

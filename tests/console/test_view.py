@@ -2,7 +2,8 @@ from lbr.bus import wire
 from lbr.commands.view import _frames
 from lbr.messages.joints import JointsState, JointState
 from lbr.messages.simulation import HumanoidPose, WorldBox, WorldPose, WorldScene
-from tests.console.fake_robot import ROBOT, wait_for
+from tests.console.fake_robot import ROBOT
+from tests.support.waiting import until
 
 WALL = WorldBox(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=4.0)
 SCENE = WorldScene(walls=(WALL,), robot_length_m=0.6, robot_width_m=0.5)
@@ -17,12 +18,12 @@ def test_a_view_without_news_says_so_until_news_come(robot, client):
     frame = _frames(client, ROBOT, lambda: now[0])
     assert frame(80, 24) == []
     say = lambda: [wire.put(robot.bus, f"{ROBOT}/world/{name}", what, source="world") for name, what in MESSAGES]  # noqa: E731
-    assert not any("no news" in line for line in wait_for(lambda: say() and frame(80, 24)))
+    assert not any("no news" in line for line in until(lambda: say() and frame(80, 24)))
     now[0] += 12.0
     assert frame(80, 24)[0] == "no news for 12 s; is the robot gone?"
     assert len(frame(80, 24)) <= 24
     assert len(frame(20, 24)[0]) == 20
-    wait_for(lambda: say() and "no news" not in frame(80, 24)[0])
+    until(lambda: say() and "no news" not in frame(80, 24)[0])
 
 
 JOINTS = JointsState(
@@ -41,7 +42,7 @@ def test_a_humanoid_is_seen_joint_by_joint(robot, client):
     frame = _frames(client, ROBOT)
     messages = (("joints/state", JOINTS), ("world/pose", LIES))
     say = lambda: [wire.put(robot.bus, f"{ROBOT}/{key}", what, source="x") for key, what in messages]  # noqa: E731
-    seen = wait_for(lambda: say() and len(lines := frame(120, 24)) == 5 and lines)
+    seen = until(lambda: say() and len(lines := frame(120, 24)) == 5 and lines)
     assert seen == [
         "upright, trunk 29 cm high, roll +0, pitch -6 degrees; on the floor: left_foot, right_foot",
         "following: stopped by phone",

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.database import arguments
-from tests.support.robot import until
+from tests.support.waiting import until
 
 SIDES = ("left", "right")
 

@@ -1,7 +1,8 @@
 """A robot that has looked around: the drive refuses to move towards what was never measured."""
 
 from lbr.bus import wire
-from tests.support.robot import Robot, until
+from tests.support.robot import Robot
+from tests.support.waiting import until
 
 
 def measured(robot: Robot) -> None:

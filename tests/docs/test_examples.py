@@ -18,8 +18,8 @@ from lbr.bus import wire
 from tests.docs.pages import ROOT
 from tests.docs.ready import measured
 from tests.support import programs
-from tests.support.machine import notes
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import STOPS_S, until
 
 EXAMPLES = ROOT / "docs" / "examples"
 SCRIPT = EXAMPLES / "drive_with_plain_zenoh.py"
@@ -88,7 +88,7 @@ def test_a_plain_client_that_is_killed_leaves_the_robot_standing(robot):
     client.kill()
     client.wait()
     client.stdout.close()
-    until(lambda: not robot.ask("drive/state")["moving"], limit_s=1.0, what="the lease lapsed")
+    until(lambda: not robot.ask("drive/state")["moving"], limit_s=STOPS_S, what="the lease lapsed")
     assert "lapsed" in robot.ask("drive/state")["reason"]
 
 
@@ -102,7 +102,6 @@ def test_examples_of_plain_clients_import_nothing_of_ours():
 def driven(robot: Robot) -> bool:
     """Say whether wander has come anywhere; programs come last on a busy machine, and its lease may have lapsed."""
     if robot.ask("drive/state")["holder"] != "wander":
-        notes.append("wander was begun again")
         robot.line("wander")
     return abs(robot.ask("world/pose")["x_m"]) > 0.2
 

@@ -14,15 +14,6 @@ from typing import Any
 from lbr.capability.context import Device
 from lbr.messages.system import Stamp
 from lbr.testing import FakeContext
-from tests.support.machine import Stopwatch
-
-
-def until(condition: Callable[[], bool], within_s: float = 2.0) -> None:
-    """Poll until something is so."""
-    watch = Stopwatch()
-    while not condition():
-        assert not watch.over(within_s), f"not within {within_s} s ({watch})"
-        time.sleep(0.001)
 
 
 class Pty:

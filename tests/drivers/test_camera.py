@@ -10,8 +10,8 @@ from lbr.errors import DeviceError
 from lbr.messages.camera import SnapshotCommand, SwitchCommand
 from lbr.testing import FakeCall
 from tests.drivers.camera_peers import ERROR, CameraContext, PiCamera, PictureSocket, Webcam, jpeg
-from tests.drivers.peers import until
 from tests.support import needs
+from tests.support.waiting import until
 
 ON = '{"device": "front", "on": true}'
 
@@ -112,7 +112,7 @@ def test_the_state_tells_what_the_pictures_are_like(started, source):
     assert ctx.health == []  # no trouble yet
     streaming(camera, ctx, source)
     assert ctx.health[-1] == "ready"
-    until(lambda: (streaming(camera, ctx, source), (ctx.state.fps or 0) > 1)[1], 5.0)
+    until(lambda: (streaming(camera, ctx, source), (ctx.state.fps or 0) > 1)[1])
     assert (ctx.state.on, ctx.state.phase) == (True, "streaming")
     assert ctx.state.frames > 2
     assert (ctx.state.width_px, ctx.state.height_px) == (640, 360)

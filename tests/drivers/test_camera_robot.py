@@ -8,7 +8,8 @@ import pytest
 
 from lbr.bus import wire
 from tests.drivers.camera_peers import PictureSocket, jpeg
-from tests.support.robot import lbr, prepare, running, until
+from tests.support.robot import lbr, prepare, running
+from tests.support.waiting import until
 
 NAMES = ("front", "rear")
 

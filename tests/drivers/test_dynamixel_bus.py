@@ -10,8 +10,8 @@ from lbr.drivers.servos.bus_thread import READ, STOP, WRITE, BusThread
 from lbr.drivers.servos.contract import SETTING_UP
 from lbr.drivers.servos.protocol1.bus import ProtocolBus
 from lbr.errors import DeviceError
-from tests.drivers.peers import until
 from tests.drivers.servo_peers import Chain, status
+from tests.support.waiting import until
 
 
 @pytest.fixture

@@ -14,9 +14,10 @@ from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
 from lbr.testing import FakeCall
-from tests.drivers.peers import DriverContext, until
+from tests.drivers.peers import DriverContext
 from tests.drivers.servo_peers import Chain
 from tests.support import programs
+from tests.support.waiting import until
 
 SETTINGS = '{"device": "servos", "guard": false, "reply_margin_s": 0.03, "sweep_hz": 250}'
 
@@ -52,7 +53,7 @@ class Rig:
         time.sleep(0.001)
 
     def until(self, condition):
-        until(lambda: self.step() or (bool(self.ctx.published) and condition()), 5.0)
+        until(lambda: self.step() or (bool(self.ctx.published) and condition()))
 
     def servo(self, servo):
         return next(state for state in self.ctx.state.servos if state.id == servo)
@@ -447,7 +448,7 @@ def driving(chain):
         environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
         process = programs.start([sys.executable, "-c", DRIVER, str(chain.path), str(hold_s)], env=environment)
         started.append(process)
-        until(lambda: all(servo.torque and servo.goal == 512 for servo in chain.servos.values()), 8.0)
+        until(lambda: all(servo.torque and servo.goal == 512 for servo in chain.servos.values()))
         for servo in chain.servos.values():
             servo.stuck = 540
             servo.settle()
@@ -464,9 +465,9 @@ def test_when_the_driver_dies_or_hangs_its_guard_holds_the_servos_then_lets_them
     process = driving(0.2)
     chain.log.clear()
     process.send_signal(number)
-    until(lambda: all(servo.goal == 540 for servo in chain.servos.values()), 5.0)
+    until(lambda: all(servo.goal == 540 for servo in chain.servos.values()))
     assert all(servo.torque for servo in chain.servos.values())
-    until(lambda: not any(servo.torque for servo in chain.servos.values()), 5.0)
+    until(lambda: not any(servo.torque for servo in chain.servos.values()))
     assert process.wait(5.0) == -signal.SIGKILL
     limits = [int.from_bytes(request[8:10], "little") for request in chain.writes(34)]
     assert limits == sorted(limits, reverse=True)
@@ -478,11 +479,11 @@ def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain, dri
     silent = {2, 3}
     chain.answer = lambda request, _usual: b"" if request[2] in silent else None
     process.kill()
-    until(lambda: chain.servos[1].goal == 540, 5.0)
+    until(lambda: chain.servos[1].goal == 540)
     assert chain.servos[2].goal == 512
     silent.remove(2)
-    until(lambda: chain.servos[2].goal == 540, 5.0)
-    until(lambda: not any(servo.torque for servo in chain.servos.values()), 5.0)
+    until(lambda: chain.servos[2].goal == 540)
+    until(lambda: not any(servo.torque for servo in chain.servos.values()))
     process.wait(5.0)
 
 
@@ -492,9 +493,9 @@ def test_a_guard_lets_servos_go_of_which_none_was_heard_when_the_driver_died(cha
     process.kill()
     process.wait(5.0)
     chain.log.clear()
-    until(lambda: {request[2] for request in chain.log} >= {1, 2, 3}, 5.0)
+    until(lambda: {request[2] for request in chain.log} >= {1, 2, 3})
     chain.answer = lambda _request, _usual: None
-    until(lambda: not any(servo.torque for servo in chain.servos.values()), 5.0)
+    until(lambda: not any(servo.torque for servo in chain.servos.values()))
     assert all(servo.goal == 540 for servo in chain.servos.values())
 
 
@@ -502,7 +503,7 @@ def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(chain, d
     process = driving(60.0)
     process.kill()
     process.wait()
-    until(lambda: all(servo.goal == 540 for servo in chain.servos.values()), 5.0)
+    until(lambda: all(servo.goal == 540 for servo in chain.servos.values()))
     made = []
 
     def opened():
@@ -510,7 +511,7 @@ def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(chain, d
             made.append(Rig(chain))
         return made
 
-    until(opened, 5.0)
+    until(opened)
     rig = made[0]
     rig.until(lambda: rig.ctx.state.phase == "holding" and rig.seen())
     rig.on(lease="b")

@@ -22,7 +22,8 @@ from lbr.simulation.devices.dynamixel.dongle import Usb2Ax
 from lbr.simulation.devices.dynamixel.servo import AxServo
 from lbr.simulation.devices.dynamixel.twin import DynamixelTwin
 from lbr.simulation.twins import Surroundings
-from tests.drivers.peers import DriverContext, until
+from tests.drivers.peers import DriverContext
+from tests.support.waiting import until
 
 IDS = range(1, 19)
 WANTED = [(table.RETURN_LEVEL, 2), (table.RETURN_DELAY, 0), (table.SHUTDOWN, 36)]
@@ -204,7 +205,7 @@ def test_the_whole_driver_moves_emulated_servos_and_lets_them_go(tmp_path):
             time.sleep(0.002)
             return condition()
 
-        until(step, 8.0)
+        until(step)
 
     def each(check):
         return bool(ctx.published) and ctx.state.servos and all(check(servo) for servo in ctx.state.servos)

@@ -9,7 +9,8 @@ from lbr.drivers.input_events import EV_ABS, EV_KEY, EVENT
 from lbr.errors import DeviceError
 from lbr.testing.device import plugged
 from lbr.testing.driver import DriverBench
-from tests.drivers.peers import DriverContext, Pty, until
+from tests.drivers.peers import DriverContext, Pty
+from tests.support.waiting import until
 
 TL, A, Y = 0x136, 0x130, 1
 

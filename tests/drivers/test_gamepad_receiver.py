@@ -10,7 +10,7 @@ from lbr.capability.context import Device
 from lbr.drivers.gamepad.receiver import Receiver
 from lbr.drivers.input_events import EVENT
 from lbr.errors import DeviceError
-from tests.drivers.peers import until
+from tests.support.waiting import until
 
 TL, KEY, ABS = 0x136, 1, 3
 

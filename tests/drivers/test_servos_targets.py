@@ -14,7 +14,7 @@ from lbr.drivers.servos.gate import first, receive, tick
 from lbr.drivers.servos.poller import SINGLY_FIRST_S, SYNC_READ_FAILURES, Poller
 from lbr.drivers.servos.targets import ServoTargets
 from lbr.messages.servos import ServoGoal, ServoSetpoint
-from tests.drivers.peers import until
+from tests.support.waiting import until
 
 VALID_S = 0.1
 
@@ -233,7 +233,7 @@ def test_a_guard_listens_once_its_program_has_heard_the_driver():
     hears = Guard(command("import sys; os.read(int(sys.argv[1]), 99)"), (), time.monotonic, 1.0)
     deaf = Guard(command("pass"), (), time.monotonic, 1.0)
     try:
-        until(lambda: hears.listens, 8.0)
+        until(lambda: hears.listens)
         assert not deaf.listens
     finally:
         hears.dismiss()

@@ -13,8 +13,9 @@ from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint, ServosState, StoredPlay
 from lbr.testing import FakeCall
-from tests.drivers.peers import DriverContext, until
+from tests.drivers.peers import DriverContext
 from tests.drivers.uxa90_peers import Board
+from tests.support.waiting import until
 
 UNHEARD = "no servo answers, so that nothing is measured; is the robot's power on?"
 SETTINGS = {"device": "board", "guard": False, "sweep_hz": 50, "settle_s": 0.05, "reply_s": 0.05}
@@ -68,7 +69,7 @@ class Rig:
         self.until(later)
 
     def until(self, condition):
-        until(lambda: self.step() or (bool(self.ctx.published) and condition()), 5.0)
+        until(lambda: self.step() or (bool(self.ctx.published) and condition()))
 
     @property
     def state(self):

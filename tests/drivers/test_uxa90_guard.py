@@ -12,9 +12,9 @@ import pytest
 from lbr.drivers.servos.guard_release import GuardRelease
 from lbr.drivers.uxa90.guard_release import BoardRelease
 from lbr.errors import DeviceError
-from tests.drivers.peers import until
 from tests.drivers.uxa90_peers import Board
 from tests.support import programs
+from tests.support.waiting import until
 
 DRIVER = """
 import json, sys, time
@@ -54,9 +54,9 @@ def driving(board, row, play=""):
     assert process.stdout.readline() == b"guarded\n"
     process.stdout.close()
     if play:
-        until(lambda: board.plays == [4], 8.0)
+        until(lambda: board.plays == [4])
     else:
-        until(lambda: all(servo.level == 0 for servo in board.servos.values()), 8.0)
+        until(lambda: all(servo.level == 0 for servo in board.servos.values()))
     board.forget()
     return process
 
@@ -71,11 +71,11 @@ def board(tmp_path):
 def test_a_driver_that_hangs_is_killed_and_its_guard_holds_the_servos_then_brakes_then_lets_them_go(board):
     process = driving(board, '{"hold_s": 0.2, "guard_silence_ms": 250}')
     process.send_signal(signal.SIGSTOP)
-    until(lambda: board.braked, 5.0)
+    until(lambda: board.braked)
     assert [one for one in board.packets if one[1] >> 5 == 6][:1] == [bytes.fromhex("FFDF207F")]
     assert board.frames[0][8] == 0x10
     assert not board.moves()
-    until(lambda: board.packets[-3:] == [bytes.fromhex(one) for one in ("FFC01050", "FFC11051", "FFC21052")], 5.0)
+    until(lambda: board.packets[-3:] == [bytes.fromhex(one) for one in ("FFC01050", "FFC11051", "FFC21052")])
     assert process.wait(5.0) == -signal.SIGKILL
 
 
@@ -85,7 +85,7 @@ def test_the_guard_of_a_killed_driver_ends_what_the_main_board_plays_and_a_new_d
     process = driving(board, '{"hold_s": 60.0}', "play")
     assert board.mode == "normal"
     process.kill()
-    until(lambda: board.mode == "pc", 5.0)
+    until(lambda: board.mode == "pc")
     assert not board.packets
     process.wait(5.0)
     made = []
@@ -95,7 +95,7 @@ def test_the_guard_of_a_killed_driver_ends_what_the_main_board_plays_and_a_new_d
             made.append(Rig(board))
         return made
 
-    until(opened, 5.0)
+    until(opened)
     rig = made[0]
     rig.at({0: 200, 1: 200, 2: 200})
     rig.until(lambda: len(board.moves()) >= 3)

@@ -14,10 +14,10 @@ from lbr.capability.faults import faults
 from lbr.drivers.wheels import EnableCommand
 from lbr.drivers.wheels.guard_stop import heard, stopped
 from lbr.messages.motors import MotorSetpoint
-from tests.drivers.peers import DriverContext, Pty, until
+from tests.drivers.peers import DriverContext, Pty
 from tests.drivers.tiny_wheels import FOUR, KIND, QUAD, STOP, Quad, Tiny
 from tests.support import programs
-from tests.support.machine import Stopwatch
+from tests.support.waiting import STOPS_S, until
 
 DRIVER = """
 import sys, time
@@ -101,7 +101,7 @@ def test_whether_a_controller_has_ever_sent_a_byte_is_in_its_state(ctx, peer):
     assert ctx.state.armed
     assert ctx.state.heard is False
     peer.answers = True
-    until(lambda: motors.step() or ctx.state.heard, 5.0)
+    until(lambda: motors.step() or ctx.state.heard)
     motors.close()
     motors.degraded("its cable is out")
     assert ctx.state.heard is None
@@ -127,7 +127,7 @@ def test_only_a_zero_arms_and_silence_stops(motors, ctx, peer):
         motors.step()
         return peer.motor == (0, 0) and not ctx.state.armed
 
-    until(stopped, 0.5)
+    until(stopped, limit_s=STOPS_S)
 
 
 def test_the_emergency_stop_is_acknowledged_and_execution_can_be_disabled(motors, ctx, peer):
@@ -145,12 +145,10 @@ def test_a_killed_driver_leaves_wheels_at_zero_and_no_guard(peer, count):
         [sys.executable, "-c", DRIVER, str(peer.path), str(count)], stdout=subprocess.DEVNULL, env=environment
     )
     try:
-        until(lambda: peer.motor == (500,) * count, 5.0)
-        watch = Stopwatch()
+        until(lambda: peer.motor == (500,) * count)
     finally:
         process.kill()
-    until(lambda: peer.motor == (0,) * count, 0.3)
-    assert watch.given_s < 0.15, watch
+    until(lambda: peer.motor == (0,) * count, limit_s=STOPS_S)
     process.wait()
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support import programs, slots
+from tests.support import programs
 from tests.support.packages import of_project
 
 PACKAGE = Path(__file__).resolve().parents[2] / "examples" / "roboclaw"
@@ -20,8 +20,6 @@ def test_its_own_tests_pass(whole_robot, tmp_path):
     environment = {**os.environ, "PYTHONPATH": of_project(PACKAGE, tmp_path / "site")}
     part = ["tests/test_robot.py"] if whole_robot else ["tests/test_protocol.py", "tests/test_driver.py"]
     argv = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *part]
-    if whole_robot:
-        slots.take()
     ended = programs.run(argv, cwd=PACKAGE, env=environment, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stdout[-6000:] + ended.stderr[-2000:]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support import programs, slots
+from tests.support import programs
 from tests.support.packages import of_project
 
 PACKAGE = Path(__file__).resolve().parents[2] / "examples" / "rover"
@@ -17,7 +17,6 @@ PACKAGE = Path(__file__).resolve().parents[2] / "examples" / "rover"
 def test_its_own_tests_pass(tmp_path):
     environment = {**os.environ, "PYTHONPATH": of_project(PACKAGE, tmp_path / "site")}
     argv = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests"]
-    slots.take()
     ended = programs.run(argv, cwd=PACKAGE, env=environment, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stdout[-6000:] + ended.stderr[-2000:]
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.support import programs, slots
+from tests.support import programs
 from tests.support import robot as robots
 from tests.support.packages import of_project
-from tests.support.robot import until
+from tests.support.waiting import until
 
 PACKAGE = Path(__file__).resolve().parents[2] / "examples" / "so101"
 MOST_LINES = 1200
@@ -29,8 +29,6 @@ def installed(tmp_path):
 @pytest.mark.parametrize("part", [sorted(ALL - {*WHOLE}), *([name] for name in WHOLE)], ids=lambda part: part[-1])
 def test_its_own_tests_pass(part, installed, tmp_path):
     argv = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(f"tests/{name}" for name in part)]
-    if part[0] in WHOLE:
-        slots.take()
     ended = programs.run(argv, cwd=PACKAGE, env=installed, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stdout[-6000:] + ended.stderr[-2000:]
 
@@ -41,7 +39,6 @@ def test_driver_and_twin_are_few_lines():
 
 
 @pytest.mark.slow_start
-@pytest.mark.timeout(40)
 def test_the_rows_of_its_page_are_an_arm_whose_servos_are_driven_and_fail_in_simulation(
     installed, tmp_path, monkeypatch
 ):

@@ -7,12 +7,9 @@ import sqlite3
 import subprocess
 from contextlib import closing
 
-import pytest
-
 from tests.support import programs
-from tests.support.robot import LBR, environment, lbr, running, until
-
-pytestmark = pytest.mark.timeout(30)
+from tests.support.robot import LBR, environment, lbr, running
+from tests.support.waiting import until
 
 KIND = """
 import time
@@ -46,14 +43,14 @@ def test_good_rows_stay_bad_ones_go_back_and_a_kill_changes_nothing(shared_home)
     refused = lbr(home, "db", "apply", str(home / "good.sql"), "--within", "5")
     assert "no robot runs from" in refused.stderr
     with running(home) as robot:
-        good = lbr(home, "db", "apply", str(home / "good.sql"), "--within", "9", "--json", limit_s=15.0)
+        good = lbr(home, "db", "apply", str(home / "good.sql"), "--within", "9", "--json")
         assert good.returncode == 0, good.stderr
         said = json.loads(good.stdout)
         assert said["trial"]["state"] == "kept"
         assert said["touched"] == [
             {"robot": "lbr", "runs": True, "start": [], "stop": [], "restart": ["drive"], "tell": []}
         ]
-        late = lbr(home, "db", "apply", str(home / "late.sql"), "--within", "0.5", limit_s=15.0)
+        late = lbr(home, "db", "apply", str(home / "late.sql"), "--within", "0.5")
         assert late.returncode == 1
         assert f"went back to revision {said['revision']}: late is " in late.stderr
         until(lambda: robot.capability("late")["phase"] == "absent")
@@ -62,7 +59,7 @@ def test_good_rows_stay_bad_ones_go_back_and_a_kill_changes_nothing(shared_home)
             [*LBR, "db", "apply", str(home / "late.sql"), "--within", "60"],
             env=environment(home), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
-        until(lambda: robot.capability("late")["phase"] == "starting", limit_s=9.0)
+        until(lambda: robot.capability("late")["phase"] == "starting")
         os.kill(robot.ready["pid"], signal.SIGKILL)
         _, said_of_it = command.communicate(timeout=20.0)
         assert command.returncode == 1

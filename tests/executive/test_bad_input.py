@@ -9,9 +9,8 @@ import time
 import pytest
 
 from lbr.bus import stamp, wire
-from tests.support.robot import Robot, lbr, running, until
-
-pytestmark = pytest.mark.timeout(30)
+from tests.support.robot import Robot, lbr, running
+from tests.support.waiting import until
 
 KEYS = (
     "drive/command", "drive/stop", "drive/state", "motors/setpoint", "motors/enable", "motors/state", "ranges/readings",

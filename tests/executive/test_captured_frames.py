@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
+pytestmark = [pytest.mark.slow_start]
 soon = partial(until, limit_s=15.0)
 
 EDITS = (
@@ -64,7 +65,7 @@ def rows(home: Path, motion: str) -> list[tuple[int, float, dict[str, float]]]:
 
 
 def test_what_was_captured_is_played_without_a_restart_and_after_one(place):
-    with running(place, profile="bioloid-sim", limit_s=25.0) as robot:
+    with running(place, profile="bioloid-sim") as robot:
         pid = robot.capability("motions")["pid"]
         assert "there is no motion 'bow'" in str(play(robot, "bow")["reason"])
         assert capture(robot, "bow") == "key frame 1 of 'bow' is the pose of now"
@@ -84,6 +85,6 @@ def test_what_was_captured_is_played_without_a_restart_and_after_one(place):
         assert "no room for nods" in lost
         assert play(robot, "nod")["accepted"]
     assert rows(place, "nod") == []
-    with running(place, profile="bioloid-sim", limit_s=25.0) as robot:
+    with running(place, profile="bioloid-sim") as robot:
         assert "there is no motion 'nod'" in str(play(robot, "nod")["reason"])
         assert play(robot, "bow")["accepted"]

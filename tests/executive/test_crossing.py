@@ -11,7 +11,7 @@ from lbr.bus import session
 from lbr.bus.session import Router, Session
 from lbr.executive.processes import crossing
 from lbr.executive.processes.crossing import BROKEN_AFTER, Crossing
-from tests.support.robot import until
+from tests.support.waiting import until
 
 NEAR, FAR = "1aa", "1bb"
 

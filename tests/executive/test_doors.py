@@ -17,7 +17,7 @@ from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.processes import doors as module
 from lbr.executive.processes.doors import Doors, OpenRouter, core_endpoint, local_endpoint
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 class Routers:
@@ -209,7 +209,7 @@ class Watched:
 
     def close(self) -> None:
         try:
-            until(lambda: not self._answers(), limit_s=2.0, what="it answers no more")
+            until(lambda: not self._answers(), what="it answers no more")
             self.closed = True
         finally:
             self._opened.close()

@@ -18,9 +18,8 @@ from lbr.messages.faces import Motor
 from lbr.messages.rows import by_table
 from tests.executive.test_plan import planned, problems
 from tests.support import databases
-from tests.support.robot import Robot, prepare, running, until
-
-pytestmark = pytest.mark.timeout(30)
+from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import until
 
 MOTOR = {"layer": "mine", "id": 3, "name": "neck", "initial": 1, "lowest": 0, "highest": 9, "rest": 1}
 NOD = {"motion": "nod", "step": 1, "positions": {"neck": 0.5}, "duration_s": 1.0}

@@ -12,7 +12,7 @@ from lbr.bus import keys, session, wire
 from lbr.executive.service import emergency
 from lbr.executive.service.emergency import Emergency
 from lbr.messages.system import EstopAcknowledgement, EstopState
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 class LastGoodCopy:
@@ -82,7 +82,7 @@ def test_a_press_that_bears_the_stamp_of_a_repetition_counts(tmp_path: Path) -> 
         assert not robot.kept.state().engaged
         for one in (*repeated, *heard.take()):
             bus.put(keys.estop("lbr"), one.payload, attachment=one.attachment)
-            until(lambda: robot.kept.state().engaged, limit_s=1.0, what="what movers obey is latched here too")
+            until(lambda: robot.kept.state().engaged, what="what movers obey is latched here too")
             until(lambda: released(robot), what="it is released again")
         del release
 

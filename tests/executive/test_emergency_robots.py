@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from lbr.testing.robot import NoAnswerError
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import until
 
 MOTIONS = {
     "lbr": ("stop", "/r/0.3/0"),

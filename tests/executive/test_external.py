@@ -10,7 +10,7 @@ from lbr.database.rows import ExternalCommandRow
 from lbr.executive.processes import external
 from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.reaper import Reaper
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 @pytest.fixture

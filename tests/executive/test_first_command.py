@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from tests.scenarios.first_command import FIRST, ask_at_ready
-from tests.support.robot import prepare, running, until
+from tests.support.robot import prepare, running
+from tests.support.waiting import until
 
 
 @pytest.mark.timeout(60)

@@ -11,7 +11,7 @@ from lbr.database import copies
 from lbr.database.store import Database
 from lbr.executive.planning.last_good_copy import AGAIN_AFTER_S, RUN_WELL_S, LastGoodCopy
 from tests.support import databases
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 @pytest.fixture

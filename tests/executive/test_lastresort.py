@@ -94,7 +94,6 @@ def test_it_counts_from_the_first_word_and_says_what_took_too_long(heard: bool) 
 
 
 @pytest.mark.slow_start
-@pytest.mark.timeout(30)
 def test_a_robot_that_is_told_to_end_again_and_again_ends_in_order(tmp_path: Path) -> None:
     with running(prepare(tmp_path / "h")) as robot:
         told = itertools.cycle((signal.SIGTERM, signal.SIGINT))

@@ -10,7 +10,8 @@ import pytest
 
 from lbr.bus import session, wire
 from lbr.bus.access import TOOLS, Credentials
-from tests.support.robot import Robot, until
+from tests.support.robot import Robot
+from tests.support.waiting import until
 
 STREAMS = ("drive/state", "motors/state", "ranges/readings")
 WILDCARDS = ("*/*", "*/state", "drive/*", "dr$*/state", "**", "*/readings", "motors/sta$*")

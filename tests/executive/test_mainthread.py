@@ -9,7 +9,7 @@ import pytest
 from lbr.errors import LbrError
 from lbr.executive.processes import mainthread
 from lbr.executive.processes.mainthread import MainThread
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 class Asker(threading.Thread):

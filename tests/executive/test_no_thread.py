@@ -15,7 +15,7 @@ from lbr.executive.service.desk import Desk
 from lbr.executive.service.edits import Edits
 from lbr.messages.faces import Motor
 from tests.support import databases
-from tests.support.robot import until
+from tests.support.waiting import until
 
 SAYS = "this machine gives no more threads now: free some memory, or have the limits raised"
 

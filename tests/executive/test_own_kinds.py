@@ -7,9 +7,8 @@ import time
 
 import pytest
 
-from tests.support.robot import lbr, running, until
-
-pytestmark = pytest.mark.timeout(60)
+from tests.support.robot import lbr, running
+from tests.support.waiting import until
 
 GOOD = """
 from msgspec import Struct
@@ -35,14 +34,14 @@ def file(robot):
     yield path
     robot.edit("DELETE FROM capability WHERE name = 'greeter'")
     path.unlink(missing_ok=True)
-    until(lambda: "greeter" not in pids(robot) and robot.status()["problems"] == [], limit_s=15.0)
+    until(lambda: "greeter" not in pids(robot) and robot.status()["problems"] == [])
 
 
 @pytest.fixture
 def greeted(robot, file):
     file.write_text(GOOD)
     robot.edit(ROW)
-    until(lambda: pids(robot).get("greeter"), limit_s=15.0, what="the file runs")
+    until(lambda: pids(robot).get("greeter"), what="the file runs")
 
 
 def pids(robot):
@@ -59,10 +58,10 @@ def test_a_file_that_hangs_holds_up_neither_the_robot_nor_its_stops_nor_other_ed
         slowest = max(slowest, time.monotonic() - began)
     assert slowest < 1.0
     words = f"{file}, line 2 is not imported within 5 s"
-    until(lambda: any(words in problem for problem in robot.status()["problems"]), limit_s=15.0)
+    until(lambda: any(words in problem for problem in robot.status()["problems"]))
     assert pids(robot) == before
     file.write_text(GOOD)
-    until(lambda: robot.status()["problems"] == [], limit_s=15.0)
+    until(lambda: robot.status()["problems"] == [])
 
 
 @pytest.mark.parametrize(
@@ -118,7 +117,7 @@ def test_what_was_accepted_starts_again_though_a_newer_file_is_refused(robot, fi
     until(lambda: any("ValueError" in problem for problem in robot.status()["problems"]))
     before = pids(robot)["greeter"]
     os.kill(before, signal.SIGKILL)
-    until(lambda: _phase(robot, "greeter") == "ready" and pids(robot)["greeter"] != before, limit_s=15.0)
+    until(lambda: _phase(robot, "greeter") == "ready" and pids(robot)["greeter"] != before)
 
 
 def _phase(robot, name):
@@ -148,4 +147,4 @@ def test_what_publishes_another_type_than_it_declares_is_told_in_one_sentence(ro
     def told():
         return any(words in unit["reason"] for unit in robot.status()["capabilities"] if unit["name"] == "greeter")
 
-    until(told, limit_s=15.0, what="it is told")
+    until(told, what="it is told")

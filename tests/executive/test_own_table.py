@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.robot import Robot, until
+from tests.support.robot import Robot
+from tests.support.waiting import until
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
+pytestmark = [pytest.mark.slow_start]
 
 
 def sql(robot: Robot, script: str) -> None:
@@ -39,7 +40,7 @@ def test_a_kind_brings_its_table_reads_it_and_writes_back_what_it_learns(robot):
     until(lambda: any(missing in problem for problem in robot.status()["problems"]), what="the table is missed")
     sql(robot, "DELETE FROM capability WHERE name = 'early'")
     sql(robot, (EXAMPLES / "greetings.sql").read_text())
-    until(lambda: greet(robot, "ann") == "Good day, Ann.", limit_s=10.0, what="it greets by its rows")
+    until(lambda: greet(robot, "ann") == "Good day, Ann.", what="it greets by its rows")
     assert "there is no row of 'greeting' for eve" in greet(robot, "eve")
     pid = until(lambda: robot.capability("greetings")["pid"])
     until(lambda: said(robot) == {"ann": 1, "bob": 0}, what="what it learnt is written")
@@ -54,4 +55,4 @@ def test_a_kind_brings_its_table_reads_it_and_writes_back_what_it_learns(robot):
     until(lambda: why in robot.status()["problems"], what="a bad row is named")
     assert greet(robot, "bob") == "Hello Bob!"
     sql(robot, "UPDATE greeting SET text = 'Hi, Bob.' WHERE name = 'bob'")
-    until(lambda: greet(robot, "bob") == "Hi, Bob.", limit_s=10.0, what="a good edit is in force")
+    until(lambda: greet(robot, "bob") == "Hi, Bob.", what="a good edit is in force")

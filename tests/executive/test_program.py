@@ -10,9 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.support.robot import until
-
-pytestmark = pytest.mark.timeout(20)
+from tests.support.waiting import until
 
 SHELL = "import os, time, json; print(json.dumps({k: v for k, v in os.environ.items() if k[:4] == 'LBR_'}), flush=True); time.sleep(60)"
 

@@ -11,10 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
 from tests.support.trace import Trace
-
-pytestmark = pytest.mark.timeout(60)
+from tests.support.waiting import STOPS_S, until
 
 SIDES = {
     "north": (2.5, 0.0, 0.1, 5.0),
@@ -89,7 +88,7 @@ def lidar(robot):
     for fault in ("unplug", "dark", "stalled", "frozen"):
         robot.line(f"/fault/lidar_line/{fault}/off")
     robot.line("/obstacle/off")
-    until(lambda: phase(robot, "lidar") == "ready" and phase(robot, "drive") == "ready", limit_s=15.0)
+    until(lambda: phase(robot, "lidar") == "ready" and phase(robot, "drive") == "ready")
     until(lambda: set(state(robot).get("sees", {})) == {f"lidar {s}" for s in ("forward", "back", "left", "right")})
     until(lambda: None not in state(robot)["sees"].values(), what="a whole scan")
     yield robot
@@ -122,7 +121,7 @@ def test_what_the_lidar_alone_sees_stops_the_robot_before_it(lidar):
             hold = drives(lidar) or hold
         return "lidar forward" in state(lidar)["reason"]
 
-    until(stopped, limit_s=8.0)
+    until(stopped, limit_s=STOPS_S)
     pose = lidar.ask("world/pose")
     assert not pose["touching"]
     assert state(lidar)["sees"]["lidar forward"] == pytest.approx(0.25, abs=0.06)
@@ -138,7 +137,7 @@ def test_a_lidar_that_fails_stops_the_robot_and_lets_it_go_on_afterwards(lidar, 
     until(lambda: (renew(lidar, hold), (lidar.ask("motors/state") or {}).get("left") == 0.0)[1])
     assert "lidar back" in until(lambda: refusal(lidar, "/r/0.1/180"))
     lidar.line(f"/fault/lidar_line/{fault}/off")
-    until(lambda: drives(lidar, "/r/0.1/0"), limit_s=10.0, what="motion with a lidar that works again")
+    until(lambda: drives(lidar, "/r/0.1/0"), what="motion with a lidar that works again")
 
 
 def test_a_lidar_that_tells_the_same_for_ever_stops_the_robot(lidar):
@@ -163,10 +162,10 @@ def test_a_lidar_driver_that_is_killed_and_does_not_come_back_stops_the_robot(li
                 os.kill(pid, signal.SIGKILL)
         return trace.first_zero(began_ns, limit_s=0.0) is not None
 
-    until(stopped, limit_s=6.0)
-    until(lambda: phase(lidar, "lidar") == "ready" and lidar.capability("lidar")["pid"] not in killed, limit_s=10.0)
+    until(stopped, limit_s=STOPS_S)
+    until(lambda: phase(lidar, "lidar") == "ready" and lidar.capability("lidar")["pid"] not in killed)
     lidar.line("s")
-    assert until(lambda: drives(lidar, "/r/0.1/180"), limit_s=5.0)
+    assert until(lambda: drives(lidar, "/r/0.1/180"))
 
 
 def test_one_more_distance_is_a_row(lidar):
@@ -175,12 +174,12 @@ def test_one_more_distance_is_a_row(lidar):
         "INSERT INTO range_sensor (robot, name, kind, x_m, y_m, z_m, max_m) VALUES"
         " ('lbr', 'bow', 'infrared', 0.215, 0.1, 0.2, 4);",
     )
-    until(lambda: "bow" in (lidar.ask("ranges/readings") or {}).get("others_m", {}), limit_s=10.0)
-    until(lambda: (state(lidar).get("sees") or {}).get("bow forward") is not None, limit_s=10.0)
-    assert until(lambda: drives(lidar, "/r/0.1/0/150/bow/2"), limit_s=5.0)
+    until(lambda: "bow" in (lidar.ask("ranges/readings") or {}).get("others_m", {}))
+    until(lambda: (state(lidar).get("sees") or {}).get("bow forward") is not None)
+    assert until(lambda: drives(lidar, "/r/0.1/0/150/bow/2"))
     lidar.line("s")
     lidar.line("/fault/range_board/error/bow")
     until(lambda: "bow forward" in refusal(lidar, "/r/0.1/0"))
     edit(lidar, "DELETE FROM range_sensor WHERE robot = 'lbr' AND name = 'bow';")
-    until(lambda: "bow forward" not in (state(lidar).get("sees") or {"bow forward": 0}), limit_s=10.0)
-    assert until(lambda: drives(lidar, "/r/0.1/0"), limit_s=5.0)
+    until(lambda: "bow forward" not in (state(lidar).get("sees") or {"bow forward": 0}))
+    assert until(lambda: drives(lidar, "/r/0.1/0"))

@@ -6,14 +6,14 @@ import select
 import subprocess
 from pathlib import Path
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.executive.processes.readiness import LONGEST_TEXT, readiness
 from lbr.messages.system import CapabilityPhase, CapabilityStatus
 from tests.support import programs
-from tests.support.robot import LBR, environment, prepare, running, until
+from tests.support.robot import LBR, environment, prepare, running
+from tests.support.waiting import until
 
 BROKEN = """
 from lbr.capability import Capability, Kind, NoSettings
@@ -84,7 +84,6 @@ def test_ready_never_with_a_failed_one_and_nobody_is_left_out(of: dict[str, tupl
     assert found.words(1.0).startswith("all up" if found.ready else "not ready")
 
 
-@pytest.mark.timeout(40)
 def test_a_start_with_something_given_up_is_no_ready_line(tmp_path) -> None:
     broken = "INSERT INTO capability (robot, name, kind, restart) VALUES ('lbr', 'broken', 'broken', 'never')"
     home = prepare(tmp_path / "home", edits=(broken,))

@@ -19,7 +19,7 @@ from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.reap import Silence, Thread
 from lbr.executive.processes.reaper import Reaper
 from tests.support import programs
-from tests.support.robot import until
+from tests.support.waiting import until
 
 EXECUTIVE = """
 import os, signal, sys
@@ -106,7 +106,7 @@ def test_nothing_is_left_two_seconds_after_the_executive_is_killed(executive, li
     for pid in {"the process": found, "the reaper": [reaper], "both": [*found, reaper], "none": []}[frozen]:
         os.kill(pid, signal.SIGSTOP)
     kill(popen)
-    until(lambda: not any(map(lives, [*found, reaper])), limit_s=2.0, what="nothing is left")
+    until(lambda: not any(map(lives, [*found, reaper])), what="nothing is left")
 
 
 def test_what_forks_and_leaves_faster_than_it_is_looked_at_is_ended_too(executive, tmp_path):
@@ -124,7 +124,7 @@ def test_what_forks_and_leaves_faster_than_it_is_looked_at_is_ended_too(executiv
     try:
         kill(popen)
         with (tmp_path / "held").open() as held:
-            until(lambda: is_free(held.fileno()), limit_s=2.0, what="no process holds it")
+            until(lambda: is_free(held.fileno()), what="no process holds it")
     finally:
         with suppress(ProcessLookupError):
             os.killpg(group, signal.SIGKILL)
@@ -172,13 +172,13 @@ def test_what_only_says_that_it_is_a_guard_is_not_spared(executive, more):
     line = f"{lifeline.LAST_WORD}=60 setsid {GUARD} & exec sleep 60"
     popen, _, (guard,) = executive(line, 1, *more)
     kill(popen)
-    until(lambda: not lives(guard), limit_s=2.0, what="it is ended")
+    until(lambda: not lives(guard), what="it is ended")
 
 
 def test_a_program_with_a_guards_word_in_its_own_session_is_not_spared(executive):
     popen, _, (guard,) = executive(f"{lifeline.LAST_WORD}=60 {GUARD} & exec sleep 60", 1)
     kill(popen)
-    until(lambda: not lives(guard), limit_s=2.0, what="it is ended")
+    until(lambda: not lives(guard), what="it is ended")
 
 
 def test_a_reaper_that_is_replaced_spares_the_guard_of_a_driver_that_has_ended(tmp_path, monkeypatch):
@@ -250,7 +250,7 @@ def test_an_executive_that_hangs_is_ended_with_all_that_it_has_started(tmp_path,
     _, said = popen.communicate(timeout=60.0)
     assert popen.returncode == -signal.SIGKILL
     assert "which runs the robot, stood still for 2.5 s: killed" in said
-    until(lambda: not lives(pid), limit_s=2.0)
+    until(lambda: not lives(pid))
 
 
 def test_an_executive_that_beats_or_rests_is_not_ended(tmp_path, monkeypatch):
@@ -342,10 +342,10 @@ def test_what_a_process_has_left_behind_ends_with_it_while_the_run_goes_on(tmp_p
                 popen.wait()
                 mark.ended()
         first, second = pids(tmp_path)
-        until(lambda: not lives(first), limit_s=2.0)
+        until(lambda: not lives(first))
         assert lives(second)
     assert running[1].wait(2.0) == -signal.SIGKILL
-    until(lambda: not lives(second), limit_s=2.0)
+    until(lambda: not lives(second))
 
 
 def test_what_a_stopped_command_has_started_ends_with_it(tmp_path, monkeypatch):
@@ -356,7 +356,7 @@ def test_what_a_stopped_command_has_started_ends_with_it(tmp_path, monkeypatch):
         commands.start(row, ())
         (pid,) = until(lambda: pids(tmp_path))
         assert "has ended" in commands.stop("probe")
-        until(lambda: not lives(pid), limit_s=2.0)
+        until(lambda: not lives(pid))
 
 
 def test_frozen_commands_hold_up_the_end_of_the_robot_once_and_not_one_after_the_other(tmp_path):
@@ -386,9 +386,9 @@ def test_a_reaper_that_is_frozen_anew_after_the_end_of_the_executive_goes_on(exe
     until(lambda: timers(reaper) == 1)
     popen.kill()
     os.kill(pid, signal.SIGSTOP)
-    until(lambda: timers(reaper) == 2, limit_s=1.0)
+    until(lambda: timers(reaper) == 2)
     os.kill(reaper, signal.SIGSTOP)
-    until(lambda: not lives(pid), limit_s=2.0)
+    until(lambda: not lives(pid))
 
 
 def timers(pid: int) -> int:
@@ -404,4 +404,4 @@ def test_a_tethered_process_dies_with_its_parent_also_when_it_is_frozen(tmp_path
     os.kill(pid, signal.SIGSTOP)
     parent.kill()
     parent.wait()
-    until(lambda: not lives(pid), limit_s=1.0)
+    until(lambda: not lives(pid))

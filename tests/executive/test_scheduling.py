@@ -7,7 +7,8 @@ import pytest
 
 from lbr.executive.processes import scheduling
 from tests.support import programs
-from tests.support.robot import running, until
+from tests.support.robot import running
+from tests.support.waiting import until
 
 
 @pytest.fixture

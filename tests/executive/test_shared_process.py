@@ -10,9 +10,8 @@ from typing import Any
 import pytest
 
 from tests.support import needs
-from tests.support.robot import Robot, lbr, running, until
-
-pytestmark = pytest.mark.timeout(60)
+from tests.support.robot import Robot, lbr, running
+from tests.support.waiting import until
 
 KIND = """
 import ctypes, sys, threading
@@ -122,7 +121,7 @@ def all_well(robot: Robot) -> None:
     for one in mates(robot):
         if one["last_end"]:
             robot.line(f"/restart/{one['name']}")
-    until(lambda: all(one["phase"] == "ready" and not one["last_end"] for one in mates(robot)), limit_s=15.0)
+    until(lambda: all(one["phase"] == "ready" and not one["last_end"] for one in mates(robot)))
 
 
 def mates(robot: Robot) -> list[dict[str, Any]]:
@@ -204,7 +203,7 @@ def test_a_restart_of_one_is_a_restart_of_one(robot: Robot) -> None:
 def test_who_fails_takes_the_others_along_and_is_named(robot: Robot, what: str, told: str) -> None:
     before = pids(robot)["bob"]
     do(robot, "bob", what)
-    until(in_a_new_process(robot, before), limit_s=15.0)
+    until(in_a_new_process(robot, before))
     ends = {one["name"]: one["last_end"] for one in mates(robot)}
     if what != "hold the interpreter":  # then none of them is heard, and whichever is looked at first is told
         assert told in ends["bob"]
@@ -217,7 +216,7 @@ def test_who_cannot_even_close_keeps_nobody_from_ending_in_order(robot: Robot) -
     for path in robot.home.glob("* closed"):
         path.unlink()
     do(robot, "bob", "raise twice")
-    until(in_a_new_process(robot, before), limit_s=15.0)
+    until(in_a_new_process(robot, before))
     assert {path.name for path in robot.home.glob("* closed")} == {"ann closed", "cyd closed"}
 
 
@@ -226,7 +225,7 @@ def test_who_was_taken_along_comes_back_whatever_its_row_says_of_its_own_ends(ro
     until(lambda: [one["phase"] for one in mates(robot)] == ["ready"] * 3)
     before = pids(robot)["bob"]
     do(robot, "bob", "raise")
-    until(in_a_new_process(robot, before), limit_s=15.0)
+    until(in_a_new_process(robot, before))
     robot.edit("UPDATE capability SET restart = 'on-failure' WHERE name = 'ann'")
 
 
@@ -235,7 +234,6 @@ def test_who_does_not_even_begin_fails_alone(robot: Robot) -> None:
     robot.edit("INSERT INTO capability (robot, name, kind, process) VALUES ('lbr', 'eve', 'stillborn', 'crew')")
     eve = until(
         lambda: next((one for one in units(robot) if one["name"] == "eve" and one["phase"] == "failed"), None),
-        limit_s=20.0,
     )
     assert "no cheese at all" in eve["last_end"]
     assert pids(robot) == before
@@ -261,7 +259,7 @@ def test_who_gets_no_thread_to_begin_in_fails_alone_and_begins_once_there_is_one
 def test_their_process_is_started_again_however_it_ends(robot: Robot, number: signal.Signals) -> None:
     before = pids(robot)["ann"]
     os.kill(before, number)
-    until(in_a_new_process(robot, before), limit_s=15.0)
+    until(in_a_new_process(robot, before))
     assert len(set(pids(robot).values())) == 1
 
 
@@ -277,16 +275,16 @@ def test_a_frozen_process_that_more_are_to_join_holds_up_nobody_and_goes_on(robo
         assert time.monotonic() - begun < HEARD_S
         return [one["phase"] for one in mates(robot)] == ["ready"] * 9
 
-    until(all_there, limit_s=15.0)
+    until(all_there)
     robot.edit("DELETE FROM capability WHERE name LIKE 'more%'")
-    until(lambda: set(pids(robot)) == set(MATES), limit_s=15.0)
+    until(lambda: set(pids(robot)) == set(MATES))
 
 
 def test_the_base_drives_on_while_they_fail(robot: Robot) -> None:
     base = {name: robot.capability(name)["pid"] for name in ("drive", "motors")}
     before = pids(robot)["ann"]
     do(robot, "ann", "raise")
-    until(in_a_new_process(robot, before), limit_s=15.0)
+    until(in_a_new_process(robot, before))
     assert {name: robot.capability(name)["pid"] for name in ("drive", "motors")} == base
 
 
@@ -295,7 +293,7 @@ def test_the_table_of_what_runs_and_the_logs_name_the_process(robot: Robot) -> N
     of_before = robot.home / "logs" / "lbr-bob.log"
     of_before.write_text("alone then\n")
     do(robot, "ann", "raise")
-    until(lambda: "out of cheese" in lbr(robot.home, "logs", "bob").stdout, limit_s=15.0)
+    until(lambda: "out of cheese" in lbr(robot.home, "logs", "bob").stdout)
     assert lbr(robot.home, "logs", "lbr/bob").stdout == "alone then\n"
     of_before.unlink()
 
@@ -341,11 +339,11 @@ def test_a_device_of_another_users_that_comes_later_is_reached_in_a_new_process(
         "INSERT INTO capability (robot, name, kind, process, settings) VALUES"
         """ ('lbr', 'fay', 'toucher', 'hands', '{"device": "one"}'), ('lbr', 'gus', 'toucher', 'hands', '{"device": "two"}')"""
     )
-    until(lambda: {robot.capability(name)["phase"] for name in ("fay", "gus")} == {"ready"}, limit_s=15.0)
+    until(lambda: {robot.capability(name)["phase"] for name in ("fay", "gus")} == {"ready"})
     before = robot.capability("fay")["pid"]
     assert robot.capability("gus")["pid"] == before
     robot.edit("UPDATE device SET address = ? WHERE name = 'two'", str(theirs))
-    until(lambda: robot.capability("gus")["pid"] not in {None, before}, what="it begins elsewhere", limit_s=15.0)
+    until(lambda: robot.capability("gus")["pid"] not in {None, before}, what="it begins elsewhere")
     until(lambda: robot.capability("gus")["phase"] == "ready", what="it reaches its device")
     assert robot.capability("fay")["pid"] == before
     robot.edit("DELETE FROM capability WHERE kind = 'toucher'")
@@ -358,4 +356,4 @@ def test_nothing_of_them_outlives_the_executive(robot: Robot) -> None:
     one = pids(robot)["ann"]
     os.kill(one, signal.SIGSTOP)
     os.kill(robot.ready["pid"], signal.SIGKILL)
-    until(lambda: not Path(f"/proc/{one}").exists(), limit_s=5.0)
+    until(lambda: not Path(f"/proc/{one}").exists())

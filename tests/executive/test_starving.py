@@ -19,7 +19,7 @@ from lbr.executive.processes.starvation import (
     waited_s,
 )
 from tests.support import programs
-from tests.support.robot import until
+from tests.support.waiting import until
 
 PATIENCE_S = 1.0
 seconds = st.floats(0.0, 100.0)

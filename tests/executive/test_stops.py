@@ -9,7 +9,7 @@ from lbr.bus import stamp, wire
 from lbr.executive.service import console_service
 from lbr.executive.service.console_service import STOPPERS, Stops
 from lbr.messages.system import ConsoleResult
-from tests.support.robot import until
+from tests.support.waiting import until
 
 DONE = ConsoleResult(code=0, text="stopped")
 
@@ -75,7 +75,7 @@ def test_a_stop_that_comes_while_others_wait_is_begun_at_once(robot):
 def test_more_than_there_are_threads_for_are_begun_at_once_and_threads_do_not_stay(robot):
     before = threading.active_count()
     say(robot, *(f"client {number}" for number in range(5 * STOPPERS)))
-    until(lambda: len(robot.begun) == 5 * STOPPERS, limit_s=2.0)
+    until(lambda: len(robot.begun) == 5 * STOPPERS)
     robot.over.set()
     until(lambda: threading.active_count() <= before, what="the threads end that were for these alone")
     assert say(robot, "another")

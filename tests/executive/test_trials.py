@@ -15,7 +15,7 @@ from lbr.executive.planning.plan import Change
 from lbr.executive.planning.trials import STEADY_S, Trials, go_back, not_ready
 from lbr.messages.system import CapabilityStatus
 from tests.support import databases
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 def status(name: str, phase: str, reason: str = "", code: str = "") -> CapabilityStatus:

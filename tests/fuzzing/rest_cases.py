@@ -12,8 +12,9 @@ import hypothesis
 from hypothesis import HealthCheck, Phase, given
 
 from tests.fuzzing.rest_schema import Case, cases, misfit
-from tests.support.robot import Robot, only, prepare, running, until
+from tests.support.robot import Robot, only, prepare, running
 from tests.support.uxa90_wire import chunks, packets
+from tests.support.waiting import until
 
 ANSWER_S = 5.0
 MOVES = ("/motor", "/multimotor", "/motion/{key}")
@@ -46,9 +47,9 @@ def served(home: Path, *edits: str) -> Iterator[tuple[Robot, httpx.Client, Path]
     """Run a simulated UXA-90, and give a client of its API, and the trace of its main board."""
     prepare(home, edits=(*EDITS, *edits))
     with running(home, profile="uxa90-sim") as robot:
-        base = until(lambda: _url(robot), limit_s=10.0, what="the server's address")
+        base = until(lambda: _url(robot), what="the server's address")
         with httpx.Client(base_url=base, timeout=ANSWER_S, trust_env=False) as client:
-            until(lambda: _armed(client), limit_s=15.0, what="joints that may move")
+            until(lambda: _armed(client), what="joints that may move")
             yield robot, client, home / "run" / "uxa90-devices" / "main_board.trace"
 
 
@@ -112,7 +113,7 @@ def _go_on(client: httpx.Client, case: Case, status: int) -> None:
     if status != 200:
         return
     if case.route == "/estop":
-        until(lambda: client.post("/estop/reset").status_code == 200, limit_s=5.0, what="a reset")
+        until(lambda: client.post("/estop/reset").status_code == 200, what="a reset")
     elif case.route == "/motion/{key}":
         client.post("/stop")
 

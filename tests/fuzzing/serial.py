@@ -17,7 +17,8 @@ from tests.support.bench import let_go, temporary_home
 from tests.support.figures import Results
 from tests.support.hosted import OnTty
 from tests.support.mover import Mover
-from tests.support.robot import Robot, start, until
+from tests.support.robot import Robot, start
+from tests.support.waiting import until
 
 MEGABYTE = 1 << 20
 BURST_S, STORM_S = 0.15, 1.2
@@ -190,7 +191,7 @@ def _spoil(
     time.sleep(STORM_S if storm else BURST_S)
     feed.take()
     whole, line.spoil = line.whole, None
-    until(feed.take, limit_s=BACK_S, what="a reading")
+    until(feed.take, what="a reading")
     if line is not motors and time.monotonic() - began < SILENCE_S:
         results.sample("Z5 frames", line.whole - whole)
     feed.close()
@@ -206,7 +207,7 @@ def _moving(robot: Robot, motors: MotorLine) -> Mover:
     motors.allowed = POWER
     mover = Mover(robot, 90.0, power=POWER).start(BACK_S)
     with suppress(AssertionError):  # a machine that was busy for 0.1 s has disarmed the motors: then it is at rest
-        until(lambda: min(map(abs, motors.device.outputs(time.monotonic()))) > POWER / 2, limit_s=1.0)
+        until(lambda: min(map(abs, motors.device.outputs(time.monotonic()))) > POWER / 2)
     return mover
 
 
@@ -224,4 +225,4 @@ def _phases(robot: Robot) -> set[str]:
 
 
 def _ready(robot: Robot) -> None:
-    until(lambda: _phases(robot) == {"ready"}, limit_s=BACK_S, what="all ready")
+    until(lambda: _phases(robot) == {"ready"}, what="all ready")

@@ -9,8 +9,6 @@ from tests.fuzzing.oracle import judge
 from tests.fuzzing.promises import PROMISES
 from tests.support.figures import Results
 
-pytestmark = pytest.mark.timeout(40)
-
 
 @pytest.fixture
 def results():

@@ -5,16 +5,14 @@ import os
 import signal
 import time
 
-import pytest
-
 from lbr.bus import keys, session, wire
-from tests.support.robot import Robot, until
+from tests.support.robot import Robot
+from tests.support.waiting import until
 
 HELD_UP_S = 0.6
 TIMES = 5
 
 
-@pytest.mark.timeout(30)
 def test_a_robot_that_was_held_up_answers_again_at_its_local_door(robot: Robot):
     for _ in range(TIMES):
         os.kill(robot.ready["pid"], signal.SIGSTOP)

@@ -127,7 +127,7 @@ def _write(home: Path, sql: str, *values: str) -> None:
 
 
 def _refused(home: Path, mark: Path, what: str) -> list[str]:
-    done = lbr(home, "run", "lbr-sim", "--no-console", limit_s=20.0)
+    done = lbr(home, "run", "lbr-sim", "--no-console")
     found = [f"{what}: it was imported"] if mark.exists() else []
     mark.unlink(missing_ok=True)
     if done.returncode != REFUSED:

@@ -11,7 +11,7 @@ from lbr.executive.processes.reaper import PROGRAM
 from tests.fuzzing import intruder
 from tests.support.bench import Bench, bench, processes_of
 from tests.support.figures import Results
-from tests.support.robot import until
+from tests.support.waiting import until
 
 UNCONFINED = {"executive", "reaper", "fork server"}
 """The executive starts the others, and sets their niceness and their devices first; its reaper has to see them all; what

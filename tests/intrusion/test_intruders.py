@@ -7,8 +7,6 @@ from tests.intrusion.promises import PROMISES
 from tests.support import needs
 from tests.support.figures import Results
 
-pytestmark = pytest.mark.timeout(60)
-
 
 @pytest.fixture
 def results():

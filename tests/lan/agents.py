@@ -11,8 +11,9 @@ from pathlib import Path
 from lbr.bus.tokens import Token
 from tests.support import programs
 from tests.support.door import add_token
-from tests.support.robot import LBR, Robot, free_port, prepare, running, until
+from tests.support.robot import LBR, Robot, free_port, prepare, running
 from tests.support.trace import Trace
+from tests.support.waiting import until
 
 FAR = '''
 """Moves nothing, but would have to stop if it did."""
@@ -82,7 +83,7 @@ class Two:
 
     def ready(self) -> None:
         try:
-            until(lambda: self.phases() == {"ready"}, limit_s=15.0)
+            until(lambda: self.phases() == {"ready"})
         except AssertionError:
             said, logs = self.said.read_text()[-1000:], sorted((self.away / "logs").glob("*.log"))
             written = {log.name: log.read_text()[-500:] for log in logs}
@@ -105,7 +106,7 @@ class Two:
 
     def dancing(self) -> None:
         """Have it dance; on a busy machine an app may lose its link or its lease, and is asked again."""
-        until(self._dances, limit_s=9.0, what="it dances")
+        until(self._dances, what="it dances")
 
     def _dances(self) -> bool:
         return self.moving() or (self.robot.line("/d/metronome")["code"] == 0 and self.moving())

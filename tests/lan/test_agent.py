@@ -12,9 +12,8 @@ from lbr.bus import stamp, wire
 from tests.lan.agents import Two, end, placed
 from tests.support import netns, programs
 from tests.support.netns import Network
-from tests.support.robot import lbr, until
-
-pytestmark = pytest.mark.timeout(40)
+from tests.support.robot import lbr
+from tests.support.waiting import until
 
 
 @pytest.fixture(scope="module")

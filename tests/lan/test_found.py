@@ -4,13 +4,10 @@ import json
 import os
 import sys
 
-import pytest
-
 from tests.support import programs
 from tests.support.door import opened
 from tests.support.robot import prepare
 
-pytestmark = pytest.mark.timeout(40)
 KEYRING = """
 import os
 from keyring.backend import KeyringBackend

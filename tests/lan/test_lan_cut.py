@@ -11,9 +11,9 @@ import pytest
 from tests.support import netns, programs
 from tests.support.door import Door
 from tests.support.netns import Network
-from tests.support.robot import running, until
+from tests.support.robot import running
+from tests.support.waiting import until
 
-pytestmark = pytest.mark.timeout(30)
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "drive_with_plain_zenoh.py"
 S8_S = 0.3
 
@@ -31,7 +31,7 @@ def tell(popen: "subprocess.Popen[str]", word: str) -> None:
 def stands_for(door: Door, seconds: float) -> None:
     since_ns = time.monotonic_ns()
     with pytest.raises(AssertionError, match="never"):
-        until(door.moving, limit_s=seconds, what="never")
+        until(door.moving, what="never")
     assert all(output.zero for output in door.trace.outputs(since_ns))
 
 

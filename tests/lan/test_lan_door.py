@@ -14,10 +14,9 @@ from lbr.apps.lan import KIND, rights
 from lbr.bus.access import Credentials
 from lbr.bus.door import LanConfig
 from tests.support.door import ROLES, Door, add_token, answer
-from tests.support.machine import Stopwatch
-from tests.support.robot import free_port, lbr, running, until
+from tests.support.robot import free_port, lbr, running
+from tests.support.waiting import until
 
-pytestmark = pytest.mark.timeout(30)
 LAN = LanConfig(
     listen=(),
     link=Credentials(user="@lan", password=""),
@@ -125,7 +124,5 @@ def test_a_door_that_is_killed_is_open_again_and_routes_both_ways(door: Door):
 def test_a_door_that_hangs_is_replaced(door: Door):
     pid = door.robot.capability("lan")["pid"]
     os.kill(pid, signal.SIGSTOP)
-    watch = Stopwatch()
     until(lambda: door.robot.capability("lan")["pid"] not in {pid, None}, what="another one")
-    assert watch.given_s < 5.0, watch
     until(lambda: door.refuses("eye") == "", what="it is open")

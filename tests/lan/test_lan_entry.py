@@ -19,9 +19,8 @@ from lbr import client
 from lbr.bus import certificates
 from tests.support import programs
 from tests.support.door import Door, opened
-from tests.support.robot import LBR, until
-
-pytestmark = pytest.mark.timeout(30)
+from tests.support.robot import LBR
+from tests.support.waiting import until
 
 
 def said(done: "subprocess.CompletedProcess[str]") -> str:

@@ -10,9 +10,8 @@ import zenoh
 from lbr.bus import access, keys, session, wire
 from lbr.errors import BusError
 from tests.support.door import Door, answer
-from tests.support.robot import until
+from tests.support.waiting import STOPS_S, until
 
-pytestmark = pytest.mark.timeout(20)
 TURN = {"power": 0.1, "angle_deg": 90}
 
 
@@ -39,7 +38,7 @@ def test_a_motion_from_afar_begins_when_its_lease_is_quoted_and_lapses(door: Doo
             wire.put(bus, "lbr/drive/command", {**TURN, "lease": offered["lease"]}, source="afar")
             time.sleep(0.05)
         until(door.moving, what="it moves")
-        until(lambda: not door.moving(), limit_s=0.6, what="it lapsed")
+        until(lambda: not door.moving(), limit_s=STOPS_S, what="it lapsed")
 
 
 @pytest.mark.parametrize("message", [TURN, {**TURN, "take_over": True}, {"power": 0}])
@@ -80,13 +79,13 @@ def test_a_viewer_can_stop_who_drives(door: Door):
     until(door.moving, what="somebody here drives")
     with door.client("eye") as bus:
         assert answer(bus, "lbr/drive/stop", {})["accepted"]
-    until(lambda: not door.moving(), limit_s=0.3, what="it stopped")
+    until(lambda: not door.moving(), limit_s=STOPS_S, what="it stopped")
 
 
 def test_a_viewer_can_press_the_emergency_stop_and_not_reset_it(door: Door):
     with door.client("eye") as bus:
         bus.put("lbr/@estop", json.dumps({"engaged": True, "reason": "a ladder"}))
-        until(lambda: door.robot.status()["estop"]["engaged"], limit_s=1.0, what="it latched")
+        until(lambda: door.robot.status()["estop"]["engaged"], limit_s=STOPS_S, what="it latched")
         assert answer(bus, "lbr/@estop/reset", {}) is None
     assert door.robot.status()["estop"]["engaged"]
     with door.client("phone") as bus:

@@ -22,7 +22,6 @@ def room():
         yield made.unwrapped
 
 
-@pytest.mark.timeout(60)
 @pytest.mark.filterwarnings("error")
 def test_it_passes_gymnasiums_own_checker(room):
     check_env(room)

@@ -21,8 +21,6 @@ from lbr.simulation.settings import StartPose
 from tests.support import programs
 from tests.support.robot import lbr, prepare
 
-pytestmark = pytest.mark.timeout(30)
-
 
 @pytest.fixture(scope="module")
 def home():
@@ -127,7 +125,7 @@ def test_the_command_tries_a_file_and_says_what_became_of_it(home, tmp_path):
     told = json.loads(said.stdout)
     assert [one["number"] for one in told["trials"]] == [0, 1]
     assert told["trials"][0]["good"]
-    story = lbr(home, "behaviour", "try", str(table), "--only", "0", limit_s=25.0)
+    story = lbr(home, "behaviour", "try", str(table), "--only", "0")
     assert "good after" in story.stdout
     assert "drive: behaviour took the base" in story.stdout
     assert (home / "robot.db").read_bytes() == before

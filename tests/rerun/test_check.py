@@ -14,7 +14,8 @@ from lbr.errors import InputError
 from lbr.recording import selection
 from lbr.rerun import check
 from tests.support import programs
-from tests.support.robot import LBR, environment, lbr, prepare, running, until
+from tests.support.robot import LBR, environment, lbr, prepare, running
+from tests.support.waiting import until
 
 NAME = "walk"
 
@@ -23,7 +24,7 @@ NAME = "walk"
 def home(tmp_path_factory):
     """A home with a recording in which a robot is driven, refused and stopped."""
     home = prepare(tmp_path_factory.mktemp("replay"), "imu", "attitude", "box")
-    with pytest.MonkeyPatch.context() as patch, running(home, limit_s=20.0) as robot:
+    with pytest.MonkeyPatch.context() as patch, running(home) as robot:
         patch.setenv("LBR_HOME", str(home))
         command = [*LBR, "record", "--lines", "--name", NAME]
         recording = programs.start(command, env=environment(home), stderr=subprocess.PIPE, text=True)
@@ -45,7 +46,7 @@ def home(tmp_path_factory):
 def pass_time(robot, seconds):
     """Wait for so much of what the inertial unit measures."""
     begun = robot.ask("imu/sample")["time_s"]
-    until(lambda: robot.ask("imu/sample")["time_s"] > begun + seconds, limit_s=20.0, what=f"{seconds} s")
+    until(lambda: robot.ask("imu/sample")["time_s"] > begun + seconds, what=f"{seconds} s")
 
 
 def recorded(home):

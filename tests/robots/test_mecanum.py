@@ -9,7 +9,7 @@ import pytest
 
 from tests.support import robot as robots
 from tests.support.packages import PROFILES, on_path, package, robot_package
-from tests.support.robot import until
+from tests.support.waiting import STOPS_S, until
 
 ROOT = Path(__file__).resolve().parents[2]
 ROWS = """
@@ -42,7 +42,7 @@ def crab(tmp_path, monkeypatch):
     }
     package(site, "my-quad", entry_points=points, files={})
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join((on_path(site), str(ROOT))))
-    robot = robots.start(robots.prepare(tmp_path / "home"), profile="crab-sim", limit_s=20.0)
+    robot = robots.start(robots.prepare(tmp_path / "home"), profile="crab-sim")
     yield robot
     robot.close()
 
@@ -59,7 +59,7 @@ class Sender:
             self.lease = reply["lease"] if reply and reply["accepted"] else ""
             return enough()
 
-        until(done, limit_s=15.0, what=what)
+        until(done, what=what)
 
 
 @pytest.mark.slow_start
@@ -69,7 +69,7 @@ def test_it_moves_sideways_and_stands_when_a_process_on_the_way_to_its_motors_is
     def pose():
         return crab.ask("world/pose")
 
-    until(lambda: (crab.ask("odometry/state") or {}).get("valid"), limit_s=15.0, what="odometry")
+    until(lambda: (crab.ask("odometry/state") or {}).get("valid"), what="odometry")
     sender = Sender(crab, vy_mps=0.3)
     sender.until(lambda: pose()["y_m"] > 0.15, "it goes to the left")
     assert abs(pose()["x_m"]) < 0.03
@@ -84,6 +84,6 @@ def test_it_moves_sideways_and_stands_when_a_process_on_the_way_to_its_motors_is
         after = until(lambda: pose() if pose()["time_s"] > before["time_s"] + 0.05 else None, what="its world")
         return hypot(after["x_m"] - before["x_m"], after["y_m"] - before["y_m"]) < 1e-4
 
-    until(stands, limit_s=2.0, what="it stands")
+    until(stands, limit_s=STOPS_S, what="it stands")
     refused = crab.ask("drive/twist", {"vy_mps": 0.3, "lease": sender.lease})
     assert not (refused and refused["accepted"])

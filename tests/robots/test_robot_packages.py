@@ -15,7 +15,8 @@ from lbr import cli
 from tests.support import programs
 from tests.support import robot as whole
 from tests.support.packages import CRAWLER, DECLARED, PROFILES, imported_from, on_path, package, robot_package
-from tests.support.robot import running, until
+from tests.support.robot import running
+from tests.support.waiting import until
 
 
 @pytest.fixture
@@ -55,13 +56,12 @@ def looked(home, sql):
 
 
 @pytest.mark.slow_start
-@pytest.mark.timeout(30)
 def test_a_robot_that_was_installed_runs_with_nothing_else_and_can_be_driven(site, home):
     """Its database is older than it is."""
     assert whole.lbr(home, "db", "init").returncode == 0
     robot_package(site)
     with running(home, profile="crawler-sim") as robot:
-        until(lambda: robot.capability("drive")["phase"] == "ready", limit_s=9.0)
+        until(lambda: robot.capability("drive")["phase"] == "ready")
         until(lambda: robot.line("/r/0.1/0")["code"] == 0, what="its motors are armed, and it drives")
         assert robot.line("s")["text"] == "stopped"
         assert "/r/power/angle" in robot.line("help")["text"]

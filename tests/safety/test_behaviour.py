@@ -9,9 +9,10 @@ from typing import Any
 
 import pytest
 
-from tests.support.robot import Robot, lbr, prepare, running, until
+from tests.support.robot import Robot, lbr, prepare, running
+from tests.support.waiting import STOPS_S, until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
+pytestmark = [pytest.mark.slow_start]
 TABLE = """Type,Current State,Time,O:level,O:retry,O:turn,Next State
 start,Ahead,,0.15,10,,Waiting
 ,Waiting,>= 600,,,,Home
@@ -43,7 +44,7 @@ def mover(running_robot: Robot) -> Robot:
             running_robot.line("/behaviour/run/creep")
         return max(map(abs, wheels(running_robot))) > 0.05
 
-    until(look, limit_s=15.0, what="it drives")
+    until(look, what="it drives")
     return running_robot
 
 
@@ -55,15 +56,14 @@ def wheels(robot: Robot) -> tuple[float, float]:
 
 def told(robot: Robot, key: str) -> dict[str, Any]:
     """What a capability says of itself; one of low rank may take its time on a busy machine."""
-    return until(lambda: robot.ask(key), limit_s=12.0, what=f"{key} is told")
+    return until(lambda: robot.ask(key), what=f"{key} is told")
 
 
 def test_a_killed_table_leaves_the_wheels_standing_and_its_next_life_does_not_go_on(mover):
     os.kill(mover.capability("behaviour")["pid"], signal.SIGKILL)
-    until(lambda: wheels(mover) == (0.0, 0.0), limit_s=3.0, what="the wheels stand")
+    until(lambda: wheels(mover) == (0.0, 0.0), limit_s=STOPS_S, what="the wheels stand")
     until(
         lambda: (unit := mover.capability("behaviour"))["restarts"] == 1 and unit["phase"] == "ready",
-        limit_s=9.0,
         what="behaviour lives again",
     )
     assert told(mover, "behaviour/state")["phase"] == "resting"

@@ -8,8 +8,6 @@ from tests.scenarios import clients
 from tests.support.bench import Bench
 from tests.support.figures import Results
 
-pytestmark = pytest.mark.timeout(30)
-
 
 @pytest.mark.parametrize("way", clients.WAYS, ids=lambda way: way.__name__)
 def test_a_client_that_is_gone_moves_nothing(held: Callable[[Callable[[Bench], None]], Results], way):

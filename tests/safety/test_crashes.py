@@ -3,14 +3,11 @@
 One way of each nature; `python -m benchmarks safety --gate` goes through all of them.
 """
 
-import pytest
-
 from tests.safety.limits import holds
 from tests.scenarios import crashes
 from tests.support.bench import bench
 from tests.support.figures import Results
 
-pytestmark = pytest.mark.timeout(40)
 DRIVER = {"S13": ("exception", "segfault"), "P5": ("frozen",)}
 APP = {"S13": ("thread", "exit 0"), "P5": ("deadlock",)}
 

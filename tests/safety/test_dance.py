@@ -9,9 +9,10 @@ from typing import Any
 
 import pytest
 
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import STOPS_S, until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
+pytestmark = [pytest.mark.slow_start]
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +42,7 @@ def begin(robot: Robot) -> None:
             robot.line("/d/metronome")
         return max(map(abs, wheels(robot))) > 0.1
 
-    until(look, limit_s=15.0, what="the first move")
+    until(look, what="the first move")
 
 
 def wheels(robot: Robot) -> tuple[float, float]:
@@ -52,7 +53,7 @@ def wheels(robot: Robot) -> tuple[float, float]:
 
 def told(robot: Robot, key: str) -> dict[str, Any]:
     """What a capability says of itself; one of low rank may take its time on a busy machine."""
-    return until(lambda: robot.ask(key), limit_s=12.0, what=f"{key} is told")
+    return until(lambda: robot.ask(key), what=f"{key} is told")
 
 
 def wait_for_the_end(robot: Robot) -> None:
@@ -62,10 +63,9 @@ def wait_for_the_end(robot: Robot) -> None:
 
 def test_a_killed_dance_leaves_the_wheels_standing_and_its_next_life_does_not_go_on(dancer):
     os.kill(dancer.capability("dance")["pid"], signal.SIGKILL)
-    until(lambda: wheels(dancer) == (0.0, 0.0), limit_s=2.0, what="the wheels stand")
+    until(lambda: wheels(dancer) == (0.0, 0.0), limit_s=STOPS_S, what="the wheels stand")
     until(
         lambda: (unit := dancer.capability("dance"))["restarts"] == 1 and unit["phase"] == "ready",
-        limit_s=9.0,
         what="dance lives again",
     )
     assert told(dancer, "dance/state")["phase"] == "resting"
@@ -78,7 +78,7 @@ def test_a_stop_of_the_base_is_the_end_of_the_dance_and_of_its_song(dancer):
     dancer.line("s")
     wait_for_the_end(dancer)
     assert wheels(dancer) == (0.0, 0.0)
-    until(lambda: told(dancer, "speech/state")["playing"] == "", limit_s=12.0, what="the song ends")
+    until(lambda: told(dancer, "speech/state")["playing"] == "", what="the song ends")
 
 
 def test_an_emergency_stop_is_the_end_of_the_dance_and_its_release_moves_nothing(dancer):

@@ -11,7 +11,6 @@ from tests.scenarios.data_promises import PROMISES
 from tests.support.figures import Results
 from tests.support.small_disk import can_mount
 
-pytestmark = pytest.mark.timeout(40)
 SEED = 1
 
 

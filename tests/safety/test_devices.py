@@ -8,7 +8,6 @@ from tests.scenarios import devices
 from tests.support.bench import Bench
 from tests.support.figures import Results
 
-pytestmark = pytest.mark.timeout(30)
 Held = Callable[[Callable[[Bench], None]], Results]
 
 

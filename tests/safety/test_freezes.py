@@ -10,8 +10,6 @@ from tests.scenarios import freezes
 from tests.support.bench import Bench
 from tests.support.figures import Results
 
-pytestmark = pytest.mark.timeout(30)
-
 
 @pytest.mark.parametrize("way", freezes.WAYS, ids=lambda way: way.__name__)
 def test_the_motors_stand_and_nothing_moves_when_it_is_over(held: Callable[[Callable[[Bench], None]], Results], way):

@@ -9,11 +9,12 @@ from typing import Any
 import pytest
 
 from tests.support import needs
-from tests.support.robot import Robot, only, prepare, running, until
+from tests.support.robot import Robot, only, prepare, running
+from tests.support.waiting import until
 
 needs.modules("mujoco")
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
+pytestmark = [pytest.mark.slow_start]
 PAD = (
     only("bioloid", "world", "servos", "joints", "motions", "teleop"),
     "INSERT INTO device (robot, name, type, address) VALUES ('bioloid', 'pad', 'gamepad', '/dev/input/by-id/usb-pad')",
@@ -31,7 +32,7 @@ def bioloid() -> Iterator[Robot]:
         tempfile.TemporaryDirectory(prefix="lbr-") as place,
         running(prepare(Path(place) / "h", edits=PAD), profile="bioloid-sim") as robot,
     ):
-        until(lambda: robot.ask("teleop/state"), limit_s=12.0, what="teleop tells")
+        until(lambda: robot.ask("teleop/state"), what="teleop tells")
         yield robot
 
 
@@ -44,7 +45,7 @@ def told(robot: Robot, **state: Any) -> None:
         found = robot.ask("teleop/state") or {}
         return all(found.get(name) == value for name, value in state.items())
 
-    until(look, limit_s=9.0, what=f"teleop says {state}")
+    until(look, what=f"teleop says {state}")
 
 
 def has_torque(robot: Robot) -> bool:
@@ -65,11 +66,11 @@ def test_a_button_plays_a_motion_while_the_dead_man_button_is_held_and_its_relea
     press(bioloid, "tl")
     told(bioloid, dead_man=True)
     press(bioloid, "tl,start")
-    until(lambda: has_torque(bioloid), limit_s=9.0, what="its joints have torque")
+    until(lambda: has_torque(bioloid), what="its joints have torque")
     press(bioloid, "tl,y")
-    until(lambda: playing(bioloid) == "wave", limit_s=9.0, what="it waves")
+    until(lambda: playing(bioloid) == "wave", what="it waves")
     time.sleep(LASTS_S)
     assert playing(bioloid) == "wave", "it is renewed"
     press(bioloid, "off")
-    until(lambda: playing(bioloid) == "", limit_s=4.0, what="it ends")
+    until(lambda: playing(bioloid) == "", what="it ends")
     told(bioloid, line="")

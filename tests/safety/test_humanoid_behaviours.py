@@ -10,11 +10,12 @@ from typing import Any
 import pytest
 
 from tests.support import needs
-from tests.support.robot import Robot, only, prepare, running, until
+from tests.support.robot import Robot, only, prepare, running
+from tests.support.waiting import STOPS_S, until
 
 needs.modules("mujoco")
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
+pytestmark = [pytest.mark.slow_start]
 NEEDED = ("world", "servos", "joints", "motions", "imu", "attitude", "behaviour")
 WALKS_FIRST = (
     "DELETE FROM behaviour_row WHERE robot = 'bioloid' AND behaviour = 'show' AND (state = 'Sitting' OR"
@@ -56,13 +57,13 @@ def standing(bioloid: Robot) -> Robot:
         bioloid.line("/torque/on")  # a machine that held the joints up has had the servos let go
         return on_feet(bioloid) and told(bioloid, "motions/state")["fallen"] == ""
 
-    until(stands, limit_s=15.0, what="it stands by itself")
+    until(stands, limit_s=STOPS_S, what="it stands by itself")
     return bioloid
 
 
 def told(robot: Robot, key: str) -> dict[str, Any]:
     """What a capability says of itself."""
-    return until(lambda: robot.ask(key), limit_s=12.0, what=f"{key} is told")
+    return until(lambda: robot.ask(key), what=f"{key} is told")
 
 
 def limp(robot: Robot) -> bool:
@@ -92,7 +93,7 @@ def plays(robot: Robot, table: str, motion: str) -> None:
         playing = told(robot, "motions/state")
         return bool(state["doing"].startswith(f"play {motion}") and playing["playing"])
 
-    until(look, limit_s=15.0, what=f"{table} plays {motion}")
+    until(look, what=f"{table} plays {motion}")
 
 
 def rests(robot: Robot) -> None:
@@ -108,7 +109,6 @@ def kill(robot: Robot) -> None:
     rests(robot)
     until(
         lambda: (unit := robot.capability("behaviour"))["restarts"] == restarts + 1 and unit["phase"] == "ready",
-        limit_s=9.0,
         what="behaviour lives again",
     )
     assert told(robot, "behaviour/state")["phase"] == "resting"
@@ -161,8 +161,8 @@ def test_a_show_in_which_it_falls_gets_it_up(standing):
     standing.edit(topples, "topple")
     until(lambda: "topple" in standing.line("/behaviour/show/show")["text"], what="the edit is known")
     plays(standing, "show", "topple")
-    until(lambda: told(standing, "behaviour/state")["called"] == ["show"], limit_s=8.0, what="it runs get_up")
-    until(lambda: told(standing, "motions/state")["motion"] == "get_up_face", limit_s=8.0, what="it gets up")
+    until(lambda: told(standing, "behaviour/state")["called"] == ["show"], what="it runs get_up")
+    until(lambda: told(standing, "motions/state")["motion"] == "get_up_face", what="it gets up")
     standing.edit(topples, "walk")
 
 

@@ -13,7 +13,7 @@ from tests.scenarios.promises import PROMISES
 from tests.support.bench import Bench, bench
 from tests.support.figures import Results
 from tests.support.mover import accepted
-from tests.support.robot import until
+from tests.support.waiting import until
 
 pytestmark = pytest.mark.timeout(30)
 
@@ -100,7 +100,7 @@ def test_a_chatterbox_floods_neither_the_events_nor_the_disk(running: Bench):
     path.write_text(textwrap.dedent(CHATTERBOX))
     path.chmod(0o600)
     robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'chatterbox', 'chatterbox', '{}')")
-    said = until(lambda: [event for event in robot.events() if event["kind"] == "repeated"], limit_s=9.0)
+    said = until(lambda: [event for event in robot.events() if event["kind"] == "repeated"])
     assert "more events 'chatter' within a second" in said[0]["text"]
     assert sum(event["kind"] == "chatter" for event in robot.events()) <= 30
 
@@ -123,7 +123,7 @@ def test_a_crash_loop_is_given_up_visibly(running: Bench):
     settings = json.dumps({"argv": ["/bin/false"]})
     robot = running.robot
     robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'bad', 'exec', ?)", settings)
-    until(lambda: robot.capability("bad")["phase"] == "failed", limit_s=15.0)
+    until(lambda: robot.capability("bad")["phase"] == "failed")
     bad = robot.capability("bad")
     assert "crashed 6 times within 30 s; given up" in bad["reason"]
     assert bad["last_end"] == bad["reason"]

@@ -7,8 +7,6 @@ import pytest
 from tests.safety.limits import holds
 from tests.scenarios import kills, orphans
 
-pytestmark = pytest.mark.timeout(30)
-
 
 def test_a_killed_motor_driver_leaves_the_motors_standing():
     results = holds(lambda results: kills.kill_motor_driver(results, 2))

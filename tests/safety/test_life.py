@@ -10,8 +10,6 @@ from tests.scenarios import crashes, edits, shutdown, starts
 from tests.support.bench import bench
 from tests.support.figures import Results
 
-pytestmark = pytest.mark.timeout(30)
-
 
 @pytest.mark.parametrize("how", ["Shutdown", "end of input"])
 def test_a_driving_robot_shuts_down_in_order(how):

@@ -11,7 +11,6 @@ from tests.scenarios import bounds, estop, writers
 from tests.support.bench import Bench, bench
 from tests.support.figures import Results
 
-pytestmark = pytest.mark.timeout(30)
 Held = Callable[[Callable[[Bench], None]], Results]
 
 

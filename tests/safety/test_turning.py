@@ -10,7 +10,7 @@ from tests.scenarios.promises import PROMISES
 from tests.support.bench import Bench
 from tests.support.figures import Results
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
+pytestmark = [pytest.mark.slow_start]
 
 
 @pytest.fixture(scope="module")

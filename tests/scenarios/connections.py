@@ -10,7 +10,8 @@ from pathlib import Path
 
 from tests.support.bench import let_go
 from tests.support.figures import Results
-from tests.support.robot import only, prepare, start, until
+from tests.support.robot import only, prepare, start
+from tests.support.waiting import until
 
 ANSWER_S = 5.0
 HOST = b"Host: localhost\r\n"
@@ -30,7 +31,7 @@ def stops_beside(results: Results, n: int) -> None:
         robot = start(prepare(Path(place) / "h", edits=EDITS), profile="uxa90-sim")
         try:
             port = int(robot.web.rpartition(":")[2])
-            until(lambda: _stop(port) == 200, limit_s=20.0, what="a server that stops the robot")
+            until(lambda: _stop(port) == 200, what="a server that stops the robot")
             for name, (count, sent) in BURDENS.items():
                 for at in range(0, n, 10):
                     with _burden(port, sent, count):

@@ -8,7 +8,8 @@ import psutil
 from tests.scenarios.load import busy_loops
 from tests.support.bench import let_go, temporary_home
 from tests.support.figures import Results
-from tests.support.robot import Robot, start, until
+from tests.support.robot import Robot, start
+from tests.support.waiting import until
 
 AT_ONCE, FITTING = 300, 40
 ADD_MANY = (
@@ -26,9 +27,9 @@ def rows_at_once(results: Results, n: int) -> None:
             robot = start(home)
             for count in (AT_ONCE, FITTING):
                 robot.edit(ADD_MANY.format(last=count - 1))
-                until(partial(_settled, robot, results, count), limit_s=120.0)
+                until(partial(_settled, robot, results, count))
                 robot.edit(TAKE_BACK)
-                until(partial(_gone, robot), limit_s=30.0)
+                until(partial(_gone, robot))
             _hear(robot, results, "estop")
             let_go(robot)
 
@@ -86,9 +87,9 @@ def _hear(robot: Robot, results: Results, line: str) -> None:
 
 def _add_and_remove(robot: Robot) -> None:
     robot.edit(ADD_MANY.format(last=0))
-    until(lambda: robot.capability("row0")["phase"] == "ready", limit_s=20.0)
+    until(lambda: robot.capability("row0")["phase"] == "ready")
     robot.edit(TAKE_BACK)
-    until(lambda: robot.capability("row0")["phase"] == "absent", limit_s=20.0)
+    until(lambda: robot.capability("row0")["phase"] == "absent")
 
 
 def _cost(executive: psutil.Process) -> tuple[float, float, float]:

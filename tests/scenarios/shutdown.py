@@ -16,7 +16,8 @@ from lbr import home as homes
 from tests.support import programs
 from tests.support.bench import Bench, let_go, processes_of, say, temporary_home
 from tests.support.figures import Results
-from tests.support.robot import LBR, Robot, environment, start, until
+from tests.support.robot import LBR, Robot, environment, start
+from tests.support.waiting import until
 
 GONE_HARD_MS, GONE_FROZEN_HARD_MS = 3000.0, 5000.0
 FIRST, LAST = "drive", "world"
@@ -113,8 +114,8 @@ def _with_console(home: Path) -> Robot:
             text=True,
         )
     record = home / "run" / "lbr.json"
-    until(record.exists, limit_s=9.0, what="the running robot's record")
+    until(record.exists, what="the running robot's record")
     found = msgspec.json.decode(record.read_bytes(), type=homes.Running)
     robot = Robot(home, popen, {"robot": found.robot, "endpoints": list(found.endpoints)})
-    until(lambda: (robot.ask("@status") or {}).get("ready"), limit_s=9.0, what="ready")
+    until(lambda: (robot.ask("@status") or {}).get("ready"), what="ready")
     return robot

@@ -59,7 +59,7 @@ def _gone(under_test: Bench) -> None:
 
 def _console(under_test: Bench, *, answers: bool) -> OnTerminal:
     console = OnTerminal(under_test.robot.home, [*LBR, "console"], answers=answers)
-    console.wait_for(b"Robot>", 30.0)
+    console.wait_for(b"Robot>")
     return console
 
 

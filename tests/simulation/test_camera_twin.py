@@ -24,7 +24,7 @@ from lbr.simulation.requests import PlaceRequest, RemoveRequest
 from lbr.simulation.settings import WorldSettings
 from tests.simulation.camera_bench import Film, like, picture
 from tests.simulation.world_bench import Bench
-from tests.support.machine import Stopwatch
+from tests.support.waiting import until
 
 SOUND = CameraFaults()
 RED, SKY = (204, 64, 51), (184, 207, 229)
@@ -280,11 +280,10 @@ socket.socket(fileno=int(sys.argv[1])).send(b'{"renderer": "", "note": "no Pillo
 def test_what_lies_in_the_current_directory_is_not_run(monkeypatch, tmp_path):
     (tmp_path / "msgspec.py").write_text("raise SystemExit('not this one')")
     monkeypatch.chdir(tmp_path)
-    host, said, watch = CameraHost(Engine(WorldSettings(walls=())).packed(), 8), [], Stopwatch()
+    host, said = CameraHost(Engine(WorldSettings(walls=())).packed(), 8), []
     ours, theirs = socket.socketpair()
     host.watch("camera", "front", theirs)
-    while not said and not watch.over(10.0):
-        said += host.serve()
+    until(lambda: said.extend(host.serve()) or said)
     host.close()
     ours.close()
     assert [told.renderer != "" for told in said] == [True]

@@ -4,14 +4,14 @@ from math import radians
 
 import pytest
 
-from tests.support.robot import prepare, running, until
+from tests.support.robot import prepare, running
+from tests.support.waiting import STOPS_S, until
 
 JOINT, RAISED_RAD = "left_shoulder_roll", radians(40.0)
 NEEDED = ("world", "servos", "joints")
 
 
 @pytest.mark.slow_start
-@pytest.mark.timeout(40)
 def test_a_command_raises_an_arm_of_a_robot_that_stands_by_itself(tmp_path):
     others = f"UPDATE capability SET enabled = 0 WHERE robot = 'bioloid' AND name NOT IN {NEEDED}"
     home = prepare(tmp_path / "home", edits=(others,))
@@ -21,7 +21,7 @@ def test_a_command_raises_an_arm_of_a_robot_that_stands_by_itself(tmp_path):
             robot.line("/torque/on")  # a machine that held the joints up has had the servos let go
             return not robot.ask("world/pose")["held"]
 
-        until(stands_by_itself, limit_s=15.0, what="the hand lets go")
+        until(stands_by_itself, limit_s=STOPS_S, what="the hand lets go")
         lease = ""
 
         def raised():

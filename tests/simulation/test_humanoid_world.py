@@ -17,7 +17,7 @@ from lbr.simulation.requests import FaultRequest, PickUpRequest, PictureRequest,
 from lbr.testing import FakeCall
 from tests.simulation.humanoid_bench import rows
 from tests.simulation.world_bench import WorldContext
-from tests.support.machine import Stopwatch
+from tests.support.waiting import HANG_S
 
 STEP_RAD = radians(300.0 / 1023.0)
 LEFT_ARM = 4
@@ -44,10 +44,10 @@ class Bench:
         self.world.command(call)
         return call
 
-    def until(self, condition, seconds=4.0):
+    def until(self, condition):
         """Step as the runtime would until something is true."""
-        pause, watch = threading.Event(), Stopwatch()
-        while not watch.over(seconds):
+        pause, end = threading.Event(), time.monotonic() + HANG_S
+        while time.monotonic() < end:
             self.world.step()
             if condition():
                 return True

@@ -16,7 +16,7 @@ from lbr.simulation.devices.mpu9150.twin import Mpu9150Twin
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from tests.simulation.world_bench import AROUND
-from tests.support.robot import until
+from tests.support.waiting import until
 
 FELT = ImuReading(
     gyro_rps=(0.1, -0.2, 0.3), accel_mps2=(1.0, -2.0, 9.80665), mag_ut=(20.0, -5.0, -40.0), temperature_c=31.0

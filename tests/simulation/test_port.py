@@ -7,7 +7,7 @@ import serial
 
 from lbr.errors import DeviceError
 from lbr.simulation.port import PtyPort
-from tests.support.robot import until
+from tests.support.waiting import until
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 import queue
 import threading
+import time
 
 import msgspec
 import numpy as np
@@ -21,7 +22,7 @@ from lbr.testing import FakeCall
 from tests.models.uxa90.robot import humanoid, joints, settings
 from tests.simulation.camera_bench import Film, orange
 from tests.simulation.world_bench import WorldContext
-from tests.support.machine import Stopwatch
+from tests.support.waiting import HANG_S
 
 BUTTON = bytes.fromhex("ff ff aa 55 aa 55 37 ba 14 00 00 00 00 01")
 NOD = 14
@@ -59,9 +60,9 @@ class Stage:
         assert self.until(taken.is_set)
         return call
 
-    def until(self, condition, seconds=8.0):
-        watch, pause = Stopwatch(), threading.Event()
-        while not condition() and not watch.over(seconds):
+    def until(self, condition):
+        end, pause = time.monotonic() + HANG_S, threading.Event()
+        while not condition() and time.monotonic() < end:
             pause.wait(0.01)
         return condition()
 

@@ -14,7 +14,7 @@ from lbr.simulation.settings import BoxSettings, WorldSettings
 from lbr.simulation.trace import OutputTrace
 from lbr.simulation.twins.base import Surroundings
 from lbr.testing import FakeCall, FakeContext
-from tests.support.machine import Stopwatch
+from tests.support.waiting import HANG_S
 
 WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
 
@@ -67,10 +67,10 @@ class Bench:
     def trace(self):
         return [line.split() for line in self.trace_path.read_text().splitlines()]
 
-    def until(self, condition, seconds=3.0):
+    def until(self, condition):
         """Step as the runtime would until something is true."""
-        pause, watch = threading.Event(), Stopwatch()
-        while not watch.over(seconds):
+        pause, end = threading.Event(), time.monotonic() + HANG_S
+        while time.monotonic() < end:
             self.world.step()
             if condition():
                 return True

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tests.support import programs
-from tests.support.robot import until
+from tests.support.waiting import until
 
 SIZE = "96M"
 SHUTDOWN = 0x8004587D

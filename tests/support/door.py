@@ -20,8 +20,9 @@ from lbr.database import store
 from lbr.errors import BusError
 from lbr.executive.planning import credentials
 from tests.support import programs
-from tests.support.robot import LBR, Robot, free_port, running, until
+from tests.support.robot import LBR, Robot, free_port, running
 from tests.support.trace import Trace
+from tests.support.waiting import until
 
 PLAIN = Path(__file__).parent / "clients" / "at_a_door.py"
 ROLES = {"eye": "view", "phone": "operate", "boss": "admin"}

@@ -18,7 +18,8 @@ from cryptography.x509.oid import NameOID
 from paho.mqtt import client as mqtt
 
 from tests.support import programs
-from tests.support.robot import free_port, until
+from tests.support.robot import free_port
+from tests.support.waiting import until
 
 CONFIG = """
 listener {port} 127.0.0.1
@@ -124,7 +125,7 @@ class Person:
         self.client.on_connect = lambda client, *_: client.subscribe([(topic, 1) for topic in topics])
         self.client.on_subscribe = lambda *_: self._ready.set()
         self.client.on_message = self._on_message
-        until(lambda: _connects(self.client, broker.port), limit_s=5.0, what="the broker")
+        until(lambda: _connects(self.client, broker.port), what="the broker")
         self.client.loop_start()
         until(self._ready.is_set, what="its subscriptions")
 

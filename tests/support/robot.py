@@ -7,15 +7,15 @@ import socket
 import sqlite3
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from lbr.testing import robot as robots
-from tests.support import databases, machine, programs, slots
+from tests.support import databases, programs
+from tests.support.waiting import HANG_S, until
 
-T = TypeVar("T")
 LBR = [sys.executable, "-m", "lbr.start"]
 
 
@@ -114,27 +114,14 @@ class Robot(robots.Robot):
         return self.home / "trace.txt"
 
 
-def until(look: Callable[[], T], *, limit_s: float = 5.0, what: str = "") -> T:
-    """Look again and again until it is truthy; fail with the last look. The limit is for what the machine gives."""
-    watch = machine.Stopwatch()
-    while True:
-        seen = look()
-        if seen:
-            return seen
-        if watch.over(limit_s):
-            raise AssertionError(f"not within {limit_s} s ({watch}): {what or look}; last seen {seen!r}")
-        select.select([], [], [], 0.01)
-
-
 def environment(home: Path) -> dict[str, str]:
     return os.environ | {"LBR_HOME": str(home), "PYTHONUNBUFFERED": "1"}
 
 
 def start(
-    home: Path, *arguments: str, profile: str = "lbr-sim", limit_s: float = 9.0, prefix: tuple[str, ...] = ()
+    home: Path, *arguments: str, profile: str = "lbr-sim", limit_s: float = HANG_S, prefix: tuple[str, ...] = ()
 ) -> Robot:
     """Run a robot, by the program `prefix` if there is one, and wait for its ready line."""
-    slots.take()
     with (home / "stderr.txt").open("ab") as errors:
         popen = programs.start(
             [*prefix, *LBR, "run", profile, "--no-console", *arguments],
@@ -144,9 +131,8 @@ def start(
             stderr=errors,
             text=True,
         )
-    slots.has(popen)
     try:
-        until(lambda: select.select([popen.stdout], [], [], 0.1)[0], limit_s=limit_s, what="its ready line")
+        until(lambda: select.select([popen.stdout], [], [], 0.1)[0], what="its ready line")
         line = popen.stdout.readline()
         assert line, f"no ready line: {(home / 'stderr.txt').read_text()[-2000:]}"
         return Robot(home, popen, json.loads(line))
@@ -157,7 +143,7 @@ def start(
         raise
 
 
-def lbr(home: Path, *arguments: str, stdin: str = "", limit_s: float = 9.0) -> "subprocess.CompletedProcess[str]":
+def lbr(home: Path, *arguments: str, stdin: str = "", limit_s: float = HANG_S) -> "subprocess.CompletedProcess[str]":
     """Run an `lbr` command to its end."""
     return programs.run(
         [*LBR, *arguments],
@@ -165,7 +151,7 @@ def lbr(home: Path, *arguments: str, stdin: str = "", limit_s: float = 9.0) -> "
         input=stdin,
         capture_output=True,
         text=True,
-        timeout=limit_s / machine.LEAST_SHARE,
+        timeout=limit_s,
         check=False,
     )
 

@@ -25,8 +25,6 @@ from lbr.testing.driver import (
     says_what_it_reads,
 )
 
-pytestmark = pytest.mark.timeout(40)  # devices begin in their own time, more than once
-
 SERVOS = tuple(Joint(name=f"joint_{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in range(1, 4))
 LIDAR = RangeSensor(name="lidar", kind="lidar", fov_rad=6.2832, min_m=0.02, max_m=12.0, rays=360)
 DRIVERS = {

@@ -7,10 +7,8 @@ from contextlib import closing
 import pytest
 
 from lbr.testing.robot import running
-from tests.support import slots
-from tests.support.robot import BASE, only, until
-
-pytestmark = pytest.mark.timeout(40)
+from tests.support.robot import BASE, only
+from tests.support.waiting import until
 
 
 def test_it_runs_hears_lines_and_questions_and_leaves_nothing():
@@ -19,7 +17,6 @@ def test_it_runs_hears_lines_and_questions_and_leaves_nothing():
         "INSERT INTO verb (robot, word, pattern, target, payload, help)"
         f" VALUES ('lbr', 'creep', 'creep', 'drive.command', '{json.dumps(creep)}', 'Drive ahead slowly')"
     )
-    slots.take()
     with running(edits=(only("lbr", *BASE), verb)) as robot:
         until(lambda: robot.say("creep")["code"] == 0, what="it creeps")
         assert robot.ask("@status")["robot"] == "lbr"

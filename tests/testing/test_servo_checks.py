@@ -9,8 +9,6 @@ from lbr.drivers.servos.targets import ServoTargets
 from lbr.testing import servos
 from lbr.testing.servos import CHECKS, bench
 
-pytestmark = pytest.mark.timeout(60)  # devices begin in their own time, more than once
-
 IDS = (1, 2, 3)
 PATIENT = {"reply_margin_s": 0.05}
 

@@ -12,7 +12,7 @@ from lbr.apps.web import openapi
 from lbr.apps.web.access import Access
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import ConsoleResult
-from tests.support.robot import until
+from tests.support.waiting import until
 from tests.web.api_stage import ROBOT, STANDS, StageBus, described, status
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.web_stage import REQUESTS, serving

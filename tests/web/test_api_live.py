@@ -19,7 +19,7 @@ from lbr.apps.web.page import files
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import Event
 from tests.support import programs
-from tests.support.robot import until
+from tests.support.waiting import until
 from tests.web.api_stage import STANDS, described, status
 from tests.web.test_api import USERS, api
 from tests.web.test_web_access import FINGERPRINT, SECRET

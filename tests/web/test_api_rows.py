@@ -10,16 +10,17 @@ import httpx
 import pytest
 
 from lbr.testing.device import plugged
-from tests.support.robot import Robot, lbr, prepare, running, until
+from tests.support.robot import Robot, lbr, prepare, running
+from tests.support.waiting import until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
+pytestmark = [pytest.mark.slow_start]
 DRIVE = ("capability", {"name": "drive"})
 
 
 @pytest.fixture(scope="module")
 def robot():
     with tempfile.TemporaryDirectory(prefix="lbr-") as folder, running(prepare(Path(folder) / "h", "web")) as one:
-        until(lambda: one.capability("web")["phase"] == "ready", limit_s=10.0)
+        until(lambda: one.capability("web")["phase"] == "ready")
         yield one
 
 
@@ -160,7 +161,7 @@ def test_what_happened_is_told_of_one_part_and_from_a_level_on(owner, robot):
         assert answer.status_code == 200, answer.text
         return answer.json()["data"]["events"]
 
-    until(lambda: any(one["kind"] == "started" for one in told(subject="drive")), limit_s=8.0)
+    until(lambda: any(one["kind"] == "started" for one in told(subject="drive")))
     assert {one["subject"] for one in told(subject="drive")} == {"drive"}
     assert 0 < len(told(limit=20)) <= 20
     assert all(one["level"] != "info" for one in told(level="warning"))
@@ -187,7 +188,7 @@ def test_an_edit_is_in_force_soon_and_stops_are_heard_meanwhile(owner, robot):
         "touched"
     ]["restart"] == ["drive"]
     assert owner.post("/stop").status_code == 200
-    until(lambda: robot.capability("drive")["phase"] == "ready", limit_s=8.0)
+    until(lambda: robot.capability("drive")["phase"] == "ready")
 
 
 @pytest.mark.parametrize(
@@ -219,7 +220,7 @@ def test_a_token_is_listed_without_what_proves_it_and_locked_out_at_once(owner, 
     made = lbr(robot.home, "token", "add", "visitor", "--role", "view", "--for", "web")
     token = made.stdout.split()[0]
     viewer = {"Authorization": f"Bearer {token}"}
-    until(lambda: role(owner, viewer) == "view", limit_s=8.0)
+    until(lambda: role(owner, viewer) == "view")
     (listed,) = [one for one in owner.get("/api/tokens").json()["data"]["tokens"] if one["name"] == "visitor"]
     assert (listed["role"], listed["good_for"], listed["revoked_at"]) == ("view", "web", None)
     assert "hash" not in listed
@@ -230,7 +231,7 @@ def test_a_token_is_listed_without_what_proves_it_and_locked_out_at_once(owner, 
         owner.post("/api/rows", json={"changes": [{"table": "phrase", "after": {}}]}, headers=viewer).status_code == 403
     )
     assert owner.post("/api/tokens/revoke", json={"name": "visitor"}).status_code == 200
-    until(lambda: role(owner, viewer) is None and role(owner, {}) == "admin", limit_s=8.0)
+    until(lambda: role(owner, viewer) is None and role(owner, {}) == "admin")
     assert role(owner, viewer) is None
     assert owner.post("/api/tokens/revoke", json={"name": "visitor"}).status_code == 404
 

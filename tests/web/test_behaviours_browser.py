@@ -9,13 +9,14 @@ from pathlib import Path
 import pytest
 
 from tests.support import browsers, needs
-from tests.support.robot import prepare, running, until
+from tests.support.robot import prepare, running
+from tests.support.waiting import until
 
 needs.modules("playwright")
 
 from playwright.sync_api import Locator, Page, expect, sync_playwright  # noqa: E402
 
-pytestmark = [needs.program("chromium", "chromium"), pytest.mark.slow_start, pytest.mark.timeout(60)]
+pytestmark = [needs.program("chromium", "chromium"), pytest.mark.slow_start]
 SLOWLY_MS = 20_000
 WAITS = """Type,Current State,Time,Forward,O:speech,Next State
 start,Waiting,>= 3600,,,Done
@@ -42,7 +43,7 @@ def robot():
         tempfile.TemporaryDirectory(prefix="lbr-") as folder,
         running(prepare(Path(folder) / "h", "behaviour", "web")) as one,
     ):
-        until(lambda: one.capability("behaviour")["phase"] == one.capability("web")["phase"] == "ready", limit_s=10.0)
+        until(lambda: one.capability("behaviour")["phase"] == one.capability("web")["phase"] == "ready")
         yield one
 
 

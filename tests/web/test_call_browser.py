@@ -15,7 +15,7 @@ from tests.web.call_robot import CallRobot  # noqa: E402
 from tests.web.page_robot import page_robot  # noqa: E402
 from tests.web.test_page_tasks import AXE, SERIOUS  # noqa: E402
 
-pytestmark = [needs.program("chromium", "chromium"), pytest.mark.timeout(60)]
+pytestmark = [needs.program("chromium", "chromium")]
 PATIENT_MS = 20_000
 """A browser that encodes and decodes on a busy machine is slow; nothing here is about how fast."""
 ARGS = (

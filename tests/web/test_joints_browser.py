@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page, expect, sync_playwright  # noqa: 
 
 from tests.web.jointed_robot import JointedRobot, jointed_robot  # noqa: E402
 
-pytestmark = [needs.program("chromium", "chromium"), pytest.mark.timeout(60)]
+pytestmark = [needs.program("chromium", "chromium")]
 needs_mujoco = pytest.mark.skipif(
     find_spec("mujoco") is None and not needs.IN_CI, reason="mujoco is not installed here"
 )

@@ -19,7 +19,7 @@ from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import SayCommand
 from lbr.messages.telemetry import AmperagesPart, CameraPart, CamerasPart, ImuPart, Telemetry
 from tests.docs.pages import ROOT
-from tests.support.robot import until
+from tests.support.waiting import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.web_stage import Served, serving
 

@@ -16,10 +16,11 @@ import pytest
 
 from tests.docs.ready import measured
 from tests.support import programs
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
 from tests.support.trace import Trace
+from tests.support.waiting import STOPS_S, until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
+pytestmark = [pytest.mark.slow_start]
 PARTS = ("imu", "attitude", "odometry", "battery", "telemetry", "speech", "dock", "cameras", "camera_front", "web_api")
 HEARTBEAT_S = 1.5
 ALL = {"Ranges", "Timestamp", "MPU", "amperages", "Bat", "Count", "dockSignal", "cameras"}
@@ -106,10 +107,10 @@ class Api:
 def api(tmp_path_factory) -> Iterator[Api]:
     home = prepare(tmp_path_factory.mktemp("o") / "h", *PARTS)
     with running(home) as robot:
-        until(lambda: robot.capability("web_api")["phase"] == "ready", limit_s=10.0)
+        until(lambda: robot.capability("web_api")["phase"] == "ready")
         measured(robot)
         found = Api(robot)
-        until(found.knows_all, limit_s=15.0, what="every part of the telemetry")
+        until(found.knows_all, what="every part of the telemetry")
         yield found
 
 
@@ -143,7 +144,7 @@ def test_headings_are_known_all_the_way_and_are_where_the_robot_ends_up(api):
             return api.stands() and abs(remainder(seen[-1] - wanted, 360.0)) < 5.0
 
         until(lambda wanted=wanted: api.accepted({"heading": wanted}), what="a turn that is accepted")
-        until(stands, limit_s=12.0, what=f"heading {wanted:g}")
+        until(stands, limit_s=STOPS_S, what=f"heading {wanted:g}")
         assert None not in seen
         yaw = until(lambda: api.robot.ask("world/pose"))["yaw_rad"]
         assert abs(remainder(-degrees(yaw) - wanted, 360.0)) < 6.0, "the compass is right"
@@ -156,17 +157,17 @@ def test_a_turn_is_made_for_a_client_that_polls_as_the_state_machine_does(api):
             return False
         until(api.turns, what="a turn that has begun")
         assert api.trace.now().left >= 0.0 >= api.trace.now().right, "clockwise"
-        until(lambda: api.telemetry and not api.goal, limit_s=8.0, what="the end of the turn")
+        until(lambda: api.telemetry and not api.goal, what="the end of the turn")
         return bool(until(lambda: api.robot.ask("drive/result"))["result"] == "reached")
 
-    until(turned, limit_s=15.0, what="a turn that reached its end")
+    until(turned, what="a turn that reached its end")
     until(api.stands, what="currents of 0")
 
 
 def test_driving_is_stopped_by_level_0_and_by_silence(api):
     until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
     assert api.ask("POST", "/", STOP)[0] == 200
-    until(lambda: api.trace.now().zero, limit_s=1.0, what="wheels that stand")
+    until(lambda: api.trace.now().zero, limit_s=STOPS_S, what="wheels that stand")
     until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
     asked_ns = time.monotonic_ns()
     zero = api.trace.first_zero(asked_ns, HEARTBEAT_S + 2.0)
@@ -196,7 +197,7 @@ def test_another_client_is_told_who_drives_and_may_stop(api):
         status, said = api.ask("POST", "/", {"level": 0.2, "angle": 270})
         assert (status, said["refused"]["code"]) == (409, "held")
         assert api.ask("POST", "/", STOP)[0] == 200
-        until(lambda: api.trace.now().zero, limit_s=1.0, what="wheels that stand")
+        until(lambda: api.trace.now().zero, limit_s=STOPS_S, what="wheels that stand")
 
 
 def test_it_speaks_hears_the_dock_and_switches_cameras(api):
@@ -222,5 +223,5 @@ def test_the_server_that_is_killed_while_it_moves_the_base_leaves_it_standing(ap
         unit = api.robot.capability("web_api")
         return unit["restarts"] == 1 and unit["phase"] == "ready"
 
-    until(is_back, limit_s=10.0)
+    until(is_back)
     assert api.trace.now().zero, "it went on by itself"

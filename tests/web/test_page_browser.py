@@ -1,20 +1,21 @@
 """The page in a browser, on a phone's screen and a desk's: what a hand on it moves, and what stops when the hand is off."""
 
 import re
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 
-from tests.support import browsers, machine, needs
-from tests.support.robot import until
+from tests.support import browsers, needs
+from tests.support.waiting import HANG_S, STOPS_S, until
 from tests.web.page_robot import PageRobot, page_robot
 
 needs.modules("playwright")
 
 from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright  # noqa: E402
 
-pytestmark = [needs.program("chromium", "chromium"), pytest.mark.timeout(30)]
+pytestmark = [needs.program("chromium", "chromium")]
 STANDS_S = 0.4
 PATIENT_S = 3.0
 """How long the robot waits for a page's word where the test is not about that: a busy machine starves browsers."""
@@ -109,20 +110,19 @@ def opened(browser, served, robot) -> Iterator[Opened]:
     assert [one for one in found.errors if "401" not in one and "403" not in one] == []
 
 
-def within(page: Page, true: Callable[[], Any], s: float = 3.0) -> bool:
-    """Say whether something comes true while the page goes on; the limit is for what the machine gives."""
-    watch = machine.Stopwatch()
-    while not watch.over(s):
+def within(page: Page, true: Callable[[], Any], s: float = HANG_S) -> bool:
+    """Return whether something comes true while the page goes on."""
+    end = time.monotonic() + s
+    while time.monotonic() < end:
         if true():
             return True
         page.wait_for_timeout(10)
     return bool(true())
 
 
-def stands(page: Page, robot: PageRobot, watch: machine.Stopwatch) -> bool:
-    """Say whether the wheels stood in time, by what the machine gave since the watch began."""
-    assert within(page, lambda: not robot.moves)
-    return not watch.over(STANDS_S)
+def stands(page: Page, robot: PageRobot) -> bool:
+    """Return whether the wheels come to stand."""
+    return within(page, lambda: not robot.moves, STOPS_S)
 
 
 def grip(page: Page, ahead: float = 0.32, right: float = 0.0) -> None:
@@ -148,9 +148,8 @@ def test_a_thumb_drives_and_a_lifted_thumb_stops(opened, robot, size):
     assert robot.held[-1]["message"]["angle_deg"] == 0
     page.wait_for_timeout(600)
     assert robot.moves, "a thumb that rests on the stick goes on driving"
-    watch = machine.Stopwatch()
     page.mouse.up()
-    assert stands(page, robot, watch)
+    assert stands(page, robot)
 
 
 def test_a_stick_that_is_still_held_goes_on_when_the_link_is_back(opened, robot):
@@ -224,14 +223,13 @@ def test_a_page_that_goes_away_stops_what_it_drove(opened, robot, size, how):
     page = opened.page(size)
     grip(page)
     assert within(page, lambda: robot.moves)
-    watch = machine.Stopwatch()
     if how == "close":
         page.close()
     elif how == "leave":
         page.goto("about:blank")
     else:
         page.evaluate(HIDE if how == "hide" else "window.dispatchEvent(new Event('blur'))")
-    assert stands(other, robot, watch)
+    assert stands(other, robot)
 
 
 def test_its_own_stop_outlasts_a_thumb_that_stays_on_the_stick(opened, robot):

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.support import machine, needs
+from tests.support import needs
 from tests.web.page_robot import MECANUM
 
 needs.modules("playwright")
@@ -14,7 +14,7 @@ from playwright.sync_api import Page, expect  # noqa: E402
 from tests.web.test_page_browser import HIDE, browser, grip, opened, robot, served, stands, within  # noqa: E402
 
 __all__ = ["browser", "opened", "robot", "served"]
-pytestmark = [needs.program("chromium", "chromium"), pytest.mark.timeout(30)]
+pytestmark = [needs.program("chromium", "chromium")]
 
 
 def shown(page: Page) -> None:
@@ -59,9 +59,8 @@ def test_a_base_that_goes_sideways_does_and_turns_by_a_control_of_its_own(opened
     to, message = newest(crab)
     assert (to, message["vx_mps"], message["vy_mps"], message["wz_rps"] < 0) == ("drive/twist", 0, 0, True)
     assert -message["wz_rps"] <= 0.4 * MECANUM["max_turn_rps"], "no faster than the chosen power"
-    watch = machine.Stopwatch()
     page.mouse.up()
-    assert stands(page, crab, watch)
+    assert stands(page, crab)
 
 
 def test_keys_go_sideways_and_turn_at_once(opened, crab):
@@ -83,14 +82,13 @@ def test_a_base_that_goes_sideways_or_turns_stands_when_its_page_goes_away(opene
     shown(page)
     turn(page, 0.3) if how in {"hide", "stop"} else grip(page, ahead=0.0, right=-0.3)
     assert within(page, lambda: crab.moves)
-    watch = machine.Stopwatch()
     if how == "close":
         page.close()
     elif how == "stop":
         page.keyboard.press("Escape")
     else:
         page.evaluate(HIDE if how == "hide" else "window.dispatchEvent(new Event('blur'))")
-    assert stands(other, crab, watch)
+    assert stands(other, crab)
     if how in {"hide", "stop"}:
         held = len(crab.held)
         page.mouse.move(700, 500, steps=4)
@@ -150,9 +148,8 @@ def test_a_move_by_a_value_ends_with_its_page(opened, robot, how):
     shown(page)
     page.get_by_role("button", name="Ahead 50 cm").click()
     assert within(page, lambda: robot.moves)
-    watch = machine.Stopwatch()
     page.close() if how == "close" else page.evaluate(HIDE)
-    assert stands(other, robot, watch)
+    assert stands(other, robot)
 
 
 def test_songs_are_played_and_danced_to(opened, robot):

@@ -19,7 +19,7 @@ needs.modules("playwright")
 
 from playwright.sync_api import Browser, expect, sync_playwright  # noqa: E402
 
-pytestmark = [needs.program("chromium", "chromium"), pytest.mark.timeout(30)]
+pytestmark = [needs.program("chromium", "chromium")]
 KEPT = """async () => {
   await navigator.serviceWorker.ready;
   const all = await Promise.all((await caches.keys()).map(async (name) => (await (await caches.open(name)).keys()).map((one) => one.url)));

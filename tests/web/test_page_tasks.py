@@ -4,6 +4,7 @@ The robots are shared by all, and a page by all that suit its robot and size; `a
 """
 
 import re
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from importlib.util import find_spec
@@ -12,7 +13,8 @@ from typing import Any
 
 import pytest
 
-from tests.support import browsers, machine, needs
+from tests.support import browsers, needs
+from tests.support.waiting import HANG_S
 
 needs.modules("playwright")
 
@@ -21,7 +23,7 @@ from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright 
 from tests.web.jointed_robot import jointed_robot  # noqa: E402
 from tests.web.page_robot import page_robot  # noqa: E402
 
-pytestmark = [needs.program("chromium", "chromium"), pytest.mark.timeout(60)]
+pytestmark = [needs.program("chromium", "chromium")]
 needs_mujoco = pytest.mark.skipif(
     find_spec("mujoco") is None and not needs.IN_CI, reason="mujoco is not installed here"
 )
@@ -135,10 +137,10 @@ def at(house, size) -> Iterator[Callable[..., tuple[Page, Any]]]:
     assert errors == []
 
 
-def within(page: Page, true: Callable[[], Any], s: float = 8.0) -> bool:
-    """Say whether something comes true while the page goes on; the limit is for what the machine gives."""
-    watch = machine.Stopwatch()
-    while not watch.over(s):
+def within(page: Page, true: Callable[[], Any], s: float = HANG_S) -> bool:
+    """Return whether something comes true while the page goes on."""
+    end = time.monotonic() + s
+    while time.monotonic() < end:
         if true():
             return True
         page.wait_for_timeout(20)

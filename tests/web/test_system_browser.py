@@ -10,13 +10,14 @@ import pytest
 
 from lbr.testing.device import plugged
 from tests.support import browsers, needs
-from tests.support.robot import Robot, lbr, prepare, running, until
+from tests.support.robot import Robot, lbr, prepare, running
+from tests.support.waiting import until
 
 needs.modules("playwright")
 
 from playwright.sync_api import Page, expect, sync_playwright  # noqa: E402
 
-pytestmark = [needs.program("chromium", "chromium"), pytest.mark.slow_start, pytest.mark.timeout(60)]
+pytestmark = [needs.program("chromium", "chromium"), pytest.mark.slow_start]
 SLOWLY_MS = 20_000
 """Bounds waiting on a machine that has much else to do."""
 
@@ -27,7 +28,7 @@ def robot():
         tempfile.TemporaryDirectory(prefix="lbr-") as folder,
         running(prepare(Path(folder) / "h", "web", "box")) as one,
     ):
-        until(lambda: one.capability("web")["phase"] == "ready", limit_s=10.0)
+        until(lambda: one.capability("web")["phase"] == "ready")
         yield one
 
 
@@ -84,7 +85,7 @@ def test_a_limit_is_changed_in_a_form_that_says_what_is_wrong_and_what_restarts(
     form.get_by_role("button", name="Save").click()
     expect(form).to_have_count(0, timeout=SLOWLY_MS)
     assert f'"max_power": {wanted}' in setting(robot, "settings")
-    until(lambda: robot.capability("drive")["phase"] == "ready", limit_s=8.0)
+    until(lambda: robot.capability("drive")["phase"] == "ready")
 
 
 def test_what_is_typed_key_by_key_is_what_is_meant(page, robot):
@@ -166,8 +167,8 @@ def test_a_log_is_read_and_stop_stays_within_reach(page, robot):
 
 
 def test_a_moment_is_marked_and_a_recording_made_and_ended(page, robot):
-    until(lambda: robot.capability("box")["phase"] == "ready", limit_s=10.0)
-    until(lambda: robot.line("/mark/before")["code"] == 0, limit_s=10.0)  # it runs when all others leave it time
+    until(lambda: robot.capability("box")["phase"] == "ready")
+    until(lambda: robot.line("/mark/before")["code"] == 0)  # it runs when all others leave it time
     box = page.get_by_role("group", name="Black box")
     box.get_by_role("button", name="Mark this moment").click()
     expect(page.get_by_text("are kept").first).to_be_visible(timeout=SLOWLY_MS)
@@ -195,7 +196,7 @@ def test_what_is_plugged_in_is_shown_with_a_preview_and_written_on_a_yes(page, r
     expect(preview.get_by_text("added").or_(preview.get_by_text("changed")).first).to_be_visible()
     assert at not in addresses(robot)
     preview.get_by_role("button", name="Yes, write").click()
-    until(lambda: at in addresses(robot), limit_s=8.0)
+    until(lambda: at in addresses(robot))
     assert lbr(robot.home, "db", "undo").returncode == 0
     assert at not in addresses(robot)
 

@@ -14,8 +14,8 @@ import pytest
 
 from tests.docs.pages import ROOT
 from tests.fuzzing.rest_cases import ask_all, on_the_wire, served
-from tests.support.robot import until
 from tests.support.uxa90_wire import chunks, packets
+from tests.support.waiting import until
 
 SLOTS = (
     """UPDATE motion SET slot_s = CASE slot WHEN 12 THEN 30 ELSE 0.2 END WHERE robot = 'uxa90' AND slot IS NOT NULL"""
@@ -68,12 +68,12 @@ class Api:
                 self.ask(*request)
             return False
 
-        until(reached, limit_s=6.0, what=wire)
+        until(reached, what=wire)
 
     def idle(self):
         """Wait until nothing moves or plays; what was asked for just now is known a sweep or two later."""
         first = self.client.get("/state").json()["joints"]["sequence"]
-        until(lambda: self._is_idle(first + 2), limit_s=8.0, what="a robot that stands still")
+        until(lambda: self._is_idle(first + 2), what="a robot that stands still")
 
     def _is_idle(self, sequence):
         state = self.client.get("/state").json()
@@ -147,7 +147,6 @@ EXAMPLES = [
 ]  # fmt: skip
 
 
-@pytest.mark.timeout(30)
 def test_the_documented_requests_are_answered_as_documented(api):
     """In their order: each tells where the one before it has moved a joint to."""
     for example in EXAMPLES:
@@ -173,7 +172,7 @@ def _is_as_documented(api, number, method, url, body, status, reply, wire):
         api.reach(wire, before, method, url, body)
         assert number != 24 or {23, 24} in api.written(before)
     else:
-        until(lambda: wire in _frames(api, before), limit_s=4.0, what=wire)
+        until(lambda: wire in _frames(api, before), what=wire)
 
 
 def test_1_it_says_that_it_is_there(api):
@@ -263,7 +262,6 @@ def test_while_a_motion_plays_motors_and_motions_are_refused(api):
     assert api.ask("POST", "/stop").status_code == 200
     until(
         lambda: api.ask("GET", "/motor?id=23&pos=30").status_code == 200,
-        limit_s=4.0,
         what="a motor that may move again",
     )
 
@@ -283,7 +281,7 @@ def test_a_motion_of_key_frames_can_be_made_and_played(api):
     assert api.ask("PUT", "/motions/4", json.dumps({"name": "walk_forward_short", "frames": frames})).status_code == 403
     api.ask("POST", "/multimotor", '{"motors": [{"id": 24, "pos": 127}]}')
     before = len(api.read())
-    until(lambda: api.ask("POST", f"/motion/{number}").status_code == 200, limit_s=5.0, what="the new motion")
+    until(lambda: api.ask("POST", f"/motion/{number}").status_code == 200, what="the new motion")
     api.reach("FF 18 78 60", before, "POST", f"/motion/{number}")
 
 

@@ -10,7 +10,8 @@ import pytest
 
 from lbr.messages.camera import CameraState, JpegFrame
 from tests.apps.test_navcam import PART, jpeg, next_mark
-from tests.support.robot import prepare, running, until
+from tests.support.robot import prepare, running
+from tests.support.waiting import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.test_web_hostile import asked_as_another
 from tests.web.test_web_server import Plain
@@ -178,11 +179,10 @@ def test_streams_end_with_the_server(monkeypatch, tmp_path):
 
 
 @pytest.mark.slow_start
-@pytest.mark.timeout(30)
 def test_a_robots_camera_is_seen_by_its_own_server(tmp_path):
     home = prepare(tmp_path / "home", "camera_front", "cameras", "web")
     with running(home) as robot:
-        until(lambda: robot.capability("web")["phase"] == "ready", limit_s=10.0)
+        until(lambda: robot.capability("web")["phase"] == "ready")
 
         def answer(path: str) -> tuple[int, bytes]:
             connection = http.client.HTTPConnection(robot.web.removeprefix("http://"), timeout=5)
@@ -193,7 +193,7 @@ def test_a_robots_camera_is_seen_by_its_own_server(tmp_path):
             finally:
                 connection.close()
 
-        seen = until(lambda: (got := answer("/snapshot.jpg"))[0] == 200 and got, limit_s=10.0, what="a picture")
+        seen = until(lambda: (got := answer("/snapshot.jpg"))[0] == 200 and got, what="a picture")
         assert seen[1].startswith(b"\xff\xd8")
         assert b'"front":{"status":"on"' in answer("/cameras")[1]
         robot.line("/camera/off")

@@ -14,7 +14,7 @@ from lbr.apps.http import slots
 from lbr.apps.http.slots import LIMIT_S
 from lbr.apps.http.turns import MOST_OF_ONE
 from lbr.apps.web import guards, viewing
-from tests.support.robot import until
+from tests.support.waiting import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.test_web_server import Plain
 from tests.web.web_stage import Served, serving
@@ -105,7 +105,7 @@ def test_half_a_head_is_given_up_after_two_seconds_and_a_byte_now_and_then_does_
             except ConnectionError:
                 return True
 
-        until(is_cut, limit_s=6.0)
+        until(is_cut)
         assert time.monotonic() - began >= LIMIT_S["head"]
 
 
@@ -155,7 +155,7 @@ def test_a_stop_is_done_and_answered_and_what_its_body_goes_on_with_is_bounded(s
                 return True
             return False
 
-        until(is_cut, limit_s=6.0)
+        until(is_cut)
     assert "halt" in {request for request, _ in served.stage.asked}
     assert "Traceback" not in capfd.readouterr().err
 
@@ -214,7 +214,7 @@ def test_where_tls_is_spoken_silence_and_half_a_greeting_deny_nobody(monkeypatch
         for sent in (b"", b"\x16\x03\x01\x02\x00\x01"):
             with burdened(served.port, sent, MANY) as held:
                 assert answer().startswith(b"HTTP/1.1 200")
-                until(lambda: served.web._serving.connections <= 1, limit_s=4.0, what="room again")
+                until(lambda: served.web._serving.connections <= 1, what="room again")
                 assert held[-1].recv(1) == b""
 
 

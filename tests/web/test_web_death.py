@@ -10,9 +10,10 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from tests.support.robot import only, prepare, running, until
+from tests.support.robot import only, prepare, running
+from tests.support.waiting import until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(30)]
+pytestmark = [pytest.mark.slow_start]
 EDITS = (
     only("uxa90", "servos", "joints", "web", "world"),
     "UPDATE joint SET speed_rps = 0.25 WHERE robot = 'uxa90' AND name = 'neck_yaw'",
@@ -42,7 +43,7 @@ def has_ended(states) -> bool:
 
 def test_a_server_that_is_killed_in_the_middle_of_a_move_leaves_the_joint_where_it_is(tmp_path):
     with running(prepare(tmp_path / "home", edits=EDITS), profile="uxa90-sim") as robot:
-        until(lambda: robot.capability("web")["phase"] == "ready", limit_s=10.0)
+        until(lambda: robot.capability("web")["phase"] == "ready")
 
         def goal() -> float:
             return robot.ask("joints/state")["joints"]["neck_yaw"]["goal_rad"] or 0.0
@@ -60,7 +61,7 @@ def test_a_server_that_is_killed_in_the_middle_of_a_move_leaves_the_joint_where_
         pid = robot.capability("web")["pid"]
         with connect(robot.web.replace("http", "ws") + "/ws") as states:
             states.recv(timeout=5)
-            until(turns, limit_s=10.0, what="a neck that turns")
+            until(turns, what="a neck that turns")
             os.kill(pid, signal.SIGKILL)
             until(lambda: not robot.ask("joints/state")["moving"], what="a neck that holds")
             assert has_ended(states)

@@ -11,7 +11,7 @@ from lbr import plugins
 from lbr.apps.web import faces
 from tests.docs.pages import ROOT
 from tests.support.packages import imported_from, package
-from tests.support.robot import until
+from tests.support.waiting import until
 from tests.web.uxa90_bench import SHIPPED
 from tests.web.web_stage import Served, serving
 

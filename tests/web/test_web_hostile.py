@@ -15,7 +15,7 @@ from lbr.apps.web.access import Access
 from lbr.messages.faces import EditCommand, EditReply
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import RANKS
-from tests.support.robot import until
+from tests.support.waiting import until
 from tests.web.api_stage import StageBus
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.uxa90_bench import SHIPPED

@@ -15,9 +15,10 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from lbr.bus import keys
-from tests.support.robot import Robot, lbr, only, prepare, running, until
+from tests.support.robot import Robot, lbr, only, prepare, running
+from tests.support.waiting import until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(40)]
+pytestmark = [pytest.mark.slow_start]
 EDITS = (
     "UPDATE capability SET enabled = 1 WHERE robot = 'lbr' AND name = 'web'",
     only("lbr", "web"),
@@ -29,7 +30,7 @@ UNKNOWN = "000000", "111111"
 @pytest.fixture(scope="module")
 def robot():
     with tempfile.TemporaryDirectory(prefix="lbr-") as folder, running(prepare(Path(folder) / "h", edits=EDITS)) as one:
-        until(lambda: one.capability("web")["phase"] == "ready", limit_s=10.0)
+        until(lambda: one.capability("web")["phase"] == "ready")
         yield one
 
 
@@ -95,7 +96,7 @@ def test_a_phone_gets_in_by_the_code_and_is_out_once_its_token_is_revoked(robot)
         states.recv(timeout=5)
         assert lbr(robot.home, "token", "revoke", name).returncode == 0
         assert has_ended(states)
-    until(lambda: _refuses(robot, token), limit_s=10.0, what="the token is refused")
+    until(lambda: _refuses(robot, token), what="the token is refused")
     with closing(sqlite3.connect(robot.home / "robot.db")) as database:
         trail = database.execute("SELECT kind, text FROM audit").fetchall()
     assert ("pair_refused", "127.0.0.1 tried a wrong code (1 from there since the start); 4 more, and it ends") in trail

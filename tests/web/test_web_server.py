@@ -30,8 +30,7 @@ from lbr.errors import DeviceError
 from lbr.messages.faces import EditReply, Motor
 from lbr.messages.joints import JointsState
 from lbr.messages.leases import CommandReply
-from tests.support.machine import Stopwatch
-from tests.support.robot import until
+from tests.support.waiting import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.web.web_stage import Served, serving
 
@@ -489,13 +488,11 @@ def test_many_ask_at_once_and_all_are_answered(served):
         statuses.extend(served.ask("POST", "/stop").status for _ in range(15))
 
     threads = [threading.Thread(target=ask) for _ in range(6)]
-    watch = Stopwatch()
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     assert statuses == [200] * 90
-    assert watch.given_s < 8, watch
 
 
 def test_many_who_stop_at_once_are_answered_together_and_none_is_refused(served, monkeypatch):

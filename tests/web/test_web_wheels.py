@@ -14,11 +14,12 @@ from typing import Any
 import pytest
 
 from tests.support import programs
-from tests.support.robot import Robot, lbr, prepare, running, until
+from tests.support.robot import Robot, lbr, prepare, running
 from tests.support.trace import Trace
+from tests.support.waiting import STOPS_S, until
 from tests.web.test_web_connections import MANY, burdened
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(30)]
+pytestmark = [pytest.mark.slow_start]
 STANDS_S = 0.4
 """From a page's last word to wheels that stand."""
 RENEW_S = 0.08
@@ -76,7 +77,7 @@ class Wheels:
 def wheels(tmp_path_factory) -> Iterator[Wheels]:
     home = prepare(tmp_path_factory.mktemp("w") / "h", "battery", "web")
     with running(home) as robot:
-        until(lambda: robot.capability("web")["phase"] == "ready", limit_s=10.0)
+        until(lambda: robot.capability("web")["phase"] == "ready")
         yield Wheels(robot)
 
 
@@ -102,7 +103,7 @@ def test_a_stop_stops_the_wheels_whatever_others_hold_open(wheels, held):
     with wheels.driven(), burdened(wheels.port, held, MANY):
         answer = wheels.ask("POST", "/stop")
         assert answer == (200, {"message": "stopped"}), f"STOPPED {answer}"
-        until(lambda: not wheels.turns(), limit_s=1.0, what="wheels that stand")
+        until(lambda: not wheels.turns(), limit_s=STOPS_S, what="wheels that stand")
         drive = wheels.state["drive"]
         assert (drive["moving"], drive["holder"]) == (False, None)
 
@@ -111,7 +112,7 @@ def test_the_emergency_stop_holds_the_wheels_until_it_is_released(wheels):
     with wheels.driven(), burdened(wheels.port, b"", MANY):
         status, answer = wheels.ask("POST", "/estop", {"reason": "smoke"})
         assert (status, answer["engaged"], answer["noticed"]) == (200, True, True)
-        until(lambda: not wheels.turns(), limit_s=1.0, what="wheels that stand")
+        until(lambda: not wheels.turns(), limit_s=STOPS_S, what="wheels that stand")
     assert wheels.state["drive"]["estop"]
     assert not wheels.robot.ask("drive/command", {"power": 0.3})["accepted"]
     until(lambda: wheels.ask("POST", "/estop/reset")[0] == 200, what="a release")
@@ -166,7 +167,7 @@ def test_wheels_stand_soon_after_their_page_is_gone(wheels, how):
     trace = Trace(wheels.robot.trace)
     client = page(wheels, how)
     try:
-        until(lambda: halves(trace), limit_s=10.0, what="wheels that turn")
+        until(lambda: halves(trace), what="wheels that turn")
         holder = wheels.state["drive"]["holder"]
         at_ns = time.monotonic_ns()
         if how != "silent":
@@ -185,7 +186,7 @@ def test_a_stop_ends_what_a_page_holds_and_its_stick_begins_nothing_again(wheels
     trace = Trace(wheels.robot.trace)
     client = page(wheels)
     try:
-        until(lambda: halves(trace), limit_s=10.0, what="wheels that turn")
+        until(lambda: halves(trace), what="wheels that turn")
         assert wheels.ask("POST", "/stop")[0] == 200
         told = json.loads(client.stdout.readline().replace(b"'", b'"').replace(b"False", b"false"))["hold"]
         assert told["code"] == "stopped"
@@ -212,4 +213,4 @@ def test_a_stop_that_nothing_answers_is_told(wheels):
             return False  # it restarts with its new wiring
         return status == 503 and "wired to this server by channel rows" in answer["message"]
 
-    until(refused, limit_s=10.0)
+    until(refused)

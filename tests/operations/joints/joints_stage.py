@@ -25,7 +25,7 @@ from lbr.simulation.devices.dynamixel.twin import DynamixelTwin
 from lbr.simulation.twins.base import Surroundings
 from tests.operations.joints.joints_bench import BODY, ROWS
 from tests.support import programs
-from tests.support.robot import until
+from tests.support.waiting import until
 
 KEY = "5e" * 32
 JOINTS = tuple(joint for joint in ROWS if joint.name in {"left_knee", "right_knee"})
@@ -103,7 +103,7 @@ class Stage:
         self.client: subprocess.Popen[bytes] | None = None
         self.start("servos")
         self.start("joints")
-        until(lambda: self.state() and self.knee["torque"] is not None, limit_s=15.0)
+        until(lambda: self.state() and self.knee["torque"] is not None)
 
     def start(self, name):
         kind, settings, wiring, outputs = {
@@ -161,7 +161,7 @@ class Stage:
 
     def stand(self):
         """Give every joint torque, and have a client of its own move the left knee slowly; wait until it moves."""
-        until(lambda: self._moves() or self.dismiss(), limit_s=20.0, what="a motion that goes on")
+        until(lambda: self._moves() or self.dismiss(), what="a motion that goes on")
 
     def _moves(self):
         self.ask("joints/torque", {"on": True})

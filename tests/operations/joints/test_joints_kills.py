@@ -7,9 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.operations.joints.joints_stage import Stage
-from tests.support.robot import until
-
-pytestmark = pytest.mark.timeout(30)
+from tests.support.waiting import until
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +60,7 @@ def test_killed_joints_leave_the_servos_holding_and_a_new_process_moves_nothing(
     moving.heard("servos/state", phase="holding")
     goal = held(moving)
     moving.start("joints")
-    until(lambda: (moving.state() or {}).get("sequence"), limit_s=9.0)
+    until(lambda: (moving.state() or {}).get("sequence"))
     until(lambda: moving.knee["torque"] is not None)
     _, after, torque = moving.twin.joint("left_knee")
     assert after == pytest.approx(goal, abs=0.02) or torque == 0.0

@@ -2,7 +2,6 @@
 
 from itertools import count
 
-import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
@@ -30,7 +29,6 @@ from lbr.operations.motions.state import (
 from lbr.operations.motions.view import motions_state
 from tests.operations.motions.motions_bench import MOTIONS
 
-pytestmark = pytest.mark.timeout(60)
 SOURCES = st.sampled_from(["console", "pad", "laptop"])
 PROGRAMMES = {
     (motion, times): programme(MOTIONS, PlayCommand(motion=motion, times=times))

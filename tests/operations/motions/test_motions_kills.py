@@ -16,9 +16,10 @@ from typing import Any
 import pytest
 
 from tests.support import programs
-from tests.support.robot import Robot, prepare, running, until
+from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60)]
+pytestmark = [pytest.mark.slow_start]
 soon = partial(until, limit_s=15.0)
 
 POSES = ({"left_elbow": -0.5, "right_elbow": -1.5}, {"left_elbow": -1.5, "right_elbow": -0.5})
@@ -60,7 +61,7 @@ def robot():
         home = prepare(Path(folder) / "h", "servos", "joints", "motions", edits=EDITS)
         (home / "capabilities").mkdir(mode=0o700)
         shutil.copy(Path(__file__).with_name("scripted_servos.py"), home / "capabilities")
-        with running(home, profile="bioloid-sim", limit_s=25.0) as started:
+        with running(home, profile="bioloid-sim") as started:
             soon(lambda: all(unit["phase"] == "ready" for unit in started.status()["capabilities"]))
             yield started
 

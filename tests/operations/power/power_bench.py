@@ -1,7 +1,5 @@
 """The power operation in process: its context is lists, its time goes on by the test, its motions and joints obey."""
 
-import time
-
 from msgspec.structs import replace
 
 from lbr.messages.calibration import measured, values
@@ -11,7 +9,7 @@ from lbr.messages.leases import CommandReply
 from lbr.messages.power import ArmCommand, CancelCommand, UpsState
 from lbr.operations.power import KIND
 from lbr.testing import FakeCall, FakeContext
-from tests.support.machine import Stopwatch
+from tests.support.waiting import until
 
 TICK_S = 0.05
 GOOD = UpsState(valid=True, source="external", external_v=11.5, battery_v=4.1)
@@ -106,13 +104,9 @@ class Running:
             self.wait_for(lambda: self.state.phase != "powering_off")
         self.ctx.now += TICK_S
 
-    def wait_for(self, wanted, within_s=5.0):
+    def wait_for(self, wanted):
         """Let logind's thread have its time; the test's stands still meanwhile."""
-        watch = Stopwatch()
-        while not wanted():
-            assert not watch.over(within_s), (self.state, self.ctx.events)
-            time.sleep(0.002)
-            self.power.step()
+        until(lambda: wanted() or self.power.step(), f"{self.state}, {self.ctx.events}")
 
     def say(self, message):
         said = []

@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 
 from tests.operations.power.private_bus import Logind, needs_dbus
-from tests.support.robot import prepare, running, until
+from tests.support.robot import prepare, running
+from tests.support.waiting import until
 
-pytestmark = [pytest.mark.slow_start, pytest.mark.timeout(60), needs_dbus]
+pytestmark = [pytest.mark.slow_start, needs_dbus]
 soon = partial(until, limit_s=20.0)
 PARTS = ("servos", "joints", "motions", "ups", "power", "world")
 SERVOS = Path(__file__).parents[1] / "motions" / "scripted_servos.py"
@@ -45,7 +46,7 @@ def robot(logind):
         home = prepare(Path(folder) / "h", *PARTS, edits=edits)
         (home / "capabilities").mkdir(mode=0o700)
         shutil.copy(SERVOS, home / "capabilities")
-        with running(home, profile="bioloid-sim", limit_s=25.0) as started:
+        with running(home, profile="bioloid-sim") as started:
             soon(lambda: all(unit["phase"] == "ready" for unit in started.status()["capabilities"]))
             yield started
 
