@@ -37,10 +37,10 @@ function own(model: BodyModel, link: Link, angle: number): Place {
 }
 
 /** Where each link is; joints without an angle are at 0. */
-export function placed(model: BodyModel, angles: Record<string, number | null | undefined>): Map<string, Place> {
-  const found = new Map<string, Place>([["", NOWHERE]]);
+export function placed(model: BodyModel, angles: Record<string, number | null | undefined>, root: Place = NOWHERE): Map<string, Place> {
+  const found = new Map<string, Place>([["", root]]);
   for (const link of model.links) {
-    const at = within(found.get(link.parent) ?? NOWHERE, { p: link.origin_xyz, q: byRpy(link.origin_rpy) });
+    const at = within(found.get(link.parent) ?? root, { p: link.origin_xyz, q: byRpy(link.origin_rpy) });
     found.set(link.name, within(at, own(model, link, angles[link.joint] ?? 0)));
   }
   return found;
@@ -79,4 +79,12 @@ export function extent(model: BodyModel, places: Map<string, Place>): { low: Vec
     }
   }
   return Number.isFinite(low[0]) ? { low, high } : { low: [-0.1, -0.1, 0], high: [0.1, 0.1, 0.2] };
+}
+
+/** How far a body that leans is moved: its lowest part is on the floor, and its middle where it is upright. */
+export function grounded(model: BodyModel, angles: Record<string, number | null | undefined>, roll: number, pitch: number): Vec {
+  const upright = extent(model, placed(model, angles));
+  const leant = extent(model, placed(model, angles, { p: [0, 0, 0], q: byRpy([roll, pitch, 0]) }));
+  const aside = (axis: 0 | 1): number => (upright.low[axis] + upright.high[axis] - leant.low[axis] - leant.high[axis]) / 2;
+  return [aside(0), aside(1), -leant.low[2]];
 }

@@ -8,7 +8,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { RoundedBoxGeometry } from "three/addons/geometries/RoundedBoxGeometry.js";
 import { draggedTo, type Held } from "./drag";
 import type { BodyModel, Link, Shape, Vec } from "./model";
-import { extent, placed } from "./pose";
+import { extent, grounded, placed } from "./pose";
 import type { Tone } from "./tone";
 
 export interface Colours { accent: string; good: string; warn: string; bad: string; muted: string; line: string; dark: boolean }
@@ -529,24 +529,11 @@ export class Stage {
     return changed;
   }
 
-  /** Leans it as measured, and puts its lowest part on the floor. */
+  /** Leans it as measured, on the floor and in the middle of the view. */
   private stand(): void {
-    this.lifted.rotation.set(this.shownTilt.roll, this.shownTilt.pitch, 0, "ZYX");
-    this.lifted.position.z = 0;
-    this.upright.updateMatrixWorld(true);
-    let lowest = Infinity;
-    const at = new Vector3();
-    for (const bone of this.body.bones.values()) {
-      for (const mesh of bone.meshes) {
-        const box = mesh.geometry.boundingBox ?? (mesh.geometry.computeBoundingBox(), mesh.geometry.boundingBox!);
-        for (const x of [box.min.x, box.max.x]) {
-          for (const y of [box.min.y, box.max.y]) {
-            for (const z of [box.min.z, box.max.z]) lowest = Math.min(lowest, at.set(x, y, z).applyMatrix4(mesh.matrixWorld).y);
-          }
-        }
-      }
-    }
-    if (Number.isFinite(lowest)) this.lifted.position.z = -lowest;
+    const { roll, pitch } = this.shownTilt;
+    this.lifted.rotation.set(roll, pitch, 0, "ZYX");
+    this.lifted.position.set(...grounded(this.model, Object.fromEntries(this.shown), roll, pitch));
     this.upright.updateMatrixWorld(true);
   }
 }
