@@ -4,6 +4,7 @@ import { test } from "node:test";
 import { holding } from "../src/holding";
 import { connect, disconnect } from "../src/live";
 import { first } from "../src/views/drive/line";
+import { keyName } from "../src/views/motions/data";
 import { toneOf, torques } from "../src/views/joints/tone";
 
 void kept;
@@ -49,4 +50,10 @@ test("why a hand's motion ended is shown for 5 s, and the hand still has to come
   holding.release();
   assert.ok(holding.move("drive/command", { power: 0.3 }));
   disconnect();
+});
+
+test("a key says what it does, and not what the motion is called elsewhere", () => {
+  const [key, other] = ["reset", "walk_left"].map((motion) => keyName({ id: 7, name: motion, button: "S", motion }));
+  assert.ok(key && !/reset|stop/i.test(key));
+  assert.equal(other, "walk left");
 });

@@ -15,6 +15,7 @@ export const motions = {
   "motions.frames": ["{count} key frames", "{count} Schlüsselbilder"],
   "motions.frames.one": ["a pose", "eine Stellung"],
   "motions.slot": ["slot {slot}", "Platz {slot}"],
+  "motions.key.reset": ["Stand up", "Aufstehen"],
   "motions.remote": ["Remote control", "Fernbedienung"],
   "motions.keep": ["Make a motion by hand", "Bewegung von Hand machen"],
   "motions.keep.text": ["Release joints, put them where they are to be, and keep the pose: each one follows the last as a key frame.", "Gelenke lösen, von Hand stellen, die Stellung behalten: Jede folgt der letzten als Schlüsselbild."],

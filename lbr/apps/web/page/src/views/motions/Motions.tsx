@@ -13,7 +13,7 @@ import { maybe, t } from "../../words";
 import { ownerOf, useCalm } from "../joints/hooks";
 import { body, loadBody, type BodyModel } from "../joints/model";
 import { Builder } from "./Builder";
-import { buttons, hasPad, keycap, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
+import { buttons, hasPad, keycap, keyName, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
 import { Figure } from "./Figure";
 import "../joints/Joints.css";
 import "./Motions.css";
@@ -141,9 +141,9 @@ function Remote({ all, can, now, onPlay }: { all: ButtonRow[]; can: boolean; now
   const on = pad ? new Set<string>(PAD.flat()) : new Set<string>();
   const rest = all.filter((one) => !on.has(one.button ?? ""));
   const key = (one: ButtonRow) => (
-    <button key={one.id} type="button" class="motions-key" aria-pressed={one.motion === now} disabled={!can} title={plain(one.motion ?? "")} onClick={() => onPlay(one.motion ?? "")}>
+    <button key={one.id} type="button" class="motions-key" aria-pressed={one.motion === now} disabled={!can} title={rows().find(({ name }) => name === one.motion)?.help || plain(one.motion ?? "")} onClick={() => onPlay(one.motion ?? "")}>
       <span class="motions-cap" aria-hidden="true">{keycap(one.button || String(one.id))}</span>
-      <span class="motions-key-name">{plain(one.motion || one.name)}</span>
+      <span class="motions-key-name">{keyName(one)}</span>
     </button>
   );
   return (

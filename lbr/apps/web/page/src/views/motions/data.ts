@@ -1,6 +1,8 @@
 // The robot's motions as the page has them: rows of GET /api, and a picture of each.
 import { signal } from "@preact/signals";
+import { plain } from "../../format";
 import { fetchJson, robot } from "../../robot";
+import { maybe } from "../../words";
 
 export interface MotionRow { name: string; help: string; slot?: number | null; builtin?: boolean; frames?: number; duration_s?: number }
 export interface ButtonRow { id: number; name: string; button?: string; motion?: string }
@@ -27,6 +29,8 @@ export const buttons = (): ButtonRow[] => ((robot.value?.buttons ?? []) as unkno
 export const PAD = [["LR", "U", "RR"], ["L", "S", "R"], ["LA", "D", "RA"]] as const;
 const ARROWS: Record<string, string> = { U: "↑", D: "↓", L: "←", R: "→", LR: "⟲", RR: "⟳", S: "⇧", LA: "⇈", RA: "⇈⇈" };
 export const keycap = (button: string): string => ARROWS[button] ?? button;
+/** What a key does; where the motion's own name is another's word for something else, in the page's words. */
+export const keyName = (one: ButtonRow): string => maybe(`motions.key.${one.motion ?? ""}`) || plain(one.motion || one.name);
 /** Whether buttons are laid out as on a remote control. */
 export const hasPad = (all: ButtonRow[]): boolean => PAD.flat().filter((key) => all.some((one) => one.button === key)).length >= 4;
 
