@@ -38,8 +38,9 @@ def complete_part(_context: click.Context, _parameter: click.Parameter, begun: s
 @click.argument("part", required=False, default="", shell_complete=complete_part)
 @robot_options
 @click.option("--db", "database", type=FileName(), help="The rows to read of a robot that does not run.")
+@click.option("-v", "--verbose", is_flag=True, help="Show the whole chain also if nothing is wrong.")
 @json_option
-def command(part: str, whom: Whom, database: Path | None, as_json: bool) -> int:
+def command(part: str, whom: Whom, database: Path | None, verbose: bool, as_json: bool) -> int:
     """Say what holds PART still: the first link from what was asked to what moves, and what to type.
 
     PART is a capability, a joint, a camera or another device, or a word of the console; without one it is all that
@@ -53,7 +54,7 @@ def command(part: str, whom: Whom, database: Path | None, as_json: bool) -> int:
     if as_json:
         print_json(found)
     else:
-        for line in telling.lines(found):
+        for line in telling.lines(found, verbose=verbose):
             click.echo(one_line(line))
     return 0
 

@@ -39,7 +39,7 @@ def explain(now: Snapshot, part: str = "") -> Chain:
     told = wanted or now.facts.robot
     if first is None:
         return Chain(
-            robot=now.facts.robot, part=told, state="ok", text=_well(told, links) + since, source=source, links=links
+            robot=now.facts.robot, part=told, state="ok", text=_well(links) + since, source=source, links=links
         )
     one = links[first]
     return Chain(
@@ -191,6 +191,5 @@ def _unknown(part: str, facts: Facts) -> InputError:
     return InputError(f"there is no part '{shown}'; {did_you_mean(part, names(facts))}", "unknown_name")
 
 
-def _well(part: str, links: tuple[Link, ...]) -> str:
-    last = next((link.text for link in links if link.name == "last"), "")
-    return f"nothing holds '{part}' still" + (f"; {last}" if last else "")
+def _well(links: tuple[Link, ...]) -> str:
+    return f"Nothing is wrong: {next((link.text for link in links if link.name == 'last'), 'nothing holds it')}"

@@ -68,8 +68,9 @@ def last(
     """Return how the last motion ended: a mishap, or a stop by another, is told, what was planned only mentioned."""
     stopped = _stopped(now, part, stopped_by) if by is None and code == "stopped" else ""
     mishap = by is None and (code not in PLANNED or bool(stopped))
-    ended = reason and code != "idle"
-    text = stopped or (f"its last motion ended: {reason}" if ended else "nothing is asked of it")
+    ended = f"its last motion ended: {reason}" if reason and code != "idle" else ""
+    rests = "; ".join(filter(None, ("it waits for a command", ended))) if by is None else "it does what was asked"
+    text = (stopped or ended or f"its last motion ended: {code}") if mishap else rests
     return Link(
         name="last",
         about=part.name,

@@ -7,9 +7,11 @@ MARKS = {"ok": "ok", "past": "was", "doubt": "may", "held": "HOLDS", "unknown": 
 AGO_S = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
 
 
-def lines(chain: Chain) -> list[str]:
-    """Return an answer in lines."""
-    told = [f"{chain.part}: {chain.text}"]
+def lines(chain: Chain, *, verbose: bool = False) -> list[str]:
+    """Return an answer in lines; the chain of a part that is well only if `verbose`."""
+    if chain.state == "ok" and not verbose:
+        return [chain.text]
+    told = [chain.text if chain.state == "ok" else f"{chain.part}: {chain.text}"]
     facts = [f"code {chain.code}"] if chain.code else []
     facts += [f"for {ago(chain.since_s)}"] if chain.since_s is not None else []
     facts += [f"by {chain.evidence}"] if chain.evidence else []

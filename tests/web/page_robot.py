@@ -305,7 +305,7 @@ class PageRobot:
         part = request.path_params["part"]
         if not self.estop:
             return JSONResponse(
-                {"part": part, "state": "ok", "text": f"nothing holds '{part}' still", "code": "", "do": ""}
+                {"part": part, "state": "ok", "text": "Nothing is wrong: it waits for a command", "code": "", "do": ""}
             )
         text = f"the emergency stop is latched by console@kitchen:812: {self.estop}"
         do = "reset, once nothing is in danger"

@@ -296,7 +296,7 @@ def test_what_came_before_its_own_clients_stop_and_is_whole_only_after_it_bears_
 
 @pytest.mark.parametrize(("path", "line"), [("/api/why", "why"), ("/api/why/drive", "/why/drive")])
 def test_what_holds_a_part_still_is_asked_with_the_rights_of_who_asks(served, path, line):
-    told = {"robot": ROBOT, "part": "drive", "state": "ok", "text": "nothing holds 'drive' still"}
+    told = {"robot": ROBOT, "part": "drive", "state": "ok", "text": "Nothing is wrong: it waits for a command"}
     served.bus.answers[f"{CONSOLE}/view"] = lambda _said: ConsoleResult(code=0, text="", data=told)
     answer = served.ask("GET", path, headers=shown("eve"))
     assert (answer.status, answer.json) == (200, told)

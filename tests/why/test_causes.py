@@ -298,7 +298,10 @@ def test_a_cause_alone_is_named_first_with_its_code_and_what_to_type(robots, cau
 def test_with_nothing_wrong_it_says_so_and_shows_the_chain_with_ages(robots, robot, part):
     chain = explain(robots[robot], part)
     assert (chain.state, chain.first) == ("ok", None), telling.lines(chain)
-    assert chain.text.startswith("nothing holds")
+    assert telling.lines(chain)[0].startswith("Nothing is wrong: ")
+    assert ("it waits for a command" in chain.text) == any(one.name == "last" for one in chain.links)
+    assert len(telling.lines(chain)) == 1
+    assert len(telling.lines(chain, verbose=True)) == 1 + len(chain.links)
     assert {one.state for one in chain.links} == {"ok"}
     assert any(one.age_s is not None for one in chain.links)
 
@@ -516,7 +519,7 @@ def test_an_edit_of_a_part_on_the_way_is_told_with_what_it_may_have_led_to(robot
     since = "; 46 s ago the rows were changed: update capability 'motors': restart motors"
     edited_now = rows_changed(robots["lbr"], "motors")
     well = explain(edited_now, "drive")
-    assert (well.state, well.text) == ("ok", f"nothing holds 'drive' still; nothing is asked of it{since}")
+    assert (well.state, well.text) == ("ok", f"Nothing is wrong: it waits for a command{since}")
     stuck = explain(with_said(edited_now, "drive/state", code="stuck", reason="the base does not turn"), "drive")
     assert (stuck.code, stuck.text) == ("stuck", f"'drive': its last motion ended: the base does not turn{since}")
     busy = explain(with_event(edited_now, "too_busy", "machine", 5.0, "this machine is too busy"), "drive")
