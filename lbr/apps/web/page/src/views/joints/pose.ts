@@ -81,10 +81,11 @@ export function extent(model: BodyModel, places: Map<string, Place>): { low: Vec
   return Number.isFinite(low[0]) ? { low, high } : { low: [-0.1, -0.1, 0], high: [0.1, 0.1, 0.2] };
 }
 
-/** How far a body that leans is moved: its lowest part is on the floor, and its middle where it is upright. */
-export function grounded(model: BodyModel, angles: Record<string, number | null | undefined>, roll: number, pitch: number): Vec {
+/** Where a body that leans is: its lowest part is on the floor, and its middle where it is upright. */
+export function grounded(model: BodyModel, angles: Record<string, number | null | undefined>, roll: number, pitch: number): Place {
+  const q = byRpy([roll, pitch, 0]);
   const upright = extent(model, placed(model, angles));
-  const leant = extent(model, placed(model, angles, { p: [0, 0, 0], q: byRpy([roll, pitch, 0]) }));
+  const leant = extent(model, placed(model, angles, { p: [0, 0, 0], q }));
   const aside = (axis: 0 | 1): number => (upright.low[axis] + upright.high[axis] - leant.low[axis] - leant.high[axis]) / 2;
-  return [aside(0), aside(1), -leant.low[2]];
+  return { p: [aside(0), aside(1), -leant.low[2]], q };
 }

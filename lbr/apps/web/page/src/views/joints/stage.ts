@@ -8,7 +8,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { RoundedBoxGeometry } from "three/addons/geometries/RoundedBoxGeometry.js";
 import { draggedTo, type Held } from "./drag";
 import type { BodyModel, Link, Shape, Vec } from "./model";
-import { extent, grounded, placed } from "./pose";
+import { extent, grounded, type Place, placed } from "./pose";
 import type { Tone } from "./tone";
 
 export interface Colours { accent: string; good: string; warn: string; bad: string; muted: string; line: string; dark: boolean }
@@ -26,12 +26,15 @@ const TAP_PX = 6;
 const HALF_MS = 35;
 const GHOST_RAD = 0.05;
 const FOV_DEG = 34;
+/** A body that leans further than this is looked at as one that lies. */
+const LIES_RAD = 1;
 /** Frames that come slower than this, so many times on end, are drawn with less effort: what holds the robot needs the time. */
 const SLOW_MS = 70;
 const SLOW_FRAMES = 5;
 /** Where even that is slow, it is drawn this often at most. */
 const RARE_MS = 120;
 
+type Side = "front" | "left" | "back";
 interface Bone { link: Link; group: Group; hinge: Group; meshes: Mesh[]; joint: string }
 interface Built { root: Group; bones: Map<string, Bone>; byJoint: Map<string, Bone> }
 
@@ -100,6 +103,8 @@ export class Stage {
   private selected = "";
   private tilt = { roll: 0, pitch: 0 };
   private shownTilt = { roll: 0, pitch: 0 };
+  private lies = false;
+  private side: Side = "front";
   private mayDrag = true;
   private frame = 0;
   private last = 0;
@@ -221,16 +226,14 @@ export class Stage {
   }
 
   /** Looks at all of it from a side. */
-  look(from: "front" | "left" | "back"): void {
-    const angles = Object.fromEntries(this.shown);
-    const { low, high } = this.seen(angles);
-    const ground = low[2];
-    const floor = extent(this.model, placed(this.model, angles)).low[2];
-    const middle = new Vector3((low[0] + high[0]) / 2, ground - floor + (high[2] - ground) * 0.49, -(low[1] + high[1]) / 2);
+  look(from: Side): void {
+    this.side = from;
+    const { low, high } = this.seen(Object.fromEntries(this.shown), this.leant());
+    const middle = new Vector3((low[0] + high[0]) / 2, low[2] + (high[2] - low[2]) * 0.49, -(low[1] + high[1]) / 2);
     const yaw = { front: 0.5, left: Math.PI / 2, back: Math.PI - 0.5 }[from];
     const aspect = this.camera.aspect || 1;
-    const tall = Math.max(high[2] - ground, 0.1);
-    const wide = Math.hypot(high[1] - low[1], high[0] - low[0]);
+    const tall = Math.max(high[2] - low[2], 0.1);
+    const wide = Math.max(Math.hypot(high[1] - low[1], high[0] - low[0]), this.lies ? this.size : 0);
     const reach = Math.max(tall, wide / Math.max(aspect, 0.3)) / 2 / Math.tan((FOV_DEG * Math.PI) / 360);
     const away = 1.34 * reach + wide / 3;
     this.camera.position.set(middle.x + away * Math.cos(yaw) * 0.97, middle.y + away * 0.2, middle.z - away * Math.sin(yaw) * 0.97);
@@ -240,8 +243,8 @@ export class Stage {
   }
 
   /** The box around what there is to look at: all of it, or what moves if that is a small part of it. */
-  private seen(angles: Record<string, number>): { low: Vec; high: Vec } {
-    const places = placed(this.model, angles);
+  private seen(angles: Record<string, number>, root?: Place): { low: Vec; high: Vec } {
+    const places = placed(this.model, angles, root);
     const whole = extent(this.model, places);
     const links = this.model.links.filter((link) => this.body.bones.get(link.name)?.joint);
     const moving = extent({ ...this.model, links }, places);
@@ -529,12 +532,20 @@ export class Stage {
     return changed;
   }
 
-  /** Leans it as measured, on the floor and in the middle of the view. */
+  /** Leans it as measured, on the floor; looks at all of it when it has fallen, and when it is up again. */
   private stand(): void {
-    const { roll, pitch } = this.shownTilt;
-    this.lifted.rotation.set(roll, pitch, 0, "ZYX");
-    this.lifted.position.set(...grounded(this.model, Object.fromEntries(this.shown), roll, pitch));
+    const { p, q: [w, x, y, z] } = this.leant();
+    this.lifted.quaternion.set(x, y, z, w);
+    this.lifted.position.set(...p);
     this.upright.updateMatrixWorld(true);
+    const lies = Math.hypot(this.shownTilt.roll, this.shownTilt.pitch) > LIES_RAD;
+    if (lies === this.lies) return;
+    this.lies = lies;
+    this.look(this.side);
+  }
+
+  private leant(): Place {
+    return grounded(this.model, Object.fromEntries(this.shown), this.shownTilt.roll, this.shownTilt.pitch);
   }
 }
 
