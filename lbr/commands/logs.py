@@ -40,9 +40,10 @@ def complete_log(_context: click.Context, _parameter: click.Parameter, begun: st
 @click.option("--from", "begin", metavar="TIME", help="Out of the black box: from 10m (ago), 14:02 ... on.")
 @click.option("--to", "end", metavar="TIME", help="Until then; now if left out.")
 def command(name: str, robot: str | None, follow: bool, lines: int, begin: str | None, end: str | None) -> int:
-    """Print what a capability, the executive or an external command has written to its log; without NAME list the logs.
+    """Print the log of a capability, the executive or an external command; without NAME list the logs.
 
-    No robot need run. Lines have no times of their own; those of the black box have (--from, --to).
+    A log has what the part has written, and its events between, in order; no robot need run. Events have times, what
+    a part writes has them in the black box (--from, --to).
     """
     from lbr import home  # noqa: PLC0415
 

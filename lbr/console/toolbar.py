@@ -54,10 +54,11 @@ def state_of(status: Status) -> tuple[str, str]:
     bad = [one.name for one in status.capabilities if one.phase == "failed"]
     if bad:
         return BAD, f"failed: {', '.join(bad)}"
-    degraded = [one.name for one in status.capabilities if one.phase == "degraded"]
+    away = {one.name: one.host for one in status.capabilities if one.host and one.phase == "waiting"}
+    degraded = [name for name in status.degraded if name not in away]
     if degraded:
         return DOUBTFUL, f"degraded: {', '.join(degraded)}"
-    absent = sorted({one.host for one in status.capabilities if one.host and one.phase == "waiting"})
+    absent = sorted(set(away.values()))
     if absent:
         return DOUBTFUL, f"{'ready' if status.ready else 'starting'}, without host {', '.join(absent)}"
     return (GOOD, "ready") if status.ready else (DOUBTFUL, "starting")

@@ -10,6 +10,7 @@ import os
 import secrets
 import signal
 import time
+from collections.abc import Sequence
 from collections.abc import Set as AbstractSet
 from contextlib import closing
 from pathlib import Path
@@ -47,7 +48,7 @@ from lbr.executive.processes.child import Child, Here, awaited
 from lbr.executive.processes.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
 from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.fork_server import ForkServer
-from lbr.executive.processes.logs import open_log, trim_all
+from lbr.executive.processes.logs import add, open_log, trim_all
 from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.plugging import Plugging
 from lbr.executive.processes.readiness import readiness
@@ -246,8 +247,14 @@ class Executive:
         def served(key: str) -> wire.QueryServer:
             return wire.QueryServer(bus, key, self._main.wake, puts=False, source=wiring.EXECUTIVE)
 
-        self._external = ExternalCommands(home.directory("logs"), robot, self._reaper)
-        self._journal = Journal(bus, robot, self._database, self._main.wake, self._troubles.tell)
+        logs = home.directory("logs")
+
+        self._external = ExternalCommands(logs, robot, self._reaper)
+
+        def written(events: Sequence[Event]) -> None:
+            add(logs, events, self.plan.log)
+
+        self._journal = Journal(bus, robot, self._database, self._main.wake, self._troubles.tell, written)
         self._journal.listeners.append(self._remember)
         rows = self.plan.rows.robot
         keeper = LatchKeeper(
@@ -534,6 +541,7 @@ class Executive:
             estop=self._emergency.state(),
             capabilities=capabilities,
             revision=self.plan.rows.revision,
+            degraded=readiness(capabilities).degraded if self._ready else {},
             **self._problems(),
         )
 

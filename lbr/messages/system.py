@@ -184,7 +184,10 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
 
 
 class Status(Struct, frozen=True, kw_only=True):
-    """The whole robot at a glance; `problem_codes` are those of its `problems`, in their order."""
+    """The whole robot at a glance; `problem_codes` are those of its `problems`, in their order.
+
+    `degraded` has who runs with less than its all, and why, once the robot is ready.
+    """
 
     robot: str
     profile: str
@@ -196,3 +199,4 @@ class Status(Struct, frozen=True, kw_only=True):
     problems: tuple[str, ...] = ()
     problem_codes: tuple[ReasonCode, ...] = ()
     revision: int = 0
+    degraded: dict[str, str] = {}

@@ -21,6 +21,7 @@ def status(*, estop: bool = False, phase: str = "ready", ready: bool = True) -> 
     return Status(
         robot="rob", profile="t", ready=ready, pid=1, uptime_s=1.0, capabilities=(unit,),
         estop=EstopState(engaged=estop, reason="a hand in the way" if estop else ""),
+        degraded={"motors": phase} if phase in {"degraded", "stopped"} else {},
     )  # fmt: skip
 
 
@@ -34,6 +35,7 @@ def text(telemetry: Telemetry, columns: int = 1000) -> str:
         (Telemetry(status=status()), "ready"),
         (Telemetry(status=status(estop=True)), "E-STOP: a hand in the way"),
         (Telemetry(status=status(phase="degraded")), "degraded: motors"),
+        (Telemetry(status=status(phase="stopped")), "degraded: motors"),
         (Telemetry(status=status(phase="failed")), "failed: motors"),
         (Telemetry(status=status(ready=False)), "starting"),
         (Telemetry(), "listening"),

@@ -45,7 +45,7 @@ def test_a_program_learns_its_wiring_restarts_and_dies_with_the_executive(robot)
     robot.edit("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ranges.readings', 'beep.ranges')")
     log = robot.home / "logs" / "lbr-beep.log"
     until(lambda: log.exists() and "ranges/readings" in log.read_text())
-    wiring = json.loads(log.read_text().splitlines()[-1])
+    wiring = json.loads(next(line for line in log.read_text().splitlines() if line.startswith("{")))
     assert wiring["LBR_ROBOT"] == "lbr"
     assert Path(wiring["LBR_CONFIG"]).stat().st_mode & 0o777 == 0o600
     assert json.loads(wiring["LBR_INPUTS"]) == {"ranges": ["lbr/ranges/readings"]}

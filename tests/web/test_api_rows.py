@@ -254,7 +254,8 @@ def test_what_is_plugged_in_is_told_and_its_rows_are_previewed_as_any_change(own
 
 def test_the_end_of_a_log_is_told_and_no_other_file(owner, robot):
     log = robot.home / "logs" / "lbr-base.log"
-    assert log.is_file(), "where its process writes"
+    assert " drive " in owner.get("/api/logs/drive").json()["data"]["text"], "its events are in it"
+    assert " drive " in lbr(robot.home, "logs", "drive").stdout
     log.write_bytes(b"x" * 70_000 + b"\nthe last line\n")
     found = owner.get("/api/logs/drive").json()["data"]
     assert found["text"].endswith("the last line\n")

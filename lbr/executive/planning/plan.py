@@ -10,6 +10,7 @@ from lbr.capability.config import DeviceConfig
 from lbr.capability.kind import STOP, Kind
 from lbr.database.rows import RobotRows
 from lbr.executive.planning.process_specs import ProcessSpec, commands_of, streams_of, with_learnt
+from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.messages import rows as row_sets
 from lbr.messages.rows import RowsChanged
 
@@ -26,6 +27,14 @@ class Plan(Struct, frozen=True, kw_only=True):
     def here(self) -> dict[str, ProcessSpec]:
         """Return what runs on the robot's own host."""
         return {name: unit for name, unit in self.units.items() if not unit.config.host}
+
+    def log(self, name: str) -> str:
+        """Return the log of a capability, an external command or the executive; empty if there is nothing of that name."""
+        if name in self.units:
+            return self.units[name].log
+        if name in self.kinds or name == EXECUTIVE:
+            return f"{self.robot}-{name}.log"
+        return f"{name}.log" if any(row.name == name for row in self.rows.external_commands) else ""
 
     def commands(self, name: str) -> tuple[str, ...]:
         """Return what a unit can be asked for."""

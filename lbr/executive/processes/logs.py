@@ -2,10 +2,15 @@
 
 import contextlib
 import os
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import IO
 
 from lbr.errors import InputError
+from lbr.messages.plain import one_line
+from lbr.messages.system import Event
 
 LIMIT_BYTES = 2_000_000
 KEPT_BYTES = 256_000
@@ -18,6 +23,17 @@ def open_log(path: Path) -> IO[bytes]:
     if path.exists() and not path.is_file():
         raise InputError(f"{path} is not a file, and a log is written there: move it away")
     return path.open("ab", buffering=0)
+
+
+def add(directory: Path, events: Iterable[Event], log_of: Callable[[str], str]) -> None:
+    """Add what happened to each part to its log, among its standard error; a log that cannot be written goes without."""
+    lines = defaultdict(list)
+    for one in events:
+        when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(one.wall_ns / 1e9))
+        lines[log_of(one.subject)].append(one_line(f"{when} {one.subject} {one.kind}: {one.text}") + "\n")
+    for name in filter(None, lines):
+        with contextlib.suppress(OSError, InputError), open_log(directory / name) as log:
+            log.write("".join(lines[name]).encode(errors="replace"))
 
 
 def trim_all(directory: Path) -> None:

@@ -214,11 +214,9 @@ class Clerk:
 
     def _log(self, name: str) -> ManageReply:
         plan = self._plan()
-        own = {row.name for row in plan.rows.external_commands}
-        if name not in {*plan.kinds, *own, EXECUTIVE}:
+        file = plan.log(name)
+        if not file:
             raise InputError(f"there is no capability '{shown(name)}'", "unknown_name")
-        unit = plan.units.get(name)
-        file = f"{name}.log" if name in own - plan.kinds.keys() else unit.log if unit else f"{plan.robot}-{name}.log"
         try:
             with (home.directory("logs") / file).open("rb") as log:
                 size = os.fstat(log.fileno()).st_size

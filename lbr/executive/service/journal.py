@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import msgspec
@@ -113,7 +113,7 @@ class Journal:
     """Collects the executive's own events and everybody else's, and writes them down in batches.
 
     What belongs into the audit trail is written at the next step, to the disk. `trouble` hears why nothing can be
-    written, and then an empty text.
+    written, and then an empty text; `written` gets the events that are.
     """
 
     def __init__(
@@ -123,11 +123,13 @@ class Journal:
         database: Database,
         wake: Callable[[], None],
         trouble: Callable[[str, str], None] = lambda _what, _why: None,
+        written: Callable[[Sequence[Event]], None] = lambda _events: None,
     ) -> None:
         self.listeners: list[Callable[[Event], None]] = []
         self._robot = robot
         self._database = database
         self._trouble = trouble
+        self._written = written
         self._waiting: deque[Event] = deque(maxlen=MOST_WAITING)
         self._trail: deque[AuditRow] = deque()
         self._lost = 0
@@ -206,6 +208,7 @@ class Journal:
             return False
         self._waiting.clear()
         self._trail.clear()
+        self._written(events)
         self._lost, self._failing = 0, False
         self._trouble(NOT_WRITTEN, "")
         return True
