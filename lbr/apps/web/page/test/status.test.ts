@@ -39,8 +39,8 @@ test("why a hand's motion ended is shown for 5 s, and the hand still has to come
   socket.tell({});
   assert.ok(holding.move("drive/command", { power: 0.3 }));
   const told = socket.said.filter((one) => "hold" in one).at(-1)!.hold as { n: number };
-  socket.tell({ hold: { n: told.n, holds: false, code: "lapsed", reason: "the link was too slow", holder: "" } });
-  assert.equal(holding.state.value.code, "lapsed");
+  socket.tell({ hold: { n: told.n, holds: false, code: "fault", reason: "a motor is stuck", holder: "" } });
+  assert.equal(holding.state.value.code, "fault");
   for (let left = 5100; left > 0; left -= 100) {
     pass(100);
     socket.tell({});
