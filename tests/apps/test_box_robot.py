@@ -45,12 +45,17 @@ def test_streams_setpoints_events_status_rows_and_lines_are_in_it(robot):
         log.write("something was printed\n")
     wanted = {"drive/state", "motors/setpoint", "motors/state", "ranges/readings", "@event", "@status", "@rows", "@log"}
     until(lambda: wanted <= topics(robot), what="all of it")
+
+    def printed() -> bool:
+        lines = (one for one in selection.messages(shelf(robot).files()) if one.topic == "@log")
+        return any(b"something was printed" in one.data for one in lines)
+
+    until(printed, limit_s=10, what="the line")
     found = list(selection.messages(shelf(robot).files()))
     (rows,) = {one.data for one in found if one.topic == "@rows"}
     said = msgspec.json.decode(rows)
     assert said["facts"]["parts"]["drive"]["kind"] == "drive"
     assert "user_token" not in said["tables"]
-    assert any(b"something was printed" in one.data for one in found if one.topic == "@log")
     state = next(one for one in found if one.topic == "drive/state")
     assert msgspec.json.decode(state.channel.schema)["title"] == "DriveState"
     assert abs(state.log_ns - state.publish_ns) < 5e8
