@@ -171,6 +171,17 @@ def running() -> list[Running]:
     return found
 
 
+def starting() -> list[str]:
+    """Return the robots whose start is under way here: they hold their lock, and are not to be reached yet."""
+    run = _place() / "run"
+    if not run.is_dir():
+        return []
+    ownership.refuse(ownership.faults(run, owners=_owner_of_home()))
+    return [
+        path.stem for path in sorted(run.glob("*.lock")) if not path.with_suffix(".json").exists() and _is_locked(path)
+    ]
+
+
 class RunLock:
     """One `lbr run` per robot and home: held by the kernel for as long as the process lives, however it ends."""
 

@@ -1,6 +1,7 @@
 """`lbr send`."""
 
 import sys
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from lbr.console.operator import BusOperator
     from lbr.console.target import Target
 
+LOOK_S = 0.05
+
 
 @click.command("send", context_settings={"ignore_unknown_options": True})
 @click.argument("words", nargs=-1, required=True, type=click.UNPROCESSED, metavar="LINE", shell_complete=complete_line)
@@ -31,8 +34,17 @@ if TYPE_CHECKING:
     metavar="SECONDS",
     help="How long to hold a motion that has no bounds of its own.",
 )
+@click.option(
+    "--wait",
+    "wait_s",
+    type=Number(0.0, 600.0),
+    default=10.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long to wait for a robot whose start is under way here.",
+)
 @json_option
-def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) -> int:
+def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as_json: bool) -> int:
     """Say one console LINE, such as /r/0.2/0 or stop.
 
     A motion without bounds is held for --hold seconds and then stopped; a bounded one lasts until its result. Ctrl-C
@@ -51,6 +63,8 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
         if not as_json:
             lines.show(result, sys.stdout, sys.stderr)
 
+    if not whom.connect:
+        _await_start(whom.robot, wait_s)
     found, *others = target.find_to_stop(*whom) if stops.is_stop(line) else [target.find(*whom)]
     if others:
         return _stop_all([found, *others], line, as_json)
@@ -71,6 +85,21 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, as_json: bool) ->
     elif ending:
         click.echo(one_line(ending.text), err=code != 0)
     return code
+
+
+def _await_start(robot: str | None, wait_s: float) -> None:
+    """Wait for a robot that is meant and whose start is under way, and say so; return at once where none is."""
+    from lbr import home  # noqa: PLC0415 - kept out of its `--help`
+
+    until, told = time.monotonic() + wait_s, False
+    while not any(robot in {None, one.robot} for one in home.running()):
+        names = [name for name in home.starting() if robot in {None, name}]
+        if not names or time.monotonic() >= until:
+            return
+        if not told:
+            click.echo(f"{', '.join(names)} is starting: waiting for it, {wait_s:g} s at most", err=True)
+            told = True
+        time.sleep(LOOK_S)
 
 
 def _stop_all(robots: list["Target"], line: str, as_json: bool) -> int:

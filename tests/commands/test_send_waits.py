@@ -1,0 +1,57 @@
+"""`lbr send` waits for a start that is under way: a lock that is held, without a record beside it."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from lbr import home
+from lbr.commands import send
+from lbr.home import RunLock, Running
+
+
+@pytest.fixture(autouse=True)
+def _home(tmp_path, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    monkeypatch.setattr(home, "_lived_in", None)
+
+
+@pytest.fixture
+def looks(monkeypatch):
+    """Have time pass by the waits alone."""
+    clock = SimpleNamespace(now=0.0, then=lambda: None)
+
+    def sleep(seconds):
+        clock.now += seconds
+        clock.then()
+
+    monkeypatch.setattr(send, "time", SimpleNamespace(monotonic=lambda: clock.now, sleep=sleep))
+    return clock
+
+
+def test_a_start_under_way_is_waited_for_until_it_is_reached(looks, capsys):
+    lock = RunLock("lbr")
+    record = Running(robot="lbr", pid=1, endpoints=(), profile="lbr-sim", database="", core="", password="")
+    looks.then = lambda: looks.now > 3.0 and lock.publish(record)
+    send._await_start(None, 10.0)
+    assert 3.0 < looks.now < 3.2
+    assert [one.robot for one in home.running()] == ["lbr"]
+    assert capsys.readouterr().err.count("lbr is starting") == 1
+    assert home.starting() == []
+    lock.release()
+
+
+def test_the_wait_ends_at_its_bound_and_with_the_start(looks):
+    lock = RunLock("lbr")
+    send._await_start("lbr", 2.0)
+    assert 2.0 <= looks.now < 2.2
+    looks.now, looks.then = 0.0, lock.release
+    send._await_start("lbr", 2.0)
+    assert looks.now < 0.2
+
+
+def test_nothing_is_waited_for_where_none_that_is_meant_starts(looks):
+    send._await_start(None, 10.0)
+    lock = RunLock("bioloid")
+    send._await_start("lbr", 10.0)
+    assert looks.now == 0.0
+    lock.release()
