@@ -140,30 +140,29 @@ def test_a_base_that_sticks_gets_what_it_needs_and_no_more(angle_deg, late, lazy
 
 
 @pytest.mark.parametrize(
-    ("attitude", "turn_why", "heading_why"),
+    ("attitude", "turn_about", "heading_about"),
     [
-        ({"valid": False, "reason": "no sample yet"}, "the attitude is not known: no sample yet", "no sample yet"),
-        ({"turned_deg": None}, "the attitude makes no sense", "makes no sense"),
-        ({"turned_deg": nan}, "the attitude makes no sense", "makes no sense"),
-        ({"measured_s": nan}, "the attitude makes no sense", "makes no sense"),
-        ({"measured_s": 99.0}, "the attitude is older than 0.2 s", "older than"),
-        (
-            {"heading_deg": None, "heading_reason": "iron is near"},
-            "",
-            "the heading is not known: iron is near",
-        ),
-        ({"heading_deg": nan}, "", "the heading is not known: it is not measured"),
+        ({"valid": False, "reason": "no sample yet"}, ("attitude", ": no sample yet"), ("no sample yet",)),
+        ({"turned_deg": None}, ("attitude", "no sense"), ("no sense",)),
+        ({"turned_deg": nan}, ("attitude", "no sense"), ("no sense",)),
+        ({"measured_s": nan}, ("attitude", "no sense"), ("no sense",)),
+        ({"measured_s": 99.0}, ("attitude", "older", "0.2 s"), ("older",)),
+        ({"heading_deg": None, "heading_reason": "iron is near"}, (), ("heading", ": iron is near")),
+        ({"heading_deg": nan}, (), ("heading", "not measured")),
     ],
 )
-def test_what_the_attitude_does_not_allow_is_refused_with_its_reason(body, attitude, turn_why, heading_why):
+def test_what_the_attitude_does_not_allow_is_refused_with_its_reason(body, attitude, turn_about, heading_about):
     body.attitude = attitude
     body.now += 0.25
     body.tell()
     said = body.turn(90.0)
-    assert (said.accepted, turn_why in said.reason) == (not turn_why, True)
+    assert (said.accepted, said.code) == ((False, "stale_sensor") if turn_about else (True, ""))
+    assert all(name in said.reason for name in turn_about), said.reason
     body.stop()
     body.now += 0.01
-    assert heading_why in body.head(90.0).reason
+    said = body.head(90.0)
+    assert (said.accepted, said.code) == (False, "stale_sensor")
+    assert all(name in said.reason for name in heading_about), said.reason
 
 
 def test_nothing_turns_before_an_attitude_was_heard():
@@ -261,28 +260,29 @@ def lose_attitude(body):
 
 
 @pytest.mark.parametrize(
-    ("how", "why"),
+    ("how", "code", "about"),
     [
-        (lose_attitude, "the attitude is older than 0.2 s"),
-        (lambda b: b.attitude.update(valid=False, reason="iron"), "the attitude is not known: iron"),
-        (lambda b: b.attitude.update(epoch="e2"), "the attitude started over in the middle of the turn"),
-        (lambda b: b.attitude.update(turned_deg=nan), "the attitude makes no sense"),
-        (lambda b: b.attitude.update(turned_deg=None), "the attitude makes no sense"),
-        (lambda b: b.attitude.update(turned_deg=1300.0), "the attitude jumped by"),
-        (lambda b: b.attitude.update(measured_s=b.now), "the attitude is older than 0.2 s"),
-        (lambda b: setattr(b, "gain", 0.0), "the base does not turn: 1 s of power turned it by 0."),
-        (lambda b: setattr(b, "side", -1.0), "the base turns away from its target"),
-        (lambda b: b.lose_motors(), "motors is gone"),
-        (lambda b: b.estop(True), "emergency stop: button"),
+        (lose_attitude, "stale_sensor", ("attitude", "older", "0.2 s")),
+        (lambda b: b.attitude.update(valid=False, reason="iron"), "stale_sensor", ("attitude", ": iron")),
+        (lambda b: b.attitude.update(epoch="e2"), "stale_sensor", ("attitude", "started over")),
+        (lambda b: b.attitude.update(turned_deg=nan), "stale_sensor", ("attitude", "no sense")),
+        (lambda b: b.attitude.update(turned_deg=None), "stale_sensor", ("attitude", "no sense")),
+        (lambda b: b.attitude.update(turned_deg=1300.0), "stale_sensor", ("attitude", "jumped")),
+        (lambda b: b.attitude.update(measured_s=b.now), "stale_sensor", ("attitude", "older", "0.2 s")),
+        (lambda b: setattr(b, "gain", 0.0), "stuck", ("1 s", " 0.")),
+        (lambda b: setattr(b, "side", -1.0), "not_followed", ("away",)),
+        (lambda b: b.lose_motors(), "unreachable", ("motors is gone",)),
+        (lambda b: b.estop(True), "estop", ("button",)),
     ],
 )
-def test_what_ends_a_turn_is_a_fault_with_a_sentence(body, how, why):
+def test_what_ends_a_turn_is_a_fault_with_a_sentence(body, how, code, about):
     reply = turning(body, 180.0, ticks=15)
     how(body)
     go_on(body, reply, 75, 180.0)
     assert body.wheels == STILL
     (result,) = body.results
-    assert (result.result, why in result.reason) == ("fault", True), result.reason
+    assert (result.result, result.code) == ("fault", code)
+    assert all(name in result.reason for name in about), result.reason
     assert not body.turn(180.0, lease=reply.lease).accepted
 
 

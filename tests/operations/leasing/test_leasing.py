@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from lbr.capability.halts import Halts
 from lbr.messages.codes import Reason
-from lbr.messages.leases import STOPPED_SINCE, refused
+from lbr.messages.leases import STOPPED_SINCE, CommandReply, refused
 from lbr.operations.leasing import decide, ending, rules
 from lbr.operations.leasing.lease import (
     Ended,
@@ -35,6 +35,7 @@ class Hand:
         self.now = 100.0
         self.said: list[Ended[str] | Happened] = []
         self._ids = 0
+        self.reply = CommandReply(accepted=True)
 
     def ask(self, what: str = "wave", *, source: str = "console", **more) -> str:
         """Decide a command; return why it is refused, or nothing."""
@@ -47,7 +48,13 @@ class Hand:
             return self.stop(source)
         if verdict in {"offer", "change", "begin"}:
             self._take(*decide.grant(self.leases, ask, verdict, what, self.now))
-        return replies[0].message.reason if replies else ""
+        self.reply = replies[0].message if replies else CommandReply(accepted=True)
+        return self.reply.reason
+
+    def refusal(self, **more) -> str:
+        """Decide a command; return the code of its refusal, or nothing."""
+        self.ask(**more)
+        return "" if self.reply.accepted else self.reply.code
 
     def stop(self, source: str = "phone", *, whole: bool = False, own: bool = False, by: str = "") -> str:
         event = Stop(source=source, received=self.now, whole=whole, own=own, by=by)
@@ -102,13 +109,14 @@ def test_a_lease_that_is_not_renewed_lapses_a_little_early_and_is_dead(hand):
     hand.wait(0.011)
     assert not hand.motion
     assert hand.ends == [("wave", "lapsed", True)]
-    assert hand.ask(lease="lease1") == "lease is dead: it lapsed, not renewed within 0.3 s"
+    assert hand.refusal(lease="lease1") == "dead_lease"
+    assert (hand.reply.cause, "not renewed within 0.3 s" in hand.reply.note) == ("lapsed", True)
 
 
 def test_who_had_a_lease_of_before_a_restart_hears_of_that_and_a_program_what_to_do():
     reply = refused(rules.not_live(first(PHRASING, TTL_S, ahead_s=0.01), "lease1"))
-    assert reply.why == Reason("dead_lease", "it is not known any more, as after a restart of what carries it out")
-    assert reply.reason == "lease is dead: it is not known here; ask for a new one without quoting a lease"
+    assert reply.why == Reason("dead_lease", rules.FORGOTTEN)
+    assert (reply.code, "without quoting" in reply.reason) == ("dead_lease", True)
 
 
 def test_the_same_again_renews_and_another_motion_changes_under_one_lease(hand):
@@ -124,7 +132,7 @@ def test_what_was_sent_before_a_stop_begins_nothing(hand):
     sent = hand.now
     hand.wait(0.1)
     hand.stop()
-    assert hand.ask(received=sent) == "a stop came after this command"
+    assert hand.refusal(received=sent) == "stopped"
     hand.wait(0.01)
     assert hand.ask() == ""
 
@@ -157,10 +165,12 @@ def test_the_emergency_stop_refuses_all_and_whoever_insisted_has_to_pause(hand):
     hand.ask()
     hand.latch(engaged=True)
     hand.wait(0.01)
-    assert hand.ask() == "emergency stop: button; 'reset' releases it"
+    assert (hand.refusal(), "button" in hand.reply.reason) == ("estop", True)
     hand.latch(engaged=False)
     hand.wait(0.1)
-    assert hand.ask() == "commands went on through the emergency stop: pause before moving again"
+    assert hand.refusal() == "rest_first"
+    assert "through the emergency stop" in hand.reply.reason
+    assert PHRASING.rest in hand.reply.reason
     hand.wait(0.3)
     assert hand.ask() == ""
 
@@ -175,18 +185,19 @@ def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
 
 
 @pytest.mark.parametrize(
-    ("fields", "why"),
+    ("fields", "code", "about"),
     [
-        ({"ttl_s": 2.0}, "ttl_s 2 is outside 0 to 1"),
-        ({"ttl_s": nan}, "ttl_s nan is outside 0 to 1"),
-        ({"ttl_s": 0.0}, "ttl_s 0 lets a lease lapse at once: leave it out, or give up to 1"),
-        ({"received": nan}, "this command has no date that makes sense"),
-        ({"received": 99.0}, "this command came 1.0 s after it was sent; send it again"),
-        ({"received": -inf}, "this command came inf s after it was sent; send it again"),
+        ({"ttl_s": 2.0}, "bad_value", ("ttl_s 2", "0 to 1")),
+        ({"ttl_s": nan}, "bad_value", ("ttl_s nan", "0 to 1")),
+        ({"ttl_s": 0.0}, "bad_value", ("ttl_s 0 ", "lapse", "up to 1")),
+        ({"received": nan}, "late", ("no date",)),
+        ({"received": 99.0}, "late", ("1.0 s",)),
+        ({"received": -inf}, "late", ("inf s",)),
     ],
 )
-def test_what_makes_no_sense_is_refused_in_words(hand, fields, why):
-    assert hand.ask(**fields) == why
+def test_what_makes_no_sense_is_refused_in_words(hand, fields, code, about):
+    assert hand.refusal(**fields) == code
+    assert all(name in hand.reply.reason for name in about), hand.reply.reason
 
 
 @given(
