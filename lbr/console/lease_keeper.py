@@ -112,7 +112,7 @@ class LeaseKeeper:
                     self._give_up(why)
                     return
                 if time.monotonic() >= due:
-                    lease.send(hold.payload)
+                    self._renew(lease)
                     due += PERIOD_S * max(1, int((time.monotonic() - due) / PERIOD_S))
                 if hold.goal and asked < 1 + lease.lost:  # it may have been told before it was listened for
                     self._ask_result()
@@ -126,6 +126,11 @@ class LeaseKeeper:
         finally:
             if results is not None:
                 results.close()
+
+    def _renew(self, lease: LeaseClient) -> None:
+        with self._lock:  # once it has ended, nothing is sent any more: what follows is dated after the last renewal
+            if self.ending is None:
+                lease.send(self.hold.payload)
 
     def _lease(self) -> LeaseClient:
         hold = self.hold

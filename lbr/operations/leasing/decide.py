@@ -148,8 +148,11 @@ def with_motion(leases: LeaseTable[M], motion: M) -> LeaseTable[M]:
 
 
 def _persists(leases: LeaseTable[M], ask: LeaseRequest, now: float) -> str:
-    """Return how a refused command goes on when it should not, or nothing."""
-    if leases.estop:
+    """Return how a refused command goes on when it should not, or nothing.
+
+    A command that was under way as the emergency stop was latched does not: its sender did not know of it yet.
+    """
+    if leases.estop and not dated(leases, ask) <= leases.stopped:  # this way round, NaN goes on
         return "commands went on through the emergency stop"
     if leases.live is not None and streams(leases.live, ask):
         return "commands went on without quoting their lease"

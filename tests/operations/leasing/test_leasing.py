@@ -175,6 +175,34 @@ def test_the_emergency_stop_refuses_all_and_whoever_insisted_has_to_pause(hand):
     assert hand.ask() == ""
 
 
+def test_a_renewal_under_way_as_the_emergency_stop_is_latched_leaves_its_sender_free_after_the_reset(hand):
+    hand.ask()
+    sent = hand.now + 0.01
+    hand.wait(0.02)
+    hand.latch(engaged=True)
+    hand.wait(0.01)
+    assert hand.ask(lease="lease1", received=sent) == "lease is dead: emergency stop: button"
+    hand.latch(engaged=False)
+    hand.wait(0.01)
+    assert hand.ask(lease="lease1"), "the reset brings no lease back"
+    assert not hand.motion
+    assert hand.ask("clap") == ""
+
+
+@pytest.mark.parametrize("lease", ["", "lease1"])
+def test_a_stream_through_the_emergency_stop_moves_nothing_after_the_reset(hand, lease):
+    hand.ask()
+    hand.latch(engaged=True)
+    for _ in range(3):
+        hand.wait(0.1)
+        assert hand.ask(lease=lease)
+    hand.latch(engaged=False)
+    for _ in range(10):
+        hand.wait(0.1)
+        assert hand.ask() == "commands went on through the emergency stop: pause before moving again"
+        assert not hand.motion
+
+
 def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
     hand.ask()
     hand._take(*ending.lose_time(hand.leases, Reason("clock", "the clock went back"), hand.now, 5.0))
