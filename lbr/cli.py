@@ -46,6 +46,7 @@ COMMANDS = {
     "new": ("new", "Write a robot, a driver, servos or a capability of your own, to begin with."),
 }
 _NO_COMMAND = re.compile(r"No such command '(.*)'\.", re.DOTALL)
+NO_THREAD = "can't start new thread"
 NO_ARGUMENTS = getattr(click.exceptions, "NoArgsIsHelpError", ())  # before click 8.2 it prints the help by itself
 HELP = """Run a robot that is rows in a database, and talk to it.
 
@@ -132,6 +133,10 @@ def _run(arguments: list[str] | None) -> int:
             raise
         code = _complain(why, FAILED)
         surroundings.drop_output()
+    except RuntimeError as err:
+        if NO_THREAD not in str(err):
+            raise
+        code = _complain("this user may start no more threads and processes: end some, or raise 'ulimit -u'", FAILED)
     return code if isinstance(code, int) else 0
 
 

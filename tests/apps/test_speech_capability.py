@@ -82,6 +82,14 @@ def test_hush_ends_what_is_said_and_what_waits_and_leaves_nothing(bench):
     assert found.ask(HushCommand()).reason == "nothing was being said"
 
 
+def test_what_is_still_being_saved_is_said_when_it_is_asked_for(bench):
+    found = bench()
+    assert found.say("Hello", save="note").accepted
+    assert found.say("<note").accepted
+    found.until(lambda: found.state.spoken == 1)
+    assert [line for line in found.ctx.events if line[0] == "saved"]
+
+
 def test_a_text_is_saved_and_played_by_its_name(bench):
     found = bench()
     assert found.say("Hello", save="Greeting-1").reason == "will be sounds/greeting-1.wav"

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from lbr import cli
 from tests.support import programs
 
 LBR = Path(sys.executable).with_name("lbr")
@@ -120,3 +121,12 @@ def test_starting_is_light():
     code = f"import sys, lbr.cli; print([name for name in {heavy} if name in sys.modules])"
     done = programs.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=9, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_where_no_thread_may_be_started_one_line_says_so(monkeypatch, capsys):
+    def refused(*_arguments, **_options):
+        raise RuntimeError(cli.NO_THREAD)
+
+    monkeypatch.setattr(cli.cli, "main", refused)
+    assert cli.main(["status"]) == cli.FAILED
+    assert "ulimit -u" in capsys.readouterr().err

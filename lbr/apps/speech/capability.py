@@ -115,8 +115,7 @@ class Speech(Capability[SpeechSettings]):
 
     def _say(self, command: SayCommand) -> str:
         if command.text.startswith(RECORDING) and not command.save:
-            found = files.recording(self._home, command.text[1:].strip())
-            job = Job(text=command.text, source=found) if isinstance(found, Path) else Job(command.text, sound=found)
+            job = self._recorded(command.text)
         else:
             text, language = to_say(command, self.ctx.rows(Phrase), self.ctx.settings.language)
             keep = files.place_for(self._home, command.save) if command.save else None
@@ -130,6 +129,14 @@ class Speech(Capability[SpeechSettings]):
             return f"will be sounds/{job.keep.name}"
         after = f" after {ahead} other{'s' if ahead > 1 else ''}" if ahead else ""
         return f"says {job.title}{after}" + (f"; {cut}" if cut else "")
+
+    def _recorded(self, text: str) -> Job:
+        """Return what says a recording; of one that is still being written the text itself is said, in its turn."""
+        name = text[1:].strip()
+        if (kept := self._jobs.keeping(name.lower())) is not None:
+            return Job(text=kept.text, language=kept.language)
+        found = files.recording(self._home, name)
+        return Job(text=text, source=found) if isinstance(found, Path) else Job(text, sound=found)
 
     def _play(self, command: SongCommand) -> PlayReply:
         """Play a song at once: the dance that moves to it has to know when it began."""

@@ -59,6 +59,10 @@ class Jobs:
         written = sum(job.sound is not None for job in self._waiting)
         return unwritten[0] if written < WRITTEN_AHEAD else None
 
+    def keeping(self, name: str) -> Job | None:
+        """Return the job that is to be kept by that name; the newest of several."""
+        return next((job for job in reversed(self._waiting) if job.keep is not None and job.keep.stem == name), None)
+
     def to_decode(self) -> Job | None:
         """Return the next recording that has to be decoded."""
         return next((job for job in self._waiting if job.source is not None and job.sound is None), None)
