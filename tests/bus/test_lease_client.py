@@ -176,7 +176,7 @@ def test_a_release_halts_it_also_before_it_was_accepted_and_once(drive):
     lease = LeaseClient(drive, TARGET, SLOW)
     assert lease.release("enough", lost=True) is not None
     assert lease.release("enough") is None
-    assert drive.halts == [StopCommand(reason="enough", lost=True)]
+    assert drive.halts == [StopCommand(reason="enough", lost=True, own=True)]
 
 
 def test_no_more_is_sent_than_is_answered(drive):

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from lbr.bus.stamp import Origin
 from lbr.capability import lifeline
 from lbr.database.rows import ExternalCommandRow
 from lbr.executive.processes.external import ExternalCommands
@@ -138,6 +139,7 @@ def is_free(fd: int) -> bool:
 
 
 GUARD = f'{sys.executable} -I -S -c \'import os; os.getpgrp() == os.getpid() or os.setpgid(0, 0); os.execlp(*["sh"] * 2, "-c", os.environ["LINE"])\''
+LINE = Origin("ann", 0.0)
 SPEAKS = {"LINE": "trap '' HUP; echo $$ >> pids; kill -STOP $$; : > spoken; exec sleep 60"}
 """A guard has a group of its own in its driver's session."""
 
@@ -353,7 +355,7 @@ def test_what_a_stopped_command_has_started_ends_with_it(tmp_path, monkeypatch):
     line = f"(setsid sh -c '{PIDS}' &); exec sleep 60"
     row = ExternalCommandRow(name="probe", argv=("/bin/sh", "-c", line), blocking=False)
     with closing(Reaper()) as reaper, closing(ExternalCommands(tmp_path, "lbr", reaper)) as commands:
-        commands.start(row, ())
+        commands.start(row, (), LINE, 0.0)
         (pid,) = until(lambda: pids(tmp_path))
         assert "has ended" in commands.stop("probe")
         until(lambda: not lives(pid))
@@ -364,7 +366,7 @@ def test_frozen_commands_hold_up_the_end_of_the_robot_once_and_not_one_after_the
         commands = ExternalCommands(tmp_path, "lbr", reaper)
         for number in range(5):
             row = ExternalCommandRow(name=f"probe{number}", argv=("/bin/sleep", "60"), blocking=False)
-            os.kill(commands.start(row, ()).pid, signal.SIGSTOP)
+            os.kill(commands.start(row, (), LINE, 0.0).pid, signal.SIGSTOP)
         began = time.monotonic()
         commands.close()
         assert time.monotonic() - began < 1.0
