@@ -10,6 +10,8 @@ STOPS = frozenset({"s", "stop", "estop"})
 EMERGENCY = "estop"
 SLASHES = "/\uff0f"
 LONGEST = MAX_LINE - 16
+_REMAINS = re.compile(r"(?:\x1b?\[[0-9;?<]*[A-Za-z~]?)+\s*$")
+"""Of a terminal's sequences, whose beginning the line editor has taken: no key types them."""
 _SLASH = re.compile(f"[{SLASHES}]")
 
 
@@ -17,10 +19,10 @@ def stop_in(line: str | bytes) -> str:
     """Return the stop that a line says, as each robot knows it; empty for a line that says none.
 
     Letters may be large, or as wide as a keyboard of another script types them; blanks, slashes and characters that
-    nobody sees may stand around them. An emergency stop may give a reason: `/estop/REASON`.
+    nobody sees may stand around them, and remains of a terminal's sequences behind them. An emergency stop may give a reason: `/estop/REASON`.
     """
     text = line.decode(errors="replace") if isinstance(line, bytes) else line
-    word, *more = _SLASH.split(bare(text, SLASHES)[:LONGEST], maxsplit=1)
+    word, *more = _SLASH.split(bare(_REMAINS.sub("", text[:LONGEST]), SLASHES)[:LONGEST], maxsplit=1)
     word = unicodedata.normalize("NFKC", bare(word)).lower()
     said = bare("".join(more))
     if word not in STOPS or (said and word != EMERGENCY):

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lbr.console.keyboard import Overhearing
 from lbr.console.operator import emergency
 from lbr.console.stops import STOPS, stop_in
 from lbr.console.verbs import VerbCall, Vocabulary
@@ -72,3 +73,21 @@ def test_an_emergency_stop_may_give_any_reason(reason):
 def test_what_is_no_stop_is_left_as_it_is_and_a_stop_stays_one(line):
     said = stop_in(line)
     assert stop_in(said) == said
+
+
+@pytest.mark.parametrize("word", ["s", "S", "stop", "STOP", "estop", "/s", "/stop"])
+@pytest.mark.parametrize("remains", ["[20;1R", "\x1b[20;1R", "[A", "[", "[2", "[20;1R[20;1R", "[?1;2c", "[<0;3;4M"])
+def test_a_stop_word_with_remains_of_a_terminals_sequence_is_that_stop(word, remains):
+    assert stop_in(word + remains) == stop_in(word) != ""
+
+
+def test_two_hundred_stops_through_a_terminal_that_is_cut_at_every_byte_are_two_hundred():
+    heard: list[str] = []
+    now = 0.0
+    overhearing = Overhearing(lambda: now)
+    for turn in range(200):
+        gap_s = turn % 11 / 10
+        for character in ("s" if turn % 2 else "estop") + "\x1b[20;1R\r":
+            now += gap_s
+            heard += overhearing.hear(character).stops
+    assert heard == ["estop", "s"] * 100

@@ -292,7 +292,9 @@ def test_the_table_of_what_runs_and_the_logs_name_the_process(robot: Robot) -> N
     assert f"{pids(robot)['ann']} crew" in lbr(robot.home, "status").stdout
     of_before = robot.home / "logs" / "lbr-bob.log"
     of_before.write_text("alone then\n")
+    before = pids(robot)["ann"]
     do(robot, "ann", "raise")
+    until(in_a_new_process(robot, before))
     until(lambda: "out of cheese" in lbr(robot.home, "logs", "bob").stdout)
     assert lbr(robot.home, "logs", "lbr/bob").stdout == "alone then\n"
     of_before.unlink()
