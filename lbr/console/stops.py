@@ -10,7 +10,7 @@ STOPS = frozenset({"s", "stop", "estop"})
 EMERGENCY = "estop"
 SLASHES = "/\uff0f"
 LONGEST = MAX_LINE - 16
-_REMAINS = re.compile(r"(?:\x1b?\[[0-9;?<]*[A-Za-z~]?)+\s*$")
+_REMAINS = re.compile(r"(?:\x1b?\[[0-9;?<]*[A-Za-z~]?)+\s*\Z")
 """Of a terminal's sequences, whose beginning the line editor has taken: no key types them."""
 _SLASH = re.compile(f"[{SLASHES}]")
 

@@ -336,7 +336,8 @@ def test_a_missing_device_makes_it_degraded_and_its_return_ready(stage):
     stage.start(settings=json.dumps({"device_there": str(device)}))
     until(lambda: stage.heard("degraded"))
     assert "missing; plug it in" in stage.heard("degraded")[0].reason
-    assert "missing" in stage.ask("r/probe/do", {"what": "nothing"})["reason"]
+    answer = until(lambda: stage.ask("r/probe/do", {"what": "nothing"}), "its commands are known on the bus")
+    assert "missing" in answer["reason"]
     device.touch()
     stage.ready()
 

@@ -56,7 +56,7 @@ def test_a_name_that_is_code_or_a_path_is_refused_and_imports_nothing(folder, tm
 
 
 def test_an_unknown_kind_is_told_what_there_is(tmp_path):
-    with pytest.raises(KindError, match=r"drive, .*exec, .*roboteq"):
+    with pytest.raises(KindError, match=r"hovercraft.*attitude, .*camera"):
         registry.find("hovercraft", tmp_path)
 
 

@@ -47,7 +47,7 @@ def test_a_humanoid_is_seen_joint_by_joint(robot, client):
         "upright, trunk 29 cm high, roll +0, pitch -6 degrees; on the floor: left_foot, right_foot",
         "following: stopped by phone",
         "joint                    angle    goal   load   °C     V  ",
-        "left_knee                -28.6   -34.4   25 %   41  11.2  ",
+        "left_knee                -28.6   -34.4   25 %   41  11.2  torque unknown",
         "right_knee                   -       -      -    -     -  latched: overload",
     ]
     assert max(len(line) for line in frame(20, 3)) == 20

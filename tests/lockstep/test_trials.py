@@ -15,7 +15,7 @@ from lbr.commands.rows import opened
 from lbr.lockstep.faults import EVERY
 from lbr.lockstep.trial import Setup, Trial
 from lbr.lockstep.trying import made
-from lbr.messages.behaviour import BehaviourRow, BehaviourTable
+from lbr.messages.behaviour import BehaviourRow, BehaviourState, BehaviourTable
 from lbr.simulation.requests import BallRequest
 from lbr.simulation.settings import StartPose
 from tests.support import programs
@@ -182,7 +182,7 @@ def test_it_goes_up_to_a_ball_and_after_it_when_it_is_elsewhere(rows, home, star
     began = trial.board.now
     trial.places = ((began, 2.2, 0.3), (began + 40.0, 0.6, -0.9))
     at_the_first = []
-    trial.board.listen("lbr/behaviour/state", lambda state: at_the_first.append((trial.board.now, state.state)))
+    trial.board.listen("lbr/behaviour/state", BehaviourState, lambda state: at_the_first.append((trial.board.now, state.state)))
     outcome = trial.run()
     assert (outcome.code, outcome.state, outcome.unsafe) == ("time_over", "Near", ()), outcome
     assert "Near" in {state for at, state in at_the_first if at < began + 40.0}
@@ -199,7 +199,7 @@ def test_without_a_ball_it_looks_all_around_and_gives_up(rows, home):
 
 
 def test_one_that_came_there_in_short_moves_and_waits_is_not_stuck(rows, home):
-    trial = WithABall(setup(rows, home, "follow", max_s=62.0), 0, StartPose())
+    trial = WithABall(setup(rows, home, "follow", max_s=64.0), 0, StartPose())
     trial.places = ((trial.board.now, 1.9, -0.6),)
     outcome = trial.run()
     assert (outcome.good, outcome.code, outcome.state) == (True, "time_over", "Near"), outcome

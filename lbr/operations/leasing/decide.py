@@ -152,7 +152,7 @@ def _persists(leases: LeaseTable[M], ask: LeaseRequest, now: float) -> str:
 
     A command that was under way as the emergency stop was latched does not: its sender did not know of it yet.
     """
-    if leases.estop and not dated(leases, ask) <= leases.stopped:  # this way round, NaN goes on
+    if leases.estop and not dated(leases, ask) < leases.stopped:  # this way round, NaN goes on
         return "commands went on through the emergency stop"
     if leases.live is not None and streams(leases.live, ask):
         return "commands went on without quoting their lease"

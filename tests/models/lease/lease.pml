@@ -261,10 +261,10 @@ inline accept() {
 
 inline refuse() {
   if
-  :: c_mv && ((k_latched && c_date < k_stop) || STREAMS || k_insists[c_src] > 0) && INSISTING && bug != B_INSISTING -> k_insists[c_src] = INSIST
+  :: c_mv && ((k_latched && c_date <= k_stop) || STREAMS || k_insists[c_src] > 0) && INSISTING && bug != B_INSISTING -> k_insists[c_src] = INSIST
   :: else
   fi;
-  if :: c_mv && ((k_latched && c_age < k_stop) || g_insists[c_src] > 0) -> g_insists[c_src] = INSIST :: else fi
+  if :: c_mv && ((k_latched && c_age <= k_stop) || g_insists[c_src] > 0) -> g_insists[c_src] = INSIST :: else fi
 }
 
 inline command() {
