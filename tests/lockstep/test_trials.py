@@ -182,7 +182,9 @@ def test_it_goes_up_to_a_ball_and_after_it_when_it_is_elsewhere(rows, home, star
     began = trial.board.now
     trial.places = ((began, 2.2, 0.3), (began + 40.0, 0.6, -0.9))
     at_the_first = []
-    trial.board.listen("lbr/behaviour/state", BehaviourState, lambda state: at_the_first.append((trial.board.now, state.state)))
+    trial.board.listen(
+        "lbr/behaviour/state", BehaviourState, lambda state: at_the_first.append((trial.board.now, state.state))
+    )
     outcome = trial.run()
     assert (outcome.code, outcome.state, outcome.unsafe) == ("time_over", "Near", ()), outcome
     assert "Near" in {state for at, state in at_the_first if at < began + 40.0}
