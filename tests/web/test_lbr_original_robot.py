@@ -144,7 +144,7 @@ def test_headings_are_known_all_the_way_and_are_where_the_robot_ends_up(api):
             return api.stands() and abs(remainder(seen[-1] - wanted, 360.0)) < 5.0
 
         until(lambda wanted=wanted: api.accepted({"heading": wanted}), what="a turn that is accepted")
-        until(stands, limit_s=STOPS_S, what=f"heading {wanted:g}")
+        until(stands, what=f"heading {wanted:g}")
         assert None not in seen
         yaw = until(lambda: api.robot.ask("world/pose"))["yaw_rad"]
         assert abs(remainder(-degrees(yaw) - wanted, 360.0)) < 6.0, "the compass is right"
@@ -211,8 +211,8 @@ def test_it_speaks_hears_the_dock_and_switches_cameras(api):
 
 
 def test_the_server_that_is_killed_while_it_moves_the_base_leaves_it_standing(api):
-    until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
     pid = api.robot.capability("web_api")["pid"]
+    until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
     os.kill(pid, signal.SIGKILL)
     killed_ns = time.monotonic_ns()
     zero = api.trace.first_zero(killed_ns, 2.0)

@@ -21,6 +21,8 @@ const PLAYING_MS = 3000;
 const RETURNS_MS = 1000;
 /** The link is good while a frame came so lately: the robot sends five a second. */
 const STEADY_MS = 300;
+/** A page that did nothing for so long was asleep itself: then its hand is off, however good the link is. */
+const AWAKE_MS = 250;
 /** A reason why it ended is shown for so long. */
 export const SHOWN_MS = 5000;
 /** What is told of the last few wishes still counts: so many are told while an answer is on its way. */
@@ -34,6 +36,8 @@ let told_ = "";
 let toldAt = 0;
 let changedAt = 0;
 let steadyAt = 0;
+let beatAt = 0;
+let asleep = false;
 let over = false;
 /** Since the last release something was asked for: the robot wants to hear of the rest, after a refusal and a stop too. */
 let begun = false;
@@ -78,6 +82,8 @@ function beat(): void {
   clearTimeout(timer);
   const now = performance.now();
   if (silentMs() < STEADY_MS) steadyAt = now;
+  if (beatAt && now - beatAt > AWAKE_MS) asleep = true;
+  beatAt = now;
   if (told_ && Math.max(now - toldAt, silentMs()) > (once ? PLAYING_MS : ASLEEP_MS)) return slept();
   const changed = wanted !== told_;
   if (changed && now - changedAt >= CHANGE_MS) tell(now);
@@ -103,7 +109,8 @@ function slept(): void {
 /** Lets what moves come to rest. */
 function release(): void {
   clearTimeout(timer);
-  active = over = once = false;
+  active = over = once = asleep = false;
+  beatAt = 0;
   if (begun) send({ release: true });
   begun = false;
   wanted = told_ = "";
@@ -115,7 +122,9 @@ function release(): void {
 
 function heard(news: HoldNews): void {
   if (!active || news.n < n - LATELY) return;
-  if (news.code === "lapsed" && !once && performance.now() - steadyAt < RETURNS_MS) return goOn();
+  const now = performance.now();
+  const awake = !asleep && now - beatAt < AWAKE_MS;
+  if (news.code === "lapsed" && !once && awake && now - steadyAt < RETURNS_MS) return goOn();
   state.value = { ...state.value, holds: news.holds, code: news.code, reason: news.reason, holder: news.holder };
   if (!news.holds && (news.n === n || news.code)) end(news);
 }
