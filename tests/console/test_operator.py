@@ -27,7 +27,7 @@ def test_a_line_is_said_with_its_source_and_in_its_role(robot, operator):
 
 def test_a_line_with_control_characters_is_never_sent(robot, operator):
     with pytest.raises(InputError, match="control character"):
-        operator.submit("s\x1b[2J")
+        operator.submit("/r/0.2/0\x1b[2J")
     assert robot.said == []
 
 
