@@ -131,7 +131,7 @@ def test_a_script_releases_what_it_has_pressed_and_nothing_that_another_has(robo
     assert waiting(robot, "estop", time.monotonic())["code"] == 0
     robot.put("@estop", {"engaged": True, "reason": "a ladder"}, source="a page")
     until(lambda: after(waiting(robot, "reset", typed_s)), what="it is not released")
-    assert robot.status()["estop"]["engaged"]
+    assert robot.ask("@estop")["engaged"]
     assert waiting(robot, "reset", time.monotonic())["code"] == 0
 
 

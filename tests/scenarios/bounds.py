@@ -14,7 +14,7 @@ from tests.support.mover import POWER, accepted
 
 INTERVAL_EARLY_MS, INTERVAL_LATE_MS = -20.0, 40.0
 RENEW_S = 0.1
-WALL_NEAR_CM, WALL_FAR_CM = 380.0, 415.0
+WALL_NEAR_CM, WALL_FAR_CM, WALL_OFF_CM = 380.0, 415.0, 3.0
 FAR_M, NEAR_M, TARGET_CM = 1.5, 0.6, 90.0
 
 
@@ -55,9 +55,9 @@ def range_crossed(under_test: Bench) -> None:
 
 
 def wall_approached(under_test: Bench) -> None:
-    """Drive towards the real wall to one distance, and back to another."""
-    _until_range(under_test, 0.0, WALL_NEAR_CM, lambda metres: metres <= WALL_NEAR_CM / 100)
-    _until_range(under_test, 180.0, WALL_FAR_CM, lambda metres: metres >= WALL_FAR_CM / 100)
+    """Drive towards the real wall to one distance, and back to another; it is slow by the time that it is there."""
+    _until_range(under_test, 0.0, WALL_NEAR_CM)
+    _until_range(under_test, 180.0, WALL_FAR_CM)
 
 
 def bounds(results: Results, n: int) -> None:
@@ -75,11 +75,16 @@ def _ended(under_test: Bench) -> dict[str, Any]:
     return under_test.robot.ask("drive/result", timeout_s=1.0) or {"goal": ""}
 
 
-def _until_range(under_test: Bench, angle_deg: float, range_cm: float, crossed: Callable[[float], bool]) -> None:
+def _until_range(under_test: Bench, angle_deg: float, range_cm: float) -> None:
+    before = _ended(under_test)
     with held(under_test, {"angle_deg": angle_deg, "range_cm": range_cm, "sensor": "forward"}):
         under_test.wait_for_motion()
-        zero = under_test.stopped_after("S18 range", _see(under_test, crossed))
-    under_test.stays_at_rest(zero)
+        under_test.until(lambda: _ended(under_test)["goal"] != before["goal"], 6.0, "the end of the move")
+        under_test.until(lambda: under_test.trace.now().zero, 3.0, "standing there")
+    ended, seen_cm = _ended(under_test), under_test.robot.ask("ranges/readings")["forward_m"] * 100
+    wrong = ended["result"] != "reached" or abs(seen_cm - range_cm) > WALL_OFF_CM
+    under_test.results.check("S18 range", [f"{range_cm:g} cm: {ended}, {seen_cm:.1f} cm are seen"] if wrong else [])
+    under_test.stays_at_rest(under_test.trace.now())
 
 
 @contextmanager

@@ -163,5 +163,5 @@ def _back(under_test: Bench, ahead_m: float) -> None:
     if _ahead_m(under_test) > ahead_m - WORTH_GOING_BACK_M:
         return
     with held(under_test, {"angle_deg": 180.0, "range_cm": round(ahead_m * 100), "sensor": "forward"}):
-        under_test.wait_for_motion()
+        under_test.until(lambda: under_test.answer("drive/state")["goal"] is None, 6.0, "the end of the way back")
         under_test.until(lambda: under_test.trace.now().zero, 3.0, "standing where it began")

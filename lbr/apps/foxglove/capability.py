@@ -109,8 +109,6 @@ class Door(BaseRoute):
         owner = not shown and "authorization" not in headers and await is_owners(scope, address_of(scope))
         client = await self._gate.client(scope, headers, shown, owner=owner and "origin" not in headers)
         refuse_without(client, "view")
-        if self._bridge.over:
-            raise Refused(503, self._bridge.over, {"Retry-After": "2"})
         if full := self._viewers.why_not(who(client)):
             raise Refused(503, f"{full} are connected already", {"Retry-After": "10"}, "busy")
         return client, owner or client.known
@@ -127,7 +125,6 @@ class Foxglove(Capability[FoxgloveSettings]):
     def __init__(self, ctx: Context[FoxgloveSettings]) -> None:
         super().__init__(ctx)
         sys.setswitchinterval(SWITCH_S)
-        self.over = ""
         self.sources: Mapping[int, Source] = {}
         self.services: Mapping[int, Service] = {}
         self.session = f"{ctx.robot}-{int(ctx.clock() * 1000)}"
@@ -157,7 +154,6 @@ class Foxglove(Capability[FoxgloveSettings]):
             raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
         self._place = AdvertisedAddress(cast("Any", settings), sockets[0].getsockname()[1])
         self._bridge.open()
-        self.over = ""
         try:
             self._bus = self._opened()
             robot = Robot(cast("Any", self.ctx), self._bridge, self._sessions, self._counts.tell)
@@ -196,7 +192,6 @@ class Foxglove(Capability[FoxgloveSettings]):
 
     def close(self) -> None:
         """Stop serving, and what was moved in its clients' names."""
-        self.over = ENDS
         self._bridge.close(ENDS)
         for goal in self._goals:
             _release(goal, ENDS)

@@ -35,7 +35,7 @@ from lbr.errors import InputError, MalformedError
 from lbr.messages.unreadable import UNREADABLE
 
 STALLED_S = 5.0
-GOING_AWAY, STALLED, TALKS = 1001, 1013, 1008
+STALLED, TALKS = 1013, 1008
 SAID_HZ, SAID_AT_ONCE = 150.0, 300.0
 MOST_CALLS, MOST_NEWS = 8, 256
 FRESH_S = 0.25
@@ -61,7 +61,6 @@ class Served(Protocol):
     session: str
     sources: Mapping[int, Source]
     services: Mapping[int, Service]
-    over: str
 
     @property
     def feeds(self) -> Feeds:
@@ -137,8 +136,6 @@ class Viewer:
     async def _send_out(self, web: WebSocket, hearing: "asyncio.Task[str]") -> tuple[int, str]:
         due, alive = self._loop.time(), 0.0
         while not hearing.done():
-            if self._served.over:
-                return GOING_AWAY, self._served.over
             self._look()
             now = self._loop.time()
             if now - alive >= ALIVE_S:

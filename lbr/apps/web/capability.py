@@ -69,8 +69,6 @@ class Web(Capability[WebSettings]):
         self._faces = Faces(ctx.settings.faces, self._robot, f"{ctx.robot}/{ctx.name}")
         self._told = ""
         self._serving: Serving | None = None
-        self._streams: Streams | None = None
-        self._live: Live | None = None
         self._api: Api | None = None
         self._announcer: Announcer | None = None
         self._place = AdvertisedAddress(ctx.settings, ctx.settings.port, here=tuple)
@@ -152,9 +150,6 @@ class Web(Capability[WebSettings]):
     def close(self) -> None:
         """Stop serving; what was asked for until now is refused."""
         self._bridge.close(ENDS)
-        for sockets in (self._streams, self._live):
-            if sockets is not None:
-                sockets.close(ENDS)
         if self._api is not None:
             self._api.release(ENDS)
         self._faces.stopped(ENDS)
@@ -178,8 +173,8 @@ class Web(Capability[WebSettings]):
         access = Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy, login=login)
         gate = Gate(access, pages)
         viewers = Turns(MOST_OF_ONE, MOST_VIEWERS)
-        self._streams = Streams(self._robot, states, gate, viewers)
-        self._live = Live(self._api, gate, viewers, self._sessions, build() if "page" in settings.faces else "")
+        streams = Streams(self._robot, states, gate, viewers)
+        live = Live(self._api, gate, viewers, self._sessions, build() if "page" in settings.faces else "")
         builtin = BuiltinRoutes(self._robot, states, self._place, self._faces, self._api)
         routes = [*builtin.routes(), *login.routes(), *PairingRoutes(self._robot, access, login).routes()]
         routes += self._api.routes()
@@ -187,8 +182,8 @@ class Web(Capability[WebSettings]):
         builtin.describe(routes, version("lbr"))
         return application(
             routes,
-            self._streams,
-            self._live,
+            streams,
+            live,
             gate=gate,
             pages=pages,
             rates=Rates(settings.requests_per_s),

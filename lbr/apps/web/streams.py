@@ -16,7 +16,7 @@ from lbr.apps.web.guards import headers_of
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.routing import Path
 from lbr.apps.web.states import States
-from lbr.apps.web.viewing import GOING_AWAY, STALLED, STALLED_S, TALKS, Viewing, shown_token
+from lbr.apps.web.viewing import STALLED, STALLED_S, TALKS, Viewing, shown_token
 
 PATH = Path("/ws")
 PROTOCOL = "lbr.state"
@@ -60,12 +60,10 @@ class Streams(Viewing[float]):
             await socket.close(code, why[:120])
 
     async def _send_states(self, socket: WebSocket, gone: "asyncio.Task[str]", period_s: float) -> tuple[int, str]:
-        """Send until the viewer goes (0), takes nothing, talks too much, or the server ends; say why."""
+        """Send until the viewer goes (0), takes nothing, or talks too much; say why."""
         loop = asyncio.get_running_loop()
         due, sent = loop.time(), None
         while not gone.done():
-            if self._over:
-                return GOING_AWAY, self._over
             snapshot = self._robot.snapshot
             if snapshot is not sent:
                 try:

@@ -19,22 +19,17 @@ W = TypeVar("W")
 TOKEN_PROTOCOL = "bearer."  # noqa: S105 - browsers' scripts cannot set headers of a WebSocket
 MOST_VIEWERS, MOST_OF_ONE = 16, 8
 STALLED_S = 5.0
-GOING_AWAY, STALLED, TALKS = 1001, 1013, 1008
+STALLED, TALKS = 1013, 1008
 
 
 class Viewing(BaseRoute, Generic[W]):
-    """The open WebSockets at a path. All but `close` is for the server's thread."""
+    """The open WebSockets at a path; for the server's thread."""
 
     def __init__(self, path: Path, protocol: str, gate: Gate, viewers: Turns) -> None:
         self._path = path
         self._protocol = protocol
         self._gate = gate
         self._viewers = viewers
-        self._over = ""
-
-    def close(self, why: str) -> None:
-        """End all of them, and begin none; takes effect at each one's next frame."""
-        self._over = why
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
         """Say whether a WebSocket is asked for here."""
@@ -62,8 +57,6 @@ class Viewing(BaseRoute, Generic[W]):
     def refuse_viewer(self, client: Client) -> None:
         """Raise Refused for who may not look, and while there are too many."""
         refuse_without(client, "view")
-        if self._over:
-            raise Refused(503, self._over, {"Retry-After": "2"})
         if full := self._viewers.why_not(who(client)):
             raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")
 

@@ -25,7 +25,7 @@ from lbr.apps.web.application import Gate, is_owners
 from lbr.apps.web.face import Client, Refused
 from lbr.apps.web.guards import address_of, headers_of
 from lbr.apps.web.routing import Path
-from lbr.apps.web.viewing import GOING_AWAY, STALLED, STALLED_S, TALKS, Viewing, shown_token
+from lbr.apps.web.viewing import STALLED, STALLED_S, TALKS, Viewing, shown_token
 
 PATH = Path("/api/live")
 PROTOCOL = "lbr.live"
@@ -92,8 +92,6 @@ class Live(Viewing[Feeds]):
         hearing.add_done_callback(lambda _done: viewer.wake())
         due = look = loop.time()
         while not hearing.done():
-            if self._over:
-                return GOING_AWAY, self._over
             if loop.time() >= look:
                 look = loop.time() + LOOK_S
                 if viewer.client.session and not self._sessions.knows(viewer.client.session):
