@@ -5,8 +5,9 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from lbr.capability.context import Device
 from lbr.simulation.faults import FaultValue
@@ -29,6 +30,8 @@ class Plugged:
         self.device = device
         self.twin = make(device, Surroundings(seed=1, now=time.monotonic()))
         self.failure: BaseException | None = None
+        self.drivers: list[Callable[[], None]] = []
+        """Each closes a driver of it: the guard of one that is left open would end this process as frozen."""
         self._live = live or _at_rest
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._serve, name=f"twin of {device.name}", daemon=True)
@@ -39,7 +42,9 @@ class Plugged:
         self.twin.fault(name, value)
 
     def close(self) -> None:
-        """Pull it out, and end; raise what went wrong in the thread."""
+        """Close its drivers, pull it out, and end; raise what went wrong in the thread."""
+        for close in self.drivers:
+            close()
         self._over.set()
         self._thread.join(LIVE_S * 10)
         self.twin.close()
@@ -82,6 +87,17 @@ def plugged(
         yield found
     finally:
         found.close()
+
+
+@dataclass
+class _Elsewhere:
+    device: Device
+    drivers: list[Callable[[], None]] = field(default_factory=list)
+
+
+def elsewhere(device: Device) -> Plugged:
+    """Return a device whose twin is in another process."""
+    return cast("Plugged", _Elsewhere(device))
 
 
 def _at_rest(twin: Twin, now: float) -> None:

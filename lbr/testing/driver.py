@@ -68,6 +68,7 @@ class DriverBench:
         self.driver: Capability[Any] = kind.load()(self.ctx)
         self.errors: list[DeviceError] = []
         self._opened = False
+        device.drivers.append(self._left)
 
     def until(self, condition: Callable[[], object], what: str) -> None:
         """Step until something is so; a lost device is opened again, as by the runtime."""
@@ -146,6 +147,10 @@ class DriverBench:
         """Close the driver."""
         self._opened = False
         self.driver.close()
+
+    def _left(self) -> None:
+        if self._opened:
+            self.close()
 
     def works(self) -> None:
         """Wait until it has published something new that it does not call invalid."""

@@ -3,27 +3,19 @@
 import importlib
 import json
 import sys
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import msgspec
 
 from lbr.capability import registry
 from lbr.capability.context import Device
 from lbr.messages.motors import MotorSetpoint
-from lbr.testing.device import Plugged
+from lbr.testing.device import elsewhere
 from lbr.testing.driver import DriverBench
 from lbr.testing.driver_process import WORKS
 
 STEP_S = 0.01
-
-
-@dataclass(frozen=True)
-class Elsewhere:
-    """A device whose twin is in another process."""
-
-    device: Device
 
 
 def main(said: dict[str, Any]) -> None:
@@ -31,7 +23,7 @@ def main(said: dict[str, Any]) -> None:
     bench = DriverBench(
         registry.find(said["kind"], Path(said["home"])),
         said["settings"],
-        cast("Plugged", Elsewhere(Device(**said["device"]))),
+        elsewhere(Device(**said["device"])),
         wired={port: tuple(names) for port, names in said["wired"].items()},
         given=tuple(
             msgspec.convert(row, getattr(importlib.import_module(module), name)) for module, name, row in said["given"]

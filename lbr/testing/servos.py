@@ -28,7 +28,7 @@ from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
 from lbr.simulation.measured import ServoFelt
 from lbr.simulation.twins import ServoBus, Twin
 from lbr.testing import driver
-from lbr.testing.device import SUPPLY_V, Plugged, plugged
+from lbr.testing.device import SUPPLY_V, Plugged, elsewhere, plugged
 from lbr.testing.driver import WITHIN_S, DriverBench
 
 HOLD_S = RELEASE_S = 0.5
@@ -380,17 +380,10 @@ def _let_go_in_time(servos: ServosBench, since: float, stood: Mapping[int, float
     )
 
 
-class _Elsewhere:
-    """The device of a driver in another process than its twin."""
-
-    def __init__(self, device: Device) -> None:
-        self.device = device
-
-
 def _drive_until_killed(told: Mapping[str, Any]) -> None:
     kind = find(told["kind"], Path("/nonexistent"))
     shafts = Shafts(told["ids"])
-    servos = ServosBench(kind, told["row"], _Elsewhere(Device(**told["device"], settings={})), shafts)  # type: ignore[arg-type]
+    servos = ServosBench(kind, told["row"], elsewhere(Device(**told["device"], settings={})), shafts)
     servos.works()
     servos.stay()
     servos.until(lambda: servos.state.phase == "following" and _torque_told(servos), "torque")
