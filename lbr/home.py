@@ -193,6 +193,7 @@ class RunLock:
             raise AlreadyRunningError(
                 f"robot '{robot}' already runs here; 'lbr status' shows it and 'lbr stop' ends it"
             )
+        self._record.unlink(missing_ok=True)  # of a run that was killed
         live_in()
 
     def publish(self, record: Running) -> None:
@@ -244,12 +245,13 @@ def _locked_within(fd: int, limit_s: float) -> bool:
 
 
 def _is_locked(path: Path) -> bool:
+    """Say whether a robot has the lock; those who look share it, and are none for each other."""
     try:
         fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError:
         return False
     try:
-        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
     else:

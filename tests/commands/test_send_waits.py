@@ -1,5 +1,7 @@
 """`lbr send` waits for a start that is under way: a lock that is held, without a record beside it."""
 
+import fcntl
+import os
 from types import SimpleNamespace
 
 import pytest
@@ -7,6 +9,8 @@ import pytest
 from lbr import home
 from lbr.commands import send
 from lbr.home import RunLock, Running
+
+RECORD = Running(robot="lbr", pid=1, endpoints=(), profile="lbr-sim", database="", core="", password="")
 
 
 @pytest.fixture(autouse=True)
@@ -30,8 +34,7 @@ def looks(monkeypatch):
 
 def test_a_start_under_way_is_waited_for_until_it_is_reached(looks, capsys):
     lock = RunLock("lbr")
-    record = Running(robot="lbr", pid=1, endpoints=(), profile="lbr-sim", database="", core="", password="")
-    looks.then = lambda: looks.now > 3.0 and lock.publish(record)
+    looks.then = lambda: looks.now > 3.0 and lock.publish(RECORD)
     send._await_start(None, 10.0)
     assert 3.0 < looks.now < 3.2
     assert [one.robot for one in home.running()] == ["lbr"]
@@ -54,4 +57,18 @@ def test_nothing_is_waited_for_where_none_that_is_meant_starts(looks):
     lock = RunLock("bioloid")
     send._await_start("lbr", 10.0)
     assert looks.now == 0.0
+    lock.release()
+
+
+def test_the_record_of_a_run_that_was_killed_is_of_no_robot_for_those_who_look_at_once_nor_as_the_next_starts(looks):
+    killed = RunLock("lbr")
+    killed.publish(RECORD)
+    os.close(killed._fd)
+    with (home.directory("run") / "lbr.lock").open() as another:
+        fcntl.flock(another, fcntl.LOCK_SH)
+        assert (home.running(), home.starting()) == ([], [])
+    lock = RunLock("lbr")
+    assert (home.running(), home.starting()) == ([], ["lbr"])
+    send._await_start("lbr", 2.0)
+    assert looks.now >= 2.0
     lock.release()
