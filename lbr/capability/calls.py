@@ -60,6 +60,11 @@ class BusCall:
         self._refused = refused
         self._answered = answered
 
+    @property
+    def origin(self) -> stamp.Origin:
+        """Return who wanted it, and when that was typed or written."""
+        return stamp.Origin(self.by or self.source, self.arrived - self.waited_s)
+
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
         """Answer, once. A refusal is an event too, unless it is `quiet` and the sender waits for the answer."""
         self.open = False

@@ -6,7 +6,6 @@ from typing import Any, Protocol, TypeVar
 
 from msgspec import Struct
 
-from lbr.bus.stamp import Origin
 from lbr.capability.tap import Tap
 from lbr.messages.codes import Code, Reason
 from lbr.messages.rows import Row
@@ -162,17 +161,11 @@ class Context(Protocol[S_co]):
         """Return the names of the capabilities wired to a request."""
 
     def ask(
-        self,
-        request: str,
-        message: Struct,
-        timeout_s: float,
-        *,
-        only: Collection[str] | None = None,
-        origin: Origin | None = None,
+        self, request: str, message: Struct, timeout_s: float, *, only: Collection[str] | None = None
     ) -> PendingReply:
         """Ask every capability wired to a request, or `only` some of them; poll the result in later steps.
 
-        The loop wakes on answers. `origin` is who asked for it, where that is not the capability itself.
+        The loop wakes on answers. What is asked during a command bears the name and the date of who sent that.
         """
 
     def event(

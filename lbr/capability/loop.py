@@ -226,7 +226,8 @@ class Loop:
         if slept_s := self._suspended.for_s():
             capability.woke(slept_s)
         for call in ctx.calls():
-            self._command(capability, call)
+            with ctx.on_behalf(call):
+                self._command(capability, call)
         capability.step()
         self._reporter.beat(ctx.counts())
         if ctx.on_tick:

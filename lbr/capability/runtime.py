@@ -3,6 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
 from typing import Any, Protocol, TypeVar, cast
 
@@ -176,6 +177,7 @@ class ProcessContext:
         self.device = next((d for d in self.devices if d.name == config.device), None)
         self.on_tick = False
         self.live_lease = ""
+        self._origin: stamp.Origin | None = None
         self._overtaken = Overtaken()
         within_s = getattr(self.settings, "acknowledge_s", ACKNOWLEDGE_S)
         self.estop: EmergencyStop = (
@@ -317,14 +319,15 @@ class ProcessContext:
         timeout_s: float,
         *,
         only: Collection[str] | None = None,
-        origin: stamp.Origin | None = None,
     ) -> Answers:
-        """Ask every capability wired to a request, or `only` some of them."""
+        """Ask every capability wired to a request, or `only` some of them; during a command in its sender's name."""
         payload = wire.encode(message)
         wired = self.config.requests.get(request, {})
         asked = {name: key for name, key in wired.items() if only is None or name in only}
         questions = {
-            name: self._bus.query(key, payload, timeout_s=timeout_s, source=self.name, origin=origin, wake=self._wake)
+            name: self._bus.query(
+                key, payload, timeout_s=timeout_s, source=self.name, origin=self._origin, wake=self._wake
+            )
             for name, key in asked.items()
         }
         return Answers(questions, Decoder(self._kind.replies.get(request, CommandReply)))
@@ -401,6 +404,15 @@ class ProcessContext:
     def warn(self, reason: str | Reason, code: Code = "failed") -> None:
         """Say that it does not work as it should."""
         self._reporter.phase("degraded", str(reason), reason.code if isinstance(reason, Reason) else code)
+
+    @contextmanager
+    def on_behalf(self, call: BusCall) -> Iterator[None]:
+        """Have what is asked meanwhile asked in the name and with the date of who sent this command."""
+        self._origin = call.origin
+        try:
+            yield
+        finally:
+            self._origin = None
 
     def calls(self) -> Iterator[BusCall]:
         """Yield the commands that wait; malformed ones are refused here.

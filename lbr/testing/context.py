@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.bus import wire
-from lbr.bus.stamp import Origin, sent_s
+from lbr.bus.stamp import sent_s
 from lbr.capability.context import Call, Context, Device, Received
 from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import MEANINGS, Code, Reason
@@ -82,14 +82,12 @@ class FakeCall:
 
 @dataclass
 class FakeAsked:
-    """A question that was put, to `only` some or to all, because of an `origin`; `given` are the answers by capability,
-    None while it waits."""
+    """A question that was put, to `only` some or to all; `given` are the answers by capability, None while it waits."""
 
     request: str
     message: Any
     given: Mapping[str, Any] | None = None
     only: Collection[str] | None = None
-    origin: Origin | None = None
 
     def answers(self) -> Mapping[str, Any] | None:
         """Return what was given."""
@@ -217,21 +215,13 @@ class FakeContext(Generic[S]):
         """Say whether the test lets it live."""
         return capability not in self.gone
 
-    def ask(
-        self,
-        request: str,
-        message: Struct,
-        timeout_s: float,
-        *,
-        only: Collection[str] | None = None,
-        origin: Origin | None = None,
-    ) -> FakeAsked:
+    def ask(self, request: str, message: Struct, timeout_s: float, *, only: Collection[str] | None = None) -> FakeAsked:
         """Keep the question, and answer it as the test says."""
         del timeout_s
         given = self.answer(request, message)
         if given is not None and only is not None:
             given = {name: reply for name, reply in given.items() if name in only}
-        self.asked.append(FakeAsked(request, message, given, only, origin))
+        self.asked.append(FakeAsked(request, message, given, only))
         return self.asked[-1]
 
     def event(

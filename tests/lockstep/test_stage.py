@@ -8,6 +8,7 @@ from msgspec import Raw, Struct
 from msgspec.structs import replace
 
 from lbr.bus import keys, stamp, wire
+from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.capability import Capability, Kind, NoSettings
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
 from lbr.capability.stage import ROUND_S, Stage
@@ -18,7 +19,7 @@ from lbr.lockstep.faults import NONE
 from lbr.lockstep.trial import Trial
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable, RunBehaviour
 from lbr.messages.drive import DriveCommand
-from lbr.messages.leases import StopCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.motors import MotorSetpoint
 from lbr.simulation.settings import StartPose
 from tests.support.robot import prepare
@@ -187,6 +188,48 @@ def test_a_stop_ends_what_drives(of):
     robot.trial.rounds(1.0)
     assert robot.moved[-1] - stopped_s <= 3 * ROUND_S
     assert not robot.drive(lease).accepted
+
+
+class Borrows(Capability[NoSettings]):
+    """Borrows the drive for whoever says so, and never gives it back."""
+
+    lease: LeaseClient | None = None
+
+    def command(self, call):
+        self.lease = LeaseClient(self.ctx, LeaseTarget("go"), DriveCommand(power=0.3, angle_deg=90.0))
+        call.reply(CommandReply(accepted=True))
+
+    def step(self):
+        if self.lease is not None:
+            self.lease.step()
+
+
+BORROWS = Kind(
+    name="borrows",
+    summary="borrows the drive",
+    family="app",
+    entry=Borrows,
+    commands={"start": StopCommand},
+    requests={"go": DriveCommand},
+    replies={"start": CommandReply, "go": CommandReply},
+)
+
+
+@pytest.mark.parametrize(("asker", "code"), [("page", "stopped_since"), ("test", None)])
+def test_what_a_capability_borrows_for_a_command_moves_nothing_that_another_stopped_since_it_was_written(
+    of, asker, code
+):
+    robot = Driven(of)
+    requests = {"go": {"drive": keys.port(robot.stage.robot, "drive", "command")}}
+    borrows = robot.stage.add(replace(config("borrows", requests=requests), robot=robot.stage.robot), BORROWS)
+    robot.trial.rounds(0.3)
+    written_s = robot.stage.now
+    assert robot.asked("drive", "stop", StopCommand(whole=True)).accepted
+    start, origin = keys.port(robot.stage.robot, "borrows", "start"), stamp.Origin(asker, written_s)
+    robot.stage._outside.query(start, b"{}", timeout_s=1.0, source="web", origin=origin)
+    robot.trial.rounds(0.2)
+    assert borrows.lease.ended.code == code if code else borrows.lease.accepted
+    assert bool(robot.moved) == (code is None)
 
 
 class Told(Struct):

@@ -205,6 +205,7 @@ def test_a_line_is_said_with_the_rights_and_the_name_of_who_says_it(served, who,
     ("path", "body", "key"),
     [
         ("/api/drive/command", {"power": 0.3}, DRIVE),
+        ("/api/light/switch", {}, f"{ROBOT}/light/switch"),
         ("/api/console", {"line": "/r/0.3/0"}, f"{CONSOLE}/admin"),
     ],
 )
@@ -212,18 +213,6 @@ def test_how_long_a_request_has_waited_goes_with_it_so_that_a_stop_meanwhile_cou
     said_slowly(served, path, body)
     assert 0.05 <= served.bus.waited_s[key] < 8.0
     assert (key, body.get("line", body)) == served.bus.asked[-1][:2]
-
-
-@pytest.mark.parametrize(("by", "status"), [("phone", b"409"), ("", b"200")])
-def test_what_waited_while_another_stopped_the_robot_begins_nothing_by_a_program_of_its_own(served, by, status):
-    """A dance, say, moves by a lease of its own, which it asks for after the stop."""
-    key = f"{ROBOT}/light/switch"
-    served.bus.answers[key] = lambda _said: CommandReply(accepted=True)
-    served.bus.answers[f"{ROBOT}/drive/state"] = lambda _said: {"halted_s": time.monotonic(), "halted_by": by}
-    answer = said_slowly(served, "/api/light/switch", {})
-    assert answer.split()[1] == status
-    assert (b"stopped_since" in answer) == bool(by)
-    assert (key in [one[0] for one in served.bus.asked]) != bool(by)
 
 
 def said_slowly(served, path, body):

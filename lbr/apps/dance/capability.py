@@ -9,7 +9,6 @@ from lbr.apps.dance.choreography import Choreography, beat_at, choose
 from lbr.apps.dance.music import Music
 from lbr.apps.dance.songs import Song
 from lbr.capability.base import Capability
-from lbr.capability.behalf import OnBehalf
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.codes import Reason
@@ -87,7 +86,7 @@ class Dance(Capability[DanceSettings]):
         except OSError as err:
             raise InputError(f"{self._music} takes no songs ({err.strerror or err}); check the disk", "failed") from err
         song = songs.load(self._music, command.song)
-        self._dance = _Dance(song, choreography, BaseClient(OnBehalf(self.ctx, call), choreography.at(0)), call)
+        self._dance = _Dance(song, choreography, BaseClient(self.ctx, choreography.at(0)), call)
         self.rate_hz = DANCING_HZ
 
     def _go_on(self, dance: _Dance) -> None:

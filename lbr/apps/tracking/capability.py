@@ -15,7 +15,6 @@ from lbr.apps.vision.glance import Glance
 from lbr.apps.vision.looking import Looking
 from lbr.apps.vision.sketch import sketch
 from lbr.capability.base import Capability
-from lbr.capability.behalf import OnBehalf
 from lbr.capability.context import Call, Context, Received
 from lbr.errors import InputError
 from lbr.messages.codes import Reason
@@ -109,7 +108,7 @@ class Tracking(Capability[TrackingSettings]):
         pose = gaze.at(now)
         aim = clamped(pose.angles if pose is not None else AHEAD, self._tuning())
         neck = Neck(settings.yaw_joint, settings.pitch_joint, settings.speed_rps, settings.torque)
-        mover = HeadClient(OnBehalf(self.ctx, call), neck, aim, call.arrived)
+        mover = HeadClient(self.ctx, neck, aim, call.arrived)
         eye = Eye(partial(finder, settings, command.target), self.ctx.wake)
         self._following = _Following(command, mover, Looking(self.ctx, eye), gaze, call, aim, turned_s=now)
 

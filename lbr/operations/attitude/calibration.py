@@ -5,7 +5,6 @@ from datetime import datetime
 from math import inf
 from pathlib import Path
 
-from lbr.capability.behalf import OnBehalf
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress
@@ -137,7 +136,7 @@ class Calibration:
         if not state.valid:
             call.refuse(f"how the body turns is not known: {state.reason}", "stale_sensor")
             return
-        spin = Spin(OnBehalf(self._ctx, call), self._ctx.settings.spin_power)
+        spin = Spin(self._ctx, self._ctx.settings.spin_power)
         self._collection = Collection(command, call, spin, state.epoch, self._ctx.clock())
         self._collect(self._collection)
 

@@ -16,7 +16,7 @@ from lbr.bus.wire import RawMessage, encode
 from lbr.capability.kind import STOP
 from lbr.errors import MalformedError
 from lbr.messages.codes import MEANINGS
-from lbr.messages.leases import STOPPED_SINCE, CommandReply
+from lbr.messages.leases import CommandReply
 from lbr.messages.system import RANKS, CapabilityStatus, Role
 from lbr.messages.why import Chain
 
@@ -26,10 +26,7 @@ LINE_S = 30.0
 WHY_S = 2.0
 LONGEST_PART = 64
 LONGEST_LINE = 4096
-HALTED_S = 0.3
 OVERTAKEN = "a stop came after this command"
-AT_ONCE_S = 0.05
-"""A request that is whole when its head is read has waited for less, unless this process was held up."""
 TOLD = 400
 OF_PEOPLE = "web:"
 """How the robot knows a sender for whom this server asks: a token's name, or an address, follows."""
@@ -186,7 +183,6 @@ class Requests:
         if asks == STOP:
             self._robot.stopped(request.came_s, capability)
         if RANKS[command.role] > RANKS["view"] and not command.leased:
-            await self._refuse_too_late(request, source)
             self._robot.tell("command", f"{source} asks {name}: {payload[:TOLD].decode(errors='replace')}")
         said = self._robot.said(request.came_s, capability if command.leased or asks == STOP else "")
         if said.sent_s is not None and RANKS[command.role] > RANKS["view"] and not command.leased:
@@ -196,28 +192,6 @@ class Requests:
         if not question.replies:
             raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
         return _replied(question.replies[0])
-
-    async def _refuse_too_late(self, request: Request, source: str) -> None:
-        """Raise Refused for what waited here while another stopped the robot: it may begin what moves by itself.
-
-        Of motion that is held each mover knows that, by how long it is told that the command has waited.
-        """
-        if self._waited_s(request) < AT_ONCE_S:
-            return
-        catalog = self._robot.catalog()
-        movers = {name.partition("/")[0] for name, command in catalog.commands.items() if command.leased}
-        asked = [
-            self._robot.query(name, b"", source=source, timeout_s=HALTED_S)
-            for name in (f"{mover}/state" for mover in sorted(movers))
-            if name in catalog.streams
-        ]
-        await until(lambda: all(one.done or one.replies for one in asked))
-        for state in (_decoded(raw) for one in asked for raw in one.replies[:1]):
-            at, who = state.get("halted_s"), state.get("halted_by")
-            if not (isinstance(at, int | float) and isinstance(who, str)) or who in {"", source}:
-                continue
-            if not request.came_s > at:
-                raise Refused(409, f"{STOPPED_SINCE}by {who}", code="stopped_since")
 
     async def _console(self, request: Request) -> Response:
         role: Role = request.client.role or "view"
@@ -243,10 +217,6 @@ class Requests:
         if answer.get("code") != 0:
             raise Refused(404, str(answer.get("text", "")), code="unknown_name")
         return json(answer.get("data"))
-
-    def _waited_s(self, request: Request) -> float:
-        """Return for how long a request has waited here: what came before a stop, and is read after it, moves nothing."""
-        return max(0.0, self._robot.now() - request.came_s)
 
 
 def source_of(client: Client) -> str:
