@@ -24,7 +24,8 @@ class Ranges(Struct, frozen=True, kw_only=True):
     The sensors are rows of `range_sensor`. Five names have a field of their own, all others are in `others_m`. A
     message with others tells of those sensors alone that have a value or a status. `over_range`: nothing within the
     sensor's reach. `invalid`: the sensor answered with a value that it uses for errors. `missing`: no such sensor, or
-    it did not answer. `cycle_s` is the board's own measuring cycle.
+    it did not answer. `cycle_s` is the board's own measuring cycle, `ages_s` how long before the message each was measured,
+    where the board tells.
     """
 
     forward_m: float | None
@@ -35,6 +36,7 @@ class Ranges(Struct, frozen=True, kw_only=True):
     status: dict[str, RangeStatus]
     cycle_s: float | None = None
     others_m: dict[str, float | None] = {}
+    ages_s: dict[str, float] = {}
 
     def metres(self, sensor: str) -> float | None:
         """Return what a sensor read; null if nothing."""
@@ -51,7 +53,10 @@ class Ranges(Struct, frozen=True, kw_only=True):
 
 
 def ranges(
-    metres: Mapping[str, float | None], status: Mapping[str, RangeStatus], cycle_s: float | None = None
+    metres: Mapping[str, float | None],
+    status: Mapping[str, RangeStatus],
+    cycle_s: float | None = None,
+    ages_s: Mapping[str, float] | None = None,
 ) -> Ranges:
     """Return the message for sensors of any name."""
     return Ranges(
@@ -63,6 +68,7 @@ def ranges(
         status=dict(status),
         cycle_s=cycle_s,
         others_m={name: value for name, value in metres.items() if name not in RING},
+        ages_s=dict(ages_s or {}),
     )
 
 

@@ -10,15 +10,17 @@ from itertools import count
 from math import cos, hypot, sin
 from random import Random
 
+from msgspec.structs import replace
+
 from lbr.drivers.ultrasonic import UltrasonicSettings
 from lbr.drivers.ultrasonic.protocol import Frame, LineParser, to_ranges
-from lbr.messages.drive import DriveCommand
+from lbr.messages.drive import DriveCommand, GoalResult
 from lbr.messages.motors import MotorsState
 from lbr.messages.simulation import WorldBox
 from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Command, Event, MotorsSeen, RangesSeen, Tick
-from lbr.operations.leasing.lease import Reply, Setpoint
+from lbr.operations.leasing.lease import Reply, Result, Setpoint
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
 from lbr.simulation.engine import Engine
@@ -52,6 +54,7 @@ class Lockstep:
         self.now = 0.0
         self.power = (0.0, 0.0)
         self.refusal = ""
+        self.results: list[GoalResult] = []
         self._state = first_state(drive)
         self._random = random
         self._board = UltrasonicBoard(
@@ -73,7 +76,11 @@ class Lockstep:
 
     def drive(self, power: float, angle_deg: float) -> None:
         """Drive from now on, by a lease that is renewed; a refused command is tried again."""
-        self._wanted = DriveCommand(power=power, angle_deg=angle_deg)
+        self.ask(DriveCommand(power=power, angle_deg=angle_deg))
+
+    def ask(self, wanted: DriveCommand | None) -> None:
+        """Ask for a motion from now on, or for nothing more."""
+        self._wanted, self.refusal = wanted, ""
         self._renew()
 
     def fault(self, faults: UltrasonicFaults) -> None:
@@ -116,7 +123,7 @@ class Lockstep:
         if wanted is None:
             return
         known = self._state.lease.id if self._state.lease else ""
-        command = DriveCommand(power=wanted.power, angle_deg=wanted.angle_deg, lease=known)
+        command = replace(wanted, lease=known)
         named = f"lease-{next(self._order)}"
         self._decide(Command(command=command, source="approach", new_lease=named, new_goal=named, received=self.now))
 
@@ -126,7 +133,10 @@ class Lockstep:
             if isinstance(output, Setpoint):
                 self._send(output, HOP_S + MOTOR_S)
             elif isinstance(output, Reply):
-                self.refusal = output.message.reason
+                self.refusal = "" if output.message.accepted else output.message.reason
+            elif isinstance(output, Result):
+                self.results.append(output.message)
+                self._wanted = None
 
     def _send(self, what: Event | Setpoint, after_s: float) -> None:
         heapq.heappush(self._due, (self.now + after_s, next(self._order), what))

@@ -20,6 +20,11 @@ FINISH = b"s\n"
 MAX_LINE_BYTES = 512
 TICKS_PER_S: dict[Board, float] = {"arduino": 1000.0, "parallax": 80_000_000.0}
 NO_SENSOR = -1
+TURNS = ("forward", "left", "right", "back")
+"""The order in which they measure; what a board has beyond these comes after."""
+ECHO_S_PER_CM, NO_ECHO_S = 58e-6, 0.1
+LINE_S = 0.015
+"""A line's bytes at 115200 baud, and half a round of the driver."""
 Told = Annotated[
     str, Meta(pattern="^[A-Z][a-z0-9_]{0,39}$(?!\\n)", description="a sensor's name with a capital letter")
 ]
@@ -92,7 +97,17 @@ def to_ranges(frame: Frame, settings: UltrasonicSettings) -> Ranges:
         status[name] = "missing" if name in settings.absent else classify(cm, settings)
         metres[name] = cm / 100.0 if status[name] == "ok" else None
     cycle_s = frame.deltat / TICKS_PER_S[settings.board] if frame.deltat > 0 else None
-    return ranges(metres, status, cycle_s)
+    return ranges(metres, status, cycle_s, ages_s(frame))
+
+
+def ages_s(frame: Frame) -> dict[str, float]:
+    """Return how long ago each sensor measured: they take turns, each for as long as its echo takes, and are told at the end."""
+    turns = {name: getattr(frame, name) for name in TURNS} | frame.others
+    found, age_s = {}, LINE_S
+    for name, cm in reversed(turns.items()):
+        age_s += cm * ECHO_S_PER_CM if cm > 0 else NO_ECHO_S
+        found[name] = round(age_s, 3)
+    return found
 
 
 def classify(cm: int, settings: UltrasonicSettings) -> RangeStatus:

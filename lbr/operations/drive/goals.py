@@ -23,7 +23,7 @@ from lbr.operations.leasing.lease import Ending
 FARTHEST_CM = 768.0
 LOST_AFTER_S = 0.3
 LONGEST_LAG_S = 0.2
-"""A reading is half a cycle of its board old when it comes; a longer cycle is not believed."""
+"""A board that does not tell the age of a reading measured it half a cycle ago; a longer cycle is not believed."""
 
 
 def bounded(command: Motion) -> TypeGuard[DriveCommand | TurnCommand | HeadingCommand]:
@@ -94,8 +94,8 @@ def watch(goal: Goal, ranges: Ranges, now: float, ahead_mps: float, sensors: Sen
     goal = replace(goal, last_m=value_m, last_seen=now)
     if goal.approach is None:
         return goal
-    stands, lag_s = ahead_mps <= STANDING_MPS, min(ranges.cycle_s or 0.0, LONGEST_LAG_S) / 2
-    return replace(goal, approach=range_goal.read(goal.approach, _left_m(goal), ahead_mps, lag_s, stands=stands))
+    stands, measured_s = ahead_mps <= STANDING_MPS, now - _age_s(ranges, goal.sensor)
+    return replace(goal, approach=range_goal.read(goal.approach, _left_m(goal), measured_s, ahead_mps, stands=stands))
 
 
 def ending(goal: Goal, settings: DriveSettings, now: float) -> tuple[Ending, Reason] | None:
@@ -143,16 +143,18 @@ def wheels(
     return mix(power, angle_deg, settings)
 
 
-def driven(goal: Goal | None, left: float, ahead_mps: float, elapsed_s: float, settings: DriveSettings) -> Goal | None:
-    """Return the goal after the left wheel was given this power for a while, and the base went at this speed."""
+def driven(goal: Goal | None, state: State, elapsed_s: float, now: float) -> Goal | None:
+    """Return the goal after the wheels were given their setpoint for a while."""
     if goal is None:
         return goal
+    settings = state.settings
     if goal.approach is not None:
-        way = range_goal.driven(goal.approach, ahead_mps * elapsed_s, ahead_mps, settings)
+        ahead_mps = abs(state.left + state.right) / 2 * settings.max_speed_mps
+        way = range_goal.driven(goal.approach, state.odometry, ahead_mps, elapsed_s, now, settings)
         return replace(goal, approach=way)
     if goal.turn is None:
         return goal
-    return replace(goal, turn=turn_goal.driven(goal.turn, left, elapsed_s, settings))
+    return replace(goal, turn=turn_goal.driven(goal.turn, state.left, elapsed_s, settings))
 
 
 def _turned(goal: Goal, turn: turn_goal.TurnGoal, settings: DriveSettings, now: float) -> tuple[Ending, Reason] | None:
@@ -198,7 +200,14 @@ def _approach(goal: Goal, command: DriveCommand, state: State) -> RangeGoal | No
         return None
     parts = towards(*mix(command.power, command.angle_deg, state.settings))
     along = parts["forward"] + parts["back"] > 0.0
-    return RangeGoal(left_m=_left_m(goal)) if along and state.sensors.rows[goal.sensor].level else None
+    if not (along and state.sensors.rows[goal.sensor].level):
+        return None
+    sense = 1.0 if parts["forward"] > 0.0 else -1.0
+    return RangeGoal(whole_m=_left_m(goal), marks=((goal.started, 0.0),), sense=sense)
+
+
+def _age_s(ranges: Ranges, sensor: str) -> float:
+    return ranges.ages_s.get(sensor, min(ranges.cycle_s or 0.0, LONGEST_LAG_S) / 2)
 
 
 def _left_m(goal: Goal) -> float:

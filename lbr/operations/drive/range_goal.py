@@ -1,56 +1,82 @@
 """Coming to rest at a range: how far it is by the readings and by the way since, how fast, and whether the base stands there."""
 
-from math import isnan
+from itertools import pairwise
+from math import hypot, isnan, nan, sqrt
 
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr.operations.drive import odometry_view
+from lbr.operations.drive.odometry_view import OdometryView
 from lbr.operations.drive.rules import allowed_mps
 from lbr.operations.drive.settings import DriveSettings
 
 NEAR_M = 0.005
 """So near the target a base that stands has reached it: a creep is no shorter."""
-SHARE = 0.25
-"""Of what a reading and the expectation differ by, from the fourth reading on: readings of a sonar waver by a centimetre."""
+NOISE_M = 0.01
+"""Standard deviation of a reading of a base that stands: a sonar wavers by a centimetre."""
+LATE_S = 0.05
+"""Standard deviation of the age of a reading: of a base that moves it says less."""
+DRIFT = 0.02
+"""Share of its way by which the odometry may be wrong."""
 JUMP_M = 0.05
 """A reading that differs by more is of something else: it counts alone."""
 SETTLED = 3
 """Readings at rest before it is judged."""
 HALT_TICKS = 2.0
 """From a setpoint to the wheels that obey it."""
+KEPT_S = 0.3
+"""No reading is older."""
+
+Mark = tuple[float, float]
+"""A time, and how far the base had gone by then."""
 
 
 class RangeGoal(Struct, frozen=True, kw_only=True):
-    """The way that is left to a range; `readings` is how many have told it since the last jump.
+    """A way to a range: `whole_m` from its beginning, with the standard deviation `error_m`.
 
-    `halts`: the base brakes to its rest there, or stands, with `rested` readings since.
+    `marks` say how far it has gone, the last one by the odometry's `counted_m` of its `epoch`; `since_m` is the way since
+    then by the setpoint. `sense` is 1 ahead and -1 back. `halts`: the base brakes to its rest there, or stands, with
+    `rested` readings since.
     """
 
-    left_m: float
-    readings: int = 1
+    whole_m: float
+    marks: tuple[Mark, ...]
+    sense: float = 1.0
+    error_m: float = NOISE_M
+    since_m: float = 0.0
+    counted_m: float = nan
+    epoch: str = ""
     halts: bool = False
     rested: int = 0
 
+    @property
+    def left_m(self) -> float:
+        """Return how far it is now."""
+        return self.whole_m - self.marks[-1][1] - self.since_m
 
-def read(way: RangeGoal, left_m: float, ahead_mps: float, lag_s: float, *, stands: bool) -> RangeGoal:
-    """Return the way after a reading, which was measured `lag_s` ago."""
+
+def read(way: RangeGoal, left_m: float, measured_s: float, ahead_mps: float, *, stands: bool) -> RangeGoal:
+    """Return the way after a reading: it counts for more the less is known, and the slower the base is."""
     rested = way.rested + 1 if stands and way.halts else 0
-    here_m = left_m - ahead_mps * lag_s
-    if not abs(here_m - way.left_m) <= JUMP_M:
-        return replace(way, left_m=here_m, readings=1, rested=rested)
-    readings = way.readings + 1
-    share = max(SHARE, 1.0 / readings)
-    return replace(way, left_m=way.left_m + share * (here_m - way.left_m), readings=readings, rested=rested)
+    whole_m, told_m = left_m + _gone_m(way, measured_s, ahead_mps), hypot(NOISE_M, ahead_mps * LATE_S)
+    apart_m = whole_m - way.whole_m
+    if not abs(apart_m) <= JUMP_M:
+        return replace(way, whole_m=whole_m, error_m=told_m, rested=rested)
+    share = way.error_m**2 / (way.error_m**2 + told_m**2)
+    return replace(way, whole_m=way.whole_m + share * apart_m, error_m=way.error_m * sqrt(1.0 - share), rested=rested)
 
 
-def driven(way: RangeGoal, ahead_m: float, ahead_mps: float, settings: DriveSettings) -> RangeGoal:
-    """Return the way after a step ahead: it halts where the base will come to rest, and goes on from rest if that was short."""
-    left_m = way.left_m - ahead_m
+def driven(
+    way: RangeGoal, odometry: OdometryView, ahead_mps: float, elapsed_s: float, now: float, settings: DriveSettings
+) -> RangeGoal:
+    """Return the way after a step at a speed: it halts where the base will come to rest, and goes on if that was short."""
+    way = _counted(way, odometry, ahead_mps, elapsed_s, now)
     if way.halts:
-        again = way.rested >= SETTLED and left_m > NEAR_M
-        return replace(way, left_m=left_m, halts=not again, rested=0 if again else way.rested)
+        again = way.rested >= SETTLED and way.left_m > NEAR_M
+        return replace(way, halts=not again, rested=0 if again else way.rested)
     rolls_m = ahead_mps * HALT_TICKS / settings.rate_hz + ahead_mps * ahead_mps / (2 * settings.brake_mps2)
-    return replace(way, left_m=left_m, halts=not left_m > rolls_m)  # this way round, NaN halts
+    return replace(way, halts=not way.left_m > rolls_m)  # this way round, NaN halts
 
 
 def power(way: RangeGoal, asked: float, settings: DriveSettings) -> float:
@@ -63,3 +89,32 @@ def power(way: RangeGoal, asked: float, settings: DriveSettings) -> float:
 def is_over(way: RangeGoal) -> bool:
     """Say whether the base stands at the range."""
     return way.halts and way.rested >= SETTLED and way.left_m <= NEAR_M
+
+
+def _counted(way: RangeGoal, odometry: OdometryView, ahead_mps: float, elapsed_s: float, now: float) -> RangeGoal:
+    """Return the way by the odometry's newest distance, or by the setpoint where that is not known."""
+    at_s, gone_m = way.marks[-1]
+    known = not odometry_view.not_known(odometry, now)
+    if not known or odometry.epoch != way.epoch:
+        way = _marked(way, (now, gone_m + ahead_mps * elapsed_s))
+    elif odometry.seen > at_s:
+        way = _marked(way, (odometry.seen, gone_m + way.sense * (odometry.distance_m - way.counted_m)))
+    since_m = ahead_mps * (now - way.marks[-1][0])
+    epoch, counted_m = (odometry.epoch, odometry.distance_m) if known else ("", nan)
+    return replace(way, since_m=since_m, epoch=epoch, counted_m=counted_m)
+
+
+def _marked(way: RangeGoal, mark: Mark) -> RangeGoal:
+    kept = tuple(one for one in way.marks if one[0] > mark[0] - KEPT_S) or way.marks[-1:]
+    return replace(way, marks=(*kept, mark), error_m=way.error_m + DRIFT * abs(mark[1] - way.marks[-1][1]))
+
+
+def _gone_m(way: RangeGoal, at_s: float, ahead_mps: float) -> float:
+    """Return how far the base had gone at a time."""
+    last_s, last_m = way.marks[-1]
+    if at_s >= last_s:
+        return last_m + ahead_mps * (at_s - last_s)
+    for (before_s, before_m), (after_s, after_m) in pairwise(way.marks):
+        if before_s <= at_s < after_s:
+            return before_m + (after_m - before_m) * (at_s - before_s) / (after_s - before_s)
+    return way.marks[0][1]

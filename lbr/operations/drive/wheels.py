@@ -30,7 +30,7 @@ def next_wheels(state: State, now: float) -> State:
         still = replace(state, left=0.0, right=0.0, aside=0.0)
         return replace(still, limited=FREE, blocked_since=nan, told="", told_stop=False)
     active = lease.motion
-    goal = goals.driven(active.goal, state.left, state.ahead_mps(now), elapsed_s, settings)
+    goal = goals.driven(active.goal, state, elapsed_s, now)
     asked = active.sides
     if asked is None:
         asked = (*goals.wheels(goal, active.power, active.angle_deg, settings, now), 0.0)
