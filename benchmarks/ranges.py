@@ -33,7 +33,9 @@ STANDS_MPS = 1e-3
 
 def options(parser: argparse.ArgumentParser) -> None:
     """Add how much."""
-    parser.add_argument("--rounds", type=int, default=4, help="of all stops and powers in lockstep (default %(default)s)")
+    parser.add_argument(
+        "--rounds", type=int, default=4, help="of all stops and powers in lockstep (default %(default)s)"
+    )
     parser.add_argument("--stops", type=int, default=20, help="of the whole robot (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
 

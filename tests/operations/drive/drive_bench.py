@@ -33,7 +33,7 @@ def ranges(**metres):
 def _shifted(around, by_m):
     values = {f"{sensor}_m": getattr(around, f"{sensor}_m") for sensor in SENSORS}
     moved = {name: None if value is None else value + by_m for name, value in values.items()}
-    return Ranges(**moved, status=around.status, cycle_s=around.cycle_s)
+    return Ranges(**moved, status=around.status, cycle_s=around.cycle_s, ages_s=around.ages_s)
 
 
 class Bench:

@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from tests.operations.drive.drive_bench import ranges
-from tests.operations.drive.drive_body import Body
+from tests.operations.drive.drive_body import TICK_S, Body
 
 STILL = (0.0, 0.0)
 CYCLE_TICKS, CYCLE_S = 6, 0.12
@@ -15,8 +15,9 @@ CYCLE_TICKS, CYCLE_S = 6, 0.12
 class Walled(Body):
     """A body before a wall, whose sonar tells whole centimetres at eight times a second, some ticks late."""
 
-    def __init__(self, wall_m, *, noise_m=0.0, seed=0, age_ticks=3, **settings):
+    def __init__(self, wall_m, *, noise_m=0.0, seed=0, age_ticks=3, tells_age=False, **settings):
         self._dice, self._noise_m, self._age_ticks = Random(seed), noise_m, age_ticks
+        self._ages_s = {"forward": age_ticks * TICK_S} if tells_age else {}
         self._wall_m, self._ticks, self._told = wall_m, 0, {}
         super().__init__(**settings)
         self.ranges_speak = False
@@ -32,7 +33,7 @@ class Walled(Body):
             metres = self.rests_cm / 100 + self._dice.gauss(0.0, self._noise_m)
             self._told[self._ticks + self._age_ticks] = round(metres, 2)
         if (metres := self._told.pop(self._ticks, None)) is not None:
-            self.around = replace(ranges(forward=metres), cycle_s=CYCLE_S)
+            self.around = replace(ranges(forward=metres), cycle_s=CYCLE_S, ages_s=self._ages_s)
             self.ranges_speak = True
             self.sense()
             self.ranges_speak = False
@@ -79,8 +80,15 @@ def test_a_sonar_that_wavers_by_a_centimetre_is_a_centimetre_off_at_most_nearly_
         base = Walled(1.5 + 0.01 * seed, noise_m=0.008, seed=seed)
         assert base.asked(0.25, 57.0).result == "reached"
         off.append(abs(base.rests_cm - 57.0))
-    assert max(off) <= 2.0
-    assert sum(one <= 1.0 for one in off) >= 34
+    assert max(off) <= 1.5
+    assert sum(one <= 1.0 for one in off) >= 38
+
+
+@pytest.mark.parametrize("power", [0.25, 0.8])
+def test_a_reading_counts_at_the_age_that_its_board_tells(power):
+    base = Walled(1.6, age_ticks=8, tells_age=True)
+    assert base.asked(power, 57.0).result == "reached"
+    assert base.rests_cm == pytest.approx(57.0, abs=1.0)
 
 
 def test_a_reading_that_has_passed_the_range_ends_it_at_once_at_any_speed():
