@@ -40,45 +40,8 @@ for profile, examples in (("everyday", 30), ("nightly", 500)):
     )
 settings.load_profile("everyday")
 
-NIGHTLY = (
-    *("fuzzing", "intrusion", "kernel", "lab"),
-    *("commands/test_every_command.py", "commands/test_new.py", "docs/test_pages.py", "docs/test_tour.py", "examples"),
-    *("executive/test_captured_frames.py", "executive/test_many_rows.py", "executive/test_starving.py"),
-    *(
-        "lan/test_agent.py",
-        "lan/test_agent_placement.py",
-        "lan/test_found.py",
-        "lan/test_lan_attempts.py",
-        "lan/test_lan_cut.py",
-    ),
-    *("safety/test_behaviour.py", "safety/test_calibration_spin.py", "safety/test_dance.py", "safety/test_data.py"),
-    *(
-        "safety/test_following.py",
-        "safety/test_gamepad.py",
-        "safety/test_gamepad_humanoid.py",
-        "safety/test_turning.py",
-    ),
-    *(
-        "safety/test_humanoid_behaviours.py",
-        "safety/test_life.py",
-        "safety/test_power_cut.py",
-        "safety/test_self_check.py",
-    ),
-    *(
-        "web/test_behaviours_browser.py",
-        "web/test_call_browser.py",
-        "web/test_joints_browser.py",
-        "web/test_page_drive.py",
-    ),
-    *("web/test_page_kept.py", "web/test_page_tasks.py", "web/test_page_tilt.py", "web/test_system_browser.py"),
-    *(
-        "apps/test_registry.py",
-        "rerun/test_check.py",
-        "robots/test_robot_packages.py",
-        "operations/power/test_power_robot.py",
-    ),
-)
-"""Folders and modules of tests that need root, a network of their own, or minutes."""
+NIGHTLY = Path(__file__).parent / "nightly.txt"
+"""Names what README's command leaves to the nightly run."""
 
 left_over = pytest.StashKey[list[str]]()
 
@@ -106,12 +69,29 @@ def pytest_collection(session: pytest.Session) -> None:
             importlib.import_module(module)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Leave what takes long to the nightly run."""
-    places = [Path(__file__).parent / name for name in NIGHTLY]
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave to the nightly run what its list names; a whole collection fails on a line that names nothing."""
+    lines = NIGHTLY.read_text().splitlines()
+    wanted = {line for line in lines if line and not line.startswith("#")}
+    named = set()
     for item in items:
-        if any(place in (item.path, *item.path.parents) for place in places):
+        if names := wanted.intersection(_names(item.nodeid.removeprefix("tests/"))):
             item.add_marker(pytest.mark.nightly)
+            named |= names
+    if named != wanted and config.args == config.getini("testpaths"):
+        raise pytest.UsageError(f"{NIGHTLY.name} names what is not there: {', '.join(sorted(wanted - named))}")
+
+
+def _names(test: str) -> Iterator[str]:
+    """Yield the test, the test without its parameter, its module and the folders of that."""
+    path, _, name = test.partition("::")
+    yield from (test, f"{path}::{name.partition('[')[0]}", path)
+    yield from map(str, Path(path).parents)
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """Return how many processes `-n auto` begins: half of the time of tests is spent waiting."""
+    return len(os.sched_getaffinity(0)) * 3 // 2
 
 
 @pytest.hookimpl(trylast=True)
