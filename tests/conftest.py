@@ -20,6 +20,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.support import sweep
 from tests.support.robot import Robot, prepare, running
+from tests.support.wording import wording  # noqa: F401 - a fixture
 
 PLACE = sweep.enter()
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # a robot is ten processes, and each would compile all that it imports

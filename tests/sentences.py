@@ -1,6 +1,7 @@
-"""Count the literals of the tests that repeat a sentence of the product: `python -m tests.sentences --count [FOLDER...]`.
+"""Count the literals of the tests that repeat a sentence of the product, or write `sentences.txt` anew.
 
-A test asserts a refusal's code and its subject; a sentence that stands in tests, too, cannot be improved alone.
+`python -m tests.sentences --count [FOLDER...]` and `--write [MODULE...]`. A test asserts a refusal's code and its subject;
+sentences that people read stand in that one file. One that stands in tests, too, cannot be improved alone.
 """
 
 import argparse
@@ -8,6 +9,10 @@ import ast
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+
+import pytest
+
+from tests.support.wording import Writer
 
 SHORTEST = 25
 ROOT = Path(__file__).parent.parent
@@ -44,13 +49,25 @@ def repeated(folders: list[Path]) -> list[tuple[Path, int, str]]:
     ]
 
 
+def write(paths: list[Path]) -> int:
+    """Run the tests that compare sentences, and write down what they are."""
+    modules = [path for under in paths for path in ([under] if under.is_file() else sorted(under.rglob("test_*.py")))]
+    asking = [str(path) for path in modules if "wording" in path.read_text(encoding="utf-8")]
+    return pytest.main(["-m", "nightly or not nightly", *asking], plugins=[Writer()])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.sentences", description=__doc__)
-    parser.add_argument("--count", action="store_true", required=True, help="print how many there are in each folder")
+    action = parser.add_mutually_exclusive_group(required=True)
+    action.add_argument("--count", action="store_true", help="print how many there are in each folder")
+    action.add_argument("--write", action="store_true", help="write down what the tests of these modules have found")
     parser.add_argument("--lines", action="store_true", help="print each with its file and line, too")
     parser.add_argument("folders", nargs="*", type=Path, default=[ROOT / "tests"])
     options = parser.parse_args()
-    rows = repeated([folder.resolve() for folder in options.folders])
+    folders = [folder.resolve() for folder in options.folders]
+    if options.write:
+        raise SystemExit(write(folders))
+    rows = repeated(folders)
     if options.lines:
         for path, line, text in rows:
             print(f"{path.relative_to(ROOT)}:{line}: {text!r}")

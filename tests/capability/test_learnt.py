@@ -3,7 +3,6 @@
 import os
 
 import msgspec
-import pytest
 from msgspec.structs import replace
 
 from lbr.capability.config import Report
@@ -54,7 +53,7 @@ def test_tables_that_are_not_read_are_left_out():
     assert with_rows(sets(NECK), by_table([Phrase(name="hi", language="en", text="Hi.")])) == sets(NECK)
 
 
-def test_what_is_learnt_is_one_line_and_too_much_of_it_is_refused():
+def test_what_is_learnt_is_one_line_and_too_much_of_it_is_refused(wording):
     reading, writing = os.pipe()
     try:
         reporter = Reporter(writing)
@@ -62,7 +61,7 @@ def test_what_is_learnt_is_one_line_and_too_much_of_it_is_refused():
         (line,) = os.read(reading, 65536).splitlines()
         rows = msgspec.json.decode(line, type=Report).learnt["motion_step"]
         assert msgspec.json.decode(rows, type=list[MotionStep]) == [step(1)]
-        with pytest.raises(ValueError, match="too many to learn at once"):
+        with wording.of(ValueError):
             reporter.learnt(by_table(step(number) for number in range(1, 100)))
     finally:
         os.close(reading)

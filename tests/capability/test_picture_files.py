@@ -15,11 +15,11 @@ from lbr.capability import picture_files
 from lbr.errors import InputError
 
 
-def test_a_picture_is_a_new_file_that_its_owner_alone_reads(tmp_path):
+def test_a_picture_is_a_new_file_that_its_owner_alone_reads(tmp_path, wording):
     path = picture_files.save(str(tmp_path), "front-1", b"JPEG")
     assert (path, path.read_bytes()) == (tmp_path / "pictures" / "front-1.jpg", b"JPEG")
     assert [stat.S_IMODE(one.stat().st_mode) for one in (path, path.parent)] == [0o600, 0o700]
-    with pytest.raises(InputError, match="is there already; choose another name"):
+    with wording.of(InputError):
         picture_files.save(str(tmp_path), "front-1", b"other")
     assert path.read_bytes() == b"JPEG"
 
@@ -28,13 +28,14 @@ def test_a_picture_is_a_new_file_that_its_owner_alone_reads(tmp_path):
 def test_no_name_leads_out_of_the_folder_or_hides_in_it(name):
     if re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}", name):
         return
-    with pytest.raises(InputError, match="begins with a letter or digit"):
+    with pytest.raises(InputError) as caught:
         picture_files.save("/nowhere", name, b"")
+    assert caught.value.code == "bad_value"
 
 
 @pytest.mark.parametrize("name", ["a\n", "../up", ".hidden", "", "a/b", "ä", "a" * 81, "-x"])
-def test_a_name_that_is_none_writes_nothing(tmp_path, name):
-    with pytest.raises(InputError, match="begins with a letter or digit"):
+def test_a_name_that_is_none_writes_nothing(tmp_path, name, wording):
+    with wording.of(InputError):
         picture_files.save(str(tmp_path), name, b"")
     assert list(tmp_path.iterdir()) == []
 
@@ -61,9 +62,9 @@ def test_a_disk_that_fills_up_leaves_no_half_picture_and_the_name_free(tmp_path,
     assert picture_files.save(str(tmp_path), "a", b"JPEG").read_bytes() == b"JPEG"
 
 
-def test_an_almost_full_disk_takes_no_picture(tmp_path, monkeypatch):
+def test_an_almost_full_disk_takes_no_picture(tmp_path, monkeypatch, wording):
     monkeypatch.setattr(picture_files, "KEPT_FREE_BYTES", 1 << 80)
-    with pytest.raises(InputError, match="the disk is almost full; make room in"):
+    with wording.of(InputError):
         picture_files.save(str(tmp_path), "a", b"JPEG")
     assert list((tmp_path / "pictures").iterdir()) == []
 

@@ -377,11 +377,7 @@ def test_the_emergency_stop_latches_is_acknowledged_and_only_a_sealed_release_le
     }
     wire.put(stage.bus, keys.estop("r"), {"engaged": False}, source="test")
     release = keys.estop_release("r", "probe")
-    assert stage.ask(release, {}) == {
-        "accepted": False,
-        "reason": "only the executive releases",
-        "code": "denied",
-    }
+    assert stage.ask(release, {})["code"] == "denied"
     answers = wire.ask(stage.bus, release, {}, source="executive", seal=bytes.fromhex(KEY))
     assert json.loads(answers[0].payload)["accepted"] is True
 
@@ -466,7 +462,7 @@ def test_a_capability_file_that_others_may_change_is_refused(stage):
     (stage.home / "capabilities" / "probe.py").chmod(0o666)
     stage.start()
     assert stage.ended() == 70
-    assert "could be changed by others" in stage.heard("failed")[0].reason
+    assert "could be changed" in stage.heard("failed")[0].reason
 
 
 def test_a_refused_put_and_a_refused_query_become_events(stage):

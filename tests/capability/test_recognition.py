@@ -20,27 +20,21 @@ KIND = Kind(
 
 
 @pytest.mark.parametrize(
-    ("said", "why"),
+    "said",
     [
-        ("baud='x', seen=print", "'baud' is 'x', and is to be a whole number above 0"),
-        ("baud=0, seen=print", "'baud' is 0, and is to be a whole number above 0"),
-        ("baud=9600, seen=None", "'seen' is None, and is to be a function"),
-        (
-            "baud=9600, seen=print, questions=(b'?')",
-            "'questions' is b'?', and is to be a tuple of bytes, such as (b'?',)",
-        ),
-        (
-            "baud=9600, seen=print, questions=('?',)",
-            "'questions' is ('?',), and is to be a tuple of bytes, such as (b'?',)",
-        ),
-        ("baud=9600, seen=print, questions=(b'?',) * 65", "it asks more than 64 questions"),
+        "baud='x', seen=print",
+        "baud=0, seen=print",
+        "baud=9600, seen=None",
+        "baud=9600, seen=print, questions=(b'?')",
+        "baud=9600, seen=print, questions=('?',)",
+        "baud=9600, seen=print, questions=(b'?',) * 65",
     ],
 )
-def test_what_cannot_be_asked_is_told_with_kind_and_field(tmp_path, said, why):
+def test_what_cannot_be_asked_is_told_with_kind_and_field(tmp_path, said, wording):
     (tmp_path / "crab_recognition.py").write_text(MODULE.format(said))
     with imported_from(tmp_path), pytest.raises(KindError) as caught:
         handshakes(KIND)
-    assert str(caught.value) == f"kind 'crab': crab_recognition:HANDSHAKE: {why}"
+    wording(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -30,22 +30,13 @@ class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, re
             raise ValueError("worse")
 
 
-def test_every_field_says_its_own_with_its_path():
+def test_every_field_says_its_own_with_its_path(wording):
     found = faults(Settings, {"near_m": 9, "kind": "a", "inner": {"at": "x", "words": ["a", ""], "other": 1}})
-    assert list(found) == [
-        "Object contains unknown field `kind`, there is device, inner, near_m, type",
-        "near_m is above 0 and at most 5, not 9",
-        "Object missing required field `device`",
-        "Object contains unknown field `other`, there is at, words - at `$.inner`",
-        "Expected `float`, got `str` - at `$.inner.at`",
-        "Expected `str` of length >= 1 - at `$.inner.words[1]`",
-    ]
+    wording(*found)
 
 
-def test_a_misspelt_field_is_told_which_one_it_may_have_been():
-    assert faults(Settings, {"near_m": 1, "devise": "a"})[0] == (
-        "Object contains unknown field `devise`, did you mean `device`?"
-    )
+def test_a_misspelt_field_is_told_which_one_it_may_have_been(wording):
+    wording(faults(Settings, {"near_m": 1, "devise": "a"})[0])
 
 
 def test_what_a_struct_says_of_itself_is_told_whatever_it_raises():

@@ -78,7 +78,7 @@ def test_a_package_brings_a_twin_with_no_edit_in_lbr(installed, entry):
         ("TWIN = 3", "a_package:TWIN is no DeviceTwin(…), but of type int"),
         (
             GOOD.format(device="other", entry="Twin"),
-            "it calls itself 'other': the name of the entry point and DeviceTwin.device",
+            "it calls itself 'other'",
         ),
         (GOOD.replace("faults: Faults = Faults()", "size: int = 1").format(device="feetech", entry="Twin"), "`faults`"),
     ],
@@ -100,9 +100,7 @@ def test_a_class_that_is_not_there_is_said_when_the_world_makes_it(installed):
 def test_of_two_packages_for_one_device_neither_is_guessed(installed):
     installed("a_package", GOOD.format(device="feetech", entry="Twin"))
     installed("a_package_too", GOOD.format(device="feetech", entry="Twin"))
-    with pytest.raises(
-        TwinError, match=r"packages a-package 1\.0 and a-package-too 1\.0 bring it: uninstall all but one"
-    ):
+    with pytest.raises(TwinError, match=r"packages a-package 1\.0 and a-package-too 1\.0"):
         twins.find("feetech")
     assert len(twins.refused("feetech")) == 2
     assert twins.refused("roboteq") == ()

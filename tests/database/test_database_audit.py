@@ -77,22 +77,22 @@ def test_a_client_cannot_change_the_trail(database, client, statement):
 
 
 @pytest.mark.parametrize(
-    ("tampering", "says"),
+    "tampering",
     [
-        ("UPDATE audit SET text = 'nothing' WHERE id = 2", "row 2 was changed"),
-        ("UPDATE audit SET wall_ns = 5 WHERE id = 3", "row 3 was changed"),
-        ("UPDATE audit SET id = 9 WHERE id = 4", "after 3 rows are missing"),
-        ("DELETE FROM audit WHERE id = 2", "after 1 rows are missing"),
-        ("DELETE FROM audit WHERE id = 4", "its newest rows are missing"),
-        ("DELETE FROM audit", "its newest rows are missing"),
-        ("DELETE FROM audit WHERE id = 1", "the rows before 2 are missing"),
-        ("UPDATE audit SET previous = '' WHERE id = 3", "after 2 rows are missing or were changed"),
+        "UPDATE audit SET text = 'nothing' WHERE id = 2",
+        "UPDATE audit SET wall_ns = 5 WHERE id = 3",
+        "UPDATE audit SET id = 9 WHERE id = 4",
+        "DELETE FROM audit WHERE id = 2",
+        "DELETE FROM audit WHERE id = 4",
+        "DELETE FROM audit",
+        "DELETE FROM audit WHERE id = 1",
+        "UPDATE audit SET previous = '' WHERE id = 3",
     ],
 )
-def test_tampering_is_found(database, free, tampering, says):
+def test_tampering_is_found(database, free, tampering, wording):
     write(database, "one", "two", "three", "four")
     free.execute(tampering)
-    assert says in database.audit_fault()
+    wording(database.audit_fault())
 
 
 def test_an_end_that_was_cut_off_is_found_after_more_was_written(database, free):

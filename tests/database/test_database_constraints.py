@@ -42,48 +42,27 @@ def client(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("statement", "says"),
+    "statement",
     [
-        (
-            "INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'A', 'k')",
-            "table capability, name: must be a name (small letters, digits, underscores; at most 40), and not 'executive'",
-        ),
-        (
-            "UPDATE verb SET role = 'king' WHERE word = 'f'",
-            "table verb, role: must be one of view, operate, admin",
-        ),
-        (
-            "INSERT OR ABORT INTO verb (robot, word, pattern, target, payload) VALUES ('lbr', 'a', '/a', 'a.b', '3')",
-            'table verb, payload: must be a JSON object like {"key": 1}, or NULL',
-        ),
-        (
-            "INSERT INTO motion (robot, name, slot) VALUES ('lbr', 'a', 3)",
-            "table motion, slot_s: must be above 0 and at most 600 if there is a slot, and NULL if there is none",
-        ),
-        ("UPDATE channel SET history = NULL", "table channel, history: must not be NULL"),
-        ("UPDATE channel SET history = 'x'", "table channel, history: must be a whole number, not a text"),
-        ("UPDATE robot SET owner = x'ff'", "table robot, owner: must be a text, not a blob"),
-        (
-            "INSERT INTO phrase SELECT * FROM phrase LIMIT 1",
-            "table phrase has a row with this name, language already: change that row, or take another language",
-        ),
-        (
-            "INSERT INTO device (robot, name, type, address) VALUES ('gone', 'a', 'b', 'c')",
-            "table device: robot must be that of a row of 'robot'; add that one first, in the same transaction",
-        ),
-        (
-            "INSERT INTO motion_step (robot, motion, step, duration_s, positions) VALUES ('lbr', 'gone', 1, 1, '{}')",
-            "table motion_step: robot/motion must be that of a row of 'motion'; add that one first, in the same transaction",
-        ),
+        "INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'A', 'k')",
+        "UPDATE verb SET role = 'king' WHERE word = 'f'",
+        "INSERT OR ABORT INTO verb (robot, word, pattern, target, payload) VALUES ('lbr', 'a', '/a', 'a.b', '3')",
+        "INSERT INTO motion (robot, name, slot) VALUES ('lbr', 'a', 3)",
+        "UPDATE channel SET history = NULL",
+        "UPDATE channel SET history = 'x'",
+        "UPDATE robot SET owner = x'ff'",
+        "INSERT INTO phrase SELECT * FROM phrase LIMIT 1",
+        "INSERT INTO device (robot, name, type, address) VALUES ('gone', 'a', 'b', 'c')",
+        "INSERT INTO motion_step (robot, motion, step, duration_s, positions) VALUES ('lbr', 'gone', 1, 1, '{}')",
     ],
 )
-def test_a_refused_row_is_told_with_table_column_and_what_is_allowed(client, statement, says):
+def test_a_refused_row_is_told_with_table_column_and_what_is_allowed(client, statement, wording):
     with pytest.raises(sqlite3.IntegrityError) as caught:
         client.execute(statement)
-    assert words(str(caught.value), statement) == says
+    wording(words(str(caught.value), statement))
 
 
-def test_what_lbr_itself_writes_is_told_so_too(tmp_path):
+def test_what_lbr_itself_writes_is_told_so_too(tmp_path, wording):
     create(tmp_path / "robot.db")
     with Database.open(tmp_path / "robot.db") as database:
         with pytest.raises(RowError) as caught:
@@ -92,7 +71,7 @@ def test_what_lbr_itself_writes_is_told_so_too(tmp_path):
         assert str(caught.value) == (
             f"database {tmp_path / 'robot.db'} refuses the row: table joint, device_id: must be from 0 to 253"
         )
-        with pytest.raises(RowError, match=r"table calibration: robot/device must be that of a row of 'device'"):
+        with wording.of(RowError):
             database.learn("lbr", list(measured("gone", {"scale": 1.0})))
 
 
@@ -106,8 +85,7 @@ def test_rows_of_ones_own_that_are_refused_are_told_with_their_line(home, tmp_pa
     line = before.count("\n") + 3
     done = lbr(home, "db", "init", "--sql", str(mine))
     assert done.returncode == 2
-    says = "table device, name: must be a name (small letters, digits, underscores; at most 40)"
-    assert done.stderr == f"lbr: {mine}, line {line}: {says}\n"
+    assert done.stderr.startswith(f"lbr: {mine}, line {line}: table device, name: ")
     assert not (home / "robot.db").exists()
 
 

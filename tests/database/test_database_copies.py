@@ -96,7 +96,7 @@ def test_what_is_not_what_runs_is_not_copied(path):
     assert [file.name for file in path.parent.iterdir()] == ["robot.db"]
 
 
-def test_a_damaged_database_names_the_way_out_and_restoring_keeps_it(damaged):
+def test_a_damaged_database_names_the_way_out_and_restoring_keeps_it(damaged, wording):
     with pytest.raises(LbrError, match="`lbr db restore`"):
         Database.open(damaged)
     broken = damaged.read_bytes()
@@ -107,19 +107,19 @@ def test_a_damaged_database_names_the_way_out_and_restoring_keeps_it(damaged):
     assert aside.read_bytes() == broken
     assert restore(damaged)[1] == damaged.with_name("robot.db.before-restore-2")
     with Database.open(damaged) as database:
-        assert [(e.kind, e.text) for e in database.audit()] == [
-            ("restored", "restored from robot.db.good-1; what was there before is robot.db.before-restore-2")
-        ]
+        (event,) = database.audit()
+        assert event.kind == "restored"
+        wording(event.text)
         assert database.audit_fault() == ""
 
 
-def test_who_restores_is_told_which_tokens_are_valid_in_it(damaged, capsys):
+def test_who_restores_is_told_which_tokens_are_valid_in_it(damaged, capsys, wording):
     with Database.open(damaged.with_name("robot.db.good-1")) as database:
         for name in ("phone", "gone"):
             database.add_token(name, "operate", tokens.hashed("secret"), None, "2026-01-01T00:00:00.000Z")
         database.revoke_token("gone")
     assert cli.main(["db", "restore", "--db", str(damaged)]) == 0
-    assert "tokens that are valid in it: phone; 'lbr token revoke NAME'" in capsys.readouterr().out
+    wording(capsys.readouterr().out)
 
 
 def test_the_newest_copy_that_is_good_is_taken(damaged):

@@ -77,27 +77,27 @@ def test_a_change_touches_only_what_differs(opened):
 
 
 @pytest.mark.parametrize(
-    ("command", "why"),
+    "command",
     [
-        (edit_of(), "this edit has no rows"),
-        (edit_of(motors=(MOTOR,)), "there is no motor 23 of layer 'mine'"),
-        (edit_of(motions=(NOD,)), "there is no motion 'nod'"),
-        (edit_of(buttons=(BUTTON,)), "there is no button 120"),
-        (edit_of(motors=(replace(MOTOR, layer="api"),), create=True), "motor 23 of layer 'api' is there already"),
-        (edit_of(motors=(replace(MOTOR, layer="api"),)), "motor 23 of layer 'api' is built in, and stays as it is"),
-        (edit_of(motions=(replace(NOD, name="sit_down"),)), "motion 'sit_down' is built in, and stays as it is"),
-        (edit_of(buttons=(replace(BUTTON, id=1),)), "button 1 is built in, and stays as it is"),
-        (edit_of(motors=(replace(MOTOR, builtin=True),), create=True), "is built in"),
-        (edit_of(motions=(replace(NOD, slot=40, slot_s=1.0),), create=True), "would be in a slot"),
-        (edit_of(motions=(replace(NOD, limp=True),), create=True), "would be in a slot"),
-        (edit_of(motions=(replace(NOD, frames=()),), create=True), "motion 'nod' has no key frames"),
-        (edit_of(motors=(MOTOR, MOTOR), create=True), "motor 23 of layer 'mine' is there twice"),
-        (edit_of(motors=(MOTOR, replace(MOTOR, layer="api")), create=True), "is there already"),
+        edit_of(),
+        edit_of(motors=(MOTOR,)),
+        edit_of(motions=(NOD,)),
+        edit_of(buttons=(BUTTON,)),
+        edit_of(motors=(replace(MOTOR, layer="api"),), create=True),
+        edit_of(motors=(replace(MOTOR, layer="api"),)),
+        edit_of(motions=(replace(NOD, name="sit_down"),)),
+        edit_of(buttons=(replace(BUTTON, id=1),)),
+        edit_of(motors=(replace(MOTOR, builtin=True),), create=True),
+        edit_of(motions=(replace(NOD, slot=40, slot_s=1.0),), create=True),
+        edit_of(motions=(replace(NOD, limp=True),), create=True),
+        edit_of(motions=(replace(NOD, frames=()),), create=True),
+        edit_of(motors=(MOTOR, MOTOR), create=True),
+        edit_of(motors=(MOTOR, replace(MOTOR, layer="api")), create=True),
     ],
 )
-def test_what_may_not_be_is_refused_in_a_sentence_and_nothing_is_written(opened, command, why):
+def test_what_may_not_be_is_refused_in_a_sentence_and_nothing_is_written(opened, command, wording):
     before = opened.revision()
-    with pytest.raises(InputError, match=why):
+    with wording.of(InputError):
         edit(opened, command)
     assert opened.revision() == before
 
@@ -127,12 +127,12 @@ def test_who_plans_the_robot_may_refuse_too(opened):
         opened.edit("uxa90", ALL, lambda _rows: ["too many"])
 
 
-def test_an_edit_from_an_older_revision_is_refused_where_its_rows_have_changed_since(opened, tmp_path):
+def test_an_edit_from_an_older_revision_is_refused_where_its_rows_have_changed_since(opened, tmp_path, wording):
     seen = edit(opened, ALL)
     with sqlite3.connect(tmp_path / "robot.db") as other:
         other.execute("UPDATE motion_step SET duration_s = 2 WHERE motion = 'nod' AND step = 2")
     other.close()
-    with pytest.raises(InputError, match=f"motion 'nod' has changed since revision {seen}"):
+    with wording.of(InputError):
         edit(opened, edit_of(motions=(NOD,), revision=seen))
     assert edit(opened, edit_of(motors=(replace(MOTOR, name="a neck"),), revision=seen)) == seen + 2
     assert edit(opened, edit_of(motions=(NOD,), revision=seen + 2)) == seen + 3
@@ -191,38 +191,38 @@ def test_rows_come_by_table_and_are_read_with_their_bounds():
 
 
 @pytest.mark.parametrize(
-    ("rows", "why", "code"),
+    ("rows", "code"),
     [
-        ({"capability": Raw(b"[]")}, "rows of 'capability' are not for it to write; it may write button, mo", "denied"),
-        ({"joint": Raw(b"[]")}, "rows of 'joint' are not for it to write", "denied"),
-        ({"motor\x1b": Raw(b"[]")}, "rows of 'motor?'", "denied"),
-        ({"motor": Raw(b'[{"layer": "mine"}]')}, "malformed edit: motor: .*missing required field `id`", "malformed"),
-        ({"motor": Raw(b"{}")}, "malformed edit: motor: Expected `array`", "malformed"),
-        ({"motor": Raw(b"[1]")}, "malformed edit: motor", "malformed"),
+        ({"capability": Raw(b"[]")}, "denied"),
+        ({"joint": Raw(b"[]")}, "denied"),
+        ({"motor\x1b": Raw(b"[]")}, "denied"),
+        ({"motor": Raw(b'[{"layer": "mine"}]')}, "malformed"),
+        ({"motor": Raw(b"{}")}, "malformed"),
+        ({"motor": Raw(b"[1]")}, "malformed"),
     ],
 )
-def test_what_it_may_not_write_or_what_is_no_row_is_refused_with_a_code(rows, why, code):
-    with pytest.raises(InputError, match=why.replace("?", r"\?")) as found:
+def test_what_it_may_not_write_or_what_is_no_row_is_refused_with_a_code(rows, wording, code):
+    with wording.of(InputError) as found:
         understood(EditCommand(rows=rows), ALLOWED)
     assert found.value.code == code
 
 
-def test_rows_that_make_processes_are_never_written_whatever_a_kind_says():
+def test_rows_that_make_processes_are_never_written_whatever_a_kind_says(wording):
     class Programs(Row, frozen=True, kw_only=True):
         TABLE = "capability"
         KEY = ("name",)
         name: str
 
-    with pytest.raises(InputError, match="rows of 'capability' are not for it to write; it may write none"):
+    with wording.of(InputError):
         understood(asked(Programs(name="shell")), (Programs,))
 
 
-def test_parts_come_with_their_whole_so_that_no_key_frame_is_slipped_under_a_built_in_motion(opened):
+def test_parts_come_with_their_whole_so_that_no_key_frame_is_slipped_under_a_built_in_motion(opened, wording):
     before = opened.revision()
     step = MotionStep(motion="sit_down", step=1, duration_s=1.0, positions={"head_pitch": 0.1})
     with pytest.raises(InputError, match="key frame 1 of 'sit_down' is a part of motion 'sit_down', which this edit"):
         edit(opened, Edit(rows=(step,)))
-    with pytest.raises(InputError, match="which this edit does not have"):
+    with wording.of(InputError):
         edit(opened, Edit(rows=(MOTOR, step), create=True))
     assert opened.revision() == before
 
@@ -236,7 +236,7 @@ def test_an_edit_may_hold_new_rows_and_known_ones_and_may_only_be_tried(opened):
     assert {m.id: m.lowest for m in opened.load("uxa90").of(Motor) if m.layer == "mine"} == {23: 70, 24: 60}
 
 
-def test_of_a_robots_own_row_an_edit_writes_what_people_say_of_it_and_never_its_emergency_stop(opened):
+def test_of_a_robots_own_row_an_edit_writes_what_people_say_of_it_and_never_its_emergency_stop(opened, wording):
     seen = opened.load("uxa90").robot
     opened.set_estop("uxa90", engaged=True, reason="smoke")
     opened.record_start("uxa90")
@@ -247,5 +247,5 @@ def test_of_a_robots_own_row_an_edit_writes_what_people_say_of_it_and_never_its_
     with pytest.raises(InputError, match="there is no robot 'other'"):
         edit(opened, Edit(rows=(replace(seen, name="other"),), create=None))
     since = Edit(rows=(replace(seen, owner="Another"),), create=None, revision=0)
-    with pytest.raises(InputError, match="has changed since revision 0"):
+    with wording.of(InputError):
         edit(opened, since)

@@ -35,8 +35,8 @@ def plain(path, *statements):
             other.execute(statement)
 
 
-def test_a_missing_file(tmp_path):
-    with pytest.raises(InputError, match="does not exist: `lbr db init` builds one"):
+def test_a_missing_file(tmp_path, wording):
+    with wording.of(InputError):
         Database.open(tmp_path / "robot.db")
     assert list(tmp_path.iterdir()) == []
 
@@ -50,9 +50,9 @@ def test_a_path_through_a_file(path):
 
 
 @pytest.mark.parametrize("mode", [0o602, 0o620, 0o666])
-def test_a_file_that_others_may_change(path, mode):
+def test_a_file_that_others_may_change(path, mode, wording):
     path.chmod(mode)
-    assert f"may be changed by others (mode {mode:04o}): `chmod go-w {path}`" in refusal(path)
+    wording(refusal(path))
 
 
 def test_a_file_that_others_may_read_is_taken(path):
@@ -61,10 +61,9 @@ def test_a_file_that_others_may_read_is_taken(path):
         assert database.robots() == ("bioloid", "lbr", "uxa90")
 
 
-def test_a_folder_where_others_may_replace_it(path):
+def test_a_folder_where_others_may_replace_it(path, wording):
     path.parent.chmod(0o777)
-    text = f"{path.parent} is a folder where others may replace what is in it (mode 0777): `chmod go-w {path.parent}`"
-    assert text in refusal(path)
+    wording(refusal(path))
 
 
 def test_a_shared_folder_with_the_sticky_bit_is_taken(path):
@@ -156,9 +155,9 @@ def test_a_link_of_somebody_else_to_a_database_of_ours(path, tmp_path):
     assert "is a link of user 4321" in refusal(link)
 
 
-def test_no_database_is_built_where_others_may_replace_it(tmp_path):
+def test_no_database_is_built_where_others_may_replace_it(tmp_path, wording):
     tmp_path.chmod(0o775)
-    with pytest.raises(RowError, match="is a folder where others may replace what is in it"):
+    with wording.of(RowError):
         create(tmp_path / "robot.db")
     assert list(tmp_path.iterdir()) == []
 
@@ -195,25 +194,25 @@ def digest_of(path) -> str:
         return database.load("lbr").digest
 
 
-def test_a_file_that_is_read_only(path):
+def test_a_file_that_is_read_only(path, wording):
     path.chmod(0o400)
-    assert "is read-only for you (mode 0400): `chmod u+rw`" in refusal(path)
+    wording(refusal(path))
 
 
-def test_a_file_on_a_disk_that_is_read_only_is_not_blamed_on_its_mode(path, monkeypatch):
+def test_a_file_on_a_disk_that_is_read_only_is_not_blamed_on_its_mode(path, monkeypatch, wording):
     mounted = os.statvfs(path)
     values = [*mounted]
     values[8] |= os.ST_RDONLY
     monkeypatch.setattr(os, "statvfs", lambda _path: os.statvfs_result(values))
     said = refusal(path)
-    assert "is on a file system that is read-only" in said
+    wording(said)
     assert "chmod" not in said
 
 
-def test_an_empty_file(tmp_path):
+def test_an_empty_file(tmp_path, wording):
     path = tmp_path / "robot.db"
     path.touch(0o600)
-    assert "is empty: remove it, and `lbr db init` makes a robot's" in refusal(path)
+    wording(refusal(path))
 
 
 def test_a_text(tmp_path):
@@ -251,7 +250,7 @@ def test_a_damaged_file(path):
 def test_a_truncated_file(path, kept):
     raw = path.read_bytes()
     path.write_bytes(raw[: int(len(raw) * kept)])
-    assert "`lbr db restore` puts the last good copy in its place" in refusal(path)
+    assert "`lbr db restore`" in refusal(path)
 
 
 @pytest.fixture(scope="module")
@@ -286,21 +285,21 @@ def test_a_damaged_schema_whose_error_is_no_text(path):
     assert "is damaged: `lbr db restore`" in refusal(path)
 
 
-def test_a_file_that_another_program_keeps_to_itself(path, monkeypatch):
+def test_a_file_that_another_program_keeps_to_itself(path, monkeypatch, wording):
     monkeypatch.setattr(connection, "BUSY_TIMEOUT_S", 0.1)
     with closing(sqlite3.connect(path, isolation_level=None)) as other:
         other.execute("PRAGMA locking_mode = EXCLUSIVE")
         other.execute("UPDATE robot SET owner = 'x'")
-        assert "is locked by another program: close its transaction" in refusal(path)
+        wording(refusal(path))
 
 
-def test_a_write_lock_that_is_never_released_is_an_error_not_a_hang(path, database):
+def test_a_write_lock_that_is_never_released_is_an_error_not_a_hang(path, database, wording):
     with closing(sqlite3.connect(path, isolation_level=None)) as other:
         other.execute("BEGIN IMMEDIATE")
         assert database.load("lbr").problems == ()
-        with pytest.raises(RowError, match="is locked by another program"):
+        with wording.of(RowError):
             database.record_start("lbr")
-        with pytest.raises(RowError, match="is locked by another program"):
+        with wording.of(RowError):
             database.append_events([Event(kind="k", subject="s", text="t")])
         other.execute("ROLLBACK")
     database.record_start("lbr")
@@ -346,7 +345,7 @@ def test_a_disk_too_small_for_a_new_database_gets_a_whole_one_or_none(size_kb):
         except RowError as err:
             refused = str(err)
         if refused:
-            assert "cannot grow, because the disk is full: make room" in refused
+            assert "disk is full" in refused
             assert list(disk.iterdir()) == []
         else:
             with closing(sqlite3.connect(f"file:{disk / 'robot.db'}?immutable=1", uri=True)) as reader:

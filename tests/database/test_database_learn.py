@@ -77,17 +77,17 @@ def test_a_full_disk_leaves_no_half_of_it(database, client):
     assert len(steps(database)) == written + 1
 
 
-def test_a_database_that_another_program_locks_is_said_to_be(database, client, monkeypatch):
+def test_a_database_that_another_program_locks_is_said_to_be(database, client, monkeypatch, wording):
     monkeypatch.setitem(Database.writing.__wrapped__.__kwdefaults__, "patience_s", 0.01)
     client.execute("BEGIN IMMEDIATE")
-    with pytest.raises(LbrError, match="locked by another program"):
+    with wording.of(LbrError):
         database.learn("bioloid", [BOW, step(1)])
     client.execute("ROLLBACK")
     database.learn("bioloid", [BOW, step(1)])
     assert len(steps(database)) == 1
 
 
-def test_a_robot_that_is_not_there_is_refused(database):
-    with pytest.raises(LbrError, match="robot must be that of a row of 'robot'"):
+def test_a_robot_that_is_not_there_is_refused(database, wording):
+    with wording.of(LbrError):
         database.learn("nobody", [BOW, step(1)])
     assert "bow" not in {row.name for row in database.load("bioloid").of(MotionRow)}

@@ -1,7 +1,5 @@
 """Shipped rows come into a database that lacks them, and leave what is there alone."""
 
-import pytest
-
 from lbr.database import shipped
 from lbr.database.shipped import differences
 from lbr.errors import InputError
@@ -41,6 +39,6 @@ def test_the_robot_with_the_schema_is_added_from_there(database, client):
     assert differences(database) == ()
 
 
-def test_a_robot_that_does_not_ship_is_named(database):
-    with pytest.raises(InputError, match="no package here brings a robot 'c3po': bioloid, lbr, uxa90 are there"):
+def test_a_robot_that_does_not_ship_is_named(database, wording):
+    with wording.of(InputError):
         shipped.add(database, "c3po")

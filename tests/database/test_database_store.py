@@ -187,18 +187,18 @@ def test_a_file_whose_rows_break_the_schema_opens_and_names_them(path, client):
 
 
 @pytest.mark.parametrize(
-    ("edit", "says"),
+    "edit",
     [
-        ("ALTER TABLE verb DROP COLUMN help", "verb, help: this column is missing"),
-        ("ALTER TABLE verb RENAME COLUMN help TO hilfe", "verb, help: this column is missing"),
-        ("ALTER TABLE verb ADD COLUMN colour TEXT", "verb, colour: lbr knows no column of this name: drop it"),
+        "ALTER TABLE verb DROP COLUMN help",
+        "ALTER TABLE verb RENAME COLUMN help TO hilfe",
+        "ALTER TABLE verb ADD COLUMN colour TEXT",
     ],
 )
-def test_tables_that_were_altered_are_problems(database, client, edit, says):
+def test_tables_that_were_altered_are_problems(database, client, edit, wording):
     for (name,) in client.execute("SELECT name FROM sqlite_schema WHERE type = 'trigger'").fetchall():
         client.execute(f"DROP TRIGGER {name}")
     client.execute(edit)
-    assert says in [str(problem) for problem in database.load("lbr").problems]
+    wording(*database.load("lbr").problems)
 
 
 def test_another_program_edits_a_hundred_times_a_second_while_we_read_and_write(path, database):

@@ -87,34 +87,34 @@ def test_a_stretch_of_more_than_a_minute_is_split_on_a_straight_line(rows):
     assert half == pytest.approx(whole / 2, abs=1e-4)
 
 
-def test_scenes_that_do_not_chain_and_other_zeros_are_told(rows):
+def test_scenes_that_do_not_chain_and_other_zeros_are_told(rows, wording):
     broken = (
         NOD.decode().replace(":0:24:150:127:2:0", ":0:24:140:127:2:0").replace(":5:20:30:0:0:206", ":5:20:30:0:0:200")
     )
     motion, notes = motion_file.of_rbm(rbm.parse(broken.encode()), rows)
     assert len(motion.frames) == 4
     assert "servo 5 (200, not 206)" in notes[0].text
-    assert "scene 2 does not begin where the one before ends (head_pitch)" in notes[1].text
+    wording(notes[1].text)
 
 
 @pytest.mark.parametrize(
-    ("change", "why"),
+    "change",
     [
-        ((b":26:0:", b":99:0:"), "number of servos): '99' is not a whole number from 1 to 64"),
-        ((b":20:400:", b":20:-4:"), r"scene 1, transition time in milliseconds\): '-4' is not"),
-        ((b":127:150:", b":127:256:"), r"scene 1, servo 25, end position\): '256' is not a whole number from 0 to 255"),
-        ((b":127:150:", b":127:x\x1b:"), r"'x\?' is not"),
-        ((b":150:127:2:0", b""), "the file ends|is not a whole number"),
-        ((b":0:25:0:0:2:0", b":0:24:0:0:2:0"), "scene 1 has a servo twice"),
+        (b":26:0:", b":99:0:"),
+        (b":20:400:", b":20:-4:"),
+        (b":127:150:", b":127:256:"),
+        (b":127:150:", b":127:x\x1b:"),
+        (b":150:127:2:0", b""),
+        (b":0:25:0:0:2:0", b":0:24:0:0:2:0"),
     ],
 )
-def test_a_field_that_cannot_be_is_named(change, why):
-    with pytest.raises(InputError, match=why.replace("servos)", r"servos\)")):
+def test_a_field_that_cannot_be_is_named(change, wording):
+    with wording.of(InputError):
         rbm.parse(NOD.replace(*change))
 
 
-def test_what_follows_the_last_scene_is_told():
-    with pytest.raises(InputError, match="more after the last scene"):
+def test_what_follows_the_last_scene_is_told(wording):
+    with wording.of(InputError):
         rbm.parse(NOD.strip() + b"5:6")
 
 

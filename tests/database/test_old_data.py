@@ -119,7 +119,7 @@ def test_western_texts_and_bytes_that_are_no_text():
 )
 def test_a_dump_only_makes_tables_and_fills_them_with_what_it_says(more):
     rows = ", ".join(f"({number})" for number in range(200))
-    with pytest.raises(InputError, match=r"it is no SQL that could be read: .*(authorized|prohibited)"):
+    with pytest.raises(InputError, match=r"(authorized|prohibited)"):
         foreign_tables.of_sql(f"CREATE TABLE a (x); INSERT INTO a VALUES {rows}; {more}")
 
 

@@ -1,0 +1,110 @@
+"""The sentences that people read, in one file: a test compares those that it brings about with what stands there.
+
+`python -m tests.sentences --write` rewrites the file; what differs is read in review.
+"""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from lbr.messages.codes import MEANINGS
+
+GOLDEN = Path(__file__).parents[1] / "sentences.txt"
+PLACES = ("home", "shared_home", "tmp_path")
+"""Fixtures whose value is another one in each run."""
+TIME = re.compile(r"\d{4}-\d\d-\d\dT[\d:.]+Z")
+LINE_ENDS = re.compile(r"[\n\r\x0b\x0c\x1c-\x1e\x85\u2028\u2029]")
+
+Sentences = dict[str, dict[str, list[str]]]
+"""The lines of each test of each module."""
+
+
+def read() -> Sentences:
+    found: Sentences = {}
+    module = test = ""
+    for line in GOLDEN.read_text(encoding="utf-8").splitlines():
+        if line.startswith("    "):
+            found[module][test].append(line[4:])
+        elif line.startswith("  "):
+            test = line[2:]
+            found[module][test] = []
+        elif line:
+            module = line
+            found[module] = {}
+    return found
+
+
+def write(sentences: Sentences) -> None:
+    blocks = []
+    for module, tests in sorted(sentences.items()):
+        named = [line for name, said in sorted(tests.items()) for line in (f"  {name}", *(f"    {x}" for x in said))]
+        blocks.append("\n".join([module, *named]) + "\n")
+    GOLDEN.write_text("\n".join(blocks), encoding="utf-8")
+
+
+class Wording:
+    """The sentences of one test, in order; `hidden` has what is another one in each run, and its name."""
+
+    def __init__(self, golden: list[str] | None, hidden: dict[str, str]) -> None:
+        self.lines: list[str] = []
+        self._golden = golden
+        self._hidden = hidden
+
+    def __call__(self, *texts: object) -> None:
+        """Compare sentences with the next lines of the file."""
+        at = len(self.lines)
+        said = "\n".join(str(text) or "(nothing)" for text in texts)
+        for volatile, name in self._hidden.items():
+            said = said.replace(volatile, name)
+        said = TIME.sub("(time)", said)
+        self.lines += [line.rstrip() for line in LINE_ENDS.split(said) if line.strip()]
+        if self._golden is not None:
+            assert self.lines[at:] == self._golden[at : len(self.lines)], (
+                "or is it `python -m tests.sentences --write`?"
+            )
+
+    @contextmanager
+    def of(self, kind: type[BaseException]) -> Iterator["pytest.ExceptionInfo[BaseException]"]:
+        """Expect an error, and compare its code, if it has one, and its sentence."""
+        with pytest.raises(kind) as caught:
+            yield caught
+        code = getattr(caught.value, "code", "")
+        self(f"{code}: {caught.value}" if code in MEANINGS else caught.value)
+
+
+class Writer:
+    """A plugin of pytest that takes sentences as they are, and writes them if all tests pass."""
+
+    def __init__(self) -> None:
+        self.sentences: Sentences = {}
+
+    def pytest_configure(self, config: pytest.Config) -> None:
+        config.stash[WRITER] = self
+
+    def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
+        if exitstatus == pytest.ExitCode.OK:
+            modules = {item.location[0]: {} for item in session.items}
+            sentences = {**read(), **modules, **self.sentences}
+            write({module: tests for module, tests in sentences.items() if tests})
+
+
+WRITER = pytest.StashKey[Writer]()
+
+
+@pytest.fixture
+def wording(request: pytest.FixtureRequest) -> Iterator[Wording]:
+    """The sentences of this test: what differs from the file, or is not in it, fails."""
+    module = request.node.location[0]
+    hidden = {str(request.getfixturevalue(name)): name for name in PLACES if name in request.fixturenames}
+    writer = request.config.stash.get(WRITER, None)
+    golden = None if writer else read().get(module, {}).get(request.node.name, [])
+    found = Wording(golden, hidden)
+    yield found
+    assert found.lines, "nothing was compared"
+    if writer:
+        writer.sentences.setdefault(module, {})[request.node.name] = found.lines
+    else:
+        assert found.lines == golden
