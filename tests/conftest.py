@@ -41,8 +41,9 @@ for profile, examples in (("everyday", 30), ("nightly", 500)):
     )
 settings.load_profile("everyday")
 
-NIGHTLY = Path(__file__).parent / "nightly.txt"
-"""Names what README's command leaves to the nightly run."""
+LISTS = {name: Path(__file__).parent / f"{name}.txt" for name in ("nightly", "slow")}
+"""Marks of tests, and the file that names for each which folders, modules and tests have it."""
+SLOW_S = 2.0
 
 left_over = pytest.StashKey[list[str]]()
 
@@ -71,16 +72,16 @@ def pytest_collection(session: pytest.Session) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave to the nightly run what its list names; a whole collection fails on a line that names nothing."""
-    lines = NIGHTLY.read_text().splitlines()
-    wanted = {line for line in lines if line and not line.startswith("#")}
-    named = set()
-    for item in items:
-        if names := wanted.intersection(_names(item.nodeid.removeprefix("tests/"))):
-            item.add_marker(pytest.mark.nightly)
-            named |= names
-    if named != wanted and config.args == config.getini("testpaths"):
-        raise pytest.UsageError(f"{NIGHTLY.name} names what is not there: {', '.join(sorted(wanted - named))}")
+    """Mark what the lists name; a whole collection fails on a line that names nothing."""
+    for mark, path in LISTS.items():
+        wanted = {line for line in path.read_text().splitlines() if line and not line.startswith("#")}
+        named = set()
+        for item in items:
+            if names := wanted.intersection(_names(item.nodeid.removeprefix("tests/"))):
+                item.add_marker(mark)
+                named |= names
+        if named != wanted and config.args == config.getini("testpaths"):
+            raise pytest.UsageError(f"{path.name} names what is not there: {', '.join(sorted(wanted - named))}")
 
 
 def _names(test: str) -> Iterator[str]:
@@ -117,6 +118,11 @@ def pytest_testnodedown(node: Any) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    passed = terminalreporter.stats.get("passed", ())
+    if slow := [one for one in passed if one.duration > SLOW_S and not {"slow", "nightly"}.intersection(one.keywords)]:
+        terminalreporter.section(f"took more than {SLOW_S:g} s, and {LISTS['slow'].name} says of no reason")
+        for one in slow:
+            terminalreporter.line(f"{one.duration:.1f} s {one.nodeid}")
     if config.stash[left_over]:
         terminalreporter.section("left behind by tests")
         for line in config.stash[left_over]:
