@@ -16,7 +16,7 @@ import numpy as np
 import psutil
 
 from benchmarks import Measured
-from lbr.apps.tracking import TrackingSettings
+from lbr.apps.tracking.kind import TrackingSettings
 from lbr.apps.vision import finding
 from lbr.apps.vision.eye import Eye
 from lbr.messages.tracking import Seen

@@ -66,14 +66,14 @@ def main(arguments: list[str]) -> int:
 
 
 def not_installed() -> list[str]:
-    """Return the kinds that the project declares and this environment has not heard of: the pages would leave them out."""
-    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["entry-points"]["lbr.capabilities"]
-    return sorted(declared.keys() - set(own(registry.GROUP)))
+    """Return the components that the project declares and this environment has not heard of: the pages would leave them out."""
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["entry-points"][plugins.GROUP]
+    return sorted(declared.keys() - {one.name for one in plugins.entries() if one.ours})
 
 
-def own(group: str) -> list[str]:
-    """Return the names that lbr itself brings to a group; packages that share the environment have pages of their own."""
-    return sorted(name for name, one in plugins.installed(group).items() if one.ours)
+def own(field: plugins.Field) -> list[str]:
+    """Return the names that lbr itself brings; packages that share the environment have pages of their own."""
+    return sorted(one.name for one in plugins.own(field))
 
 
 def pages() -> dict[str, str]:
@@ -94,7 +94,7 @@ def pages() -> dict[str, str]:
 
 def kinds() -> list[Kind]:
     """Return the installed kinds, by family and name."""
-    found = [registry.find(name, NOWHERE) for name in own(registry.GROUP)]
+    found = [registry.find(name, NOWHERE) for name in own("kinds")]
     return sorted(found, key=lambda kind: (FAMILIES.index(kind.family), kind.name))
 
 
@@ -401,7 +401,7 @@ def settings_page(known: list[Kind]) -> str:
         "its twin is built, and what is wrong with it; the command `fault` of the simulated world changes the faults "
         "while it runs. Any device can be unplugged.\n"
     )
-    for device in own(twins.GROUP):
+    for device in own("twins"):
         found = twins.find(device)
         assert found is not None
         row = found.row
@@ -504,11 +504,17 @@ def _waits(row: ExternalCommandRow) -> str:
 
 def cli_page() -> str:
     """Return every command's help."""
-    from lbr.cli import cli  # noqa: PLC0415 - only this page needs it
-
     parts = ["# The command line\n", "What `--help` says, for every command.\n"]
-    parts += [f"## `{path}`\n\n```text\n{text}\n```\n" for path, text in _helps(cli, "lbr", None)]
+    parts += [f"## `{path}`\n\n```text\n{text}\n```\n" for path, text in _helps(the_command_line(), "lbr", None)]
     return "\n".join(parts)
+
+
+def the_command_line() -> click.Group:
+    """Return lbr's own commands."""
+    from lbr.cli import Commands, cli  # noqa: PLC0415 - only these pages need it
+
+    Commands.others = False
+    return cli
 
 
 def _helps(command: click.Command, name: str, parent: click.Context | None) -> Iterable[tuple[str, str]]:
@@ -524,11 +530,9 @@ def _helps(command: click.Command, name: str, parent: click.Context | None) -> I
 
 def man_page() -> str:
     """Return the same as a page of the manual, in the language of man (7)."""
-    from lbr.cli import cli  # noqa: PLC0415 - only these pages need it
-
     parts = ['.\\" Written by docs/generate.py; do not edit.', '.TH LBR 1 "" lbr "User commands"', ".SH NAME"]
     parts.append(r"lbr \- run a robot that is rows in a database, and talk to it")
-    for path, text in _helps(cli, "lbr", None):
+    for path, text in _helps(the_command_line(), "lbr", None):
         parts += [f'.SH "{path.upper()}"', ".nf", *(_roff(line) for line in text.splitlines()), ".fi"]
     parts += [
         ".SH FILES",

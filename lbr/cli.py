@@ -1,50 +1,19 @@
 """The `lbr` command. Every subcommand is imported only when it runs, so that all of them start fast."""
 
-import importlib
 import re
 import sys
-from importlib import metadata
+from itertools import groupby
 
 import click
+from click.shell_completion import CompletionItem
 
-from lbr import surroundings
+from lbr import plugins, surroundings
 from lbr.errors import AlreadyRunningError, InputError, LbrError, RowError
 from lbr.names import near
+from lbr.plugins import Plugin, PluginError
 
 FAILED, BAD_INPUT, ALREADY_RUNNING, INTERRUPTED = 1, 2, 3, 130
 
-COMMANDS = {
-    "run": ("run", "Start a robot."),
-    "robots": ("robots", "List the robots that there are, and how to start them."),
-    "agent": ("agent", "Run a share of a robot that is on another machine."),
-    "console": ("console", "Open a console on a running robot, here or over the LAN."),
-    "send": ("send", "Say one console line; its result is text and exit code."),
-    "status": ("status", "Show what runs."),
-    "why": ("why", "Say what holds a part still, and what to type."),
-    "stop": ("stop", "Shut a robot down and wait until it is gone."),
-    "doctor": ("doctor", "Look for what is wrong with this machine, and say what to type."),
-    "devices": ("devices", "See what is plugged in, and have the rows say so."),
-    "service": ("service", "Run a robot as a service, from the start of the machine on."),
-    "token": ("token", "Let people on other machines in, and lock them out."),
-    "registry": ("registry", "List which robots are up and how to reach them, or run the service that does."),
-    "topic": ("topic", "List, describe, print, measure and publish streams."),
-    "graph": ("graph", "Show who feeds whom."),
-    "logs": ("logs", "Print what a part has written to its log, and go on with it."),
-    "plot": ("plot", "Plot numbers of streams in the terminal, live or out of the black box."),
-    "record": ("record", "Record all that is said, on purpose."),
-    "replay": ("replay", "Publish what was recorded under another robot's name, to look at."),
-    "box": ("box", "Look at what the black box holds, take it along, and delete it."),
-    "at": ("at", "Answer as then: why, status and rows of a moment that is past."),
-    "view": ("view", "Watch a simulated robot: its room from above, or its joints."),
-    "motion": ("motion", "Take motions from files, and write them to files."),
-    "behaviour": ("behaviour", "Write state tables, check and take them, and run them."),
-    "import": ("importing", "Take what a robot's former programs kept: databases, tables, motions."),
-    "get": ("getting", "Print the settings of the robot's parts."),
-    "set": ("setting", "Change one setting of one part; the robot follows."),
-    "db": ("db", "Create, check and compare the robot's rows."),
-    "completion": ("completion", "Print what makes a shell complete lbr's commands."),
-    "new": ("new", "Write a robot, a driver, servos or a capability of your own, to begin with."),
-}
 _NO_COMMAND = re.compile(r"No such command '(.*)'\.", re.DOTALL)
 NO_THREAD = "can't start new thread"
 NO_ARGUMENTS = getattr(click.exceptions, "NoArgsIsHelpError", ())  # before click 8.2 it prints the help by itself
@@ -65,35 +34,60 @@ Completion: eval "$(lbr completion bash)"    (or zsh; in fish: lbr completion fi
 """
 
 
-class LazyGroup(click.Group):
-    """Knows its commands by name and one line of help; a command's module loads when it is called."""
+class Commands(click.Group):
+    """Knows what components bring by name and one line of help; a command's module loads when it is called."""
+
+    others = True
+    """Whether those of other packages are among them; the reference leaves them out."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
-        """Return the names in the order of a robot's day."""
-        return list(COMMANDS)
+        """Return the names, lbr's own first."""
+        return [one.name for one in self._known()]
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """Import a command."""
-        if cmd_name not in COMMANDS:
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import a command; PluginError says why one cannot be used."""
+        plugin = plugins.find("commands", cmd_name)
+        if plugin is None:
             return None
-        command = importlib.import_module(f"lbr.commands.{COMMANDS[cmd_name][0]}").command
-        if not isinstance(command, click.Command):
-            raise TypeError(f"lbr.commands.{cmd_name} has no command")
-        return command
+        try:
+            command = plugin.load()
+        except PluginError:
+            if ctx.resilient_parsing:  # the Tab key was pressed
+                return None
+            raise
+        if isinstance(command, click.Command):
+            return command
+        raise PluginError(plugin, f"{plugin.value} is no click.Command, but of type {type(command).__name__}")
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """Write the commands without importing any."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+        """Write the commands by the package that brings them, without importing any."""
+        for package, found in groupby(self._known(), lambda one: one.package):
+            with formatter.section("Commands" if package == plugins.CORE else f"Commands of package '{package}'"):
+                formatter.write_dl([(one.name, one.help) for one in found])
+        if self.others and (broken := plugins.broken()):
+            with formatter.section("Not loaded"):
+                for why in broken:
+                    formatter.write_text(why)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Return what a word may become, without importing any command."""
+        found = [CompletionItem(one.name, help=one.help) for one in self._known() if one.name.startswith(incomplete)]
+        return found + click.Command.shell_complete(self, ctx, incomplete)
+
+    def _known(self) -> list[Plugin]:
+        found = plugins.every("commands") if self.others else plugins.own("commands")
+        return [one for one in found if not one.refusal]
 
 
 def _version(ctx: click.Context, _parameter: click.Parameter, wanted: bool) -> None:
     if wanted and not ctx.resilient_parsing:
+        from importlib import metadata  # noqa: PLC0415 - takes as long as click to import
+
         click.echo(f"lbr {metadata.version('lbr')}")
         ctx.exit()
 
 
-@click.group(cls=LazyGroup, help=HELP, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Commands, help=HELP, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("--version", is_flag=True, expose_value=False, is_eager=True, callback=_version, help="Show the version.")
 def cli() -> None:
     """Take the options before the command."""
@@ -157,8 +151,9 @@ def _meant(err: click.UsageError, context: click.Context) -> str:
     typed = _NO_COMMAND.fullmatch(text)  # newer versions of click know those that are loaded
     if typed is None or not isinstance(context.command, click.Group):
         return text
-    close = near(typed[1], context.command.list_commands(context))
-    return f"{text} Did you mean '{close[0]}'?" if close else text
+    if close := near(typed[1], context.command.list_commands(context)):
+        text = f"{text} Did you mean '{close[0]}'?"
+    return text + plugins.perhaps_broken() if isinstance(context.command, Commands) else text
 
 
 def code_of(err: LbrError) -> int:

@@ -1,44 +1,50 @@
-"""What packages bring to lbr by entry points: kinds, robots, twins and faces; who brings it, and why it cannot be used.
+"""What packages bring to lbr by their components: kinds, commands, faces, ports, robots and twins; and why one cannot be used.
 
-    pyproject.toml of a package ──► installed(group) ──► Plugin(name, package) ──► load(): the declared object, or why not
+    entry points of `lbr.components` ──► entries() ──► Component ──► find(field, name): Plugin ──► load(): the object
 
 lbr's own keep their names; a name that several other packages claim is none of theirs, until one is uninstalled.
+A name of lbr's own is found without a look at other packages.
 """
 
 import contextlib
 import importlib
+import os
+import re
 import sys
 import threading
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
-from importlib.metadata import Distribution, EntryPoint, EntryPoints, entry_points, version
+from functools import cache, reduce
+from itertools import chain
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
+from lbr.component import CliCommand, Component
 from lbr.errors import LbrError
 
 CORE = "lbr"
+"""The package lbr, and its component `core`, whose commands come first."""
+GROUP = "lbr.components"
 LONGEST_TEXT = 300
+Field = Literal["kinds", "commands", "faces", "ports", "robots", "twins"]
+FIELDS: tuple[Field, ...] = ("kinds", "commands", "faces", "ports", "robots", "twins")
 _CHECKOUT = Path(__file__).resolve().parent.parent / "pyproject.toml"
+_INFO = (".dist-info", ".egg-info")
+_ENTRY = re.compile(r"[\w.]+:[\w.]+")
+_COMMAND = re.compile(r"[a-z][a-z0-9-]*")
 _REMEMBERED: list[Callable[[], None]] = []
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Plugin:
-    """One entry point: `value` is `module:object`, `package` whose it is, `requires` what that package asks for.
+class Entry:
+    """An entry point of a component: `value` is `module:attribute`, `package` whose it is, `requires` what that asks for."""
 
-    `refusal` says why it has not the name that it claims; empty if it has.
-    """
-
-    group: str
     name: str
     value: str
     package: str
     requires: tuple[str, ...] = ()
-    refusal: str = ""
 
     @property
     def ours(self) -> bool:
@@ -48,23 +54,53 @@ class Plugin:
     @property
     def label(self) -> str:
         """Which it is, for people."""
-        return f"'{self.name}' of package '{self.package}' ({self.group})"
+        return f"component '{self.name}' of package '{self.package}'"
+
+
+@dataclass(frozen=True, slots=True)
+class Plugin:
+    """One name that a component has in one of its fields: `value` is `module:attribute`, `help` a command's line.
+
+    `refusal` says why it has not the name that it claims; empty if it has.
+    """
+
+    field: Field
+    name: str
+    value: str
+    entry: Entry
+    help: str = ""
+    refusal: str = ""
+
+    @property
+    def package(self) -> str:
+        """Return whose it is, as people are told."""
+        return self.entry.package
+
+    @property
+    def ours(self) -> bool:
+        """Say whether it came with lbr."""
+        return self.entry.ours
+
+    @property
+    def label(self) -> str:
+        """Which it is, for people."""
+        return f"'{self.name}' of package '{self.package}' ({self.field} of component '{self.entry.name}')"
 
     def load(self) -> Any:
         """Import and return the declared object; PluginError says why that cannot be. What it prints goes to stderr."""
-        if why := self.refusal or contradiction(self.requires):
+        if why := self.refusal or contradiction(self.entry.requires):
             raise PluginError(self, why)
-        found, err = (_tried if self.ours else _tried_aside)(EntryPoint(self.name, self.value, self.group).load)
+        found, err = _imported(self.value, self.entry)
         if err is not None:
             raise PluginError(self, f"it does not load: {told(err)}") from err
         return found
 
     def checked(self, found: object, wanted: type[T], name: str = "name") -> T:
-        """Return what was declared if it is what its group has, and its field `name` says the entry point's name."""
+        """Return what was declared if it is what its field has, and its own field `name` says the name of the component's."""
         if not isinstance(found, wanted):
             raise PluginError(self, f"{self.value} is no {wanted.__name__}(…), but of type {type(found).__name__}")
         if (said := getattr(found, name)) != self.name:
-            text = f"the name of the entry point and {wanted.__name__}.{name} agree"
+            text = f"the name in the component and {wanted.__name__}.{name} agree"
             raise PluginError(self, f"it calls itself {said!r}: {text}")
         return found
 
@@ -77,22 +113,58 @@ class PluginError(LbrError):
         self.why = why
 
 
-def installed(group: str) -> Mapping[str, Plugin]:
-    """Return what there is in a group, by name; one that several packages claim is there, and does not load."""
-    return {one.name: one for one in reversed(_all(group))}
+def find(field: Field, name: str) -> Plugin | None:
+    """Return what has a name in a field, or None; one that several packages claim is there, and does not load."""
+    own = next((one for entry in _own() for one in _of(entry, field) if one.name == name), None)
+    return own or installed(field).get(name)
 
 
-def every(group: str) -> tuple[Plugin, ...]:
-    """Return all that packages declare in a group, lbr's own first, those without the name that they claim too."""
-    return _all(group)
+def own(field: Field) -> tuple[Plugin, ...]:
+    """Return what lbr itself brings in a field, those of `core` first."""
+    return tuple(one for entry in _own() for one in _of(entry, field))
 
 
-def fresh(group: str, name: str) -> str:
+@cache
+def installed(field: Field) -> Mapping[str, Plugin]:
+    """Return what there is in a field, by name; one that several packages claim is there, and does not load."""
+    return {one.name: one for one in reversed(every(field))}
+
+
+@cache
+def every(field: Field) -> tuple[Plugin, ...]:
+    """Return all that components have in a field, lbr's own first, those without the name that they claim too."""
+    claims: dict[str, list[Plugin]] = {}
+    for one in chain.from_iterable(_of(entry, field) for entry in entries()):
+        claims.setdefault(one.name, []).append(one)
+    return tuple(_settled(one, claims[one.name]) for entry in entries() for one in _of(entry, field))
+
+
+def entries() -> tuple[Entry, ...]:
+    """Return the entry points of all components, lbr's own first; no component is imported."""
+    return (*_own(), *_others())
+
+
+def broken() -> tuple[str, ...]:
+    """Return a sentence for each component that cannot be used: which, why and what to do."""
+    return tuple(why for entry in entries() if (why := _component(entry)[1]))
+
+
+def perhaps_broken() -> str:
+    """Return what to add to the sentence that something is not there: the components that may bring it."""
+    return "".join(f"; it may be of the {why}" for why in broken())
+
+
+def messages() -> tuple[str, ...]:
+    """Return the modules of message types that components declare for others."""
+    components = (_component(entry)[0] for entry in entries())
+    return tuple(name for one in components if one is not None for name in one.messages)
+
+
+def fresh(field: Field, name: str) -> str:
     """Return the package that brings a name and was installed since this program first looked; empty if none does."""
-    known = {(one.name, one.package) for one in _all(group)}
-    now = _declared(group, entry_points().select)
-    found = (one.package for one in now if one.name == name and (one.name, one.package) not in known)
-    return next(found, "")
+    known = set(entries())
+    new = (entry for entry in _declared() if entry not in known)
+    return next((entry.package for entry in new if any(one.name == name for one in _of(entry, field))), "")
 
 
 def contradiction(requires: tuple[str, ...]) -> str:
@@ -100,7 +172,9 @@ def contradiction(requires: tuple[str, ...]) -> str:
     asking = [text for text in requires if text.lower().startswith(CORE)]
     if not asking:
         return ""
-    from packaging.requirements import InvalidRequirement, Requirement  # noqa: PLC0415 - packages of others only
+    from importlib.metadata import version  # noqa: PLC0415 - packages of others only
+
+    from packaging.requirements import InvalidRequirement, Requirement  # noqa: PLC0415
     from packaging.utils import canonicalize_name  # noqa: PLC0415
 
     for text in asking:
@@ -114,6 +188,104 @@ def contradiction(requires: tuple[str, ...]) -> str:
         if not wanted.specifier.contains(here, prereleases=True):
             return f"it requires lbr {wanted.specifier}, and this is lbr {here}: install versions that go together"
     return ""
+
+
+def told(err: BaseException) -> str:
+    """Return an exception as one short line; one that cannot even be told is one all the same."""
+    try:
+        text = "".join(c if c.isprintable() else "?" for c in " ".join(str(err).split()))
+    except Exception:  # noqa: BLE001 - its `__str__` is another's
+        text = ""
+    return f"{type(err).__name__}: {text[:LONGEST_TEXT]}" if text else type(err).__name__
+
+
+def remembered(judge: Callable[[Plugin], T]) -> Callable[[Plugin], T]:
+    """Have a judgement of a plugin made once, until all is forgotten."""
+    found = cache(judge)
+    _REMEMBERED.append(found.cache_clear)
+    return found
+
+
+def forget() -> None:
+    """Look again at what is installed when that is asked next."""
+    importlib.invalidate_caches()
+    for known in (installed, every, _of, _component, _own, _others):
+        known.cache_clear()
+    for clear in _REMEMBERED:
+        clear()
+
+
+# -- components -------------------------------------------------------------------------------------------------------
+
+
+@cache
+def _of(entry: Entry, field: Field) -> tuple[Plugin, ...]:
+    """Return what a component has in a field, nothing if it cannot be used."""
+    component, _ = _component(entry)
+    if component is None:
+        return ()
+    if field == "commands":
+        return tuple(Plugin(field, name, one.entry, entry, one.help) for name, one in component.commands.items())
+    return tuple(Plugin(field, name, value, entry) for name, value in getattr(component, field).items())
+
+
+def _settled(one: Plugin, claims: list[Plugin]) -> Plugin:
+    """Return a plugin with why it has not its name: lbr's own keep theirs, and of several others none is preferred."""
+    if one.ours or len(claims) == 1:
+        return one
+    if claims[0].ours:
+        return replace(one, refusal=f"lbr has its own '{one.name}': choose another name")
+    packages = list(dict.fromkeys(each.package for each in claims))
+    if len(packages) > 1:
+        return replace(one, refusal=f"packages {' and '.join(packages)} bring it: uninstall all but one")
+    components = " and ".join(f"'{each.entry.name}'" for each in claims)
+    return replace(one, refusal=f"components {components} of it bring it: it may have one of that name")
+
+
+@cache
+def _component(entry: Entry) -> tuple[Component | None, str]:
+    """Import a component; return it, or why it cannot be used and what to do."""
+    found, err = _imported(entry.value, entry)
+    why = f"it does not load: {told(err)}" if err is not None else ""
+    if not entry.ours and not why:
+        why = next(_faults(found), "")
+    if not why:
+        return found, ""
+    why = contradiction(entry.requires) or f"{why}; have it mended, or uninstall the package"
+    return None, f"{entry.label} ({entry.value}): {why}"
+
+
+def _faults(found: Any) -> Iterator[str]:
+    """Yield what is wrong with the fields of a component of another package."""
+    if not isinstance(found, Component):
+        yield f"it is no Component(…), but of type {type(found).__name__}"
+        return
+    for field in FIELDS:
+        here = getattr(found, field)
+        if not isinstance(here, Mapping):
+            yield f"'{field}' is of type {type(here).__name__}: write {{\"name\": …}}"
+            continue
+        wanted = CliCommand if field == "commands" else str
+        for name, what in here.items():
+            value = what.entry if isinstance(what, CliCommand) else what
+            if not isinstance(what, wanted) or not isinstance(value, str) or not _ENTRY.fullmatch(value):
+                form = "module:attribute" if wanted is str else 'CliCommand(entry="module:attribute", help="…")'
+                yield f"'{field}' has {name!r} as {what!r}: write {form}"
+            elif field == "commands" and not _COMMAND.fullmatch(name):
+                yield f"'commands' has {name!r}: what is typed is of small letters, digits and dashes"
+
+
+# -- imports ----------------------------------------------------------------------------------------------------------
+
+
+def _imported(value: str, entry: Entry) -> tuple[Any, BaseException | None]:
+    """Import `module:attribute`; return it, or what was raised."""
+    module, _, attribute = value.partition(":")
+
+    def load() -> Any:
+        return reduce(getattr, attribute.split("."), importlib.import_module(module))
+
+    return (_tried if entry.ours else _tried_aside)(load)
 
 
 def _tried(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
@@ -141,80 +313,77 @@ def _tried_aside(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
     return tried[0]
 
 
-def told(err: BaseException) -> str:
-    """Return an exception as one short line; one that cannot even be told is one all the same."""
-    try:
-        text = "".join(c if c.isprintable() else "?" for c in " ".join(str(err).split()))
-    except Exception:  # noqa: BLE001 - its `__str__` is another's
-        text = ""
-    return f"{type(err).__name__}: {text[:LONGEST_TEXT]}" if text else type(err).__name__
-
-
-def remembered(judge: Callable[[Plugin], T]) -> Callable[[Plugin], T]:
-    """Have a judgement of a plugin made once, until all is forgotten."""
-    found = cache(judge)
-    _REMEMBERED.append(found.cache_clear)
-    return found
-
-
-def forget() -> None:
-    """Look again at what is installed when that is asked next."""
-    importlib.invalidate_caches()
-    _all.cache_clear()
-    _points.cache_clear()
-    for clear in _REMEMBERED:
-        clear()
+# -- entry points -----------------------------------------------------------------------------------------------------
 
 
 @cache
-def _all(group: str) -> tuple[Plugin, ...]:
-    claims: dict[str, dict[str, Plugin]] = {}
-    for one in sorted(_declared(group, _points()), key=lambda one: (not one.ours, one.package, one.value)):
-        claims.setdefault(one.name, {}).setdefault(one.package, one)
-    found = [_settled(one, tuple(of_name)) for of_name in claims.values() for one in of_name.values()]
-    return tuple(sorted(found, key=lambda one: (not one.ours, one.package, one.name)))
-
-
-def _settled(one: Plugin, packages: tuple[str, ...]) -> Plugin:
-    """Return a plugin with why it has not its name: lbr's own keep theirs, and of several others none is preferred."""
-    if one.ours or len(packages) == 1:
-        return one
-    if packages[0] == CORE:
-        return replace(one, refusal=f"lbr has its own '{one.name}': choose another name")
-    return replace(one, refusal=f"packages {' and '.join(packages)} bring it: uninstall all but one")
-
-
-def _declared(group: str, select: Callable[..., EntryPoints]) -> Iterator[Plugin]:
-    """Yield all entry points; those of a checkout are what its project says now, not when it was installed."""
-    own = _of_checkout()
-    for name, value in (own or {}).get(group, {}).items():
-        yield Plugin(group, name, value, CORE)
-    for point in select(group=group):
-        package, requires = _brought_by(point.dist)
-        if package != CORE or own is None:
-            yield Plugin(group, point.name, point.value, package, requires)
+def _own() -> tuple[Entry, ...]:
+    """Return lbr's own; those of a checkout are what its project says now, not when it was installed."""
+    points = _of_checkout()
+    if points is None:
+        points = dict(chain.from_iterable(_lines(text) for name, _, text in _metadata() if name == CORE))
+    return tuple(
+        sorted((Entry(*point, CORE) for point in points.items()), key=lambda one: (one.name != "core", one.name))
+    )
 
 
 @cache
-def _points() -> Callable[..., EntryPoints]:
-    """Return what selects among the entry points of all packages; to read them anew takes 50 ms."""
-    return entry_points().select
+def _others() -> tuple[Entry, ...]:
+    """Return those of other packages, in the order of their names."""
+    return tuple(sorted(_declared(), key=lambda one: (one.package, one.name)))
 
 
-@lru_cache(maxsize=64)
-def _brought_by(dist: Distribution | None) -> tuple[str, tuple[str, ...]]:
-    """Return a package as it is told, and what it asks for; of lbr itself no more than its name."""
-    if dist is None:
-        return "unknown", ()
-    name = dist.name
-    return (CORE, ()) if name == CORE else (f"{name} {dist.version}", tuple(dist.requires or ()))
+def _declared() -> Iterator[Entry]:
+    found = [(folder, text) for name, folder, text in _metadata() if name != CORE]
+    if not found:
+        return
+    from importlib.metadata import Distribution  # noqa: PLC0415 - its import takes longer than all else here
+
+    for folder, text in found:
+        dist = Distribution.at(folder)
+        package, requires = f"{dist.name} {dist.version}", tuple(dist.requires or ())
+        for point in _lines(text):
+            yield Entry(*point, package, requires)
 
 
-@cache
-def _of_checkout() -> Mapping[str, Mapping[str, str]] | None:
+def _metadata() -> Iterator[tuple[str, Path, str]]:
+    """Yield the packages on the path that have entry points in the group: plain name, folder, and `entry_points.txt`.
+
+    As `importlib.metadata` finds them, the first of a name; its import alone takes as long as that of click.
+    """
+    seen: set[str] = set()
+    for place in sys.path:
+        try:
+            folders = sorted(name for name in os.listdir(place or os.curdir) if name.endswith(_INFO))  # noqa: PTH208
+        except OSError:
+            continue
+        for folder in folders:
+            name = re.sub(r"[-_.]+", "_", folder.rpartition(".")[0].partition("-")[0]).lower()
+            if name in seen:
+                continue
+            seen.add(name)
+            path = Path(place) / folder
+            with contextlib.suppress(OSError, UnicodeDecodeError):
+                text = (path / "entry_points.txt").read_text(encoding="utf-8")
+                if GROUP in text:
+                    yield name, path, text
+
+
+def _lines(text: str) -> Iterator[tuple[str, str]]:
+    """Yield the entry points of the group: name and value."""
+    group = ""
+    for line in map(str.strip, text.splitlines()):
+        name, equals, value = map(str.strip, line.partition("="))
+        if line.startswith("["):
+            group = line
+        elif group == f"[{GROUP}]" and equals:
+            yield name, value
+
+
+def _of_checkout() -> Mapping[str, str] | None:
     """Return the entry points that the project's file in a checkout declares; None in an installation."""
     try:
         project = tomllib.loads(_CHECKOUT.read_text(encoding="utf-8")).get("project", {})
     except (OSError, tomllib.TOMLDecodeError):
         return None
-    return project.get("entry-points", {}) if project.get("name") == CORE else None
+    return project.get("entry-points", {}).get(GROUP, {}) if project.get("name") == CORE else None

@@ -9,11 +9,15 @@ import tomllib
 from collections.abc import Iterable, Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from lbr import plugins
+from lbr.component import Component
+from lbr.plugins import GROUP
 from tests.support import programs
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -32,15 +36,16 @@ AROUND = [
 
 GROUND = {"errors", "messages", "names"}
 BUS = GROUND | {"bus"}
-CAPABILITY = BUS | {"capability", "ownership", "plugins"}
-ROBOTS = GROUND | {"plugins", "resources", "robots"}
+CAPABILITY = BUS | {"capability", "component", "ownership", "plugins"}
+ROBOTS = GROUND | {"component", "plugins", "resources", "robots"}
 FLOORS = {
     "errors": {"messages"},
     "messages": {"messages"},
     "ownership": {"errors"},
     "home": {"errors", "ownership"},
     "surroundings": {"errors"},
-    "plugins": {"errors"},
+    "component": set(),
+    "plugins": {"component", "errors"},
     "resources": {"errors"},
     "names": set(),
     "qr": set(),
@@ -212,10 +217,19 @@ def circle(sources: dict[str, tuple[str, bool]]) -> list[str]:
     return []
 
 
+@cache
+def components() -> dict[str, Component]:
+    """Return lbr's components by the modules that declare them."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    modules = (where.partition(":")[0] for where in project["entry-points"][GROUP].values())
+    return {name: import_module(name).COMPONENT for name in modules}
+
+
 def floor(module: str) -> str:
-    """The floor of `lbr.drivers.roboteq.protocol` is `drivers`; what a driver says in messages of its own is for all."""
+    """The floor of `lbr.drivers.roboteq.protocol` is `drivers`; messages that a component declares are for all."""
     parts = module.split(".")
-    if parts[:2] == ["lbr", "drivers"] and parts[3:4] == ["messages"]:
+    declared = {tuple(name.split(".")) for one in components().values() for name in one.messages}
+    if any(tuple(parts[: len(name)]) == name for name in declared):
         return "messages"
     return parts[1] if len(parts) > 1 else ""
 
@@ -325,7 +339,9 @@ OF_PRODUCTS = ("lbr.robots", "lbr.drivers", "lbr.simulation.devices", "lbr.apps.
 
 
 def is_general(module: str) -> bool:
-    """Say whether a module is no part of a package of one robot, product or face."""
+    """Say whether a module is no part of a package of one robot, product or face, and no list of what a component has."""
+    if module in components():
+        return False
     for place in OF_PRODUCTS:
         part = module.removeprefix(f"{place}.").partition(".")[0]
         if (
@@ -367,6 +383,22 @@ def test_packages_of_one_robot_are_no_general_floor():
     assert all(
         map(is_general, ("lbr.drivers.servos.targets", "lbr.apps.web.face", "lbr.drivers.mover", "lbr.robots.robot"))
     )
+
+
+def test_what_declares_a_component_imports_nothing_else():
+    for name in components():
+        (path,) = (one for one in MODULES if dotted(one) == name)
+        assert {found.rpartition(".")[0] for found in of(path)} == {"lbr.component"}, name
+
+
+def test_every_name_of_a_component_is_there_and_no_two_have_the_same():
+    for field in plugins.FIELDS:
+        found = [name for one in components().values() for name in getattr(one, field)]
+        assert sorted(found) == sorted(set(found)), field
+        for one in plugins.own(field):
+            assert one.load() is not None, one.label
+    assert not [why for why in plugins.broken() if "package 'lbr'" in why]
+    assert {one.name for one in plugins.entries() if one.ours} >= {"core", "drivers", "web"}
 
 
 def test_only_entry_points_name_a_robots_package():
@@ -441,8 +473,7 @@ def loaded_after(*modules: str) -> list[str]:
 
 
 def registered() -> dict[str, str]:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    return {name: entry.partition(":")[0] for name, entry in project["entry-points"]["lbr.capabilities"].items()}
+    return {name: where.partition(":")[0] for one in components().values() for name, where in one.kinds.items()}
 
 
 def test_declaring_kinds_loads_nothing_heavy():
@@ -474,8 +505,11 @@ def test_an_operation_that_computes_with_arrays_loads_nothing_else_that_is_heavy
 
 
 def test_the_command_line_loads_neither_bus_nor_database_for_its_help():
-    loaded = loaded_after("lbr.cli")
-    assert not {"zenoh", "sqlalchemy", "mujoco", "numpy", "prompt_toolkit"} & set(loaded)
+    script = "import sys; from lbr import cli; cli.main(['--help'])\nprint('loaded', *sys.modules)"
+    done = programs.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.splitlines()[-1].split())
+    assert "lbr.apps.web" in loaded
+    assert not {"zenoh", "msgspec", "sqlalchemy", "mujoco", "numpy", "prompt_toolkit", "importlib.metadata"} & loaded
 
 
 @pytest.mark.parametrize("paths", by_package(MODULES))

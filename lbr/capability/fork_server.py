@@ -141,11 +141,11 @@ def wear(words: tuple[str, ...], mark: str) -> None:
 
 
 def prepare() -> None:
-    """Find out which kinds packages bring, and import what lbr's own declare: never another's, and no kind's code."""
-    for point in plugins.installed(registry.GROUP).values():
-        if point.ours:
-            with suppress(KindError):  # told by the process that needs it
-                registry.declared(point)
+    """Find out which packages bring components, and import what lbr's own declare as kinds: no kind's code."""
+    plugins.entries()
+    for point in plugins.own("kinds"):
+        with suppress(KindError):  # told by the process that needs it
+            registry.declared(point)
 
 
 def main() -> None:

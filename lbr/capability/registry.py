@@ -1,4 +1,4 @@
-"""Finds the kinds that there are: the installed ones by entry point, and the user's own files in
+"""Finds the kinds that there are: those of installed components, and the user's own files in
 `$LBR_HOME/capabilities`."""
 
 import contextlib
@@ -13,7 +13,6 @@ from lbr.messages.rows import Row
 from lbr.names import did_you_mean
 from lbr.plugins import Plugin, PluginError
 
-GROUP = "lbr.capabilities"
 _texts: dict[str, str] = {}
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
@@ -26,7 +25,7 @@ def user_directory(home: Path) -> Path:
 def names(home: Path) -> list[str]:
     """Return the names of all kinds, sorted."""
     own = {path.stem for path in user_directory(home).glob("*.py") if _NAME.fullmatch(path.stem)}
-    return sorted(own | set(plugins.installed(GROUP)))
+    return sorted(own | set(plugins.installed("kinds")))
 
 
 def find(name: str, home: Path, *, trial: bool = True) -> Kind:
@@ -37,15 +36,16 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
     """
     if not _NAME.fullmatch(name):
         raise KindError(f"'{name}' is not a kind's name: kinds are words like 'drive', not paths or code")
-    point = plugins.installed(GROUP).get(name)
+    point = plugins.find("kinds", name)
     if point is not None:
         return declared(point)
     path = user_directory(home) / f"{name}.py"
     if not path.is_file():
-        if package := plugins.fresh(GROUP, name):
+        if package := plugins.fresh("kinds", name):
             text = f"kind '{name}' of package '{package}' was installed after this robot was started"
             raise KindError(f"{text}: start the robot again")
-        raise KindError(f"there is no kind '{name}': {did_you_mean(name, names(home))} A new one is {path}")
+        text = f"there is no kind '{name}': {did_you_mean(name, names(home))} A new one is {path}"
+        raise KindError(text + plugins.perhaps_broken())
     _refuse_if_others_may_write(path)
     kind, _texts[name] = _from_file(name, path, fingerprint(name, home), trial=trial)
     return kind
@@ -69,7 +69,7 @@ def source(name: str) -> str:
 def tables() -> frozenset[type[Row]]:
     """Return the rows that installed kinds read: what is in them is checked for robots that have no such kind, too."""
     found: set[type[Row]] = set()
-    for point in plugins.installed(GROUP).values():
+    for point in plugins.installed("kinds").values():
         with contextlib.suppress(KindError):  # told to those who name it
             found |= {read.row for read in declared(point).reads}
     return frozenset(found)
@@ -78,12 +78,12 @@ def tables() -> frozenset[type[Row]]:
 def shadowed(name: str, home: Path) -> Path | None:
     """Return the file of the user's own that is not used because an installed kind has its name."""
     path = user_directory(home) / f"{name}.py"
-    return path if name in plugins.installed(GROUP) and path.is_file() else None
+    return path if plugins.find("kinds", name) is not None and path.is_file() else None
 
 
 def fingerprint(name: str, home: Path) -> str:
     """Return what changes when a user's capability file does, or is written again; empty for an installed kind."""
-    if name in plugins.installed(GROUP):
+    if plugins.find("kinds", name) is not None:
         return ""
     path = user_directory(home) / f"{name}.py"
     try:
@@ -99,7 +99,7 @@ def same_content(fingerprint: str, other: str) -> bool:
 
 def mark(name: str, home: Path) -> str:
     """Return what changes when a user's capability file, or who may change it, does; empty for an installed kind."""
-    if name in plugins.installed(GROUP):
+    if plugins.find("kinds", name) is not None:
         return ""
     folder = user_directory(home)
     try:

@@ -1,8 +1,9 @@
-"""Which types of devices can be emulated: what lbr and installed packages bring by entry point.
+"""Which types of devices can be emulated: what lbr's and other packages' components have as `twins`.
 
-A package declares one in a module of its own, and names it in the group `lbr.twins`, as lbr does:
+A package declares one in a module of its own, and names it in its component, as lbr does:
 
-    TWIN = DeviceTwin(device="feetech", row=FeetechRow, entry=FeetechTwin)       # feetech = "my_arm.twin:TWIN"
+    TWIN = DeviceTwin(device="feetech", row=FeetechRow, entry=FeetechTwin)       # in my_arm/twin.py
+    COMPONENT = Component(twins={"feetech": "my_arm.twin:TWIN"})
 
 Here nothing is imported before a device row of that type asks for it.
 """
@@ -16,8 +17,6 @@ from msgspec import Struct
 from lbr import plugins
 from lbr.capability.kind import KindError
 from lbr.plugins import Plugin, PluginError
-
-GROUP = "lbr.twins"
 
 
 class TwinError(KindError):
@@ -62,18 +61,18 @@ class DeviceTwin:
 
 def names() -> tuple[str, ...]:
     """Return every type of device that can be emulated, sorted; one that several packages claim is among them."""
-    return tuple(sorted(plugins.installed(GROUP)))
+    return tuple(sorted(plugins.installed("twins")))
 
 
 def find(device_type: str) -> DeviceTwin | None:
     """Return how a type of device is emulated, or None; raise TwinError if what brings it is broken, or not alone."""
-    point = plugins.installed(GROUP).get(device_type)
+    point = plugins.find("twins", device_type)
     return _declared(point) if point is not None else None
 
 
 def refused(device_type: str = "") -> tuple[str, ...]:
     """Return a sentence for each package whose twin, of that type or of any, is not used because its name is taken."""
-    found = (one for one in plugins.every(GROUP) if one.refusal and device_type in {"", one.name})
+    found = (one for one in plugins.every("twins") if one.refusal and device_type in {"", one.name})
     return tuple(f"the twin {one.label}: {one.refusal}" for one in found)
 
 

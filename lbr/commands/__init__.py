@@ -1,1 +1,63 @@
-"""The subcommands of `lbr`, one module for each."""
+"""One module for each command of `lbr`, and the component `core`: what every robot needs."""
+
+from lbr.component import CliCommand, Component
+
+COMPONENT = Component(
+    kinds={"exec": "lbr.capability.program:KIND"},
+    commands={
+        "run": CliCommand(entry="lbr.commands.run:command", help="Start a robot."),
+        "robots": CliCommand(
+            entry="lbr.commands.robots:command", help="List the robots that there are, and how to start them."
+        ),
+        "agent": CliCommand(
+            entry="lbr.commands.agent:command", help="Run a share of a robot that is on another machine."
+        ),
+        "console": CliCommand(
+            entry="lbr.commands.console:command", help="Open a console on a running robot, here or over the LAN."
+        ),
+        "send": CliCommand(
+            entry="lbr.commands.send:command", help="Say one console line; its result is text and exit code."
+        ),
+        "status": CliCommand(entry="lbr.commands.status:command", help="Show what runs."),
+        "why": CliCommand(entry="lbr.commands.why:command", help="Say what holds a part still, and what to type."),
+        "stop": CliCommand(entry="lbr.commands.stop:command", help="Shut a robot down and wait until it is gone."),
+        "doctor": CliCommand(
+            entry="lbr.commands.doctor:command", help="Look for what is wrong with this machine, and say what to type."
+        ),
+        "devices": CliCommand(
+            entry="lbr.commands.devices:command", help="See what is plugged in, and have the rows say so."
+        ),
+        "service": CliCommand(
+            entry="lbr.commands.service:command", help="Run a robot as a service, from the start of the machine on."
+        ),
+        "token": CliCommand(
+            entry="lbr.commands.token:command", help="Let people on other machines in, and lock them out."
+        ),
+        "topic": CliCommand(
+            entry="lbr.commands.topic:command", help="List, describe, print, measure and publish streams."
+        ),
+        "graph": CliCommand(entry="lbr.commands.graph:command", help="Show who feeds whom."),
+        "logs": CliCommand(
+            entry="lbr.commands.logs:command", help="Print what a part has written to its log, and go on with it."
+        ),
+        "motion": CliCommand(
+            entry="lbr.commands.motion:command", help="Take motions from files, and write them to files."
+        ),
+        "import": CliCommand(
+            entry="lbr.commands.importing:command",
+            help="Take what a robot's former programs kept: databases, tables, motions.",
+        ),
+        "get": CliCommand(entry="lbr.commands.getting:command", help="Print the settings of the robot's parts."),
+        "set": CliCommand(
+            entry="lbr.commands.setting:command", help="Change one setting of one part; the robot follows."
+        ),
+        "db": CliCommand(entry="lbr.commands.db:command", help="Create, check and compare the robot's rows."),
+        "completion": CliCommand(
+            entry="lbr.commands.completion:command", help="Print what makes a shell complete lbr's commands."
+        ),
+        "new": CliCommand(
+            entry="lbr.commands.new:command",
+            help="Write a robot, a driver, servos or a capability of your own, to begin with.",
+        ),
+    },
+)

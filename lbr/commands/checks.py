@@ -47,7 +47,7 @@ class DeviceState(Struct):
 def examine() -> Iterator[Finding]:
     """Yield every finding; a check that fails itself is a finding too."""
     checks: tuple[Callable[[], Iterator[Finding]], ...] = (
-        _python, _packages, _robots, _extras, _home, _disk, _database, _bus, _serial, device_checks.speech, device_checks.emulated, device_checks.kinds_of_packages, _governor, _clock, _running,
+        _python, _packages, _robots, _extras, _home, _disk, _database, _bus, _serial, device_checks.speech, device_checks.emulated, device_checks.of_packages, _governor, _clock, _running,
         service_checks.services, power_checks.power,
     )  # fmt: skip
     for check in checks:

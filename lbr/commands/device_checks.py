@@ -104,14 +104,20 @@ def emulated() -> Iterator[Finding]:
         yield Finding(about="twins of devices", level="hint", text=text, do="pip list, then pip uninstall PACKAGE")
 
 
-def kinds_of_packages() -> Iterator[Finding]:
-    """Say which packages bring kinds that cannot be used, also where no row names them."""
-    for point in plugins.every(registry.GROUP):
+def of_packages() -> Iterator[Finding]:
+    """Say which components, kinds, commands and faces of packages cannot be used, also where no row names them."""
+    do = "pip list, then pip uninstall PACKAGE"
+    for why in plugins.broken():
+        yield Finding(about="components of packages", level="hint", text=why, do=do)
+    for point in plugins.every("kinds"):
         try:
             registry.declared(point)
         except KindError as err:
-            do = "pip list, then pip uninstall PACKAGE"
             yield Finding(about="kinds of packages", level="hint", text=str(err), do=do)
+    for point in (*plugins.every("commands"), *plugins.every("faces"), *plugins.every("ports")):
+        if point.refusal:
+            about = f"{point.field} of packages"
+            yield Finding(about=about, level="hint", text=f"{point.label}: {point.refusal}", do=do)
 
 
 def _schemes() -> dict[str, Callable[[DeviceRow, str], Judgement]]:

@@ -12,6 +12,7 @@ def command(as_json: bool) -> int:
 
     A robot of a package that cannot be used is told with the reason; the others run. Needs no running robot.
     """
+    from lbr import plugins  # noqa: PLC0415 - kept out of its `--help`
     from lbr.executive.planning import joining, profile  # noqa: PLC0415 - kept out of its `--help`
     from lbr.robots import registry  # noqa: PLC0415
 
@@ -36,4 +37,6 @@ def command(as_json: bool) -> int:
             click.echo("".join(f"  lbr run {name}\n" for name in profile.of_robot(one)), nl=False)
         else:
             click.echo(f"{one.name}: cannot be used: {fault}", err=True)
+    for why in plugins.broken():
+        click.echo(why, err=True)
     return 0

@@ -19,15 +19,16 @@ from lbr.capability import registry
 from lbr.capability.kind import KindError
 from lbr.database import builtin
 from lbr.errors import InputError
+from lbr.plugins import Field
 from lbr.robots import registry as robots
 from lbr.robots.registry import plain
 
 What = Literal["robot", "driver", "servos", "capability"]
-GROUPS = {
-    "lbr.robots": "a robot",
-    "lbr.capabilities": "a kind of capability",
-    "lbr.twins": "a type of device",
-    "lbr.faces": "a face",
+BROUGHT: dict[Field, str] = {
+    "robots": "a robot",
+    "kinds": "a kind of capability",
+    "twins": "a type of device",
+    "faces": "a face",
 }
 LONGEST = 30
 _NAME = re.compile(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*")
@@ -124,8 +125,8 @@ def _taken(what: What, name: str) -> Iterator[str]:
 
 def _brought(name: str) -> Iterator[str]:
     """Yield which packages bring something of that name."""
-    for group, kind in GROUPS.items():
-        known = {plain(one.name): one for one in plugins.every(group)}
+    for field, kind in BROUGHT.items():
+        known = {plain(one.name): one for one in plugins.every(field)}
         if name in known:
             yield f"is {kind} of package '{known[name].package}' already"
     for found in robots.every():
@@ -138,7 +139,7 @@ def _word_of(name: str) -> str:
     """Return what has brought a word of the console; empty if nothing has."""
     if builtin.taken(name):
         return "every robot"
-    for kind in plugins.installed(registry.GROUP):
+    for kind in plugins.installed("kinds"):
         with suppress(KindError):
             if any(
                 word.pattern.strip("/").partition("/")[0] == name for word in registry.find(kind, home.home()).words

@@ -14,14 +14,13 @@ from lbr.robots.motion_file import Formats, MotionFormat
 from lbr.robots.old_data import OldFormat
 from lbr.robots.robot import Robot
 
-GROUP = "lbr.robots"
 _SUFFIX = re.compile(r"\.[a-z0-9]{1,10}")
 _FORMAT = re.compile(r"[a-z][a-z0-9-]{0,39}")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
 class Found(Struct, frozen=True, kw_only=True):
-    """A robot of a package, or why there is none; `name` is what its entry point says."""
+    """A robot of a package, or why there is none; `name` is what its component says."""
 
     name: str
     package: str
@@ -31,23 +30,23 @@ class Found(Struct, frozen=True, kw_only=True):
 
 def names() -> tuple[str, ...]:
     """Return the names of all robots that packages declare, without importing any."""
-    return tuple(sorted(plugins.installed(GROUP)))
+    return tuple(sorted(plugins.installed("robots")))
 
 
 def every() -> tuple[Found, ...]:
     """Return all robots, lbr's own first, and those that are refused."""
-    return tuple(map(_found, plugins.every(GROUP)))
+    return tuple(map(_found, plugins.every("robots")))
 
 
 def find(name: str) -> Found | None:
     """Return the robot of a name, or why it cannot be used; None if no package declares it."""
-    point = plugins.installed(GROUP).get(name)
+    point = plugins.find("robots", name)
     return _found(point) if point is not None else None
 
 
 def of_profile(profile: str) -> Iterator[Found]:
     """Yield the robots whose launch profile may have that name, the longest name first; others are not imported."""
-    known = plugins.installed(GROUP)
+    known = plugins.installed("robots")
     for name in sorted(_begin(profile), key=len, reverse=True):
         yield _found(known[name])
 
@@ -130,7 +129,7 @@ def _taken(point: Plugin, robot: Robot) -> Iterator[str]:
     """Yield which of its profiles a robot with a shorter name has already: `arm-left` may be that of `arm`."""
     mine = {plain(name) for name in (robot.name, *profiles(robot))}
     for name in () if point.ours else _begin(robot.name):
-        other = _found(plugins.installed(GROUP)[name]) if name != robot.name else None
+        other = _found(plugins.installed("robots")[name]) if name != robot.name else None
         if other is None or other.robot is None:
             continue
         for profile in profiles(other.robot):

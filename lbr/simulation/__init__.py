@@ -1,64 +1,28 @@
 """The simulated world: physics, emulated devices that speak the real bytes, and a view from above."""
 
-from lbr.capability.kind import Command, Kind
-from lbr.capability.word import Word
-from lbr.messages.kinematics import Kinematics, Wheel
-from lbr.messages.leases import CommandReply
-from lbr.messages.sensing import RangeSensor
-from lbr.messages.simulation import WorldPose, WorldScene
-from lbr.simulation.requests import (
-    BallReply,
-    BallRequest,
-    FaultReply,
-    FaultRequest,
-    PictureReply,
-    PictureRequest,
-    PlaceRequest,
-    PlugRequest,
-    RemoveRequest,
-    ThingsReply,
-)
-from lbr.simulation.settings import WorldSettings
-from lbr.simulation.words import BALL_WORDS, FAULT_WORDS
+from lbr.component import CliCommand, Component
 
-KIND = Kind(
-    name="world",
-    summary="a simulated room and robot, and an emulated twin on a pseudo-terminal for each of its devices",
-    family="simulation",
-    extra="sim",
-    package="mujoco",
-    entry="lbr.simulation.capability:World",
-    settings=WorldSettings,
-    outputs={"pose": WorldPose, "scene": WorldScene},
+COMPONENT = Component(
+    kinds={
+        "world": "lbr.simulation.kind:KIND",
+        "humanoid_world": "lbr.simulation.humanoid:KIND",
+    },
     commands={
-        "picture": PictureRequest,
-        "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}),
-        "plug": PlugRequest,
-        "place": PlaceRequest,
-        "remove": RemoveRequest,
-        "ball": BallRequest,
-    },
-    roles={"picture": "admin", "fault": "admin", "plug": "admin", "place": "admin", "remove": "admin"},
-    emulates=True,
-    rows=(RangeSensor, Kinematics, Wheel),
-    replies={
-        "picture": PictureReply,
-        "fault": FaultReply,
-        "plug": CommandReply,
-        "place": ThingsReply,
-        "remove": ThingsReply,
-        "ball": BallReply,
-    },
-    words=(
-        Word("map", "picture", "Simulation: save a picture of the surroundings from above"),
-        Word("picture", "picture", "Simulation: save a picture of the surroundings from above"),
-        Word(
-            "/obstacle/{x_m}/{y_m}",
-            "place",
-            "Simulation: let a box of 0.3 m stand at this place, metres ahead of and left of where the world began",
+        "view": CliCommand(
+            entry="lbr.commands.view:command", help="Watch a simulated robot: its room from above, or its joints."
         ),
-        Word("/obstacle/off", "remove", "Simulation: let that box vanish"),
-        *BALL_WORDS,
-        *FAULT_WORDS,
-    ),
+    },
+    twins={
+        "camera": "lbr.simulation.devices.camera:TWIN",
+        "dynamixel": "lbr.simulation.devices.dynamixel:TWIN",
+        "gamepad": "lbr.simulation.devices.gamepad:TWIN",
+        "infrared": "lbr.simulation.devices.infrared:TWIN",
+        "ld06": "lbr.simulation.devices.ld06:TWIN",
+        "mpu9150": "lbr.simulation.devices.mpu9150:TWIN",
+        "phidget_spatial": "lbr.simulation.devices.phidget_spatial:TWIN",
+        "pico": "lbr.simulation.devices.pico:TWIN",
+        "riox": "lbr.simulation.devices.riox:TWIN",
+        "roboteq": "lbr.simulation.devices.roboteq:TWIN",
+        "ultrasonic_ring": "lbr.simulation.devices.ultrasonic_ring:TWIN",
+    },
 )

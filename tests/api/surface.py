@@ -6,7 +6,6 @@ packages of others, and is a decision that the changelog tells.
 
 import inspect
 import pkgutil
-import tomllib
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -15,24 +14,26 @@ from typing import Any
 
 from msgspec import NODEFAULT, Struct, structs
 
+from lbr import plugins
+
 MODULES = (
     "lbr.capability",
     "lbr.client",
     "lbr.client.aio",
+    "lbr.component",
     "lbr.messages",
     "lbr.drivers.servos",
-    "lbr.drivers.uxa90.messages",
     "lbr.drivers.wheels",
     "lbr.apps.web.ports",
 )
 PINNED = Path(__file__).with_name("surface.txt")
-PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 
 
 def surface() -> list[str]:
     """Return a line for each name, in order."""
     return sorted(
-        {line for name in MODULES for module in _modules(name) for line in _of_module(module)} | set(_groups())
+        {line for name in (*MODULES, *plugins.messages()) for module in _modules(name) for line in _of_module(module)}
+        | set(_names())
     )
 
 
@@ -86,9 +87,8 @@ def _plain(text: str) -> str:
     return text.replace("typing.", "").replace("collections.abc.", "").replace("msgspec._core.", "")
 
 
-def _groups() -> Iterator[str]:
-    groups = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["entry-points"]
-    return (f"entry point {group}: {name}" for group, names in groups.items() for name in names)
+def _names() -> Iterator[str]:
+    return (f"component {field}: {one.name}" for field in plugins.FIELDS for one in plugins.own(field))
 
 
 if __name__ == "__main__":

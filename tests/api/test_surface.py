@@ -22,7 +22,7 @@ def test_what_is_new_for_others_is_written_down():
     assert not new, f"new; `python -m tests.api.surface` writes it down: {sorted(new)}"
 
 
-def test_the_surface_has_signatures_fields_and_entry_points():
+def test_the_surface_has_signatures_fields_and_names():
     assert any(line.startswith("lbr.capability.Context.take(self, port: str)") for line in PINNED_LINES)
     assert any(line.startswith("lbr.messages.drive.DriveCommand.power: ") for line in PINNED_LINES)
-    assert "entry point lbr.capabilities: drive" in PINNED_LINES
+    assert "component kinds: drive" in PINNED_LINES

@@ -7,7 +7,7 @@ import wave
 from pathlib import Path
 from typing import Any
 
-from lbr.apps.speech import KIND
+from lbr.apps.speech.kind import KIND
 from lbr.capability.context import Device
 from lbr.messages.speech import Phrase, SayCommand, SpeechState
 from lbr.testing import FakeCall, FakeContext

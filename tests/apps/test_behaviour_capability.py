@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from lbr.apps.behaviours import KIND, BehaviourSettings, files
+from lbr.apps.behaviours import files
+from lbr.apps.behaviours.kind import KIND, BehaviourSettings
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import (
     BehaviourOrder,

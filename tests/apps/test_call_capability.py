@@ -10,8 +10,8 @@ from tests.support.waiting import until
 
 needs.modules("aiortc", "PIL")
 
-from lbr.apps.call import KIND, CallSettings  # noqa: E402
 from lbr.apps.call.capability import Call  # noqa: E402
+from lbr.apps.call.kind import KIND, CallSettings  # noqa: E402
 from lbr.messages.call import CallWord, KeepCommand, RingCommand  # noqa: E402
 from lbr.messages.camera import CameraState, JpegFrame  # noqa: E402
 from lbr.testing.context import FakeCall, FakeContext  # noqa: E402

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.apps.call import CallSettings
 from lbr.apps.call.desk import CONNECT_S, SILENT_S, Close, Connect, Desk, fault_of, without_names
+from lbr.apps.call.kind import CallSettings
 from lbr.messages.call import RingCommand
 from lbr.messages.codes import MEANINGS
 

@@ -2,7 +2,7 @@ from typing import Any
 
 import pytest
 
-from lbr.apps.cameras import KIND
+from lbr.apps.cameras.kind import KIND
 from lbr.capability import NoSettings
 from lbr.messages.camera import CameraState, SelectCommand
 from lbr.messages.leases import CommandReply

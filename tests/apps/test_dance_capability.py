@@ -3,8 +3,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from lbr.apps.dance import KIND
 from lbr.apps.dance.base_client import TAKING_POWER
+from lbr.apps.dance.kind import KIND
 from lbr.capability.context import Received
 from lbr.messages.dance import DanceCommand, DanceStep
 from lbr.messages.leases import CommandReply, StopCommand

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from lbr.apps.box import ear
-from lbr.apps.foxglove import FoxgloveSettings, channels, protocol, scene, services, shown
+from lbr.apps.foxglove import channels, protocol, scene, services, shown
 from lbr.apps.foxglove.capability import numbered
+from lbr.apps.foxglove.kind import FoxgloveSettings
 from lbr.apps.foxglove.socket import motion
 from lbr.bodies.model import model
 from lbr.errors import InputError

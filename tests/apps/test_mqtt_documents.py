@@ -14,7 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.apps.mqtt import KIND, discovery, documents, report, words
+from lbr.apps.mqtt import discovery, documents, report, words
+from lbr.apps.mqtt.kind import KIND
 from lbr.apps.mqtt.session import Broker, Session, secured
 from lbr.apps.mqtt.shadow import ShadowState
 from lbr.apps.retry import wait_s

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import pytest
 
-from lbr.apps.mqtt import KIND
+from lbr.apps.mqtt.kind import KIND
 from lbr.messages.camera import JpegFrame
 from lbr.testing import FakeContext
 from tests.support import mosquitto, needs

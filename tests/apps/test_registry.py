@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.apps.registry import KIND, asking
+from lbr.apps.registry import asking
 from lbr.apps.registry.book import KEPT_S, MOST_ROBOTS, Book, Entry
+from lbr.apps.registry.kind import KIND
 from lbr.bus import tokens
 from lbr.errors import BusError, InputError, LbrError
 from tests.support import needs, programs

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from lbr.apps.sighting import KIND
+from lbr.apps.sighting.kind import KIND
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.sighting import WatchCommand
 from lbr.messages.tracking import LookCommand

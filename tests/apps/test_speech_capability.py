@@ -1,7 +1,7 @@
 import pytest
 
 from lbr.apps.sound import wav
-from lbr.apps.speech import KIND
+from lbr.apps.speech.kind import KIND
 from lbr.apps.speech.worker import Worker
 from lbr.errors import DeviceError
 from lbr.messages.speech import HushCommand, SongCommand

@@ -3,7 +3,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from lbr.apps.telemetry import KIND
+from lbr.apps.telemetry.kind import KIND
 from lbr.apps.telemetry.package import is_complete, package
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lbr.apps.teleop import KIND
+from lbr.apps.teleop.kind import KIND
 from lbr.errors import DeviceError
 from lbr.messages.gamepad import GamepadState
 from lbr.messages.leases import CommandReply

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.apps.teleop import KIND, TeleopSettings
 from lbr.apps.teleop.hand import REST, Hand, Twist, presses, wanted
+from lbr.apps.teleop.kind import KIND, TeleopSettings
 from lbr.messages.gamepad import GamepadState
 
 SETTINGS = TeleopSettings(speed_mps=0.5, turn_rps=2.0)

@@ -4,8 +4,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from lbr.apps.tracking import KIND
 from lbr.apps.tracking import capability as module
+from lbr.apps.tracking.kind import KIND
 from lbr.apps.vision.direction import Angles
 from lbr.apps.vision.eye import Eye, Look
 from lbr.apps.vision.sketch import Sketch

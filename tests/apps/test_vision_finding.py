@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.apps.tracking import KIND
+from lbr.apps.tracking.kind import KIND
 from lbr.apps.vision import finding
 from lbr.apps.vision.sketch import sketch
 from lbr.errors import InputError

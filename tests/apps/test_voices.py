@@ -8,7 +8,8 @@ import msgspec
 import pytest
 
 from lbr.apps.sound import wav
-from lbr.apps.speech import KIND, worker
+from lbr.apps.speech import worker
+from lbr.apps.speech.kind import KIND
 from lbr.apps.speech.piper import Piper
 from lbr.apps.speech.polly import Polly
 from lbr.apps.speech.request import Cloud, Request

@@ -1,4 +1,4 @@
-"""What packages bring by the four groups of entry points is refused in the same words, and all else is there."""
+"""What packages bring by their components is refused in the same words, and all else is there."""
 
 import os
 import sys
@@ -30,14 +30,14 @@ def twin(name, _folder):
 
 
 def face(name, _folder):
-    return faces._made(plugins.installed(faces.GROUP)[name], None)
+    return faces._made(plugins.find("faces", name), None)
 
 
-GROUPS = {
-    registry.GROUP: (kind, "the installed kind", "exec"),
-    robots.GROUP: (robot, "robot", "lbr"),
-    twins.GROUP: (twin, "the twin", "roboteq"),
-    faces.GROUP: (face, "", "cameras"),
+FIELDS = {
+    "kinds": (kind, "the installed kind", "exec"),
+    "robots": (robot, "robot", "lbr"),
+    "twins": (twin, "the twin", "roboteq"),
+    "faces": (face, "", "cameras"),
 }
 BROKEN = {
     "does not import": (
@@ -71,41 +71,41 @@ def site(tmp_path):
         yield tmp_path
 
 
-def put(site, group, name, code, *, distribution="theirs", requires=()):
+def put(site, field, name, code, *, distribution="theirs", requires=()):
     package(
         site,
         distribution,
         requires=requires,
-        entry_points={group: f"{name} = {distribution}:IT"},
+        brings={field: {name: f"{distribution}:IT"}},
         files={f"{distribution}.py": code},
     )
     plugins.forget()
 
 
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize("field", FIELDS)
 @pytest.mark.parametrize(("code", "requires", "why"), BROKEN.values(), ids=BROKEN)
-def test_a_broken_package_is_refused_by_its_name_and_what_lbr_brings_is_there(group, code, requires, why, site):
-    find, begins, ours = GROUPS[group]
-    put(site, group, "crab", code, requires=requires)
+def test_a_broken_package_is_refused_by_its_name_and_what_lbr_brings_is_there(field, code, requires, why, site):
+    find, begins, ours = FIELDS[field]
+    put(site, field, "crab", code, requires=requires)
     with pytest.raises(LbrError) as caught:
         find("crab", site)
-    assert f"{begins} 'crab' of package 'theirs 0.1' ({group}): ".strip() in str(caught.value)
+    assert f"{begins} 'crab' of package 'theirs 0.1' ({field} of component 'theirs'): ".strip() in str(caught.value)
     assert why in str(caught.value)
     if find is not face:  # which needs a robot to show
         assert find(ours, site) is not None
 
 
-@pytest.mark.parametrize("group", GROUPS)
-def test_a_name_of_lbr_stays_its_own_and_of_two_packages_neither_has_it(group, site):
-    find, _, ours = GROUPS[group]
-    put(site, group, ours, "raise RuntimeError('never imported')")
-    refused = [one for one in plugins.every(group) if one.refusal]
+@pytest.mark.parametrize("field", FIELDS)
+def test_a_name_of_lbr_stays_its_own_and_of_two_packages_neither_has_it(field, site):
+    find, _, ours = FIELDS[field]
+    put(site, field, ours, "raise RuntimeError('never imported')")
+    refused = [one for one in plugins.every(field) if one.refusal]
     assert [(one.package, one.refusal) for one in refused] == [
         ("theirs 0.1", f"lbr has its own '{ours}': choose another name")
     ]
-    assert plugins.installed(group)[ours].ours
-    put(site, group, "crab", "IT = 1", distribution="one")
-    put(site, group, "crab", "IT = 1", distribution="two")
+    assert plugins.find(field, ours).ours
+    put(site, field, "crab", "IT = 1", distribution="one")
+    put(site, field, "crab", "IT = 1", distribution="two")
     with pytest.raises(LbrError, match=r"packages one 0\.1 and two 0\.1"):
         find("crab", site)
 
@@ -113,11 +113,11 @@ def test_a_name_of_lbr_stays_its_own_and_of_two_packages_neither_has_it(group, s
 def test_a_thread_that_a_package_leaves_behind_keeps_no_program_from_its_end(site):
     put(
         site,
-        registry.GROUP,
+        "kinds",
         "crab",
         "import threading\nthreading.Thread(target=threading.Event().wait).start()\nIT = 1",
     )
-    program = "from lbr import plugins; print(plugins.installed('lbr.capabilities')['crab'].load())"
+    program = "from lbr import plugins; print(plugins.find('kinds', 'crab').load())"
     env = {**os.environ, "PYTHONPATH": os.pathsep.join((str(site), *filter(None, sys.path)))}
     assert (
         programs.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, timeout=8).stdout
@@ -126,7 +126,7 @@ def test_a_thread_that_a_package_leaves_behind_keeps_no_program_from_its_end(sit
 
 
 def test_a_kind_that_was_installed_beside_a_robot_that_runs_is_no_kind_until_its_next_start(site):
-    plugins.installed(registry.GROUP)
-    package(site, "late", entry_points={registry.GROUP: "crab = late:IT"}, files={"late.py": "IT = 1"})
+    plugins.installed("kinds")
+    package(site, "late", brings={"kinds": {"crab": "late:IT"}}, files={"late.py": "IT = 1"})
     with pytest.raises(LbrError, match=r"'crab' of package 'late 0\.1' was installed after .*: start the robot again"):
         registry.find("crab", site)

@@ -38,7 +38,7 @@ def installed(tmp_path):
             name.replace("_", "-"),
             version="1.0",
             requires=requires,
-            entry_points={"lbr.twins": f"{device} = {name}:TWIN"},
+            brings={"twins": {device: f"{name}:TWIN"}},
             files={f"{name}.py": dedent(source)},
         )
         plugins.forget()
@@ -48,7 +48,7 @@ def installed(tmp_path):
 
 
 def own() -> set[str]:
-    return {one.name for one in plugins.every(twins.GROUP) if one.ours}
+    return {one.name for one in plugins.own("twins")}
 
 
 def test_every_twin_of_lbr_s_own_is_named_as_its_module_and_loads():
@@ -111,7 +111,7 @@ def test_a_package_cannot_take_the_place_of_lbr_s_own(installed):
     assert twins.find("roboteq").entry.startswith("lbr.")
     (said,) = twins.refused()
     assert said == (
-        "the twin 'roboteq' of package 'a-package 1.0' (lbr.twins): lbr has its own 'roboteq': choose another name"
+        "the twin 'roboteq' of package 'a-package 1.0' (twins of component 'a_package'): lbr has its own 'roboteq': choose another name"
     )
 
 

@@ -4,7 +4,6 @@ import re
 
 import pytest
 
-from lbr.capability import registry, twins
 from lbr.commands import device_checks
 from lbr.database.rows import DeviceRow
 from lbr.drivers import serial_line
@@ -52,25 +51,28 @@ def test_a_machine_without_a_sound_card_says_so(tmp_path, monkeypatch):
 
 def test_a_package_whose_twin_cannot_be_used_is_named(tmp_path):
     assert list(device_checks.emulated()) == []
-    package(tmp_path, "no-arm", entry_points={twins.GROUP: "arm = no_arm:TWIN\nroboteq = no_arm:TWIN"}, files={})
-    package(tmp_path, "one", entry_points={twins.GROUP: "claw = one:TWIN"}, files={})
-    package(tmp_path, "two", entry_points={twins.GROUP: "claw = two:TWIN"}, files={})
+    package(tmp_path, "no-arm", brings={"twins": {"arm": "no_arm:TWIN", "roboteq": "no_arm:TWIN"}}, files={})
+    package(tmp_path, "one", brings={"twins": {"claw": "one:TWIN"}}, files={})
+    package(tmp_path, "two", brings={"twins": {"claw": "two:TWIN"}}, files={})
     with imported_from(tmp_path):
         found = list(device_checks.emulated())
     said = "\n".join(one.text for one in found)
     assert len(found) == 4
-    assert "the twin 'roboteq' of package 'no-arm 0.1' (lbr.twins): lbr has its own" in said
-    assert "the twin 'arm' of package 'no-arm 0.1' (lbr.twins): it does not load: ModuleNotFoundError" in said
+    assert "the twin 'roboteq' of package 'no-arm 0.1' (twins of component 'no_arm'): lbr has its own" in said
+    assert (
+        "the twin 'arm' of package 'no-arm 0.1' (twins of component 'no_arm'): it does not load: ModuleNotFoundError"
+        in said
+    )
     assert said.count("packages one 0.1 and two 0.1 bring it") == 2
     assert {one.level for one in found} == {"hint"}
 
 
 def test_a_package_whose_kind_cannot_be_used_is_named_without_a_row_too(tmp_path):
-    assert list(device_checks.kinds_of_packages()) == []
-    points = {registry.GROUP: "arm = no_arm:KIND\ndrive = no_arm:KIND"}
-    package(tmp_path, "no-arm", requires=("lbr>=99",), entry_points=points, files={})
+    assert list(device_checks.of_packages()) == []
+    brings = {"kinds": {"arm": "no_arm:KIND", "drive": "no_arm:KIND"}}
+    package(tmp_path, "no-arm", requires=("lbr>=99",), brings=brings, files={})
     with imported_from(tmp_path):
-        found = list(device_checks.kinds_of_packages())
+        found = list(device_checks.of_packages())
     assert [one.text.partition("): ")[2].partition(" ")[0] for one in found] == ["it", "lbr"]
     assert {one.level for one in found} == {"hint"}
 

@@ -147,7 +147,7 @@ HANDSHAKE = SerialHandshake(baud=115_200, seen=lambda _heard: Event().wait(), qu
 
 def test_a_package_whose_recognition_never_returns_is_named_and_keeps_out_no_other(tmp_path, home, outside):
     site = tmp_path / "site"
-    packages.package(site, "crab", entry_points={"lbr.capabilities": "crab = crab:KIND"}, files={"crab.py": HANGING})
+    packages.package(site, "crab", brings={"kinds": {"crab": "crab:KIND"}}, files={"crab.py": HANGING})
     with tapped("roboteq", tmp_path, settings=SERIAL["roboteq"]) as (device, _heard):
         port = device.device.address
         found = looked(["--port", port, "--wait", "5"], home, f"{site}{os.pathsep}{outside}")

@@ -146,7 +146,7 @@ def test_what_another_package_or_a_file_of_ones_own_has_is_taken(tmp_path, monke
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
     (tmp_path / "home" / "capabilities").mkdir(parents=True)
     (tmp_path / "home" / "capabilities" / "greeter.py").touch()
-    package(tmp_path / "site", "theirs", entry_points={"lbr.twins": "claw = theirs:TWIN"}, files={})
+    package(tmp_path / "site", "theirs", brings={"twins": {"claw": "theirs:TWIN"}}, files={})
     with imported_from(tmp_path / "site"):
         for name, said in (("claw", "a type of device of package 'theirs 0.1'"), ("greeter", "of your own already")):
             with pytest.raises(InputError, match=said):

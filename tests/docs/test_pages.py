@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from lbr import plugins
 from tests.docs.pages import FILE, PAGES, ROOT, RUNNABLE, VARYING, Block, anchors, blocks, links
 from tests.docs.ready import measured
 from tests.support import packages, programs
@@ -83,8 +84,8 @@ def test_reference_pages_are_fresh():
 
 def test_what_other_packages_bring_is_not_in_the_reference(tmp_path):
     kind = "from lbr.capability import Capability, Kind\nKIND = Kind(name='stranger', summary='', family='app', entry=Capability)\n"
-    points = {"lbr.capabilities": "stranger = stranger:KIND", "lbr.twins": "stranger = stranger:TWIN"}
-    packages.package(tmp_path, "stranger", entry_points=points, files={"stranger.py": kind})
+    brings = {field: {"stranger": "stranger:KIND"} for field in ("kinds", "twins", "commands")}
+    packages.package(tmp_path, "stranger", brings=brings, files={"stranger.py": kind})
     command = [sys.executable, str(ROOT / "docs" / "generate.py"), "--check"]
     environment = {**os.environ, "PYTHONPATH": packages.on_path(tmp_path)}
     done = programs.run(command, env=environment, capture_output=True, text=True, check=False)
@@ -131,10 +132,8 @@ def code(page: Path) -> str:
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_commands_that_a_page_names_exist(page):
-    from lbr.cli import COMMANDS
-
     for command, word in re.findall(r"((?:^|[/ ])lbr ([a-z]+)(?: [a-z-]+)*)", code(page), flags=re.MULTILINE):
-        assert word in COMMANDS, f"{name(page)} names '{command.strip()}'"
+        assert word in {one.name for one in plugins.own("commands")}, f"{name(page)} names '{command.strip()}'"
 
 
 def test_every_dependency_is_explained():

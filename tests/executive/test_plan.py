@@ -7,7 +7,6 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
-from lbr.capability import twins
 from lbr.database import store
 from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
 from lbr.errors import InputError
@@ -133,7 +132,7 @@ def changed_world(rows):
 
 
 def test_a_twin_that_does_not_load_refuses_the_simulated_robot_that_has_it_and_no_other(rows, tmp_path):
-    package(tmp_path, "no-arm", entry_points={twins.GROUP: "servo_bus = no_arm:TWIN"}, files={})
+    package(tmp_path, "no-arm", brings={"twins": {"servo_bus": "no_arm:TWIN"}}, files={})
     new = with_device(rows, DeviceRow(name="arm", type="servo_bus", address="/dev/arm"))
     with imported_from(tmp_path):
         (said,) = problems(new)

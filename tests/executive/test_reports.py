@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from lbr.apps.telemetry import KIND as TELEMETRY
+from lbr.apps.telemetry.kind import KIND as TELEMETRY
 from lbr.bus import session, wire
 from lbr.capability.config import OutputWire
 from lbr.capability.kind import Kind

@@ -58,7 +58,7 @@ def _bait(home: Path, mark: Path) -> Iterator[None]:
         (place / "canary_module.py").write_text(text)
     (point / "METADATA").write_text("Metadata-Version: 2.1\nName: canary\nVersion: 1.0\n")
     (point / "entry_points.txt").write_text(
-        "[console_scripts]\ncanary_point = canary_module:KIND\n[lbr.capabilities.more]\ncanary_group = canary_module:KIND\n"
+        "[console_scripts]\ncanary_point = canary_module:KIND\n[lbr.components.more]\ncanary_group = canary_module:KIND\n"
     )
     before = os.environ.get("PYTHONPATH")
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(site), before)))

@@ -10,7 +10,8 @@ import msgspec
 import pytest
 
 from lbr.apps.http.rates import Bucket
-from lbr.apps.lan import KIND, rights
+from lbr.apps.lan import rights
+from lbr.apps.lan.kind import KIND
 from lbr.bus.access import Credentials
 from lbr.bus.door import LanConfig
 from tests.support.door import ROLES, Door, add_token, answer

@@ -3,7 +3,7 @@
 import msgspec
 import pytest
 
-from lbr.apps.lan import LanSettings
+from lbr.apps.lan.kind import LanSettings
 
 
 @pytest.mark.parametrize("endpoint", ["tls/0.0.0.0:7447", "tls/[::]:80", "tcp/127.0.0.1:80", "tls/robot.local:65535"])

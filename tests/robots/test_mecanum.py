@@ -36,11 +36,8 @@ INSERT INTO channel (robot, source, target) VALUES
 def crab(tmp_path, monkeypatch):
     site = tmp_path / "site"
     robot_package(site, "crab", rows=ROWS, profiles=PROFILES)
-    points = {
-        "lbr.capabilities": "quad = tests.drivers.tiny_wheels:QUAD",
-        "lbr.twins": "quad = tests.drivers.quad_twin:TWIN",
-    }
-    package(site, "my-quad", entry_points=points, files={})
+    brings = {"kinds": {"quad": "tests.drivers.tiny_wheels:QUAD"}, "twins": {"quad": "tests.drivers.quad_twin:TWIN"}}
+    package(site, "my-quad", brings=brings, files={})
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join((on_path(site), str(ROOT))))
     robot = robots.start(robots.prepare(tmp_path / "home"), profile="crab-sim")
     yield robot

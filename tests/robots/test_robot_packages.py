@@ -218,9 +218,9 @@ def test_a_name_of_lbrs_stays_its_own_and_of_several_others_none_has_it(site, lb
     told = [one["fault"] for one in found if one["fault"]]
     both = "packages a-crawler 0.1 and b-crawler 0.1 bring it: uninstall all but one"
     assert sorted(told) == [
-        "robot 'bioloid' of package 'their-bioloid 0.1' (lbr.robots): lbr has its own 'bioloid': choose another name",
-        f"robot 'crawler' of package 'a-crawler 0.1' (lbr.robots): {both}",
-        f"robot 'crawler' of package 'b-crawler 0.1' (lbr.robots): {both}",
+        "robot 'bioloid' of package 'their-bioloid 0.1' (robots of component 'their_bioloid'): lbr has its own 'bioloid': choose another name",
+        f"robot 'crawler' of package 'a-crawler 0.1' (robots of component 'a_crawler'): {both}",
+        f"robot 'crawler' of package 'b-crawler 0.1' (robots of component 'b_crawler'): {both}",
     ]
     assert both in lbr("run", "crawler", "--no-console").stderr
     assert lbr("db", "init").stderr.count("left out: ") == 3
@@ -292,9 +292,7 @@ def test_a_kind_whose_name_is_taken_stays_with_lbr_and_its_words_are_checked(sit
     package(
         site,
         "their-kinds",
-        entry_points={
-            "lbr.capabilities": "drive = their_kinds:DRIVE\nbad = their_kinds:BAD\nworse = their_kinds:WORSE"
-        },
+        brings={"kinds": {name: f"their_kinds:{name.upper()}" for name in ("drive", "bad", "worse")}},
         files={
             "their_kinds.py": kind
             + "DRIVE = Kind(name='drive', summary='', family='app', entry=C)\n"

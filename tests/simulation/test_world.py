@@ -12,10 +12,10 @@ import serial
 
 from lbr.capability import twins
 from lbr.capability.context import Device
-from lbr.simulation import KIND
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.capability import World
 from lbr.simulation.engine import Engine
+from lbr.simulation.kind import KIND
 from lbr.simulation.loop import WorldLoop
 from lbr.simulation.requests import FaultRequest, PictureRequest, PlugRequest
 from lbr.simulation.settings import WorldSettings

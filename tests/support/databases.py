@@ -11,7 +11,7 @@ from lbr.database import store
 
 def fresh(path: Path) -> Path:
     """Make a database with the shipped rows; with those of other packages too, while such are installed."""
-    if any(not one.ours for one in plugins.every("lbr.robots")):
+    if any(not one.ours for one in plugins.every("robots")):
         store.create(path)
         return path
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)

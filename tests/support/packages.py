@@ -49,18 +49,39 @@ def package(
     *,
     version: str = "0.1",
     requires: Iterable[str] = ("lbr",),
-    entry_points: Mapping[str, str],
+    brings: Mapping[str, Mapping[str, str]],
     files: Mapping[str, str],
 ) -> None:
-    """Put a distribution into a folder: `entry_points` are lines by group, `files` texts by path."""
+    """Put a distribution with one component into a folder: `brings` are its fields, `files` texts by path."""
+    module = distribution.replace("-", "_")
+    points = {module: f"{module}_component:COMPONENT"}
+    metadata(site, distribution, version=version, requires=requires, points=points)
+    (site / f"{module}_component.py").write_text(component(brings))
+    for name, text in files.items():
+        (site / name).parent.mkdir(parents=True, exist_ok=True)
+        (site / name).write_text(text)
+
+
+def component(brings: Mapping[str, Mapping[str, str]]) -> str:
+    """Return a module with a component of these fields; the help of its commands is their names."""
+    fields = dict(brings)
+    commands = "".join(
+        f"{name!r}: CliCommand(entry={where!r}, help={name!r}), " for name, where in fields.pop("commands", {}).items()
+    )
+    given = "".join(f"{field}={dict(names)!r}, " for field, names in fields.items())
+    return f"from lbr.component import CliCommand, Component\nCOMPONENT = Component({given}commands={{{commands}}})\n"
+
+
+def metadata(
+    site: Path, distribution: str, *, version: str, requires: Iterable[str], points: Mapping[str, str]
+) -> None:
+    """Put what pip leaves of a distribution into a folder: its entry points of components are `points`."""
     info = site / f"{distribution.replace('-', '_')}-{version}.dist-info"
     info.mkdir(parents=True)
     needs = "".join(f"Requires-Dist: {text}\n" for text in requires)
     (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: {version}\n{needs}")
-    (info / "entry_points.txt").write_text("".join(f"[{group}]\n{lines}\n" for group, lines in entry_points.items()))
-    for name, text in files.items():
-        (site / name).parent.mkdir(parents=True, exist_ok=True)
-        (site / name).write_text(text)
+    lines = "".join(f"{name} = {where}\n" for name, where in points.items())
+    (info / "entry_points.txt").write_text(f"[{plugins.GROUP}]\n{lines}")
 
 
 def robot_package(
@@ -87,7 +108,7 @@ def robot_package(
         distribution,
         version=version,
         requires=requires,
-        entry_points={"lbr.robots": f"{name} = {module}:ROBOT"},
+        brings={"robots": {name: f"{module}:ROBOT"}},
         files=files,
     )
 
@@ -95,12 +116,8 @@ def robot_package(
 def of_project(folder: Path, site: Path) -> str:
     """Install a folder with a project file as `pip install -e` does; return the PYTHONPATH by which it is found."""
     project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
-    groups = {
-        group: "\n".join(f"{name} = {where}" for name, where in points.items())
-        for group, points in project["entry-points"].items()
-    }
-    needs = project["dependencies"]
-    package(site, project["name"], version=project["version"], requires=needs, entry_points=groups, files={})
+    points, needs = project["entry-points"][plugins.GROUP], project["dependencies"]
+    metadata(site, project["name"], version=project["version"], requires=needs, points=points)
     return os.pathsep.join((str(folder), on_path(site)))
 
 

@@ -11,8 +11,8 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from lbr.apps.call import CallSettings
 from lbr.apps.call.capability import Call
+from lbr.apps.call.kind import CallSettings
 from lbr.apps.web.page.files import INDEX, POLICY, built
 from lbr.messages.call import CallState, CallWord, KeepCommand, RingCommand
 from lbr.messages.camera import CameraState, JpegFrame

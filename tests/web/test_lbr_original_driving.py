@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from lbr.apps.web import WebSettings
 from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.face import Refused
+from lbr.apps.web.kind import WebSettings
 from lbr.apps.web.lbr_original import wishes
 from lbr.apps.web.lbr_original.driving import Driver, Who
 from lbr.apps.web.robot import Robot

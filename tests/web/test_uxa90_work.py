@@ -3,8 +3,8 @@
 import msgspec
 import pytest
 
-from lbr.apps.web import WebSettings
 from lbr.apps.web.face import Refused
+from lbr.apps.web.kind import WebSettings
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.uxa90.legacy import Uxa90Face
 from lbr.messages.joints import MotionsState

@@ -4,11 +4,11 @@ import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from lbr import plugins
-from lbr.apps.web import faces
 from tests.docs.pages import ROOT
 from tests.support.packages import imported_from, package
 from tests.support.waiting import until
@@ -61,7 +61,7 @@ class Packages:
             name,
             version="1.5",
             requires=(needs,) if needs else (),
-            entry_points={faces.GROUP: f"{face} = {module}:{entry}"},
+            brings={"faces": {face: f"{module}:{entry}"}},
             files={f"{module}.py": code},
         )
         plugins.forget()
@@ -163,14 +163,18 @@ def test_a_face_that_breaks_ends_and_no_other(packages):
 
 
 def test_what_lbr_ships_is_installed_as_anybodys():
-    assert plugins.installed(faces.GROUP)["uxa90"].value == "lbr.apps.web.uxa90:face"
+    assert plugins.installed("faces")["uxa90"].value == "lbr.apps.web.uxa90:face"
 
 
 def test_the_face_that_the_page_shows_is_one(packages):
     page = (ROOT / "docs" / "web.md").read_text()
-    code, project = (re.search(rf"```{kind}\n(.*?)```", page, re.DOTALL)[1] for kind in ("python", "toml"))
+    blocks = re.findall(r"```(?:python|toml)\n(.*?)```", page, re.DOTALL)
+    project, component, code = blocks[:3]
+    declared: dict[str, Any] = {}
+    exec(component, declared)
+    assert declared["COMPONENT"].faces == {"hello": "friendly_robot.hello:Hello"}
     said = tomllib.loads(project)["project"]
-    assert said["entry-points"][faces.GROUP] == {"hello": "friendly_robot:Hello"}
+    assert said["entry-points"][plugins.GROUP] == {"hello": "friendly_robot:COMPONENT"}
     packages.install(said["name"], "hello", code, needs=said["dependencies"][0])
     with serving(faces=("hello",)) as served:
         assert served.ask("GET", "/hello").said == "127.0.0.1: the robot stands"

@@ -3,7 +3,7 @@
 import pytest
 from msgspec import Struct
 
-from lbr.apps.web import KIND, PORTS
+from lbr.apps.web.kind import KIND, PORTS
 from lbr.apps.web.ports import FacePorts, with_faces
 from lbr.messages.faces import Motor
 from lbr.messages.leases import StopCommand
@@ -41,7 +41,7 @@ def brought(site, ports: str) -> tuple[FacePorts, tuple[str, ...]]:
     package(
         site,
         "my-gripper",
-        entry_points={"lbr.face_ports": "gripper = my_gripper:PORTS"},
+        brings={"ports": {"gripper": "my_gripper:PORTS"}},
         files={"my_gripper.py": BROUGHT.replace("{ports}", ports)},
     )
     with imported_from(site):

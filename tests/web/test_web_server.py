@@ -19,12 +19,13 @@ from websockets.sync.client import connect
 from lbr import qr
 from lbr.apps.http import serving as http_serving
 from lbr.apps.http import slots
-from lbr.apps.web import WebSettings, application
+from lbr.apps.web import application
 from lbr.apps.web.addresses import url
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
 from lbr.apps.web.face import Face, Request, Route, json, text
 from lbr.apps.web.guards import TOO_OFTEN_S
+from lbr.apps.web.kind import WebSettings
 from lbr.console.printable import wrapped
 from lbr.errors import DeviceError
 from lbr.messages.faces import EditReply, Motor

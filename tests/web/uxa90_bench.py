@@ -5,8 +5,8 @@ from math import inf
 from types import SimpleNamespace
 from typing import Any
 
-from lbr.apps.web import WebSettings
 from lbr.apps.web.bridge import Bridge
+from lbr.apps.web.kind import WebSettings
 from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.uxa90.service import Service
 from lbr.capability.context import Received

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from lbr.apps.web import WebSettings
 from lbr.apps.web.capability import Web
 from lbr.apps.web.face import Face
+from lbr.apps.web.kind import WebSettings
 from lbr.capability.context import Received
 from lbr.errors import DeviceError
 from lbr.messages.leases import CommandReply

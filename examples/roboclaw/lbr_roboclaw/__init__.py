@@ -1,52 +1,9 @@
-"""RoboClaw 2x motor controllers by packet serial: their kind, their settings, and a small robot that has one."""
+"""RoboClaw 2x motor controllers by packet serial: what the package brings to lbr."""
 
-from pathlib import Path
-from typing import Annotated, Literal
+from lbr.component import Component
 
-from msgspec import Meta, Struct
-
-from lbr.drivers.wheels import WheelsSettings, wheels_kind
-from lbr.robots import Robot
-
-
-class Motor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How one wheel's motor is wired: forward times `direction` goes to `channel`."""
-
-    channel: Literal[1, 2]
-    direction: Literal[-1, 1] = 1
-    max_power: Annotated[float, Meta(gt=0.0, le=1.0, description="limit, applied after everything else")] = 1.0
-
-
-class RoboclawSettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `roboclaw`."""
-
-    left: Motor = Motor(channel=1)
-    right: Motor = Motor(channel=2)
-    address: Annotated[int, Meta(ge=0x80, le=0x87, description="packet serial address, 128 to 135")] = 0x80
-    baud: Literal[2400, 9600, 19200, 38400, 57600, 115200, 230400, 460800] = 115200
-    reply_timeout_s: Annotated[float, Meta(ge=0.005, le=0.03, description="an answer later than this is lost")] = 0.02
-    watchdog_ms: Literal[100, 200] = 200  # the controller counts in steps of 0.1 s
-    tolerated_faults: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Refuse wheels that share a channel, and tolerance for what must stop the robot."""
-        if self.left.channel == self.right.channel:
-            raise ValueError(f"left and right both use channel {self.left.channel}; give each wheel its own")
-        if "emergency_stop" in self.tolerated_faults:
-            raise ValueError("tolerated_faults must not hold `emergency_stop`")
-
-
-KIND = wheels_kind(
-    "roboclaw",
-    "a RoboClaw motor controller driving two wheels",
-    "lbr_roboclaw.driver:Roboclaw",
-    RoboclawSettings,
-    recognised="lbr_roboclaw.recognition:HANDSHAKE",
-)
-HERE = Path(__file__).parent
-ROBOT = Robot(
-    name="claw",
-    summary="two driven wheels on a RoboClaw",
-    rows=HERE / "rows.sql",
-    profiles=HERE / "profiles",
+COMPONENT = Component(
+    kinds={"roboclaw": "lbr_roboclaw.kind:KIND"},
+    robots={"claw": "lbr_roboclaw.bench:ROBOT"},
+    twins={"roboclaw": "lbr_roboclaw.twin:TWIN"},
 )

@@ -9,8 +9,8 @@ from lbr.drivers.serial_line import SerialLine, open_line
 from lbr.drivers.wheels.capability import Wheels
 from lbr.drivers.wheels.contract import GuardStop, Measured
 from lbr.errors import DeviceError
-from lbr_roboclaw import Motor, RoboclawSettings
 from lbr_roboclaw import protocol as wire
+from lbr_roboclaw.kind import Motor, RoboclawSettings
 
 SETUP_TRIES = 5
 LOST_IN_A_ROW = 4

@@ -4,7 +4,7 @@ import time
 
 import msgspec
 import pytest
-from lbr_roboclaw import KIND, RoboclawSettings
+from lbr_roboclaw.kind import KIND, RoboclawSettings
 
 from lbr.testing import driver, wheels
 from lbr.testing.device import plugged

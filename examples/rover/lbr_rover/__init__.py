@@ -1,13 +1,7 @@
-"""A rover with four driven wheels: where its rows and launch profiles are. There is no other code."""
+"""A rover with four driven wheels: what the package brings to lbr."""
 
-from pathlib import Path
+from lbr.component import Component
 
-from lbr.robots import Robot
-
-HERE = Path(__file__).parent
-ROBOT = Robot(
-    name="rover",
-    summary="four driven wheels that steer by skidding, and a lidar",
-    rows=HERE / "rows.sql",
-    profiles=HERE / "profiles",
+COMPONENT = Component(
+    robots={"rover": "lbr_rover.robot:ROBOT"},
 )

@@ -1,42 +1,13 @@
-"""A bus of Feetech STS3215 servos, as an SO-101 arm has: its kind and its settings.
+"""SO-101 arms of Feetech STS3215 servos: what the package brings to lbr."""
 
-`table` is the control table, `bus` the transactions, `model` what the numbers mean, `setup` what is asked of a servo
-before it is used, `driver` all of it together, `twin` the emulated bus. What is not Feetech's own comes from
-`lbr.drivers.servos`.
-"""
+from lbr.component import Component
 
-from typing import Annotated
-
-from msgspec import Meta
-
-from lbr.drivers.servos import RegisterServosSettings, servos_kind
-
-ModelNumber = Annotated[int, Meta(ge=1, le=0xFFFF)]
-
-
-class FeetechSettings(RegisterServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `feetech` may set."""
-
-    baud: Annotated[int, Meta(ge=38_400, le=1_000_000)] = 1_000_000
-    reply_margin_s: Annotated[
-        float, Meta(ge=0.001, le=0.1, description="an answer so much later than wire and servo explain is lost")
-    ] = 0.006
-    sync_read: Annotated[bool, Meta(description="read all servos by one request")] = True
-    acceleration: Annotated[
-        int, Meta(ge=0, le=254, description="how fast servos gain speed, in 0.153 rad/s2; 0: as fast as they can")
-    ] = 0
-    models: Annotated[
-        tuple[ModelNumber, ...], Meta(min_length=1, description="model numbers that are driven; 777 is an STS3215")
-    ] = (777,)
-    check_phase: Annotated[
-        bool, Meta(description="refuse a servo whose register 18 says that it counts speeds or turns in another way")
-    ] = True
-
-
-KIND = servos_kind(
-    "feetech",
-    "a bus of Feetech STS3215 servos, as of an SO-101 arm",
-    "lbr_so101.driver:Feetech",
-    FeetechSettings,
-    recognised="lbr_so101.recognition:HANDSHAKE",
+COMPONENT = Component(
+    kinds={
+        "feetech": "lbr_so101.kind:KIND",
+        "teleop": "lbr_so101.teleop:KIND",
+        "arm_calibration": "lbr_so101.calibration:KIND",
+    },
+    robots={"so101": "lbr_so101.robot:ROBOT"},
+    twins={"feetech": "lbr_so101.twin:TWIN"},
 )

@@ -6,8 +6,8 @@ from lbr.capability.context import Device
 from lbr.drivers.servos.contract import ServoLink
 from lbr.drivers.servos.line import open_servo_line
 from lbr.drivers.servos.registers import RegisterServos
-from lbr_so101 import FeetechSettings
 from lbr_so101.bus import FeetechBus
+from lbr_so101.kind import FeetechSettings
 from lbr_so101.model import Sts3215
 from lbr_so101.setup import Setup
 

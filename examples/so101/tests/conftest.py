@@ -3,7 +3,7 @@
 import time
 
 import pytest
-from lbr_so101 import KIND
+from lbr_so101.kind import KIND
 
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint

@@ -5,8 +5,9 @@ from collections import deque
 from math import inf
 from typing import TypeVar
 
-from lbr.apps.behaviours import BehaviourSettings, texts
+from lbr.apps.behaviours import texts
 from lbr.apps.behaviours.kernel import DONE, Run
+from lbr.apps.behaviours.kind import BehaviourSettings
 from lbr.apps.behaviours.library import Library
 from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LowBattery
 from lbr.apps.behaviours.outputs import Aside, Halt, Motion

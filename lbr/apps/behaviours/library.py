@@ -6,7 +6,8 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec.structs import replace
 
-from lbr.apps.behaviours import BehaviourSettings, files, outputs, texts
+from lbr.apps.behaviours import files, outputs, texts
+from lbr.apps.behaviours.kind import BehaviourSettings
 from lbr.apps.behaviours.senses import Senses
 from lbr.apps.behaviours.table import Compiled, Fault, Parts, Table, cell_faults, compile_table, compiled_alone, linked
 from lbr.capability.context import Context

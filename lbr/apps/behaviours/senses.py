@@ -1,8 +1,8 @@
 """The robot's telemetry as conditions ask for it: the newest message of each source, for as long as it counts."""
 
-from lbr.apps.behaviours import BehaviourSettings
 from lbr.apps.behaviours.cells import Value
 from lbr.apps.behaviours.keys import STREAMS, Key
+from lbr.apps.behaviours.kind import BehaviourSettings
 from lbr.capability.context import Context, Received
 
 

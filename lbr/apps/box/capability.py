@@ -10,11 +10,11 @@ from typing import Any
 import msgspec
 from msgspec import Raw, Struct
 
-from lbr.apps.box import BoxSettings
 from lbr.apps.box.clock import Clock
 from lbr.apps.box.disk import Bounds, Chunk, Disk
 from lbr.apps.box.ear import ALL_ROWS, EVENT, LINES, STATUS, Ear, Heard, line
 from lbr.apps.box.keeping import MARK, Keeping
+from lbr.apps.box.kind import BoxSettings
 from lbr.apps.box.logs import Logs
 from lbr.bus import keys, stamp, wire
 from lbr.capability.base import Capability

@@ -1,6 +1,6 @@
 """The box as it is started: in a checkout that was updated without its packages it is degraded, and says what to install."""
 
-from lbr.apps.box import BoxSettings
+from lbr.apps.box.kind import BoxSettings
 from lbr.capability.base import Capability
 from lbr.errors import DeviceError
 

@@ -3,8 +3,8 @@
 from math import inf
 from typing import TYPE_CHECKING
 
-from lbr.apps.call import CallSettings
 from lbr.apps.call.desk import Connect, Desk
+from lbr.apps.call.kind import CallSettings
 from lbr.capability.base import Capability
 from lbr.capability.context import Call as Asked
 from lbr.capability.context import Context, Received

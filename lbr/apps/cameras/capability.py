@@ -3,7 +3,7 @@
 from collections import deque
 from dataclasses import dataclass
 
-from lbr.apps.cameras import OFF, CamerasSettings
+from lbr.apps.cameras.kind import OFF, CamerasSettings
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, PendingReply
 from lbr.messages.camera import CameraPhase, CamerasState, CameraState, SelectCommand, SwitchCommand

@@ -1,64 +1,7 @@
 """Dance: plays a song and moves the base to its beats, as anybody else would: by commands with a lease."""
 
-from typing import Annotated
+from lbr.component import Component
 
-from msgspec import Meta, Struct
-
-from lbr.capability.kind import Command, Kind, Known, names
-from lbr.capability.word import Word
-from lbr.messages.dance import DanceCommand, DanceState, DanceStep
-from lbr.messages.drive import DriveCommand
-from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.speech import HushCommand, PlayReply, SongCommand, SpeechState
-from lbr.messages.units import Name
-
-
-class DanceSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `dance`: the choreography that is danced unless a command names another."""
-
-    dance: Name = "to_and_fro"
-    max_s: Annotated[float, Meta(gt=0.0, le=3600.0, description="the longest dance")] = 300.0
-    delay_s: Annotated[
-        float, Meta(ge=-2.0, le=2.0, description="from a song's beginning to its being heard; the moves wait as long")
-    ] = 0.0
-
-
-CLICKS = "metronome"
-
-
-def _songs(known: Known) -> set[str]:
-    """Return the songs that there are beats for, and the one that every robot has."""
-    return {CLICKS, *(path.stem for path in (known.home / "music").glob("*.json"))}
-
-
-KIND = Kind(
-    name="dance",
-    summary="plays a song and dances to its beats",
-    family="app",
-    entry="lbr.apps.dance.capability:Dance",
-    settings=DanceSettings,
-    inputs={"speech": SpeechState},
-    outputs={"state": DanceState},
-    commands={
-        "play": Command(DanceCommand, choices={"song": _songs, "dance": names(DanceStep, "dance")}),
-        "stop": StopCommand,
-    },
-    replies={
-        "play": CommandReply,
-        "stop": CommandReply,
-        "motion": CommandReply,
-        "halt": CommandReply,
-        "sound": PlayReply,
-        "hush": CommandReply,
-    },
-    requests={"motion": DriveCommand, "halt": StopCommand, "sound": SongCommand, "hush": HushCommand},
-    rows=(DanceStep,),
-    words=(
-        Word(
-            "/d/{song}",
-            "play",
-            "Dance to a song: /d/metronome is always there; yours are NAME.wav and NAME.json in $LBR_HOME/music",
-        ),
-        Word("/d/{song}/{dance}", "play", "Dance to a song by a choreography, such as /d/metronome/to_and_fro"),
-    ),
+COMPONENT = Component(
+    kinds={"dance": "lbr.apps.dance.kind:KIND"},
 )

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from lbr.apps.dance import DanceSettings, metronome, songs
+from lbr.apps.dance import metronome, songs
 from lbr.apps.dance.base_client import BaseClient
 from lbr.apps.dance.choreography import Choreography, beat_at, choose
+from lbr.apps.dance.kind import DanceSettings
 from lbr.apps.dance.music import Music
 from lbr.apps.dance.songs import Song
 from lbr.capability.base import Capability

@@ -4,7 +4,7 @@ import json
 import math
 from pathlib import Path
 
-from lbr.apps.dance import CLICKS
+from lbr.apps.dance.kind import CLICKS
 from lbr.apps.dance.songs import KEY
 from lbr.apps.sound import wav
 

@@ -5,66 +5,8 @@
 `pictures` hears cameras that somebody looks at, `layout` writes layouts, and `capability` is the process.
 """
 
-import re
-from typing import Annotated, ClassVar
+from lbr.component import Component
 
-from msgspec import Meta, Struct
-
-from lbr.bus.door import LanUser
-from lbr.capability.kind import Kind
-from lbr.messages.foxglove import FoxgloveState
-from lbr.messages.joints import Joint
-from lbr.messages.kinematics import Wheel
-from lbr.messages.sensing import RangeSensor
-
-PORT = 8765
-_ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^/?#\s@]*")
-
-
-class FoxgloveSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `foxglove`.
-
-    Where other machines reach it, it speaks TLS, unless `clear_text` says otherwise, and needs a token. `cors` are the
-    origins whose pages may connect: Foxglove's own, as it comes.
-    """
-
-    trusted: ClassVar[tuple[str, ...]] = ()
-
-    host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
-    port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = PORT
-    tls: Annotated[bool, Meta(description="wss also where only this machine reaches it")] = False
-    clear_text: Annotated[
-        bool, Meta(description="ws where other machines reach it: a machine in between reads and changes all of it")
-    ] = False
-    cors: Annotated[tuple[str, ...], Meta(description="origins whose pages may connect")] = (
-        "https://app.foxglove.dev",
-        "https://embed.foxglove.dev",
-    )
-    names: Annotated[
-        tuple[str, ...], Meta(description="other names that this machine is asked by, such as robot.example.org")
-    ] = ()
-    rate_hz: Annotated[float, Meta(ge=0.5, le=50.0, description="messages a second of one stream, at most")] = 25.0
-    clients: Annotated[int, Meta(ge=1, le=16, description="connections at once")] = 8
-
-    def __post_init__(self) -> None:
-        """Refuse what is no origin, and what contradicts itself."""
-        for origin in self.cors:
-            if origin != "null" and _ORIGIN.fullmatch(origin) is None:
-                raise ValueError(f"cors: '{origin}' is not an origin; origins look like https://app.foxglove.dev")
-        if self.tls and self.clear_text:
-            raise ValueError("tls and clear_text: only one of them can be true")
-
-
-KIND = Kind(
-    name="foxglove",
-    summary="serves the robot to Foxglove: streams, cameras, its body, its words as services",
-    family="app",
-    serves_people=True,
-    lets_in=("enabled", "host", "tls", "clear_text", "cors", "names"),
-    entry="lbr.apps.foxglove.start:Foxglove",
-    settings=FoxgloveSettings,
-    outputs={"state": FoxgloveState},
-    rows=(Joint, Wheel, RangeSensor, LanUser),
-    extra="foxglove",
-    package="uvicorn",
+COMPONENT = Component(
+    kinds={"foxglove": "lbr.apps.foxglove.kind:KIND"},
 )

@@ -14,9 +14,10 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from lbr import home
-from lbr.apps.foxglove import FoxgloveSettings, channels, protocol
+from lbr.apps.foxglove import channels, protocol
 from lbr.apps.foxglove import services as words
 from lbr.apps.foxglove.channels import Source
+from lbr.apps.foxglove.kind import FoxgloveSettings
 from lbr.apps.foxglove.layout import layout
 from lbr.apps.foxglove.pictures import Pictures
 from lbr.apps.foxglove.services import ESTOP, STOP, Service

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import msgspec
 
-from lbr.apps.lan import LanSettings, rights
+from lbr.apps.lan import rights
 from lbr.apps.lan.doorman import Doorman
+from lbr.apps.lan.kind import LanSettings
 from lbr.apps.lan.passage import Passage, Standstill
 from lbr.apps.lan.relay import Relay
 from lbr.bus import certificates, keys, session, tokens, wire

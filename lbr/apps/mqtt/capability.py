@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from lbr.apps.mqtt import MqttSettings, discovery, report, words
+from lbr.apps.mqtt import discovery, report, words
 from lbr.apps.mqtt.echo import Echo
+from lbr.apps.mqtt.kind import MqttSettings
 from lbr.apps.mqtt.session import Broker, Incoming, Outgoing, Session, secret, secured
 from lbr.apps.mqtt.shadow import Asked, ShadowState
 from lbr.apps.mqtt.words import Ask, Motion, Order, StopWord

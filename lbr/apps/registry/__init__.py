@@ -4,48 +4,14 @@
 way there; `capability` registers a robot.
 """
 
-import re
-from typing import Annotated
+from lbr.component import CliCommand, Component
 
-from msgspec import Meta, Struct
-
-from lbr.apps.registry.book import Endpoint
-from lbr.capability.kind import Kind, Wire
-from lbr.messages.registry import RegistrarState
-from lbr.messages.web import WebState
-
-PORT = 9147
-_URL = re.compile(r"https://(\[[0-9a-fA-F:]+\]|[A-Za-z0-9]([A-Za-z0-9.-]*[A-Za-z0-9])?)(:[0-9]{1,5})?/?")
-
-
-class RegistrarSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `registrar`.
-
-    `credential` is the file in credentials/ that has the token of this robot, which `lbr registry add` printed. `endpoints` are
-    told as ways to the robot's bus, beside the addresses of its web servers.
-    """
-
-    url: Annotated[str, Meta(max_length=300, description="the service; empty: there is none")] = ""
-    credential: Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$(?!\n)")] = "registry.token"
-    every_s: Annotated[float, Meta(ge=5.0, le=300.0, description="the robot counts as gone after three times this")] = (
-        10.0
-    )
-    endpoints: Annotated[tuple[Endpoint, ...], Meta(max_length=8)] = ()
-
-    def __post_init__(self) -> None:
-        """Refuse what is no address."""
-        if self.url and _URL.fullmatch(self.url) is None:
-            raise ValueError(f"url: '{self.url[:80]}' is no address; addresses look like https://HOST:{PORT}")
-
-
-KIND = Kind(
-    name="registrar",
-    summary="registers the robot with a service that lists which robots are up",
-    family="app",
-    entry="lbr.apps.registry.capability:Registrar",
-    settings=RegistrarSettings,
-    inputs={"web": WebState},
-    optional=("web",),
-    outputs={"state": RegistrarState},
-    wires={"web": Wire("state", 4)},
+COMPONENT = Component(
+    kinds={"registrar": "lbr.apps.registry.kind:KIND"},
+    commands={
+        "registry": CliCommand(
+            entry="lbr.commands.registry:command",
+            help="List which robots are up and how to reach them, or run the service that does.",
+        ),
+    },
 )

@@ -12,8 +12,9 @@ from msgspec.structs import replace
 
 from lbr import home
 from lbr.apps.http import names
-from lbr.apps.registry import RegistrarSettings, asking
+from lbr.apps.registry import asking
 from lbr.apps.registry.book import Entry
+from lbr.apps.registry.kind import RegistrarSettings
 from lbr.apps.retry import wait_s
 from lbr.bus import tokens
 from lbr.bus.tokens import Token

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import partial
 from math import atan, cos, degrees, inf, pi, radians, remainder, sin, tan
 
-from lbr.apps.sighting import SightingSettings
+from lbr.apps.sighting.kind import SightingSettings
 from lbr.apps.vision.direction import Angles, direction, radius_rad
 from lbr.apps.vision.eye import Eye, camera_off
 from lbr.apps.vision.finding import check, finder

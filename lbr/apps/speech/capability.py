@@ -8,9 +8,10 @@ from pathlib import Path
 
 from lbr.apps.sound import wav
 from lbr.apps.sound.sinks import sink_at
-from lbr.apps.speech import SpeechSettings, files
+from lbr.apps.speech import files
 from lbr.apps.speech.decoder import Decoder
 from lbr.apps.speech.jobs import Job, Jobs
+from lbr.apps.speech.kind import SpeechSettings
 from lbr.apps.speech.speaker import Speaker
 from lbr.apps.speech.text import phrase, to_say
 from lbr.apps.speech.worker import Worker

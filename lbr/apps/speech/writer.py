@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from lbr.apps.sound import wav
-from lbr.apps.speech import SpeechSettings
 from lbr.apps.speech.jobs import Job, Jobs
+from lbr.apps.speech.kind import SpeechSettings
 from lbr.apps.speech.request import Cloud, Request
 from lbr.apps.speech.text import voice_of
 from lbr.apps.speech.worker import Worker

@@ -4,7 +4,7 @@ import time
 
 from msgspec import structs
 
-from lbr.apps.telemetry import KIND, TelemetrySettings
+from lbr.apps.telemetry.kind import KIND, TelemetrySettings
 from lbr.apps.telemetry.package import is_complete, package
 from lbr.capability.base import Capability
 from lbr.capability.context import Context, Received

@@ -2,8 +2,8 @@
 
 from math import inf
 
-from lbr.apps.teleop import TeleopSettings
 from lbr.apps.teleop.hand import REST, Hand, Twist, presses
+from lbr.apps.teleop.kind import TeleopSettings
 from lbr.apps.teleop.lines import Lines
 from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.capability.base import Capability

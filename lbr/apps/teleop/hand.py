@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from math import hypot, inf, isfinite
 from typing import NamedTuple
 
-from lbr.apps.teleop import TeleopSettings
+from lbr.apps.teleop.kind import TeleopSettings
 from lbr.messages.codes import Reason
 from lbr.messages.gamepad import Axis, Button, GamepadState
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from functools import partial
 from math import inf, radians
 
-from lbr.apps.tracking import TrackingSettings
 from lbr.apps.tracking.control import AHEAD, Tuning, ahead_again, clamped, follow
 from lbr.apps.tracking.gaze import Gaze
 from lbr.apps.tracking.head_client import HeadClient, Neck
+from lbr.apps.tracking.kind import TrackingSettings
 from lbr.apps.vision.direction import Angles
 from lbr.apps.vision.eye import Eye, Look, camera_off
 from lbr.apps.vision.finding import check, finder, load

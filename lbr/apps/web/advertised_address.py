@@ -9,7 +9,7 @@ from lbr.apps.web import addresses
 from lbr.bus import certificates
 
 if TYPE_CHECKING:
-    from lbr.apps.web import WebSettings
+    from lbr.apps.web.kind import WebSettings
 
 
 class AdvertisedAddress:

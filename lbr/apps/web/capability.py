@@ -13,7 +13,6 @@ from lbr.apps.http import listening, names
 from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.rates import Rates
 from lbr.apps.http.turns import Turns
-from lbr.apps.web import PORTS, WebSettings
 from lbr.apps.web.access import Access
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
@@ -25,6 +24,7 @@ from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.builtin import STOPS, BuiltinRoutes
 from lbr.apps.web.faces import Faces
 from lbr.apps.web.guards import Counts
+from lbr.apps.web.kind import PORTS, WebSettings
 from lbr.apps.web.login import Login
 from lbr.apps.web.page.files import build
 from lbr.apps.web.pairing import PairingRoutes

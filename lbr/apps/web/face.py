@@ -233,7 +233,7 @@ class Route:
 
 
 class Face:
-    """A way to show the robot; subclass it. An entry point `lbr.faces` names what makes it: `face(robot) -> Face`."""
+    """A way to show the robot; subclass it. A component's `faces` names what makes it: `face(robot) -> Face`."""
 
     name: str = ""
 

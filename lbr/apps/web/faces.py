@@ -15,8 +15,6 @@ from lbr.apps.web.routing import Path
 from lbr.errors import InputError
 from lbr.plugins import Plugin, PluginError
 
-GROUP = "lbr.faces"
-
 
 class Shown:
     """A face behind a guard: whatever breaks in it ends this face and no other. `broken` says what did."""
@@ -174,11 +172,11 @@ class Faces:
 
 def _chosen(name: str) -> tuple[list[Plugin], str]:
     """Return what packages bring a face of that name, and why there is none of them; empty if there is."""
-    found = [one for one in plugins.every(GROUP) if one.name == name]
+    found = [one for one in plugins.every("faces") if one.name == name]
     if found:
         return found, ""
     there = (
-        ", ".join(sorted(plugins.installed(GROUP))) or "none: install lbr again, in a checkout by `pip install -e .`"
+        ", ".join(sorted(plugins.installed("faces"))) or "none: install lbr again, in a checkout by `pip install -e .`"
     )
     return [], f"no installed package brings it; there are {there}"
 

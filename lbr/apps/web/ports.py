@@ -1,6 +1,6 @@
 """What a face reads and asks beyond what the server has of its own. Light to import: rows are checked by it.
 
-A package declares it in a module of its own, and names it in the group `lbr.face_ports` beside its face:
+A package declares it in a module of its own, and names it in the `ports` of its component, as it names its face:
 
     PORTS = FacePorts(inputs={"gripper": GripperState}, states=("gripper",), requests={"grip": GripCommand})
 """
@@ -14,7 +14,6 @@ from lbr import plugins
 from lbr.messages.rows import Row
 from lbr.plugins import PluginError
 
-GROUP = "lbr.face_ports"
 OF_STATE = {"robot", "age_s", "faces"}
 """What `/state` says besides the inputs."""
 
@@ -39,7 +38,7 @@ class FacePorts:
 def with_faces(own: FacePorts) -> tuple[FacePorts, tuple[str, ...]]:
     """Return the server's own ports with those of installed faces, and a sentence for each that cannot be had."""
     found, refused = own, []
-    for name in sorted(plugins.installed(GROUP)):
+    for name in sorted(plugins.installed("ports")):
         try:
             found = _with(found, name)
         except PluginError as err:
@@ -48,7 +47,7 @@ def with_faces(own: FacePorts) -> tuple[FacePorts, tuple[str, ...]]:
 
 
 def _with(ports: FacePorts, name: str) -> FacePorts:
-    plugin = plugins.installed(GROUP)[name]
+    plugin = plugins.installed("ports")[name]
     more = plugin.load()
     if not isinstance(more, FacePorts):
         raise PluginError(plugin, f"{plugin.value} is no FacePorts(…)")

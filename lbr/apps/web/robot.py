@@ -16,7 +16,7 @@ from lbr.messages.rows import Row, by_table
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Coroutine
 
-    from lbr.apps.web import WebSettings
+    from lbr.apps.web.kind import WebSettings
 
 T = TypeVar("T")
 EDIT_S = 5.0

@@ -4,7 +4,7 @@ from typing import Any
 
 import msgspec
 
-from lbr.apps.web import PORTS
+from lbr.apps.web.kind import PORTS
 from lbr.apps.web.robot import Snapshot
 
 State = msgspec.defstruct(

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 from msgspec import Struct
 
+from lbr import plugins
 from lbr.database import given_files
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
@@ -75,7 +76,8 @@ def load(name: str) -> Profile:
             return Profile(robot=found.name, description=found.robot.summary)
     raise InputError(
         f"there is no launch profile '{name}'; {did_you_mean(name, names())}; "
-        'a robot that only your rows have wants a .toml file that says robot = "NAME": give its path',
+        'a robot that only your rows have wants a .toml file that says robot = "NAME": give its path'
+        f"{plugins.perhaps_broken()}",
         "unknown_name",
     )
 

@@ -1,23 +1,9 @@
 """The robot lbr, telepresence on two driven wheels: its rows stand with the schema in robot.db.sql."""
 
-from lbr.resources import launch_profiles
-from lbr.robots.old_data import OldFormat
-from lbr.robots.robot import Robot
+from lbr.component import Component
 
-ROBOT = Robot(
-    name="lbr",
-    summary="telepresence on two driven wheels",
-    profiles=launch_profiles(),
-    old_formats=(
-        OldFormat(
-            name="lbr-database",
-            summary="the first lbr's database, robot.sqlite3 or its SQL",
-            read="lbr.robots.lbr.old_database:read",
-        ),
-        OldFormat(
-            name="lbr-cameras",
-            summary="the first lbr's cameras, as its API told them",
-            read="lbr.robots.lbr.old_cameras:read",
-        ),
-    ),
+COMPONENT = Component(
+    robots={"lbr": "lbr.robots.lbr.robot:ROBOT"},
+    faces={"lbr_original": "lbr.apps.web.lbr_original:face"},
+    ports={"lbr_original": "lbr.apps.web.lbr_original:PORTS"},
 )

@@ -1,36 +1,12 @@
 """UXA-90: a humanoid of one metre, with a main board and an API for phones."""
 
-from pathlib import Path
+from lbr.component import Component
 
-from lbr.robots.motion_file import MotionFormat
-from lbr.robots.old_data import OldFormat
-from lbr.robots.robot import Robot
-
-_HERE = Path(__file__).parent
-ROBOT = Robot(
-    name="uxa90",
-    summary="a humanoid of one metre, with an API for phones",
-    rows=_HERE / "rows.sql",
-    profiles=_HERE / "profiles",
-    body=_HERE / "body.xml",
-    motion_formats=(
-        MotionFormat(
-            suffix=".rbm",
-            summary="of the UXA-90's maker",
-            read="lbr.robots.uxa90.motion_file:read",
-            write="lbr.robots.uxa90.motion_file:write",
-        ),
-    ),
-    old_formats=(
-        OldFormat(
-            name="uxa90-tables",
-            summary="motors and motions as the first API told them, in JSON",
-            read="lbr.robots.uxa90.old_tables:read",
-        ),
-        OldFormat(
-            name="uxa90-settings",
-            summary="the first API's .env",
-            read="lbr.robots.uxa90.old_tables:read_settings",
-        ),
-    ),
+COMPONENT = Component(
+    robots={"uxa90": "lbr.robots.uxa90.robot:ROBOT"},
+    kinds={"uxa90": "lbr.drivers.uxa90:KIND"},
+    faces={"uxa90": "lbr.apps.web.uxa90:face"},
+    ports={"uxa90": "lbr.apps.web.uxa90:PORTS"},
+    twins={"uxa90": "lbr.simulation.devices.uxa90:TWIN"},
+    messages=("lbr.drivers.uxa90.messages",),
 )

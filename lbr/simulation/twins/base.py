@@ -170,7 +170,7 @@ def make(device: Device, around: Surroundings) -> Twin:
     if found is None:
         raise InputError(
             f"device '{device.name}': there is no twin for type '{device.type}'; there are {', '.join(twins.names())}. A "
-            "package brings one by the entry point lbr.twins, once it is installed (pip install -e .)"
+            "package brings one by the twins of its component, once it is installed (pip install -e .)"
         )
     twin: Twin = found.load()(device, around)
     return twin

@@ -1,0 +1,167 @@
+"""The kind `mqtt`: its settings, ports and words."""
+
+import re
+from ipaddress import ip_address
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.apps.mqtt.words import Word
+from lbr.bus.door import TokenRight
+from lbr.capability.kind import Kind, Rows, Wire
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.battery import BatteryState
+from lbr.messages.behaviour import BehaviourState, RunBehaviour
+from lbr.messages.camera import JpegFrame
+from lbr.messages.drive import DriveCommand, DriveState, GoalResult, HeadingCommand, TurnCommand
+from lbr.messages.joints import JointsState, MotionsState, PlayCommand
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.motors import MotorsState
+from lbr.messages.mqtt import MqttState
+from lbr.messages.odometry import OdometryState
+from lbr.messages.speech import SayCommand
+from lbr.messages.units import Name
+
+Part = Literal["battery", "docked", "position", "motion", "behaviour", "faults"]
+CredentialFile = Annotated[
+    str,
+    Meta(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$(?!\n)|^$(?!\n)",
+        description="the name of a file in credentials/ of the robot's home",
+    ),
+]
+_SEGMENT = r"[^/+#\x00\s]{1,64}"
+Topic = Annotated[str, Meta(pattern=rf"^({_SEGMENT}(/{_SEGMENT}){{0,6}})?$(?!\n)", max_length=200)]
+
+
+class Shadow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A device shadow of AWS IoT: of which thing, and which of its shadows; empty: the one without a name."""
+
+    thing: Annotated[str, Meta(pattern=r"^[A-Za-z0-9:_-]{1,128}$(?!\n)")]
+    name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9:_-]{0,64}$(?!\n)")] = ""
+
+
+class HomeAssistant(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How Home Assistant finds the robot; `picture_s` is how often it is sent a picture of what is wired to `frames`."""
+
+    prefix: Annotated[Topic, Meta(min_length=1)] = "homeassistant"
+    name: Annotated[str, Meta(max_length=80, description="what people call the robot; empty: its row's name")] = ""
+    picture_s: Annotated[float, Meta(ge=1.0, le=3600.0)] = 10.0
+
+
+class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Settings of a row of kind `mqtt`.
+
+    By TLS unless the broker is on this machine, or `clear_text` says otherwise. `ca` is whom the broker's certificate must
+    come from, if not from an authority that the system knows; `certificate` and `key` are the robot's own. `token` names
+    the token whose role all have that ask for `words`; without one only a stop is done. Topics begin with `topic`, if it is
+    not empty, else with `lbr/` and the robot's name.
+    """
+
+    host: Annotated[str, Meta(max_length=253, description="the broker; empty: there is none")] = ""
+    port: Annotated[int, Meta(ge=1, le=65535)] = 8883
+    tls: bool = True
+    clear_text: Annotated[
+        bool, Meta(description="without TLS to another machine: all in between read it, and ask in its name")
+    ] = False
+    ca: CredentialFile = ""
+    certificate: CredentialFile = ""
+    key: CredentialFile = ""
+    user: Annotated[str, Meta(max_length=128)] = ""
+    password: Annotated[CredentialFile, Meta(description="the file that has the user's password in it")] = ""
+    client_id: Annotated[str, Meta(pattern=r"^[A-Za-z0-9:_-]{0,128}$(?!\n)")] = ""
+    keepalive_s: Annotated[int, Meta(ge=5, le=1200, description="a broker silent for longer is gone")] = 20
+    topic: Topic = ""
+    report: tuple[Part, ...] = ("battery", "docked", "position", "motion", "behaviour", "faults")
+    every_s: Annotated[float, Meta(ge=5.0, le=3600.0, description="at most so often it is reported what changed")] = 5.0
+    token: Annotated[str, Meta(max_length=40)] = ""
+    words: Annotated[
+        dict[Name, Word], Meta(max_length=40, description="what may be asked: stop, run, say, turn, …")
+    ] = {}
+    late_s: Annotated[
+        float, Meta(ge=1.0, le=300.0, description="what a shadow has desired for longer is not done any more")
+    ] = 20.0
+    ttl_s: Annotated[
+        float, Meta(ge=0.2, le=1.0, description="for so long motion goes on when this process is gone")
+    ] = 0.5
+    shadow: Shadow | None = None
+    home_assistant: HomeAssistant | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what could not be meant, before anything is sent to anybody."""
+        if self.host and re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9.:_-]*[A-Za-z0-9])?|::1", self.host) is None:
+            raise ValueError(f"host: '{self.host}' is no name and no address of a machine")
+        if not self.tls and not self.clear_text and not is_here(self.host):
+            raise ValueError(
+                "tls: another machine is spoken to by TLS; clear_text set to true does without, and lets all in between ask"
+            )
+        if bool(self.certificate) != bool(self.key):
+            raise ValueError("certificate and key: each needs the other")
+        if self.password and not self.user:
+            raise ValueError("password: it needs a user")
+
+
+def is_here(host: str) -> bool:
+    """Say whether a host is this machine; no host is nowhere else."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host in {"", "localhost"}
+
+
+_ASKED = {
+    "move": Wire("drive.command"),
+    "turn": Wire("drive.turn"),
+    "heading": Wire("drive.heading"),
+    "halt": Wire("drive.stop"),
+    "play": Wire("motions.play"),
+    "play_halt": Wire("motions.stop"),
+    "run": Wire("behaviour.run"),
+    "say": Wire("speech.say"),
+    "stop_all": Wire("stop"),
+}
+_STREAMS: dict[str, type[Struct]] = {
+    "battery": BatteryState,
+    "odometry": OdometryState,
+    "attitude": AttitudeState,
+    "motors": MotorsState,
+    "drive": DriveState,
+    "joints": JointsState,
+    "motions": MotionsState,
+    "behaviour": BehaviourState,
+}
+
+KIND = Kind(
+    name="mqtt",
+    summary="tells a broker of MQTT how the robot is, and does what its row lets be asked there",
+    family="app",
+    lets_in=(
+        *("enabled", "host", "port", "tls", "clear_text", "ca", "user", "topic"),
+        *("token", "words", "shadow", "home_assistant"),
+    ),
+    entry="lbr.apps.mqtt.capability:Mqtt",
+    settings=MqttSettings,
+    inputs={**_STREAMS, "results": GoalResult, "frames": JpegFrame},
+    optional=(*_STREAMS, "results", "frames"),
+    outputs={"state": MqttState},
+    requests={
+        "move": DriveCommand,
+        "turn": TurnCommand,
+        "heading": HeadingCommand,
+        "halt": StopCommand,
+        "play": PlayCommand,
+        "play_halt": StopCommand,
+        "run": RunBehaviour,
+        "say": SayCommand,
+        "stop_all": StopCommand,
+    },
+    replies=dict.fromkeys(_ASKED, CommandReply),
+    rows=(Rows(TokenRight, {"name": "token"}),),
+    wires={
+        **dict.fromkeys(_STREAMS, Wire("state")),
+        "results": Wire("result", 16),
+        **_ASKED,
+    },
+    extra="mqtt",
+    package="paho",
+)

@@ -1,0 +1,69 @@
+"""The kind `speech`: its settings, ports and words."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Command, Kind, names
+from lbr.capability.word import Word
+from lbr.messages.leases import CommandReply
+from lbr.messages.speech import HushCommand, Phrase, PlayReply, SayCommand, SongCommand, SpeechState
+from lbr.messages.units import Fraction, Name
+
+Voice = Annotated[
+    str,
+    Meta(
+        pattern="^(espeak|piper|polly)/[A-Za-z0-9][A-Za-z0-9_+-]{0,63}$(?!\\n)",
+        description="an engine and its voice, such as espeak/en-us+f3, piper/en_US-lessac-medium or polly/Kevin",
+    ),
+]
+LanguageTag = Annotated[str, Meta(pattern="^[a-z][a-z]+(-[a-z0-9]+)*$(?!\\n)", max_length=20)]
+
+
+class SpeechSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Settings of a row of kind `speech`.
+
+    `language` is that of texts and of the phrases looked up first; `greets` says the phrases `hello` and `goodbye`.
+    `voices` names the voice of a language; one without a voice is spoken by espeak-ng's own. `cloud_endpoint` is where
+    the cloud's voices are asked for, if not where the region has them.
+    """
+
+    device: Name
+    language: LanguageTag = "en"
+    words_per_min: Annotated[int, Meta(ge=80, le=450)] = 150
+    pitch: Annotated[int, Meta(ge=0, le=99, description="of espeak-ng's voices; 50 is the voice's own")] = 50
+    volume: Fraction = 1.0
+    voices: dict[LanguageTag, Voice] = {}
+    greets: bool = True
+    queue: Annotated[int, Meta(ge=1, le=64, description="how many texts may wait")] = 16
+    engine_timeout_s: Annotated[float, Meta(ge=0.1, le=60.0, description="for the engine to turn a text to sound")] = (
+        10.0
+    )
+    cloud_region: Annotated[str, Meta(pattern="^[a-z]{2}(-[a-z0-9]+)+$(?!\\n)", max_length=40)] = "us-west-2"
+    cloud_endpoint: Annotated[
+        str, Meta(pattern=r"^(https://[^ /@]+|http://(127\.0\.0\.1|localhost)(:[0-9]+)?)?$(?!\n)", max_length=200)
+    ] = ""
+    cloud_timeout_s: Annotated[
+        float, Meta(ge=0.2, le=20.0, description="for the cloud to answer; then the voice on the robot says it")
+    ] = 3.0
+
+
+KIND = Kind(
+    name="speech",
+    summary="says texts and phrases aloud, and plays songs",
+    family="app",
+    entry="lbr.apps.speech.capability:Speech",
+    settings=SpeechSettings,
+    outputs={"state": SpeechState},
+    commands={"say": Command(SayCommand, choices={"phrase": names(Phrase)}), "hush": HushCommand, "play": SongCommand},
+    replies={"say": CommandReply, "hush": CommandReply, "play": PlayReply},
+    device="speaker",
+    emulated="folder",
+    rows=(Phrase,),
+    words=(
+        Word("/s/{text...}", "say", "Say a text, 5000 characters at most; one that is <name plays a recording"),
+        Word("/say/{phrase}", "say", "Say a phrase by its name, such as /say/hello"),
+        Word("/save/{save}/{text...}", "say", "Save a text as a recording instead of saying it; /s/<name plays it"),
+        Word("hush", "hush", "Say no more: ends speech and song, and drops what waits"),
+    ),
+)

@@ -1,0 +1,94 @@
+"""The kind `gamepad_teleop`: its settings, ports and words."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr.capability.kind import Kind, Wire
+from lbr.messages.beacon import SeekCommand
+from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand, TwistCommand
+from lbr.messages.gamepad import Button, GamepadState, TeleopState
+from lbr.messages.joints import PlayCommand
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.system import ConsoleResult, LineCommand
+
+Line = Annotated[str, Meta(min_length=1, max_length=250, description="a line of the console, such as /s/hello")]
+ButtonOrNone = Button | Literal[""]
+"""A button, or empty for none."""
+
+
+class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Settings of a row of kind `gamepad_teleop`.
+
+    The robot moves only while the button `dead_man` is held. `stop` stops whatever moves, with or without it; `estop`
+    latches the emergency stop. `lines` are what other buttons say when they are pressed.
+    """
+
+    dead_man: Button = "tl"
+    stop: ButtonOrNone = "b"
+    estop: ButtonOrNone = ""
+    lines: Annotated[dict[Button, Line], Meta(max_length=30)] = {}
+    speed_mps: Annotated[float, Meta(gt=0.0, le=10.0, description="with the stick all the way")] = 0.4
+    turn_rps: Annotated[float, Meta(gt=0.0, le=20.0, description="with the stick all the way")] = 1.2
+    sideways: Annotated[
+        bool, Meta(description="the base can: the left stick moves it any way, and the right one alone turns it")
+    ] = False
+    dead_zone: Annotated[float, Meta(ge=0.02, le=0.9, description="of a stick's way: less is rest")] = 0.12
+    stale_s: Annotated[
+        float, Meta(ge=0.15, le=1.0, description="a driver of the gamepad silent for longer is gone")
+    ] = 0.2
+    silent_s: Annotated[
+        float, Meta(ge=0.5, le=60.0, description="a gamepad by radio that said nothing for so long may be out of range")
+    ] = 2.0
+    wireless: Annotated[bool, Meta(description="it has a radio, whatever it is plugged in by: silence counts")] = False
+    ttl_s: Annotated[
+        float, Meta(ge=0.2, le=1.0, description="for so long motion goes on when this process is gone")
+    ] = 0.3
+
+    def __post_init__(self) -> None:
+        """Refuse a button that is to be two things."""
+        used = [one for one in (self.dead_man, self.stop, self.estop, *self.lines) if one]
+        if twice := sorted({one for one in used if used.count(one) > 1}):
+            raise ValueError(f"the button {twice[0]} is to be two things: give each its own")
+
+
+_ASKED = {
+    "twist": Wire("drive.twist"),
+    "move": Wire("drive.command"),
+    "turn": Wire("drive.turn"),
+    "heading": Wire("drive.heading"),
+    "halt": Wire("drive.stop"),
+    "play": Wire("motions.play"),
+    "play_halt": Wire("motions.stop"),
+    "seek": Wire("beacon.seek"),
+    "seek_halt": Wire("beacon.stop"),
+    "stop_all": Wire("stop"),
+}
+
+KIND = Kind(
+    name="gamepad_teleop",
+    summary="drives as a gamepad says, while its dead-man button is held; its buttons say lines",
+    family="app",
+    entry="lbr.apps.teleop.capability:Teleop",
+    settings=TeleopSettings,
+    inputs={"pad": GamepadState, "results": GoalResult},
+    optional=("results",),
+    outputs={"state": TeleopState},
+    requests={
+        "twist": TwistCommand,
+        "move": DriveCommand,
+        "turn": TurnCommand,
+        "heading": HeadingCommand,
+        "halt": StopCommand,
+        "play": PlayCommand,
+        "play_halt": StopCommand,
+        "seek": SeekCommand,
+        "seek_halt": StopCommand,
+        "stop_all": StopCommand,
+        "say": LineCommand,
+    },
+    replies={**dict.fromkeys(_ASKED, CommandReply), "say": ConsoleResult},
+    serves=True,
+    says="lines",
+    wires={"pad": Wire("gamepad.state", 16), "results": Wire("result", 16), **_ASKED},
+)

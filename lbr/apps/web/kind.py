@@ -1,0 +1,167 @@
+"""The kind `web`: its settings, ports and words."""
+
+import re
+from ipaddress import ip_network
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from lbr import plugins
+from lbr.apps.web.ports import FacePorts, with_faces
+from lbr.bus.door import LanUser
+from lbr.capability.kind import Kind
+from lbr.capability.word import Word
+from lbr.messages.battery import BatteryState
+from lbr.messages.drive import DriveState, GoalResult
+from lbr.messages.faces import Button, EditCommand, EditReply, Motor
+from lbr.messages.joints import (
+    Joint,
+    JointsCommand,
+    JointsState,
+    MotionRow,
+    MotionsState,
+    MotionStep,
+    PlayCommand,
+    TorqueCommand,
+)
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.pairing import PairCommand, PairReply
+from lbr.messages.sensing import Ranges
+from lbr.messages.system import EstopResetCommand
+from lbr.messages.units import Name
+from lbr.messages.web import AddressCommand, AddressReply, WebState
+
+_ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^/?#\s@]+")
+Network = Annotated[str, Meta(description="an address or a network, such as 192.168.1.0/24")]
+
+
+class OldApi(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the face `lbr_original` treats the clients of the API that the robot lbr has always had."""
+
+    heartbeat_s: Annotated[
+        float, Meta(ge=0.5, le=5.0, description="a client that moves the robot and is silent for longer is lost")
+    ] = 1.5
+    unattended_s: Annotated[
+        float,
+        Meta(ge=0.0, le=60.0, description="how long a turn or a timed move goes on whose client only began it"),
+    ] = 10.0
+    dock_ttl_s: Annotated[
+        float, Meta(ge=0.2, le=10.0, description="how long a beam of the dock counts that a client has seen")
+    ] = 3.0
+    over_range_cm: Annotated[
+        int, Meta(ge=100, le=1000, description="what is told as a distance where nothing is within reach")
+    ] = 758
+
+
+class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Settings of a row of kind `web`.
+
+    Where other machines reach it, it speaks TLS, unless `clear_text` says otherwise. `trusted` are the networks whose
+    clients operate without a token. `legacy` opens what was built before there were tokens: then so do all programs of
+    this machine, and a GET may move although nothing proves that no web page sent it. `simulated`: only while the robot
+    is.
+    """
+
+    host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
+    port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 50000
+    faces: Annotated[
+        tuple[Name, ...], Meta(description="what is shown besides states and stops: faces that components bring")
+    ] = ()
+    layer: Annotated[Name, Meta(description="which layer of the table `motor` is shown")] = "api"
+    legacy: Annotated[
+        Literal["off", "simulated", "on"],
+        Meta(description="whether apps without a token move the robot from this machine and from trusted networks"),
+    ] = "simulated"
+    trusted: Annotated[tuple[Network, ...], Meta(description="networks whose clients operate without a token")] = ()
+    cors: Annotated[
+        tuple[str, ...], Meta(description="origins whose pages may ask, such as http://localhost:8081; * for all")
+    ] = ()
+    tls: Annotated[bool, Meta(description="https also where only this machine reaches it")] = False
+    clear_text: Annotated[
+        bool, Meta(description="http where other machines reach it: a machine in between reads and changes all of it")
+    ] = False
+    announce: Annotated[bool, Meta(description="tell the network by zeroconf, where others can reach it")] = True
+    names: Annotated[
+        tuple[str, ...], Meta(description="other names that this machine is asked by, such as robot.example.org")
+    ] = ()
+    requests_per_s: Annotated[float, Meta(ge=1.0, le=10_000.0, description="the most from one address")] = 200.0
+    old_api: OldApi = OldApi()
+
+    def __post_init__(self) -> None:
+        """Refuse what is no network and no origin, before anybody counts on it."""
+        for network in self.trusted:
+            try:
+                ip_network(network, strict=False)
+            except ValueError:
+                raise ValueError(f"trusted: '{network}' is not an address or network, such as 192.168.1.0/24") from None
+        for origin in self.cors:
+            if origin not in {"*", "null"} and _ORIGIN.fullmatch(origin) is None:
+                raise ValueError(f"cors: '{origin}' is not an origin; origins look like http://localhost:8081")
+        if self.tls and self.clear_text:
+            raise ValueError("tls and clear_text: only one of them can be true")
+
+    def doubts(self) -> tuple[str, ...]:
+        """Return which faces no installed package brings; the server shows the others."""
+        there = sorted(plugins.installed("faces"))
+        text = f"there are {', '.join(there) or 'none'}"
+        missing = tuple(f"faces: no package brings '{name}'; {text}" for name in self.faces if name not in there)
+        return missing + REFUSED
+
+
+_COMMANDS = ("move", "halt", "torque", "play", "stop_motion", "estop_reset")
+PORTS, REFUSED = with_faces(
+    FacePorts(
+        inputs={
+            "joints": JointsState,
+            "motions": MotionsState,
+            "moved": GoalResult,
+            "played": GoalResult,
+            "drive": DriveState,
+            "ranges": Ranges,
+            "battery": BatteryState,
+        },
+        states=("joints", "motions", "drive", "ranges", "battery"),
+        requests={
+            "move": JointsCommand,
+            "halt": StopCommand,
+            "torque": TorqueCommand,
+            "play": PlayCommand,
+            "stop_motion": StopCommand,
+            "edit": EditCommand,
+            "estop_reset": EstopResetCommand,
+        },
+        replies={"edit": EditReply, **dict.fromkeys(_COMMANDS, CommandReply)},
+        rows=(Joint, MotionRow, MotionStep, Motor, Button, LanUser),
+    )
+)
+"""The ports of the server and of all faces that are installed; in REFUSED what is wrong with those of some."""
+
+KIND = Kind(
+    name="web",
+    summary="serves the robot over HTTP: an API, a page, and a stream of states",
+    family="app",
+    serves=True,
+    pairs=True,
+    serves_people=True,
+    lets_in=("host", "tls", "clear_text", "legacy", "trusted", "cors", "names", "announce"),
+    entry="lbr.apps.web.start:Web",
+    settings=WebSettings,
+    inputs=PORTS.inputs,
+    optional=tuple(PORTS.inputs),
+    outputs={"state": WebState},
+    commands={"address": AddressCommand, "stop": StopCommand},
+    requests={**PORTS.requests, "pair": PairCommand},
+    replies={"address": AddressReply, "stop": CommandReply, "pair": PairReply, **PORTS.replies},
+    roles={"address": "view"},
+    rows=PORTS.rows,
+    edits=PORTS.edits,
+    words=(
+        Word("qr", "address", "Show where phones find the robot, as a QR code"),
+        Word(
+            "pair", "pair", "Let a phone in: six digits for a token, good for two minutes", executive=True, role="admin"
+        ),
+        Word("/pair/{role}", "pair", "The same, with a role: view, operate or admin", executive=True, role="admin"),
+        Word("open", "open", "Let other machines reach the web server, and show where", executive=True, role="admin"),
+        Word("close", "close", "Let only this machine reach the web server", executive=True, role="admin"),
+    ),
+)

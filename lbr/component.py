@@ -1,0 +1,42 @@
+"""What a package brings to lbr: the object that its entry point in the group `lbr.components` names.
+
+    [project.entry-points."lbr.components"]
+    my_arm = "my_arm:COMPONENT"                                         # in its pyproject.toml
+
+    COMPONENT = Component(kinds={"my_arm": "my_arm.kind:KIND"}, …)      # in my_arm/__init__.py
+
+Every process may import the object's module. What its strings name is imported where it is used, so that module imports
+nothing else.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class CliCommand:
+    """A command of the command line: `entry` is a `click.Command` as `module:attribute`, `help` its line in `lbr --help`."""
+
+    entry: str
+    help: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Component:
+    """What it brings by name, each as `module:attribute`.
+
+    - `kinds`: a `Kind` of capability, by its name.
+    - `commands`: commands of the command line, by what is typed.
+    - `faces`: faces of the HTTP server, by name; `ports` is the `FacePorts` of the face of that name.
+    - `robots`: a `Robot`, by its name.
+    - `twins`: a `DeviceTwin`, by the type that device rows name.
+    - `messages`: modules of message types that other components may import.
+    """
+
+    kinds: Mapping[str, str] = field(default_factory=dict)
+    commands: Mapping[str, CliCommand] = field(default_factory=dict)
+    faces: Mapping[str, str] = field(default_factory=dict)
+    ports: Mapping[str, str] = field(default_factory=dict)
+    robots: Mapping[str, str] = field(default_factory=dict)
+    twins: Mapping[str, str] = field(default_factory=dict)
+    messages: tuple[str, ...] = ()

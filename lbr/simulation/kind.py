@@ -1,0 +1,64 @@
+"""The kind `world`: its settings, ports and words."""
+
+from lbr.capability.kind import Command, Kind
+from lbr.capability.word import Word
+from lbr.messages.kinematics import Kinematics, Wheel
+from lbr.messages.leases import CommandReply
+from lbr.messages.sensing import RangeSensor
+from lbr.messages.simulation import WorldPose, WorldScene
+from lbr.simulation.requests import (
+    BallReply,
+    BallRequest,
+    FaultReply,
+    FaultRequest,
+    PictureReply,
+    PictureRequest,
+    PlaceRequest,
+    PlugRequest,
+    RemoveRequest,
+    ThingsReply,
+)
+from lbr.simulation.settings import WorldSettings
+from lbr.simulation.words import BALL_WORDS, FAULT_WORDS
+
+KIND = Kind(
+    name="world",
+    summary="a simulated room and robot, and an emulated twin on a pseudo-terminal for each of its devices",
+    family="simulation",
+    extra="sim",
+    package="mujoco",
+    entry="lbr.simulation.capability:World",
+    settings=WorldSettings,
+    outputs={"pose": WorldPose, "scene": WorldScene},
+    commands={
+        "picture": PictureRequest,
+        "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}),
+        "plug": PlugRequest,
+        "place": PlaceRequest,
+        "remove": RemoveRequest,
+        "ball": BallRequest,
+    },
+    roles={"picture": "admin", "fault": "admin", "plug": "admin", "place": "admin", "remove": "admin"},
+    emulates=True,
+    rows=(RangeSensor, Kinematics, Wheel),
+    replies={
+        "picture": PictureReply,
+        "fault": FaultReply,
+        "plug": CommandReply,
+        "place": ThingsReply,
+        "remove": ThingsReply,
+        "ball": BallReply,
+    },
+    words=(
+        Word("map", "picture", "Simulation: save a picture of the surroundings from above"),
+        Word("picture", "picture", "Simulation: save a picture of the surroundings from above"),
+        Word(
+            "/obstacle/{x_m}/{y_m}",
+            "place",
+            "Simulation: let a box of 0.3 m stand at this place, metres ahead of and left of where the world began",
+        ),
+        Word("/obstacle/off", "remove", "Simulation: let that box vanish"),
+        *BALL_WORDS,
+        *FAULT_WORDS,
+    ),
+)
