@@ -114,7 +114,13 @@ class Trial:
         data.unlink(missing_ok=True)
         sources = sorted({str(Path(pattern).parent) for pattern in part.code if (tree / pattern).parent.is_dir()})
         words = ["--cov-report=", "--cov-context=test", *(f"--cov={source}" for source in sources)]
-        words += ["-p", "benchmarks.instruments.test_times", "-m", "not slow_start and not nightly", *_there(tree, part.tests)]
+        words += [
+            "-p",
+            "benchmarks.instruments.test_times",
+            "-m",
+            "not slow_start and not nightly",
+            *_there(tree, part.tests),
+        ]
         self._pytest(tree, words, 3000.0, LBR_TEST_TIMES=str(times))
         found = coverage.CoverageData(str(data))
         found.read()
