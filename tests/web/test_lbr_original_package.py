@@ -7,9 +7,10 @@ from math import inf, nan, radians
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec import structs
 
 from lbr.apps.web.lbr_original.heartbeat import Heartbeat
-from lbr.apps.web.lbr_original.package import cameras, package, with_beams
+from lbr.apps.web.lbr_original.package import cameras, lasting, package, with_beams
 from lbr.capability.context import Received
 from lbr.messages.sensing import Ranges
 from lbr.messages.telemetry import (
@@ -114,6 +115,28 @@ def test_nothing_is_made_up():
     found = told(unknown)
     assert set(found) == {"MPU"}
     assert set(found["MPU"].values()) == {None, WALL}
+
+
+def test_a_part_that_is_not_told_any_more_stays_as_it_was_with_its_own_old_time():
+    before = told(age_s=4.0)
+    silent = structs.replace(
+        WHOLE,
+        imu=structs.replace(WHOLE.imu, age_s=0.0, heading_deg=None),
+        amperages=AmperagesPart(age_s=0.0, left_a=None, right_a=None),
+        battery=None,
+        counts=CountsPart(age_s=0.0, left=None, right=None),
+        voltages=None,
+        dock_signal=None,
+    )
+    now = told(silent)
+    later = lasting(before, now)
+    assert {name: later[name] for name in ("amperages", "Bat", "Count")} == {
+        name: before[name] for name in ("amperages", "Bat", "Count")
+    }
+    assert (later["MPU"]["heading"], later["MPU"]["time"]) == (315.0, WALL - 5.0)
+    assert {"voltages", "dockSignal"} & later.keys() == set()
+    assert lasting(before, told())["amperages"] == told()["amperages"]
+    assert lasting({}, {}) == {}
 
 
 def test_voltages_are_told_when_they_are_low_alone():

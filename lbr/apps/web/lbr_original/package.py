@@ -1,6 +1,6 @@
 """The telemetry in the names and units that the robot lbr has always told. Pure.
 
-What is not measured has no number made up for it: its part is left out, or it is null. Distances keep the numbers that
+What was never measured has no number made up for it: its part is left out, or it is null. Distances keep the numbers that
 the ring itself tells, for those who compare with them: `over_range_cm` for nothing within reach, 0 for a sensor that
 is not there or answers an error, and -1 if nothing new came of the ring.
 """
@@ -22,6 +22,8 @@ GYRO_SIGNS = (-1, 1, -1)
 """Clockwise is positive, as is nose down."""
 LOW_V = 10.6
 """Below it the voltages are told: as an alarm, and at no other time."""
+LASTING = ("amperages", "Bat", "Count")
+"""Parts that stay as they were told last, as `MPU` does: state machines read them in every round."""
 OFF = {"device": "", "status": "off"}
 
 
@@ -58,9 +60,11 @@ def package(
 
 
 def lasting(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what the inertial unit tells now, and what it told before where it tells nothing, as old as the older of both."""
-    kept = {name: one for name, one in before.items() if one is not None and now.get(name) is None}
-    return {**now, **kept, "time": before["time"]} if kept else dict(now)
+    """Return the telemetry, with what was told before where it tells nothing; each part has its own old time."""
+    found = {**{name: before[name] for name in LASTING if name in before}, **now}
+    if imu := _lasting_imu(before.get("MPU", {}), now.get("MPU", {})):
+        found["MPU"] = imu
+    return found
 
 
 def cameras(telemetry: Received | None) -> dict[str, Any]:
@@ -82,6 +86,12 @@ def with_beams(found: dict[str, Any], seen: Mapping[str, float], wall: float) ->
     newest = round(wall - min(seen.values()), 3)
     merged = {name: 1 if name in seen else signal[name] for name in ("left", "right")}
     return {**found, "dockSignal": {"time": max(newest, signal["time"]), **merged}}
+
+
+def _lasting_imu(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the inertial unit tells now, or told before: as old as the older of both."""
+    kept = {name: one for name, one in before.items() if one is not None and now.get(name) is None}
+    return {**now, **kept, "time": before["time"]} if kept else dict(now)
 
 
 def _ranges(ranges: Ranges, over_range_cm: int, *, fresh: bool) -> dict[str, int]:

@@ -51,8 +51,8 @@ class LbrOriginalFace(web.Face):
         self._driver = Driver(robot, settings.heartbeat_s, settings.unattended_s)
         self._cameras = CamerasFace(Ports(robot))
         self._seen: dict[str, float] = {}
-        self._imu: dict[str, Any] = {}
-        self._imu_at: float | None = None
+        self._told: dict[str, Any] = {}
+        self._told_at: float | None = None
 
     def routes(self) -> Sequence[Route]:
         """Return what it answers; what fits any path comes last."""
@@ -227,19 +227,18 @@ class LbrOriginalFace(web.Face):
     def _package(self) -> dict[str, Any]:
         now, latest = self._robot.now(), self._robot.ctx.latest
         wall = time.time()
-        found = package(latest("telemetry"), latest("ranges"), now, wall, self._settings.over_range_cm)
-        if imu := lasting(self._imu, found.get("MPU", {})):
-            found["MPU"] = imu
+        newest = package(latest("telemetry"), latest("ranges"), now, wall, self._settings.over_range_cm)
+        found = lasting(self._told, newest)
         self._seen = {name: at for name, at in self._seen.items() if now - at <= self._settings.dock_ttl_s}
         return with_beams(found, {name: now - at for name, at in self._seen.items() if name != "power"}, wall)
 
     def _remember(self, now: float) -> None:
-        """Keep what the inertial unit told last: state machines compute with its heading, also while that is not known."""
+        """Keep what was told last: state machines compute with it, also while it is not known."""
         newest = self._robot.ctx.latest("telemetry")
-        if newest is not None and newest.arrived != self._imu_at:
-            self._imu_at = newest.arrived
+        if newest is not None and newest.arrived != self._told_at:
+            self._told_at = newest.arrived
             told = package(newest, None, now, time.time(), self._settings.over_range_cm)
-            self._imu = lasting(self._imu, told.get("MPU", {}))
+            self._told = lasting(self._told, told)
 
     def _answered(self, err: Refused | None = None) -> Response:
         """Return the telemetry, and what was refused of what was asked."""
