@@ -20,6 +20,7 @@ from lbr.capability.context import Device
 class Line:
     twin = type("Twin", (), {"servos": {}})
     device = Device("arm", "feetech", sys.argv[1], {})
+    drivers = []
 
 arm = Arm(Line, '{"device": "arm", "reply_margin_s": 0.03, "hold_s": 0.5, "release_s": 0.5}')
 arm.send(position_rad=1.2, speed_rps=0.3)
