@@ -74,7 +74,7 @@ class Driver:
             for servo in SERVOS
         )
         device = Device("board", "uxa90", str(path), {})
-        self.ctx = RealTimeContext(KIND.parse(row), name="servos", device=device, given=joints)
+        self.ctx = RealTimeContext(KIND, KIND.parse(row), name="servos", device=device, given=joints)
         self.ctx.wired["setpoint"] = ("joints",)
         self.driver = Uxa90(self.ctx)
         self.driver.open()

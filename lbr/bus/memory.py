@@ -40,7 +40,7 @@ class Memory:
     @property
     def now(self) -> float:
         """Monotonic seconds of this bus."""
-        return self._now_ns / 1e9
+        return self.clock()
 
     def clock(self) -> float:
         """Return `now`."""
@@ -48,7 +48,7 @@ class Memory:
 
     def moment(self) -> float:
         """Return a moment of this round that is later than all before."""
-        self._moment_ns = max(self._moment_ns + MOMENT_NS, self._now_ns)
+        self._moment_ns = max(self._moment_ns + MOMENT_NS, round(self.now * 1e9))
         return self._moment_ns / 1e9
 
     def step(self, seconds: float) -> None:
@@ -217,10 +217,10 @@ class MemoryPresence:
 
 
 class MemoryTransport:
-    """One participant's part of a bus in memory."""
+    """One participant's part of a bus in memory, by the bus's clock unless it has a `clock` of its own."""
 
-    def __init__(self, memory: Memory) -> None:
-        self.memory, self.clock = memory, memory.clock
+    def __init__(self, memory: Memory, clock: Callable[[], float] | None = None) -> None:
+        self.memory, self.clock = memory, clock or memory.clock
         self._close: list[Callable[[], object]] = []
 
     def publisher(

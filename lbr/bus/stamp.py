@@ -56,7 +56,7 @@ def make(
     `token` names the token whose secret is the key, for the door of a robot elsewhere. `sent_s` is when what is passed on was sent first, on this machine's monotonic clock; now, if it is not given.
     `waited_s` is for how long it had waited here by then. `origin` is whose it is, where it is passed on, and since when.
     """
-    mono_ns = time.monotonic_ns() if sent_s is None else int(sent_s * 1e9)
+    mono_ns = time.monotonic_ns() if sent_s is None else round(sent_s * 1e9)
     if origin is not None:
         waited_s = mono_ns / 1e9 - origin.written_s
     seal = _seal(key, payload, seq, mono_ns, boot_id()).decode() if key else ""

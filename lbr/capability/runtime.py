@@ -184,7 +184,7 @@ class ProcessContext:
             EstopLatch(config, wake, within_s, join(config, alone=True)) if kind.moves else NothingToStop()
         )
         self.config = config
-        self._kind = kind
+        self.kind = kind
         self._reporter = reporter
         self._wake = wake
         self._complained: dict[str, float] = {}
@@ -196,7 +196,6 @@ class ProcessContext:
         except BaseException:  # also an interruption leaves nothing open; it goes on upwards
             self.estop.close()
             raise
-        self.clock = self._bus.clock
         self._events = self._bus.publisher(keys.event(config.robot), config.name)
         taps = {device.name: device.tap for device in self.devices} if self.device is not None else {}
         self._tape = Tape(self._bus, config.robot, config.name, taps)
@@ -240,6 +239,10 @@ class ProcessContext:
         """This process's session, for kinds that hear what no row wires; one thread takes from it. None: it has none."""
         return self._bus.session if isinstance(self._bus, ZenohTransport) else None
 
+    def clock(self) -> float:
+        """Return monotonic seconds."""
+        return self._bus.clock()
+
     def rows(self, row: type[R]) -> tuple[R, ...]:
         """Return the rows of a table that the kind reads."""
         if row not in self._rows:
@@ -255,7 +258,7 @@ class ProcessContext:
         """
         if output not in self._outputs:
             raise KeyError(f"'{self.name}' has no output '{output}'; it has {', '.join(self._outputs) or 'none'}")
-        declared = self._kind.outputs[output]
+        declared = self.kind.outputs[output]
         if not isinstance(message, declared):
             what = f"a {type(message).__name__} on '{output}', which its kind declares to be {declared.__name__}"
             raise TypeError(f"'{self.name}' publishes {what}")
@@ -330,7 +333,7 @@ class ProcessContext:
             )
             for name, key in asked.items()
         }
-        return Answers(questions, Decoder(self._kind.replies.get(request, CommandReply)))
+        return Answers(questions, Decoder(self.kind.replies.get(request, CommandReply)))
 
     def event(
         self,
@@ -383,7 +386,7 @@ class ProcessContext:
     def learn(self, *rows: Row) -> None:
         """Have rows that the kind learns written down."""
         for row in rows:
-            if type(row) not in self._kind.learns:
+            if type(row) not in self.kind.learns:
                 raise ValueError(f"'{self.name}' learns no rows of '{row.TABLE}': its kind says so by `learns`")
         told = _told(rows)
         self._reporter.learnt(changes(self._row_sets, told))
@@ -420,7 +423,7 @@ class ProcessContext:
         What moves hears of a stop before each of them: it knows by their dates what came before that, and begins none.
         """
         self.estop.serve()
-        overtaken = self._kind.moves and STOP in self._commands
+        overtaken = self.kind.moves and STOP in self._commands
         for name, (served, _) in self._commands.items():
             served.first = self.live_lease.encode()
             if served.dropped > self._dropped.get(name, 0):

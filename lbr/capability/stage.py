@@ -1,7 +1,8 @@
 """Capabilities as they are run, in one process, by a clock that is stepped: their contexts and loops, over a bus in memory.
 
 What is published, asked or answered in one round is there in the next; nothing happens between rounds, and the order is
-always the same. A capability that raises ends the round with what it raised.
+always the same. A capability that raises ends the round with what it raised. One that waits for its device does so in
+time of its own (`spend`), and is busy meanwhile.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -9,7 +10,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import msgspec
-from msgspec import Struct
+from msgspec import Raw, Struct
 
 from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
@@ -17,17 +18,22 @@ from lbr.bus.memory import BEGAN_S, Memory, MemoryTransport
 from lbr.bus.transport import Question
 from lbr.capability.base import Capability
 from lbr.capability.calls import Answers
-from lbr.capability.config import ProcessConfig
+from lbr.capability.config import InputWire, OutputWire, ProcessConfig
 from lbr.capability.kind import Kind
 from lbr.capability.loop import EARLY_S, Garbage, Loop
 from lbr.capability.reporter import Reporter, Said
 from lbr.capability.runtime import ProcessContext
 from lbr.messages.codes import ReasonCode
 from lbr.messages.leases import CommandReply
+from lbr.messages.rows import Row, row_set
 from lbr.messages.system import EstopRequest, Event
 
 ROUND_S = 0.01
 """One hop over the bus takes up to 7 ms beside four busy loops; a round is a bit more."""
+
+
+DEPTH = 1000
+"""So many messages of a port wait for who takes them, of a capability that is alone."""
 
 
 class Told(NamedTuple):
@@ -38,6 +44,37 @@ class Told(NamedTuple):
     kind: str
     text: str
     code: str
+
+
+def alone(
+    kind: Kind,
+    settings: str | bytes = "{}",
+    rows: Iterable[Row] = (),
+    *,
+    robot: str = "robot",
+    name: str = "",
+    home: str = "/nonexistent",
+) -> ProcessConfig:
+    """Return the process of a kind whose ports and requests are wired to capabilities of the same names."""
+    given, name = tuple(rows), name or kind.name
+    return ProcessConfig(
+        robot=robot,
+        name=name,
+        kind=kind.name,
+        settings=Raw(settings.encode() if isinstance(settings, str) else settings),
+        simulated=True,
+        endpoints=(),
+        home=home,
+        wiring={
+            port: (InputWire(key=keys.port(robot, port, port), source=port, history=DEPTH),)
+            for port in (*kind.inputs, *kind.setpoints)
+        },
+        outputs={output: (OutputWire(key=keys.port(robot, name, output)),) for output in kind.outputs},
+        requests={request: {request: keys.port(robot, request, request)} for request in kind.requests},
+        rows={
+            read.row.TABLE: row_set(read.row, (one for one in given if type(one) is read.row)) for read in kind.reads
+        },
+    )
 
 
 class StageReporter(Reporter):
@@ -99,7 +136,7 @@ class Member:
 class Stage:
     """Capabilities by name, and the bus between them. `told` are the events, and `names` all that count as alive."""
 
-    def __init__(self, robot: str, now: float = BEGAN_S, round_s: float = ROUND_S) -> None:
+    def __init__(self, robot: str = "robot", now: float = BEGAN_S, round_s: float = ROUND_S) -> None:
         self.robot = robot
         self.round_s = round_s
         self.bus = Memory(now)
@@ -108,12 +145,21 @@ class Stage:
         self._outside = MemoryTransport(self.bus)
         self._transports: dict[str, list[MemoryTransport]] = {}
         self._seals: dict[str, bytes] = {}
+        self._busy_until: dict[str, float] = {}
         self.listen(keys.event(robot), Event, self._keep)
 
     @property
     def now(self) -> float:
         """The time of the stage."""
         return self.bus.now
+
+    def time_of(self, name: str) -> float:
+        """Return the time as a capability has it, which may still be waiting for its device."""
+        return max(self.now, self._busy_until.get(name, 0.0))
+
+    def spend(self, name: str, seconds: float) -> None:
+        """Have a capability wait for its device."""
+        self._busy_until[name] = self.time_of(name) + seconds
 
     @property
     def names(self) -> set[str]:
@@ -157,17 +203,27 @@ class Stage:
         """Publish as one who is not on the stage; what only that one may publish is sealed as by it."""
         self.bus.publish(key, message, source, seal=self._seals.get(key, b""))
 
+    def arrive(self, name: str, port: str, message: Struct) -> None:
+        """Have a message come on an input or setpoint, from who is wired there."""
+        for feed in self.members[name].ctx.config.wiring[port]:
+            self.put(feed.key, message, feed.source)
+
+    def hear(self, name: str, output: str) -> list[Any]:
+        """Return a list to which all is added that is published on an output from now on."""
+        heard: list[Any] = []
+        self.listen(keys.port(self.robot, name, output), self.members[name].ctx.kind.outputs[output], heard.append)
+        return heard
+
     def press(self, reason: str, source: str = "stage") -> None:
         """Press the emergency stop."""
         self.bus.publish(keys.estop(self.robot), EstopRequest(engaged=True, reason=reason), source)
 
-    def command(
-        self, name: str, what: str, message: Any, source: str, timeout_s: float = 2.0, reply: type[Any] = CommandReply
-    ) -> Answers:
+    def command(self, name: str, what: str, message: Any, source: str, timeout_s: float = 2.0) -> Answers:
         """Ask one capability from outside."""
+        replies = self.members[name].ctx.kind.replies if name in self.members else {}
         key = keys.port(self.robot, name, what)
         question: Question = self._outside.query(key, wire.encode(message), timeout_s=timeout_s, source=source)
-        return Answers({name: question}, Decoder(reply))
+        return Answers({name: question}, Decoder(replies.get(what, CommandReply)))
 
     def answer(self, name: str, what: str, message: Any, source: str = "stage", timeout_s: float = 2.0) -> Any:
         """Ask one capability, and let time go by until it has answered; None if it does not."""
@@ -179,8 +235,9 @@ class Stage:
     def round(self) -> None:
         """Let one round go by."""
         self.bus.step(self.round_s)
-        for member in list(self.members.values()):
-            member.round(self.now)
+        for name, member in list(self.members.items()):
+            if self.time_of(name) <= self.now + EARLY_S:
+                member.round(self.now)
 
     def run(self, seconds: float, each: Iterable[Callable[[], object]] = ()) -> None:
         """Let time go by, and do something in each round."""
@@ -191,7 +248,7 @@ class Stage:
 
     def _join(self, config: ProcessConfig, *, alone: bool) -> MemoryTransport:
         del alone
-        transport = MemoryTransport(self.bus)
+        transport = MemoryTransport(self.bus, partial(self.time_of, config.name))
         self._transports.setdefault(config.name, []).append(transport)
         return transport
 

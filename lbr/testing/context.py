@@ -1,27 +1,27 @@
-"""A capability's context without a bus."""
+"""A capability's context as it is run, on a bus in memory on which a test is everybody else."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from math import nan
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any
 
 import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.bus import wire
-from lbr.bus.stamp import sent_s
-from lbr.capability.context import Call, Context, Device, Received
+from lbr.bus import keys, wire
+from lbr.bus import stamp as stamps
+from lbr.bus.codec import Decoder
+from lbr.bus.memory import BEGAN_S, Memory, MemoryTransport
+from lbr.capability.calls import Answers
+from lbr.capability.kind import Kind
+from lbr.capability.runtime import ProcessContext
+from lbr.capability.stage import StageReporter, alone
 from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import MEANINGS, Code, Reason
-from lbr.messages.leases import refused
+from lbr.messages.leases import CommandReply, refused
 from lbr.messages.rows import Row
-from lbr.messages.system import Stamp
-
-S = TypeVar("S", bound=Struct)
-R = TypeVar("R", bound=Row)
-BEGAN_S = 100.0
-"""Not zero, so that a time that was never set is not mistaken for one that was."""
+from lbr.messages.system import Event, Stamp
 
 
 @dataclass
@@ -80,6 +80,15 @@ class FakeCall:
         self.reply(refused(reason if isinstance(reason, Reason) else Reason(code, reason)))
 
 
+class Given:
+    """A question that is over; None: it was not answered."""
+
+    done = True
+
+    def __init__(self, answer: Any) -> None:
+        self.replies = [] if answer is None else [wire.RawMessage("", wire.encode(answer), b"", 0.0)]
+
+
 @dataclass
 class FakeAsked:
     """A question that was put, to `only` some or to all; `given` are the answers by capability, None while it waits."""
@@ -88,44 +97,47 @@ class FakeAsked:
     message: Any
     given: Mapping[str, Any] | None = None
     only: Collection[str] | None = None
+    decoder: Decoder[Any] = field(default_factory=lambda: Decoder(CommandReply))
 
     def answers(self) -> Mapping[str, Any] | None:
-        """Return what was given."""
-        return self.given
+        """Return what was given, as it is read from its bytes."""
+        if self.given is None:
+            return None
+        return Answers({name: Given(one) for name, one in self.given.items()}, self.decoder).answers()
 
 
-class FakeContext(Generic[S]):
+class AtOnce(Memory):
+    """A bus by a test's clock, on which nothing waits for the next round."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        super().__init__()
+
+    def clock(self) -> float:
+        """Return the test's time."""
+        return self._clock()
+
+    def send(self, deliver: Callable[[], None]) -> None:
+        """Do it now."""
+        deliver()
+
+
+class FakeContext(ProcessContext):
     """A capability's context: `now` is the time, `published` and `events` are kept, `arrive` is what it hears.
 
     A question is answered with what stands in `replies` for its request, at once; without an entry it waits. Who is wired
     to a port or request stands in `wired`, by default one of that name; who is dead, in `gone`; which outputs have no
-    subscriber, in `unwatched`. `given` are its rows, of
-    whatever tables, and `kept` what it has learnt. Any attribute of `Context` may be given by its name.
+    subscriber, in `unwatched`. `given` are its rows, of the tables that its kind reads, and `kept` what it has learnt.
     """
 
-    robot = "robot"
-    name = "under_test"
-    simulated = True
-    device: Device | None = None
-    devices: tuple[Device, ...] = ()
-    home = "/nonexistent"
-    given: tuple[Row, ...] = ()
-    on_tick = True
-    live_lease = ""
+    estop: FakeEstop
 
-    def __init__(self, settings: S, **given: Any) -> None:
-        for name, value in given.items():
-            if not hasattr(type(self), name):
-                raise TypeError(f"a context has no '{name}'")
-            setattr(self, name, value)
-        self.settings = settings
-        self.estop = FakeEstop()
+    def __init__(self, kind: Kind, settings: Struct | None = None, **given: Any) -> None:
         self.now = BEGAN_S
         self.published: list[tuple[str, Any]] = []
         self.taken_s: list[float] = []
-        self.answered: dict[str, Any] = {}
         self.events: list[tuple[str, str]] = []
-        self.data: list[dict[str, Any] | None] = []
+        self.data: list[dict[str, Any]] = []
         self.levels: list[str] = []
         self.codes: list[str] = []
         self.health: list[str] = []
@@ -137,23 +149,54 @@ class FakeContext(Generic[S]):
         self.latched: list[str] = []
         self.unwatched: set[str] = set()
         self.woken = 0
-        self._latest: dict[str, Received] = {}
-        self._arrived: dict[str, list[Received]] = {}
+        self._memory = memory = AtOnce(lambda: self.clock())  # noqa: PLW0108 - a test may replace its clock
+        config = alone(kind, b"{}" if settings is None else msgspec.json.encode(settings), name="under_test")
+        super().__init__(
+            config,
+            kind,
+            StageReporter(lambda _said: None),
+            wake=lambda: None,
+            wake_for_streams=None,
+            join=lambda _config, *, alone: MemoryTransport(memory),  # noqa: ARG005
+        )
+        memory.listen(keys.event(self.robot), Event, self._keep)
+        self.estop, self.on_tick, self.given = FakeEstop(), True, ()
+        for name, value in given.items():
+            if not hasattr(self, name):
+                raise TypeError(f"a context has no '{name}'")
+            setattr(self, name, value)
 
     # What a test does and looks at.
+
+    @property
+    def given(self) -> tuple[Row, ...]:
+        """Its rows, of all tables that its kind reads."""
+        return tuple(one for read in self.kind.reads for one in self.rows(read.row))
+
+    @given.setter
+    def given(self, rows: Iterable[Row]) -> None:
+        self._row_sets = alone(self.kind, rows=rows).rows
+        self._rows.clear()
+
+    @property
+    def answered(self) -> set[str]:
+        """The outputs whose latest value a `get` is answered with."""
+        return {output for output in self._outputs if self.config.outputs[output][0].key in self._memory.latest}
 
     def arrive(
         self, port: str, message: Any, *, source: str = "", stamp: Stamp | None = None, late_s: float = 0.0
     ) -> None:
         """Have a message come on an input or setpoint, sent `late_s` ago or when its stamp says."""
-        came = Received(message, stamp, sent_s(stamp, self.clock() - late_s), source or port)
-        self._latest[port] = came
-        self._arrived.setdefault(port, []).append(came)
+        payload = message.data if isinstance(message, JpegFrame) else wire.encode(message)
+        (feed,), sent_s, who = self.config.wiring[port], self.clock() - late_s, source or port
+        stamped = wire.encode(replace(stamp, source=who)) if stamp else stamps.make(who, 0, sent_s=sent_s)
+        self._memory.latest[feed.key] = wire.RawMessage(feed.key, payload, stamped, self.clock())
+        self._memory.carry(feed.key, payload, stamped)
 
     def unheard(self, port: str) -> None:
         """Have it be as before the first message of an input."""
-        self._latest.pop(port, None)
-        self._arrived.pop(port, None)
+        self.take(port)
+        self._ports[port].last = None
 
     def said(self, output: str) -> list[Any]:
         """Return all that was published on an output."""
@@ -168,24 +211,19 @@ class FakeContext(Generic[S]):
         del message
         return self.replies.get(request)
 
-    # What the capability sees.
+    # What is the test's to say, and what it looks at later.
 
     def clock(self) -> float:
         """Return the test's time."""
         return self.now
 
     def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:
-        """Keep it; a value that its declared type does not allow is a defect."""
-        if not isinstance(message, JpegFrame):
-            msgspec.json.decode(wire.encode(message), type=type(message))
+        """Publish and keep it; a value that its declared type does not allow is a defect."""
+        super().publish(output, message, taken_s=taken_s)
+        assert output not in self._refused_outputs, self.events[-1][1]
         self.published.append((output, message))
-        self.answered[output] = message
         if taken_s is not None:
             self.taken_s.append(taken_s)
-
-    def forget(self, output: str) -> None:
-        """Answer no `get` any more."""
-        self.answered.pop(output, None)
 
     def watched(self, output: str) -> bool:
         """Say what the test has set in `unwatched`."""
@@ -194,14 +232,6 @@ class FakeContext(Generic[S]):
     def wake(self) -> None:
         """Count it."""
         self.woken += 1
-
-    def latest(self, port: str) -> Received | None:
-        """Return what arrived last."""
-        return self._latest.get(port)
-
-    def take(self, port: str) -> list[Received]:
-        """Return what arrived since the last call."""
-        return self._arrived.pop(port, [])
 
     def sources(self, port: str) -> tuple[str, ...]:
         """Return who is wired there."""
@@ -215,61 +245,45 @@ class FakeContext(Generic[S]):
         """Say whether the test lets it live."""
         return capability not in self.gone
 
-    def ask(self, request: str, message: Struct, timeout_s: float, *, only: Collection[str] | None = None) -> FakeAsked:
+    def ask(  # type: ignore[override]
+        self,
+        request: str,
+        message: Struct,
+        timeout_s: float,
+        *,
+        only: Collection[str] | None = None,
+    ) -> FakeAsked:
         """Keep the question, and answer it as the test says."""
         del timeout_s
         given = self.answer(request, message)
         if given is not None and only is not None:
             given = {name: reply for name, reply in given.items() if name in only}
-        self.asked.append(FakeAsked(request, message, given, only))
+        decoder = Decoder(self.kind.replies.get(request, CommandReply))
+        self.asked.append(FakeAsked(request, message, given, only, decoder))
         return self.asked[-1]
 
-    def event(
-        self,
-        kind: str,
-        text: str,
-        *,
-        level: str = "info",
-        data: dict[str, Any] | None = None,
-        code: str = "",
-        about: str = "",
-    ) -> None:
-        """Keep it, with its data, level and code."""
-        del about
-        self.codes.append(code)
-        self.events.append((kind, text))
-        self.data.append(data)
-        self.levels.append(level)
-
     def engage_estop(self, reason: str) -> None:
-        """Keep the reason."""
+        """Press it, and keep the reason."""
+        super().engage_estop(reason)
         self.latched.append(reason)
 
-    def rows(self, row: type[R]) -> tuple[R, ...]:
-        """Return the rows of a table, of those that are given."""
-        return tuple(one for one in self.given if type(one) is row)
-
     def learn(self, *rows: Row) -> None:
-        """Go on with them, as the runtime does."""
+        """Learn, and keep them."""
+        super().learn(*rows)
         self.kept.append(rows)
-        self.adopt(rows)
-
-    def adopt(self, rows: Iterable[Row]) -> None:
-        """Go on with them, as the runtime does."""
-        self.given = tuple({(one.TABLE, one.key): one for one in (*self.given, *rows)}.values())
 
     def ready(self, reason: str = "") -> None:
-        """Keep that it works: `health` says "ready"."""
-        del reason
+        """Report it; `health` says "ready"."""
+        super().ready(reason)
         self.health.append("ready")
 
     def warn(self, reason: str | Reason, code: Code = "failed") -> None:
-        """Keep why it works, but not as it should; the last code is in `health_code`."""
+        """Report it, and keep the reason in `health`."""
+        super().warn(reason, code)
         self.health.append(str(reason))
-        self.health_code = reason.code if isinstance(reason, Reason) else code
 
-
-if TYPE_CHECKING:
-
-    def _is_a_context(fake: FakeContext[S], call: FakeCall) -> tuple[Context[S], Call]:
-        return fake, call
+    def _keep(self, event: Event) -> None:
+        self.codes.append(event.code)
+        self.events.append((event.kind, event.text))
+        self.data.append(event.data)
+        self.levels.append(event.level)

@@ -32,7 +32,7 @@ STOPS_WITHIN_S = 1.0
 """Longer than any controller's own watchdog, on a machine that has much else to do."""
 
 
-class RealTimeContext(FakeContext[Any]):
+class RealTimeContext(FakeContext):
     """A context whose clock is the machine's."""
 
     def clock(self) -> float:
@@ -63,7 +63,7 @@ class DriverBench:
         self.settings = settings
         self._leases = 0
         self._rest = {"lose": lose, "wired": wired, **rest}
-        self.ctx = RealTimeContext(kind.parse(settings), device=device.device, devices=(device.device,), **rest)
+        self.ctx = RealTimeContext(kind, kind.parse(settings), device=device.device, devices=(device.device,), **rest)
         self.ctx.wired = wired or {}
         self.driver: Capability[Any] = kind.load()(self.ctx)
         self.errors: list[DeviceError] = []
@@ -198,7 +198,7 @@ def names_a_device_that_is_not_there(bench: DriverBench) -> None:
     """Without its device it raises a DeviceError or warns, names the row or the port, and ends no process."""
     device = bench.device.device
     absent = Device(device.name, device.type, f"{device.address}-absent", device.settings)
-    ctx = RealTimeContext(bench.ctx.settings, device=absent, devices=(absent,), given=bench.ctx.given)
+    ctx = RealTimeContext(bench.kind, bench.ctx.settings, device=absent, devices=(absent,), given=bench.ctx.given)
     driver = bench.kind.load()(ctx)
     end, said = time.monotonic() + WITHIN_S, ""
     try:

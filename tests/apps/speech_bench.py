@@ -63,7 +63,7 @@ class SpeechContext(FakeContext):
         home.mkdir(mode=0o700, exist_ok=True)
         chosen = KIND.settings(device="speaker", **{"greets": False, **settings})
         speaker = Device("speaker", "speaker", address, {})
-        super().__init__(chosen, robot="lbr", name="speech", home=str(home), device=speaker, given=PHRASES)
+        super().__init__(KIND, chosen, robot="lbr", name="speech", home=str(home), device=speaker, given=PHRASES)
 
     def clock(self) -> float:
         return time.monotonic()

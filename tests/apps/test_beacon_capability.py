@@ -24,7 +24,7 @@ class Stage:
     """A beacon on a robot that accepts what it is asked and never comes to an end of it, unless a test says so."""
 
     def __init__(self, **settings):
-        self.ctx = FakeContext(BeaconSettings(**settings), name="beacon")
+        self.ctx = FakeContext(KIND, BeaconSettings(**settings), name="beacon")
         self.ctx.answer = self._answer
         self.goals = 0
         self.refusal = None

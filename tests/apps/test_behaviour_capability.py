@@ -55,7 +55,7 @@ class Stage:
     """A capability on a robot that accepts what it is asked; a test says how each goal ends."""
 
     def __init__(self, *given, wired=None, **settings):
-        self.ctx = FakeContext(BehaviourSettings(**settings), given=given or rows())
+        self.ctx = FakeContext(KIND, BehaviourSettings(**settings), given=given or rows())
         self.ctx.name = "behaviour"
         self.ctx.wired = {
             "play": (),
@@ -498,8 +498,9 @@ def test_a_stop_of_anothers_counts_although_a_halt_of_the_tables_own_came_right_
     stage.play(0.2)
     stopped = {"stopped_s": stage.ctx.now - 0.01, "stopped_by": "console"}
     own = {"stopped_s": stage.ctx.now, "stopped_by": "behaviour"}
+    state = {"drive": drive_state, "joints": joints_state}[port]
     for given in (stopped, own):
-        stage.ctx.arrive(port, drive_state(**given))
+        stage.ctx.arrive(port, state(**given))
     stage.behaviour.step()
     assert stage.ctx.codes[-1] == "stopped"
     assert stage.behaviour._run is None

@@ -198,13 +198,13 @@ def test_a_disk_that_is_too_slow_costs_messages_and_no_time(tmp_path, monkeypatc
 LACKING = """
 import sys
 sys.modules["zstandard"] = None
-from lbr.apps.box import BoxSettings
+from lbr.apps.box.kind import KIND
 from lbr.apps.box.start import Box
 from lbr.errors import DeviceError
 from lbr.testing.context import FakeContext
 
 try:
-    Box(FakeContext(BoxSettings())).open()
+    Box(FakeContext(KIND)).open()
 except DeviceError as err:
     print(err)
 """

@@ -3,7 +3,6 @@ from typing import Any
 import pytest
 
 from lbr.apps.cameras.kind import KIND
-from lbr.capability import NoSettings
 from lbr.messages.camera import CameraState, SelectCommand
 from lbr.messages.leases import CommandReply
 from lbr.testing import FakeCall, FakeContext
@@ -13,7 +12,7 @@ class Bus(FakeContext):
     """The cameras on the other side: each does as told, or answers what `says` has for it."""
 
     def __init__(self, *cameras: str) -> None:
-        super().__init__(NoSettings(), name="cameras")
+        super().__init__(KIND, name="cameras")
         self.now = 0.0
         self.cameras = cameras
         self.says: dict[str, CommandReply | None] = {}

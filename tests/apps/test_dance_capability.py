@@ -25,7 +25,7 @@ class World(FakeContext):
     """The context of a dance: drive and speech on the other side of the bus, and time."""
 
     def __init__(self, home, **settings):
-        super().__init__(KIND.settings(**settings), robot="lbr", name="dance", home=str(home), given=STEPS)
+        super().__init__(KIND, KIND.settings(**settings), robot="lbr", name="dance", home=str(home), given=STEPS)
         self.refusal = ""
         self.wired = {"motion": ("drive",), "sound": ("speech",)}
         self.silent: set[str] = set()

@@ -32,6 +32,7 @@ WORDS = {
 TOPIC = "lbr/lbr"
 FLOOD = 45
 """Of messages, twice: more at once than wait to be read, and fewer than may be answered without an acknowledgement."""
+FIRST, TOO_SOON, SECOND = (b"\xff\xd8%s\xff\xd9" % one for one in (b"first", b"too soon", b"second"))
 
 
 @pytest.fixture(scope="module")
@@ -298,7 +299,7 @@ def alone(broker, tmp_path, monkeypatch):
     def make(port, **settings):
         files = {"ca": "ca.crt", "certificate": "robot.crt", "key": "robot.key"}
         settings = {"host": "localhost", "port": port, "topic": f"{TOPIC}/eye", **files, **settings}
-        ctx = FakeContext(KIND.parse(json.dumps(settings)), robot="eye", name="mqtt")
+        ctx = FakeContext(KIND, KIND.parse(json.dumps(settings)), robot="eye", name="mqtt")
         return KIND.load()(ctx), ctx
 
     return make
@@ -340,7 +341,7 @@ def test_a_picture_is_sent_while_it_is_new_and_as_often_as_the_row_says(broker, 
     mqtt.open()
     try:
         until(lambda: (mqtt.step(), ctx.health[-1:] == ["ready"])[1], what="the broker")
-        for later_s, picture in ((2.0, b"first"), (1.0, b"too soon"), (1.0, b"second")):
+        for later_s, picture in ((2.0, FIRST), (1.0, TOO_SOON), (1.0, SECOND)):
             ctx.now += later_s
             ctx.arrive("frames", JpegFrame(picture))
             mqtt.step()
@@ -350,7 +351,7 @@ def test_a_picture_is_sent_while_it_is_new_and_as_often_as_the_row_says(broker, 
     finally:
         mqtt.close()
     until(lambda: person.on(f"{TOPIC}/eye/available")[-1:] == [b"offline"], what="its goodbye")
-    assert person.on(f"{TOPIC}/eye/picture") == [b"first", b"second"]
+    assert person.on(f"{TOPIC}/eye/picture") == [FIRST, SECOND]
 
 
 def test_a_token_that_is_revoked_and_a_row_without_a_broker_ask_for_nothing(robot, person):

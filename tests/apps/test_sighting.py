@@ -27,7 +27,7 @@ class Stage:
 
     def __init__(self, **settings):
         given = {"field_deg": FIELD_DEG, "pitch_deg": 12.0, "diameter_m": DIAMETER_M, **settings}
-        self.ctx = FakeContext(KIND.settings(**given), name="sighting")
+        self.ctx = FakeContext(KIND, KIND.settings(**given), name="sighting")
         self.sighting = KIND.load()(self.ctx)
         self.sighting.open()
         self.camera("streaming")

@@ -38,7 +38,7 @@ class Listener(FakeContext):
     """The context of telemetry: `hear` has ports say what they say."""
 
     def __init__(self) -> None:
-        super().__init__(KIND.parse('{"rate_hz": 4}'))
+        super().__init__(KIND, KIND.parse('{"rate_hz": 4}'))
 
     def hear(self, *ports: str) -> None:
         for port in ports:

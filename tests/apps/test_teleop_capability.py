@@ -18,7 +18,7 @@ class World(FakeContext):
     """A drive, motions and a console on the other side of the bus; `hand` is what is held on the gamepad."""
 
     def __init__(self, **settings):
-        super().__init__(KIND.settings(lines=LINES, **settings), robot="lbr", name="teleop")
+        super().__init__(KIND, KIND.settings(lines=LINES, **settings), robot="lbr", name="teleop")
         self.wired = {"pad": ("gamepad",), "play": ("motions",)}
         self.lease = self.refusal = self.code = self.ended_by = ""
         self.twists: list[tuple[float, float]] = []

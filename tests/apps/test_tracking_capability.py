@@ -25,6 +25,11 @@ JOINTS = (
 )
 
 
+def picture(seen):
+    """Return a whole picture, as far as that is known without decoding it, that says what it shows."""
+    return b"\xff\xd8" + msgspec.json.encode(seen) + b"\xff\xd9"
+
+
 class PromptEye:
     """Sees at once what a picture says that it shows."""
 
@@ -36,7 +41,7 @@ class PromptEye:
             self.trouble, self.ready = str(err), False
 
     def look(self, picture, taken_s):
-        self._looks.append(Look(taken_s, msgspec.json.decode(picture, type=Seen | None)))
+        self._looks.append(Look(taken_s, msgspec.json.decode(picture[2:-2], type=Seen | None)))
 
     def looks(self):
         found, self._looks = self._looks, []
@@ -50,7 +55,7 @@ class World(FakeContext):
     """The context of tracking: joints, a camera in the head and a ball; one tick is 5 ms."""
 
     def __init__(self, **settings):
-        super().__init__(KIND.settings(**settings), robot="uxa90", name="tracking", given=JOINTS)
+        super().__init__(KIND, KIND.settings(**settings), robot="uxa90", name="tracking", given=JOINTS)
         self.head = Head(delay_s=0.02)
         self.ball = None
         self.trusted = True
@@ -155,7 +160,7 @@ class World(FakeContext):
 
     def _shoot(self):
         seen = project(self.head.angles, self.ball) if self.ball is not None else None
-        self._put("frame", JpegFrame(msgspec.json.encode(seen)), late_s=self.camera_old_s)
+        self._put("frame", JpegFrame(picture(seen)), late_s=self.camera_old_s)
 
     def _put(self, port, message, late_s=0.0):
         self.arrive(port, message, source="camera_head" if port == "camera" else "joints", late_s=late_s)
@@ -402,7 +407,7 @@ def test_a_look_saves_the_marked_picture_and_says_what_is_in_it(world, monkeypat
     assert call.answer is None, "a camera that rested has a picture soon"
     until(lambda: world.run(0.02) or call.answer)
     assert call.answer.reason == f"sees no colour; saved as {call.answer.path}"
-    assert Path(call.answer.path).read_bytes() == b"null"
+    assert Path(call.answer.path).read_bytes() == picture(None)
 
 
 def test_a_look_without_a_picture_says_so_soon(world):

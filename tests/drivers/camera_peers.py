@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any, ClassVar
 
+from lbr.drivers.camera import KIND
 from tests.drivers.peers import DriverContext
 
 
@@ -91,7 +92,7 @@ class CameraContext(DriverContext):
     """A camera's context: `woken` is an event that other threads set."""
 
     def __init__(self, settings: Any, address: str, home: Path) -> None:
-        super().__init__(settings, address, "camera")
+        super().__init__(KIND, settings, address, "camera")
         self.name = "camera_front"
         self.home = str(home)
         self.woken = threading.Event()

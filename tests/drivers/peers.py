@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from lbr.capability.context import Device
+from lbr.capability.kind import Kind
 from lbr.messages.system import Stamp
 from lbr.testing import FakeContext
 
@@ -147,8 +148,8 @@ class Board(Pty):
 class DriverContext(FakeContext):
     """The context of a driver on real time, beside a `drive` that lives and is wired to it."""
 
-    def __init__(self, settings: Any, address: Path | str, type_: str) -> None:
-        super().__init__(settings, robot="tester", device=Device(settings.device, type_, str(address), {}))
+    def __init__(self, kind: Kind, settings: Any, address: Path | str, type_: str) -> None:
+        super().__init__(kind, settings, robot="tester", device=Device(settings.device, type_, str(address), {}))
         self.wired["setpoint"] = ("drive",)
 
     def clock(self) -> float:

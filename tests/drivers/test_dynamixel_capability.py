@@ -32,7 +32,7 @@ class Rig:
     def __init__(self, chain, settings=SETTINGS):
         self.chain = chain
         self.ahead_s = 0.0
-        self.ctx = DriverContext(KIND.parse(settings), chain.path, "dynamixel")
+        self.ctx = DriverContext(KIND, KIND.parse(settings), chain.path, "dynamixel")
         self.ctx.wired["setpoint"] = ("joints",)
         self.ctx.given = tuple(joint(servo) for servo in chain.servos)
         self.ctx.clock = lambda: time.monotonic() + self.ahead_s
@@ -397,7 +397,7 @@ def test_an_adapter_reads_all_at_once(tmp_path):
     chain = Chain(tmp_path / "ttyServos", 18, adapter=True)
     rig = Rig(chain)
     rig.until(lambda: rig.seen() and rig.ctx.state.bus.sync_read)
-    assert [servo.raw for servo in rig.ctx.state.servos] == [512 + servo for servo in chain.servos]
+    assert {servo.id: servo.raw for servo in rig.ctx.state.servos} == {servo: 512 + servo for servo in chain.servos}
     chain.dead.add(9)
     rig.until(lambda: rig.servo(9).reason == "does not answer")
     rig.driver.close()
@@ -424,7 +424,7 @@ from lbr.drivers.dynamixel.capability import Dynamixel
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 settings = '{"device": "servos", "hold_s": %s, "release_s": 0.3, "reply_margin_s": 0.05}' % sys.argv[2]
-ctx = DriverContext(KIND.parse(settings), sys.argv[1], "dynamixel")
+ctx = DriverContext(KIND, KIND.parse(settings), sys.argv[1], "dynamixel")
 ctx.wired["setpoint"] = ("joints",)
 ctx.given = tuple(
     Joint(name=f"joint_{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in (1, 2, 3)

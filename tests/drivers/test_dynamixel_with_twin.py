@@ -190,7 +190,7 @@ def test_the_whole_driver_moves_emulated_servos_and_lets_them_go(tmp_path):
     thread.start()
     until(address.exists)
     settings = '{"device": "servos", "guard": false, "reply_margin_s": 0.05, "on_close": "release"}'
-    ctx = DriverContext(KIND.parse(settings), address, "dynamixel")
+    ctx = DriverContext(KIND, KIND.parse(settings), address, "dynamixel")
     ctx.wired["setpoint"] = ("joints",)
     ctx.given = tuple(Joint(name=f"j{n}", device_id=n, lower_rad=-2, upper_rad=2, speed_rps=3) for n in IDS)
     driver = Dynamixel(ctx)

@@ -29,7 +29,7 @@ def port(tmp_path):
 
 @pytest.fixture
 def ctx(port):
-    return DriverContext(KIND.parse('{"device": "pad"}'), port.path, "gamepad")
+    return DriverContext(KIND, KIND.parse('{"device": "pad"}'), port.path, "gamepad")
 
 
 @pytest.fixture

@@ -32,7 +32,7 @@ def receiver(tmp_path):
 
 @pytest.fixture
 def ctx(receiver):
-    return DriverContext(KIND.parse(SETTINGS), receiver.path, "infrared")
+    return DriverContext(KIND, KIND.parse(SETTINGS), receiver.path, "infrared")
 
 
 @pytest.fixture

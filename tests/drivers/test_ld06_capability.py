@@ -26,7 +26,7 @@ class Bench:
         self.twin.service(time.monotonic())
         self.twin.sense(Sensed(battery_v=12.0, scans_m={"lidar": tuple(1.0 + n / 360 for n in range(360))}))
         given = KIND.settings(device="line", timeout_s=0.3, start_timeout_s=2.0, **settings)
-        self.ctx = DriverContext(given, device.address, "ld06")
+        self.ctx = DriverContext(KIND, given, device.address, "ld06")
         self.ctx.given = (row,) if row is not None else ()
         self.driver = KIND.load()(self.ctx)
 

@@ -17,7 +17,7 @@ class Bench(DriverContext):
     on_tick = True
 
     def __init__(self, settings, address):
-        super().__init__(settings, address, "mpu9150")
+        super().__init__(KIND, settings, address, "mpu9150")
         self.now = 100.0
 
     def clock(self):

@@ -41,7 +41,7 @@ def ctx(tmp_path, chip):
 
     server = Server(tmp_path / "imu", answer)
     settings = KIND.parse('{"device": "imu", "mag_hz": 100}')
-    yield DriverContext(settings, f"unix:{tmp_path / 'imu'}", "mpu9150")
+    yield DriverContext(KIND, settings, f"unix:{tmp_path / 'imu'}", "mpu9150")
     server.finish()
 
 

@@ -70,7 +70,7 @@ def world(tmp_path):
 
 @pytest.fixture
 def ctx(tmp_path):
-    return DriverContext(KIND.parse('{"device": "imu"}'), f"unix:{tmp_path / 'imu'}", "phidget_spatial")
+    return DriverContext(KIND, KIND.parse('{"device": "imu"}'), f"unix:{tmp_path / 'imu'}", "phidget_spatial")
 
 
 @pytest.fixture

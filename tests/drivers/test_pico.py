@@ -80,7 +80,7 @@ class Bench(DriverContext):
     on_tick = True
 
     def __init__(self, settings, address):
-        super().__init__(settings, address, "pico")
+        super().__init__(KIND, settings, address, "pico")
         self.now = 100.0
 
     def clock(self):

@@ -218,7 +218,7 @@ def board(tmp_path):
 
 
 def test_over_a_real_line_it_asks_and_publishes_and_tells_when_the_cable_is_pulled(board):
-    ctx = DriverContext(KIND.settings(device="imu"), board.path, "riox")
+    ctx = DriverContext(KIND, KIND.settings(device="imu"), board.path, "riox")
     imu = KIND.load()(ctx)
     assert isinstance(imu, Riox)
     assert imu.rate_hz == 100.0

@@ -30,7 +30,7 @@ def stamp(age_s, boot):
 
 @pytest.fixture
 def ctx(peer):
-    return DriverContext(KIND.parse(SETTINGS), peer.path, "roboteq")
+    return DriverContext(KIND, KIND.parse(SETTINGS), peer.path, "roboteq")
 
 
 @pytest.fixture
@@ -137,8 +137,7 @@ def test_no_wired_source_never_arms(motors, ctx):
 def test_a_power_that_is_no_number_stops_the_wheels(drive, motors, ctx, peer):
     drive()
     ctx.give(setpoint(nan, 0.5))
-    motors.step()
-    assert peer.motor == (0, 0)
+    until(lambda: (motors.step(), peer.motor)[1] == (0, 0))
     assert not ctx.state.armed
     assert ctx.state.trips == 1
 

@@ -28,7 +28,7 @@ from lbr.drivers.guard import Guard
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.messages.motors import MotorSetpoint
-ctx = DriverContext(KIND.parse('{"device": "motors"}'), sys.argv[1], "roboteq")
+ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), sys.argv[1], "roboteq")
 motors = Roboteq(ctx)
 motors.open()
 print(motors._guard.pid, flush=True)
@@ -76,7 +76,7 @@ def test_killing_the_driver_zeroes_the_motors_long_before_the_watchdog(driver, p
     process.kill()
     until(lambda: peer.motor == (0, 0), limit_s=STOPS_S)
     until(lambda: gone(guard))
-    line = open_line(DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq").device, 115200)
+    line = open_line(DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq").device, 115200)
     line.close()
 
 
@@ -96,7 +96,7 @@ def test_a_frozen_driver_is_killed_and_the_motors_zeroed_before_the_watchdog(dri
 
 
 def test_a_driver_that_stands_still_at_rest_is_left_alone(peer):
-    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     motors.step()
@@ -126,7 +126,7 @@ def test_the_guard_says_why_before_it_kills():
 
 
 def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
-    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     clock = Clock()
     ctx.clock = clock
     motors = Roboteq(ctx)
@@ -148,7 +148,7 @@ def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
 @pytest.fixture
 def starting(peer):
     """A driver whose guard's program starts when a byte is written; its context and clock."""
-    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     clock = Clock()
     ctx.clock = clock
     motors = Roboteq(ctx)
@@ -199,7 +199,7 @@ def test_a_guard_that_does_not_start_at_all_is_replaced(starting):
 
 
 def test_a_frozen_guard_goes_on_with_the_next_beat_and_that_is_told(peer):
-    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     motors.step()
@@ -230,7 +230,7 @@ class Clock:
 
 
 def test_without_its_guard_the_driver_stops_and_opens_anew(peer):
-    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     os.kill(motors._guard.pid, signal.SIGKILL)
@@ -243,7 +243,7 @@ def test_without_its_guard_the_driver_stops_and_opens_anew(peer):
 
 
 def test_closing_dismisses_the_guard_and_frees_the_line(peer):
-    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     guard = motors._guard
@@ -256,7 +256,7 @@ def test_closing_dismisses_the_guard_and_frees_the_line(peer):
 
 
 def test_the_guard_writes_zero_when_the_closing_driver_was_not_answered(peer):
-    ctx = DriverContext(KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     peer.motor = (500, 500)
@@ -280,7 +280,7 @@ def test_the_guard_is_not_held_up_by_a_controller_that_babbles(driver, peer):
 
 
 def test_a_row_may_do_without_a_guard(peer):
-    ctx = DriverContext(KIND.parse('{"device": "motors", "guard": false}'), peer.path, "roboteq")
+    ctx = DriverContext(KIND, KIND.parse('{"device": "motors", "guard": false}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
     motors.open()
     assert motors._guard is None

@@ -13,7 +13,7 @@ LINE = b'{ "Ranges": { "Forward": %d, "Left": 45, "Right": 60, "Back": 70, "Bott
 @pytest.fixture
 def ctx(board):
     settings = KIND.parse('{"device": "ring", "timeout_s": 0.2, "start_timeout_s": 0.4}')
-    return DriverContext(settings, board.path, "ultrasonic_ring")
+    return DriverContext(KIND, settings, board.path, "ultrasonic_ring")
 
 
 @pytest.fixture

@@ -32,7 +32,7 @@ class Rig:
         self.board = board
         self.ahead_s = 0.0
         row = msgspec.json.encode(SETTINGS | settings).decode()
-        self.ctx = DriverContext(KIND.parse(row), board.path, "uxa90")
+        self.ctx = DriverContext(KIND, KIND.parse(row), board.path, "uxa90")
         self.ctx.wired["setpoint"] = ("joints",)
         self.ctx.given = tuple(joint(servo) for servo in board.servos)
         self.ctx.clock = lambda: time.monotonic() + self.ahead_s

@@ -25,7 +25,7 @@ from lbr.drivers.uxa90.packets import position_rad
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint, StoredPlay
 settings = {"device": "board", "release_s": 0.3, "settle_s": 0.05, "sweep_hz": 50} | json.loads(sys.argv[2])
-ctx = DriverContext(KIND.parse(json.dumps(settings)), sys.argv[1], "uxa90")
+ctx = DriverContext(KIND, KIND.parse(json.dumps(settings)), sys.argv[1], "uxa90")
 ctx.wired["setpoint"] = ("joints",)
 ctx.given = tuple(
     Joint(name=f"joint_{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in (0, 1, 2)

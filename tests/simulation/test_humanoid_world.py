@@ -31,7 +31,9 @@ class Bench:
             Device("imu", "phidget_spatial", f"unix:{folder}/imu", {}),
             Device("ups", "pico", f"unix:{folder}/ups", {}),
         )
-        self.ctx = WorldContext(HumanoidWorldSettings(**{"model": "bioloid", "hand_s": 0.2, **settings}), devices)
+        self.ctx = WorldContext(
+            HumanoidWorldSettings(**{"model": "bioloid", "hand_s": 0.2, **settings}), devices, kind=KIND
+        )
         self.ctx.robot, self.ctx.home, self.ctx.given = "bioloid", str(folder), rows()[0]
         self.world = HumanoidWorld(self.ctx)
 

@@ -15,6 +15,7 @@ from lbr.simulation.balls import Ball
 from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.devices.camera import CameraFaults
+from lbr.simulation.humanoid import KIND
 from lbr.simulation.humanoid.capability import HumanoidWorld
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
@@ -38,7 +39,7 @@ class Stage:
             Device("main_board", "uxa90", str(self.line), {"programmes": {str(NOD): nod}}),
             Device("head_camera", "camera", f"unix:{self.eye}", {}),
         )
-        self.ctx = WorldContext(settings(), devices)
+        self.ctx = WorldContext(settings(), devices, kind=KIND)
         self.ctx.robot, self.ctx.home, self.ctx.given = "uxa90", str(folder), joints()
         self.world = HumanoidWorld(self.ctx)
         self.over = threading.Event()

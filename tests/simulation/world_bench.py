@@ -9,6 +9,7 @@ from lbr.capability.context import Device
 from lbr.messages.sensing import ring
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.capability import World
+from lbr.simulation.kind import KIND
 from lbr.simulation.requests import FaultRequest
 from lbr.simulation.settings import BoxSettings, WorldSettings
 from lbr.simulation.trace import OutputTrace
@@ -22,8 +23,8 @@ WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
 class WorldContext(FakeContext):
     """The context of a world on real time."""
 
-    def __init__(self, settings, devices, sensors=()):
-        super().__init__(settings, robot="lbr", name="world", devices=devices, given=sensors)
+    def __init__(self, settings, devices, sensors=(), kind=KIND):
+        super().__init__(kind, settings, robot="lbr", name="world", devices=devices, given=sensors)
 
     def clock(self):
         return time.monotonic()

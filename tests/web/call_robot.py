@@ -12,7 +12,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from lbr.apps.call.capability import Call
-from lbr.apps.call.kind import CallSettings
+from lbr.apps.call.kind import KIND, CallSettings
 from lbr.apps.web.page.files import INDEX, POLICY, built
 from lbr.messages.call import CallState, CallWord, KeepCommand, RingCommand
 from lbr.messages.camera import CameraState, JpegFrame
@@ -28,9 +28,7 @@ class CallRobot(PageRobot):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__()
-        self.ctx: FakeContext[CallSettings] = FakeContext(
-            CallSettings(**{"microphone": "tone", **settings}), simulated=True, name="call"
-        )
+        self.ctx = FakeContext(KIND, CallSettings(**{"microphone": "tone", **settings}), simulated=True, name="call")
         self.ctx.now = time.monotonic()
         self.call = Call(self.ctx)
         self.call.open()

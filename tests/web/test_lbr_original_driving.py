@@ -7,7 +7,7 @@ import pytest
 
 from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.face import Refused
-from lbr.apps.web.kind import WebSettings
+from lbr.apps.web.kind import KIND, WebSettings
 from lbr.apps.web.lbr_original import wishes
 from lbr.apps.web.lbr_original.driving import Driver, Who
 from lbr.apps.web.robot import Robot
@@ -21,11 +21,11 @@ AHEAD, BACK = {"level": 0.3, "angle": 0}, {"level": 0.3, "angle": 180}
 TIMED, TURN = {"level": 0.3, "angle": 0, "duration": 5}, {"turn": 90}
 
 
-class Context(FakeContext[WebSettings]):
+class Context(FakeContext):
     """Answers as a drive does that lends one lease."""
 
     def __init__(self) -> None:
-        super().__init__(WebSettings(faces=("lbr_original",)), robot="lbr", name="web_api")
+        super().__init__(KIND, WebSettings(faces=("lbr_original",)), robot="lbr", name="web_api")
         self.live = ""
         self.moves: Any = None
         self.leases = 0

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from lbr.apps.web.bridge import Bridge
-from lbr.apps.web.kind import WebSettings
+from lbr.apps.web.kind import KIND, WebSettings
 from lbr.apps.web.robot import Robot, Snapshot
 from lbr.apps.web.uxa90.service import Service
 from lbr.capability.context import Received
@@ -72,7 +72,7 @@ class WebContext(FakeContext):
     def __init__(self) -> None:
         motions = (row for motion in SHIPPED.motions for row in motion.rows)
         rows = (*SHIPPED.joints, *SHIPPED.motors, *SHIPPED.buttons, *motions)
-        super().__init__(WebSettings(faces=("uxa90",)), robot="uxa90", name="web", given=rows)
+        super().__init__(KIND, WebSettings(faces=("uxa90",)), robot="uxa90", name="web", given=rows)
 
     def clock(self) -> float:
         self.now += 1e-6

@@ -63,7 +63,7 @@ def test_whatever_the_hand_does_limits_are_in_order_and_the_places_within_the_en
 
 class Bench:
     def __init__(self, *given):
-        self.ctx = FakeContext(SETTINGS, given=(PAN, ROLL, *given))
+        self.ctx = FakeContext(KIND, SETTINGS, given=(PAN, ROLL, *given))
         self.run = KIND.load()(self.ctx)
         self.run.open()
         self.show()

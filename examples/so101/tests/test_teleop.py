@@ -73,7 +73,7 @@ class Bench:
     """The capability, a leader and a follower that say what the test has them say, and joints that answer."""
 
     def __init__(self):
-        self.ctx = FakeContext(SETTINGS, given=JOINTS)
+        self.ctx = FakeContext(KIND, SETTINGS, given=JOINTS)
         self.ctx.replies = {"move": LENT, "halt": {"joints": CommandReply(accepted=True)}}
         self.teleop = KIND.load()(self.ctx)
         self.teleop.open()

@@ -7,6 +7,7 @@ from lbr.messages.calibration import values
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand, refused
+from lbr.operations.attitude import KIND
 from lbr.operations.attitude.capability import Attitude
 from lbr.operations.attitude.settings import AttitudeSettings
 from lbr.testing import FakeCall, FakeContext
@@ -63,8 +64,8 @@ class AttitudeContext(FakeContext):
     """The context of an attitude; `run` lets time pass for it, its inertial unit and its drive."""
 
     def __init__(self, home, imu=None, **settings):
-        super().__init__(AttitudeSettings(device="imu", **settings), name="attitude", home=str(home))
         self.imu = imu or MadeUpImu()
+        super().__init__(KIND, AttitudeSettings(device="imu", **settings), name="attitude", home=str(home))
         self.drive = FakeDrive()
         self.deaf = False
         self.capability = Attitude(self)

@@ -14,7 +14,7 @@ class GaugeContext(FakeContext):
     """The context of a battery whose motors say a voltage whenever they are asked."""
 
     def __init__(self) -> None:
-        super().__init__(KIND.parse(AT_ONCE))
+        super().__init__(KIND, KIND.parse(AT_ONCE))
         self.voltage_v: float | None = None
 
     def take(self, port: str) -> list[Received]:

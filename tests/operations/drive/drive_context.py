@@ -5,6 +5,7 @@ from typing import Any
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.leases import StopCommand
 from lbr.messages.sensing import ring
+from lbr.operations.drive import KIND
 from lbr.operations.drive.settings import DriveSettings
 from lbr.testing import FakeCall, FakeContext
 from tests.operations.drive.drive_bench import motors, ranges
@@ -14,7 +15,7 @@ class DriveContext(FakeContext):
     """The context of a drive: `hear` is what motors and ranges say, `checks` what others say of each command."""
 
     def __init__(self, **settings):
-        super().__init__(DriveSettings(**settings), name="drive", given=ring(0.43, 0.30))
+        super().__init__(KIND, DriveSettings(**settings), name="drive", given=ring(0.43, 0.30))
         self.checks: dict[str, Any] | None = {}
         self.drivers_alive = True
 

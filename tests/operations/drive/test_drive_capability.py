@@ -222,7 +222,7 @@ def test_what_is_refused_anyway_is_not_shown_to_the_checks(robot):
     [
         ({"cliff": CheckVerdict(accepted=False, reason="a cliff")}, "check cliff: a cliff"),
         ({"cliff": None}, "check cliff did not answer"),
-        ({"cliff": {"accepted": True}}, "check cliff did not answer"),
+        ({"cliff": {"accepted": "yes"}}, "check cliff did not answer"),
     ],
 )
 def test_a_check_that_refuses_or_is_silent_refuses_the_command(robot, answers, reason):

@@ -2,6 +2,7 @@
 
 from lbr.messages.joints import JointMove, JointsCommand, RecoverCommand, TorqueCommand
 from lbr.messages.leases import StopCommand
+from lbr.operations.joints import KIND
 from lbr.operations.joints.capability import Joints
 from lbr.operations.joints.settings import JointsSettings
 from lbr.testing import FakeCall, FakeContext
@@ -12,7 +13,7 @@ class JointsContext(FakeContext):
     """The context of joints; the servos hear each setpoint at once."""
 
     def __init__(self, **settings):
-        super().__init__(JointsSettings(**settings), name="joints", given=ROWS)
+        super().__init__(KIND, JointsSettings(**settings), name="joints", given=ROWS)
         self.servos = Servos()
 
     def publish(self, output, message, **more):

@@ -142,7 +142,7 @@ class World(FakeContext):
 
     def __init__(self):
         rows = (*JOINTS, *(row for motion in MOTIONS for row in motion.rows))
-        super().__init__(KIND.settings(), robot="bioloid", name="motions", given=rows)
+        super().__init__(KIND, KIND.settings(), robot="bioloid", name="motions", given=rows)
         self.body = FakeJoints()
         self.pose = {"right_elbow": -0.1, "left_elbow": -0.1, "neck": 0.0}
         self.unmeasured: dict[str, str] = {}

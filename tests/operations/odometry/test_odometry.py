@@ -185,7 +185,7 @@ def test_whatever_is_told_the_state_is_made_of_numbers_or_is_not_valid(told):
 
 
 def test_the_process_answers_each_state_of_the_motors_and_speaks_when_they_are_silent():
-    context = FakeContext(OdometrySettings(), name="odometry")
+    context = FakeContext(KIND, OdometrySettings(), name="odometry")
     odometry = Odometry(context)
     odometry.open()
     motors = MotorsState(left=0.0, right=0.0, armed=True, reason="", estop=False, counts_left=5, counts_right=7)

@@ -58,7 +58,7 @@ class PowerContext(FakeContext):
 
     def __init__(self, bus="", calibration=None, **settings):
         chosen = KIND.settings(device="ups", bus=bus, **settings)
-        super().__init__(chosen, robot="tester", name="power", given=tuple(measured("ups", calibration or {})))
+        super().__init__(KIND, chosen, robot="tester", name="power", given=tuple(measured("ups", calibration or {})))
         self.body = Body()
         self.wired = {"park": ("motions",), "halt": ("motions",), "let_go": ("joints",), "say": ("speech",)}
 

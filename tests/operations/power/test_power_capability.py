@@ -226,7 +226,7 @@ def test_what_was_armed_is_kept_with_its_thresholds_over_a_restart(make):
         assert one.ctx.calibration["armed"] == 0.0
 
 
-@pytest.mark.parametrize("kept", [{"shutdown_v": -3.0}, {"shutdown_v": 12.0}, {"warn_v": float("nan")}])
+@pytest.mark.parametrize("kept", [{"shutdown_v": -3.0}, {"shutdown_v": 12.0}, {"warn_v": 101.0}])
 def test_thresholds_that_somebody_spoilt_are_told_and_those_of_the_settings_hold(make, kept):
     running = make(calibration={"armed": 1.0, **kept})
     running.go(0.2, EMULATED_GOOD)
