@@ -80,6 +80,15 @@ class WorldLoop:
         self._coming.append(twin)
         return ""
 
+    def step(self, dt_s: float) -> None:
+        """Do what is due, then let time pass; for who has the clock, and opens no thread."""
+        now = self._clock()
+        self._let_in()
+        for twin in self._twins:
+            twin.service(now)
+        self._advance(now, dt_s)
+        self._share()
+
     def close(self) -> None:
         """End the thread, then pull every device out; a controller whose motors turn outlives its host for a while."""
         for _ in range(round(_RESTING_S / _RESTING_LOOK_S)):

@@ -65,18 +65,19 @@ class BusThread(Generic[Bus]):
             self._thread.join(within_s)
         return not self._thread.is_alive()
 
+    def turn(self, wait_s: float = 0.0) -> float | None:
+        """Do the next job that comes in this time, else the background's turn; return how long that has, None: the end."""
+        taken = self._next(wait_s)
+        if taken is not None:
+            self._do(*taken)
+            return 0.0
+        return None if self._ending else self._background(self._bus)
+
     def _run(self) -> None:
         try:
-            wait_s = 0.0
-            while True:
-                taken = self._next(wait_s)
-                if taken is None:
-                    if self._ending:
-                        return
-                    wait_s = self._background(self._bus)
-                else:
-                    self._do(*taken)
-                    wait_s = 0.0
+            wait_s: float | None = 0.0
+            while wait_s is not None:
+                wait_s = self.turn(wait_s)
         except Exception as err:  # noqa: BLE001  the owner of this thread raises it in its own
             self._fail(err)
 
