@@ -251,7 +251,7 @@ def test_disabling_execution_stops_and_enabling_waits_for_a_zero(drive, motors, 
     motors.command(on)
     ctx.give(setpoint(0.5, 0.5, "L3"))
     motors.step()
-    assert peer.motor == (0, 0)
+    assert (peer.motor, on.answer) == ((0, 0), None)
     drive(0.5, 0.5, "L3")
     assert peer.motor == (-500, 500)
     assert [call.answer.accepted for call in (off, on)] == [True, True]

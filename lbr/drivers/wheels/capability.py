@@ -1,6 +1,7 @@
 """A motor driver as a capability: setpoints in, power at the wheels, and the last word on whether they turn."""
 
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import nan
@@ -25,6 +26,8 @@ IDLE_QUERY_S = 0.04
 REPORT_PERIOD_S = 5.0
 FEW = 8
 """How many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
+ARMS_S = 0.3
+"""How long who switches the motors on waits for them to be armed: a fault or the emergency stop may stand against it."""
 GUARD_STARTS = "its guard process is starting"
 UNASKED = (
     "the controller's emergency stop is engaged, but not by this robot: "
@@ -56,6 +59,7 @@ class Wheels(Capability[S], ABC):
         self._latched = False  # an emergency stop was asked for and is not released yet
         self._held_since: float | None = None  # the controller acknowledged it then
         self._source = ""
+        self._switching: deque[tuple[Call, float]] = deque()
         self._stepped: float | None = None
         self._queried = 0.0
         self._published = 0.0
@@ -101,15 +105,18 @@ class Wheels(Capability[S], ABC):
         self._report(controller)
         self._tell_what_lacks()
         self._publish_when_due(controller)
+        self._answer_switching()
 
     def command(self, call: Call) -> None:
-        """Switch execution on or off; on waits for a zero setpoint."""
+        """Switch execution on or off; on waits for a zero setpoint, so that what is said next is obeyed."""
         if not isinstance(call.message, EnableCommand):
             super().command(call)
             return
         self._enabled = call.message.enabled  # the step that follows at once acts on it
-        said = "the motors may run again" if self._enabled else "the motors are held at zero until 'enable'"
-        call.reply(CommandReply(accepted=True, reason=said))
+        if self._enabled:
+            self._switching.append((call, self.ctx.clock() + ARMS_S))
+        else:
+            call.reply(CommandReply(accepted=True, reason="the motors are held at zero until 'enable'"))
 
     def degraded(self, reason: str) -> None:
         """Tell that the controller is away."""
@@ -118,6 +125,7 @@ class Wheels(Capability[S], ABC):
             self.ctx.estop.acknowledge(stopped=False, reason=reason)
         self._disarm(reason)
         self._publish(reason)
+        self._answer_switching(waits=False)
 
     def close(self) -> None:
         """Write zero, then close the line; what is not acknowledged the guard writes again."""
@@ -133,6 +141,15 @@ class Wheels(Capability[S], ABC):
             elif guard is not None:
                 guard.speak()
             self._disarm("the line was closed")
+            self._answer_switching(waits=False)
+
+    def _answer_switching(self, *, waits: bool = True) -> None:
+        while self._switching:
+            call, until = self._switching[0]
+            if waits and not self._arming.armed and self.ctx.clock() < until:
+                return
+            self._switching.popleft()
+            call.reply(CommandReply(accepted=True, reason="the motors may run again"))
 
     def _guarded(self, controller: WheelController) -> Guard:
         settings = self.ctx.settings
