@@ -19,9 +19,11 @@ from lbr.ownership import Fault
 LOOKERS_S = 0.1
 PUBLIC = ".crt"
 """How a file below `credentials/` ends that everybody may read."""
+BEGINNING = "beginning"
 RUN_VARIABLE = "LBR_RUN"
 """What the processes of a running robot have in their environment."""
 _lived_in: Path | None = None
+_beginning: int | None = None
 SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a suffix for its lock file
 
 
@@ -171,15 +173,25 @@ def running() -> list[Running]:
     return found
 
 
+def begin() -> None:
+    """Show that a start is under way here, of a robot that is not known yet, until that has its lock."""
+    global _beginning  # noqa: PLW0603 - of a process, as its locks are
+    _beginning = os.open(directory("run") / BEGINNING, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    fcntl.flock(_beginning, fcntl.LOCK_SH)
+
+
 def starting() -> list[str]:
-    """Return the robots whose start is under way here: they hold their lock, and are not to be reached yet."""
+    """Return the robots whose start is under way here: they hold their lock, and are not to be reached yet.
+
+    One whose name is not known yet is empty.
+    """
     run = _place() / "run"
     if not run.is_dir():
         return []
     ownership.refuse(ownership.faults(run, owners=_owner_of_home()))
-    return [
-        path.stem for path in sorted(run.glob("*.lock")) if not path.with_suffix(".json").exists() and _is_locked(path)
-    ]
+    begun = [""] if _is_locked(run / BEGINNING, fcntl.LOCK_EX) else []
+    locks = (path for path in sorted(run.glob("*.lock")) if not path.with_suffix(".json").exists())
+    return begun + [path.stem for path in locks if _is_locked(path)]
 
 
 class RunLock:
@@ -195,6 +207,7 @@ class RunLock:
             )
         self._record.unlink(missing_ok=True)  # of a run that was killed
         live_in()
+        _begun()
 
     def publish(self, record: Running) -> None:
         """Say how to reach the robot; readable by the owner alone. InputError says why that cannot be."""
@@ -210,6 +223,13 @@ class RunLock:
         """Release the lock."""
         self._record.unlink(missing_ok=True)
         os.close(self._fd)
+
+
+def _begun() -> None:
+    global _beginning
+    fd, _beginning = _beginning, None
+    if fd is not None:
+        os.close(fd)
 
 
 def _made(path: Path) -> Path:
@@ -244,14 +264,14 @@ def _locked_within(fd: int, limit_s: float) -> bool:
             return True
 
 
-def _is_locked(path: Path) -> bool:
+def _is_locked(path: Path, how: int = fcntl.LOCK_SH) -> bool:
     """Say whether a robot has the lock; those who look share it, and are none for each other."""
     try:
         fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError:
         return False
     try:
-        fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        fcntl.flock(fd, how | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
     else:

@@ -47,8 +47,9 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
     A robot of a package brings its rows into the database when it runs for the first time.
     End of input and Ctrl-C at the console stop the motors and shut the robot down in order.
     """
-    from lbr import surroundings  # noqa: PLC0415 - only `run` needs the database and the supervisor
+    from lbr import home, surroundings  # noqa: PLC0415 - only `run` needs the database and the supervisor
 
+    home.begin()
     surroundings.forget_runtime()
     from lbr.console.outlet import unhurried  # noqa: PLC0415
     from lbr.executive.lastresort import leave_for_certain  # noqa: PLC0415

@@ -93,7 +93,7 @@ def _await_start(robot: str | None, wait_s: float) -> None:
 
     until, told = time.monotonic() + wait_s, False
     while not any(robot in {None, one.robot} for one in home.running()):
-        names = [name for name in home.starting() if robot in {None, name}]
+        names = [name or "a robot" for name in home.starting() if not name or robot in {None, name}]
         if not names or time.monotonic() >= until:
             return
         if not told:

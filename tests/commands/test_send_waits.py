@@ -72,3 +72,13 @@ def test_the_record_of_a_run_that_was_killed_is_of_no_robot_for_those_who_look_a
     send._await_start("lbr", 2.0)
     assert looks.now >= 2.0
     lock.release()
+
+
+def test_a_start_whose_robot_is_not_known_yet_is_waited_for_until_it_has_its_lock(looks):
+    home.begin()
+    assert home.starting() == [""]
+    send._await_start("lbr", 1.0)
+    assert looks.now >= 1.0
+    lock = RunLock("lbr")
+    assert home.starting() == ["lbr"]
+    lock.release()
