@@ -18,7 +18,7 @@ from tests.support import robot as robots
 from tests.support.clients.terminal import OnTerminal
 from tests.support.robot import LBR, environment
 from tests.support.trace import Trace
-from tests.support.waiting import until
+from tests.support.waiting import STOPS_S, until
 
 TURN = "/r/0.4/90"
 
@@ -56,6 +56,21 @@ def flooded(robot) -> Iterator[None]:
         finally:
             over.set()
             teller.join()
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("stop", ["s", "estop"])
+def test_a_stop_with_the_beginning_of_a_terminals_answer_whose_rest_comes_later_stops_what_drives(robot, trace, stop):
+    with terminal(robot, "console") as person:
+        person.type(b"/r/0.2/90\r")
+        until(lambda: trace.now().least > 0.1, what="motion")
+        person.type(f"{stop}\x1b".encode())
+        threading.Event().wait(0.6)
+        person.type(b"[20;1R\r")
+        until(lambda: trace.now().zero, what="rest", limit_s=STOPS_S)
+        if stop == "estop":
+            until(lambda: robot.status()["estop"]["engaged"], what="its latch")
+            robot.line("reset")
 
 
 @contextmanager
