@@ -20,6 +20,8 @@ ROBOT_OPEN_FILES = 256
 """Twice what the largest robot that ships has open, so that others may connect to it."""
 ROBOT_FILE_BYTES = 64 * 1024 * 1024
 """Logs are cut at 2 MB; a database with its write-ahead log may grow by as much as the audit trail does."""
+ROBOT_TASKS = 64
+"""What the executive and a few processes have; the simulated lbr has 138 on two cores."""
 
 HEAPS = 2
 """Of glibc, in a process that routes. Each link that breaks leaves holes in the heap of each thread that served it; by
@@ -98,6 +100,12 @@ def need_room_for_a_robot() -> None:
         raise InputError(
             f"files may not grow beyond {most} bytes here, and a robot's may need {ROBOT_FILE_BYTES}: "
             "say 'ulimit -f unlimited' first, or have the hard limit raised (LimitFSIZE= of a service)"
+        )
+    tasks, _ = resource.getrlimit(resource.RLIMIT_NPROC)
+    if 0 <= tasks < ROBOT_TASKS and os.geteuid() != 0:  # root has no such limit
+        raise InputError(
+            f"this user may have {tasks} threads and processes, and a robot needs {ROBOT_TASKS} at least: "
+            "say 'ulimit -u unlimited' first, or have the hard limit raised (LimitNPROC= of a service)"
         )
 
 

@@ -27,6 +27,8 @@ from lbr.errors import BusError  # noqa: E402
 
 Session = zenoh.Session
 
+PANIC = "PanicException"
+"""What the bus library raises where it may start no threads; its class cannot be imported."""
 FORKED = (
     "this process was forked from one that uses the bus, and has none of that library's threads: "
     "start it by 'spawn' of multiprocessing, or as a program of its own"
@@ -192,6 +194,10 @@ def _open(settings: dict[str, Any], what: str) -> Session:
         return zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
     except zenoh.ZError as err:
         raise BusError(f"{what}: {plain(err)}") from err
+    except BaseException as err:
+        if type(err).__name__ != PANIC:
+            raise
+        raise BusError(f"{what}: the bus library does not start ({err}); free memory, or raise 'ulimit -u'") from err
 
 
 def leaf_environment() -> dict[str, str]:

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from lbr import home, surroundings
-from lbr.errors import InputError
+from lbr.bus import session
+from lbr.errors import BusError, InputError
 from tests.support import programs
 from tests.support import robot as robots
 
@@ -177,3 +178,22 @@ def test_commands_that_talk_to_a_robot_say_that_they_cannot_print(tmp_path):
                 )
             assert done.returncode == 1
             assert done.stderr.startswith(b"lbr: standard output cannot be written")
+
+
+def test_a_user_who_may_start_too_few_threads_for_a_robot_reads_the_limit_and_root_has_none(monkeypatch):
+    limits = {resource.RLIMIT_NPROC: (12, 12)}
+    monkeypatch.setattr(surroundings.resource, "getrlimit", lambda which: limits.get(which, (-1, -1)))
+    monkeypatch.setattr(surroundings.os, "geteuid", lambda: 0)
+    surroundings.need_room_for_a_robot()
+    monkeypatch.setattr(surroundings.os, "geteuid", lambda: 1000)
+    with pytest.raises(InputError, match="ulimit -u"):
+        surroundings.need_room_for_a_robot()
+
+
+def test_a_bus_library_that_may_start_no_threads_is_a_bus_error(monkeypatch):
+    def panics(_config):
+        raise type(session.PANIC, (BaseException,), {})("OS can't spawn worker thread")
+
+    monkeypatch.setattr(session.zenoh, "open", panics)
+    with pytest.raises(BusError, match="OS can't spawn worker thread"):
+        session.open_client(["unixsock-stream//tmp/none.sock"])
