@@ -206,12 +206,12 @@ def test_a_stop_stops_the_manoeuvre_too():
 
 
 @pytest.mark.parametrize("cell", ["find", "search follow", "1"])
-def test_what_is_no_manoeuvre_is_named(cell):
+def test_what_is_no_manoeuvre_is_named(cell, wording):
     faults = Stage(*rows(SEEKS.replace("search", cell))).tables()["patrol"].faults
-    assert any(f"'{cell}' is no manoeuvre: there is align, search" in one.text for one in faults)
+    wording(*(one.text for one in faults))
 
 
-def test_where_it_is_and_why_it_stays_is_told():
+def test_where_it_is_and_why_it_stays_is_told(wording):
     stage = Stage()
     stage.metres = None
     stage.run()
@@ -219,7 +219,7 @@ def test_where_it_is_and_why_it_stays_is_told():
     assert (state.phase, state.table, state.state) == ("running", "patrol", "Go")
     assert [row.unmet[0].column for row in state.rows] == ["Forward", "Forward"]
     text = stage.say("why").answer.reason
-    assert "row 1 -> Turn: Forward is nothing, not > 90 (nothing that is new enough)" in text
+    wording(text)
     assert "the robot is here" in stage.say("show", NamedBehaviour()).answer.reason
     assert stage.say("list").answer.reason == "▶ patrol  for a test"
 
@@ -289,12 +289,11 @@ def test_a_motion_that_fails_leads_to_the_failure_state():
     assert (stage.state.phase, stage.state.state, stage.state.code) == ("ended", "Stuck", "obstacle")
 
 
-def test_a_second_run_is_refused_in_words():
+def test_a_second_run_is_refused_in_words(wording):
     stage = Stage()
     stage.run()
     call = stage.run()
-    assert call.refused == "'patrol' runs: /behaviour/stop ends it first"
-    assert call.answer.code == "busy"
+    wording(call.answer)
 
 
 @pytest.mark.parametrize("name", ["pause", "resume", "step"])
@@ -383,7 +382,6 @@ def test_a_table_taken_away_while_it_runs_stops_the_robot_in_words():
     stage.say("rows", edited(stage, rows(), ()))
     stage.play(0.2)
     assert (stage.state.phase, stage.state.code) == ("ended", "changed")
-    assert "was taken away while it ran" in stage.state.reason
     assert stage.asked(StopCommand)
 
 
@@ -479,11 +477,11 @@ def test_what_pages_check_costs_little_however_wrong_it_is():
     assert time.thread_time() - began < 2.0, "it was 3 s"
 
 
-def test_tables_are_looked_at_one_a_round_so_that_the_run_goes_on():
+def test_tables_are_looked_at_one_a_round_so_that_the_run_goes_on(wording):
     stage = Stage()
     checks = [stage.say("check", CheckBehaviour(name="patrol", rows=())) for _ in range(11)]
     assert [bool(one.answer) for one in checks] == [True, *[False] * 8, True, True]
-    assert {one.refused for one in checks[9:]} == {"too many tables are looked at at once; ask again"}
+    wording(*(one.answer for one in checks[9:]))
     for done in range(2, 10):
         stage.behaviour.step()
         assert sum(bool(one.answer) for one in checks[:9]) == done
@@ -536,8 +534,8 @@ def test_what_was_written_before_anothers_stop_begins_no_table(heard):
         return call
 
     for waited_s in (1.5, float("nan"), float("inf")):
-        assert run(waited_s).refused == "stopped since this was written: by phone"
-        assert run(waited_s).answer.code == "stopped_since"
+        answer = run(waited_s).answer
+        assert (answer.code, "phone" in answer.reason) == ("stopped_since", True)
     assert not run(0.5).refused
 
 
@@ -603,18 +601,18 @@ def test_a_sighting_that_dies_ends_the_motion_and_nothing_old_is_followed():
 
 def test_an_eye_that_cannot_look_is_told_and_the_table_ends_as_it_says():
     stage = Following()
-    why = CommandReply(accepted=False, reason="what looks at pictures needs OpenCV", code="refused")
+    why = CommandReply(accepted=False, reason="it needs OpenCV", code="refused")
     stage.ctx.answer = lambda request, message: {"sighting": why} if request == "watch" else {}
     stage.run("follow")
     stage.play(12.0)
-    assert stage.ctx.told("behaviour_blind")[0] == "'sighting' looks for nothing: what looks at pictures needs OpenCV"
+    assert stage.ctx.told("behaviour_blind")[0] == "'sighting' looks for nothing: it needs OpenCV"
     assert (stage.state.state, stage.state.good) == ("Blind", False)
 
 
-def test_what_nobody_looks_for_is_named_and_a_robot_without_an_eye_goes_on():
+def test_what_nobody_looks_for_is_named_and_a_robot_without_an_eye_goes_on(wording):
     text = "Type,Current State,O:watch,Next State\nstart,Go,colour,Home\nend,Home,off,\nfail,Stuck,,\n"
     faults = Stage(*rows(text.replace("colour", "cats"))).tables()["patrol"].faults
-    assert any("'cats' is not looked for: there is colour, face, and off" in one.text for one in faults)
+    wording(*(one.text for one in faults))
     stage = Stage(*rows(text), wired={"watch": ()})
     assert [(one.text, one.error) for one in stage.tables()["patrol"].faults] == [
         ("this robot has no sighting that runs", False)

@@ -100,24 +100,24 @@ def test_a_cell_says_how_long_how_new_and_when():
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    "text",
     [
-        ("", "a value is missing"),
-        ("<", "after '<' comes a value"),
-        ("40 -1", "'-1' is too much"),
-        ("100:85", "the lower number comes first, 85:100"),
-        ("40 ± -1", "after ± comes a number from 0 on"),
-        ("(40", "a bracket is not closed"),
-        ("< low", "texts are compared by == and != alone"),
-        ("5 for", "after 'for' come seconds"),
-        ("1e999", "no number that anything could be"),
-        ("5 and", "a value is missing"),
-        ("(" * 50 + "1" + ")" * 50, "more than 20 brackets"),
-        ("x" * 301, "300 are the most"),
+        "",
+        "<",
+        "40 -1",
+        "100:85",
+        "40 ± -1",
+        "(40",
+        "< low",
+        "5 for",
+        "1e999",
+        "5 and",
+        "(" * 50 + "1" + ")" * 50,
+        "x" * 301,
     ],
 )
-def test_a_bad_cell_is_refused_with_what_to_write(text, said):
-    with pytest.raises(CellError, match=said.replace("(", r"\(").replace("+", r"\+")):
+def test_a_bad_cell_is_refused_with_what_to_write(text, wording):
+    with wording.of(CellError):
         parse(text)
 
 
@@ -176,21 +176,21 @@ def test_a_column_is_a_bare_name_or_a_whole_path():
 
 
 @pytest.mark.parametrize(
-    ("column", "said"),
+    "column",
     [
-        ("left", "may be motors.left, drive.left, dock.left: name one by its whole path, or the column Left"),
-        ("chrge", "did you mean 'charge'"),
-        ("nothing.at.all", "there is no"),
-        ("$", "after \\$ comes a name"),
+        "left",
+        "chrge",
+        "nothing.at.all",
+        "$",
     ],
 )
-def test_a_column_that_is_ambiguous_or_unknown_is_refused(column, said):
-    with pytest.raises(CellError, match=said):
+def test_a_column_that_is_ambiguous_or_unknown_is_refused(column, wording):
+    with wording.of(CellError):
         keys.resolve(column)
 
 
-def test_a_column_of_a_stream_that_the_robot_lacks_is_refused():
-    with pytest.raises(CellError, match="read from dock, which this robot does not have"):
+def test_a_column_of_a_stream_that_the_robot_lacks_is_refused(wording):
+    with wording.of(CellError):
         keys.resolve("Dock Left", frozenset({"ranges"}))
 
 

@@ -122,25 +122,23 @@ def test_western_letters_without_a_mark_are_read():
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    "text",
     [
-        ("", "line 0"),
-        ("a,b,c\n1,2,3\n", "line 1, Current State: this column is missing; the first line must name the columns"),
-        ("Current State,Next State,x:y\nA,B,1\n", "line 1, x:y: a column with ':' is an output and begins with O:"),
-        ("Current State,Next State,Next State\nA,B,1\n", "line 1, Next State: this column is there twice"),
-        ("Type,Current State,Next State\nbegin,A,B\n", "line 2, Type: 'begin' is no type"),
-        ("Type,Current State,Next State\n\nstart,A,B,extra\n", "line 3: 'extra' stands beyond the last column"),
-        ('Type,Current State,Next State\nstart,"A,B\n', "line 2: it is no CSV"),
-        ("Type,Current State,Next State,Deadline\nstart,A,B,soon\n", "line 2, Deadline: 'soon' is no time"),
-        ("Type,Current State,Next State\nstart," + "A" * 81 + ",B\n", "line 2, Current State: it has 81 characters"),
-        (b"PK\x03\x04 a spreadsheet", "save it as CSV"),
-        (b"a\0b", "it is no text"),
+        "",
+        "a,b,c\n1,2,3\n",
+        "Current State,Next State,x:y\nA,B,1\n",
+        "Current State,Next State,Next State\nA,B,1\n",
+        "Type,Current State,Next State\nbegin,A,B\n",
+        "Type,Current State,Next State\n\nstart,A,B,extra\n",
+        'Type,Current State,Next State\nstart,"A,B\n',
+        "Type,Current State,Next State,Deadline\nstart,A,B,soon\n",
+        "Type,Current State,Next State\nstart," + "A" * 81 + ",B\n",
+        b"PK\x03\x04 a spreadsheet",
+        b"a\0b",
     ],
 )
-def test_a_bad_file_is_told_with_line_and_column(text, said):
-    told = [str(fault) for fault in read(text).faults]
-    assert told
-    assert said == "line 0" or any(one.startswith(said) or said in one for one in told), told
+def test_a_bad_file_is_told_with_line_and_column(text, wording):
+    wording(*map(str, read(text).faults))
 
 
 def test_json_is_written_and_read_again():
@@ -166,21 +164,24 @@ def test_json_as_the_first_lbr_wrote_it_is_read():
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    "text",
     [
-        ("[", "it is no JSON"),
-        ("[" * 100_000, "it is no JSON"),
-        ("3", "write an object of states"),
-        ('{"A": 3}', "it has no list of rows"),
-        ('{"A": [3]}', "it is no object"),
-        ('{"A": [{"Inputs": 3}]}', "it is no object of columns"),
-        ('{"A": [{"Inputs": {"Forward": [1]}}]}', "neither a text nor a number"),
-        ('{"A": [{"Inputs": {"Forward": 1e300}}]}', "neither a text nor a number"),
-        ('{"A": [{"Input": {}}]}', "there is no such field"),
+        "[",
+        "3",
+        '{"A": 3}',
+        '{"A": [3]}',
+        '{"A": [{"Inputs": 3}]}',
+        '{"A": [{"Inputs": {"Forward": [1]}}]}',
+        '{"A": [{"Inputs": {"Forward": 1e300}}]}',
+        '{"A": [{"Input": {}}]}',
     ],
 )
-def test_bad_json_is_told_with_its_place(text, said):
-    assert any(said in str(fault) for fault in read(text, json=True).faults)
+def test_bad_json_is_told_with_its_place(text, wording):
+    wording(*map(str, read(text, json=True).faults))
+
+
+def test_json_that_is_nested_deeper_than_python_reads_is_a_fault():
+    assert read("[" * 100_000, json=True).faults
 
 
 @given(st.binary(max_size=300) | st.text(max_size=300).map(str.encode), st.booleans())
@@ -250,56 +251,41 @@ def test_a_good_table_has_no_faults():
 
 
 @pytest.mark.parametrize(
-    ("lines", "said"),
+    "lines",
     [
-        (GOOD[1:], "row 1, Type: no row has the type 'start'"),
-        ((*GOOD, "Type=start|Current State=D|Next State=B"), "row 4, Type: the table starts in 'A' already"),
-        (GOOD[:1], "Type: no row has the type 'end'"),
-        ((GOOD[0].replace("B", "b"), *GOOD[1:]), "row 1, Next State: there is no state 'b'; did you mean 'B'?"),
-        ((*GOOD, "Current State=D|Next State=B"), "row 4, Current State: no row leads to the state 'D'"),
-        (("Type=start|Current State=A", *GOOD[1:]), "row 1, Next State: it does not say which state comes next"),
-        ((*GOOD, "Current State=B|Next State=A"), "row 4, Type: 'B' is an end in another row"),
-        (
-            ("Type=start|Current State=A|Forward=low|Next State=B", *GOOD[1:]),
-            "row 1, Forward: 'low' never holds: Forward is a number",
-        ),
-        (
-            ("Type=start|Current State=A|level=lo|Next State=B", *GOOD[1:]),
-            "row 1, level: 'lo' never holds: level is one of unknown, ok",
-        ),
-        (("Type=start|Current State=A|Time=< 0|Next State=B", *GOOD[1:]), "row 1, Time: '< 0' never holds"),
-        (
-            ("Type=start|Current State=A|Forward=> 5 and < 3|Next State=B", *GOOD[1:]),
-            "row 1, Forward: '> 5 and < 3' never holds",
-        ),
-        (("Type=start|Current State=A|Forward=40 -1|Next State=B", *GOOD[1:]), "row 1, Forward: '-1' is too much"),
-        (
-            ("Type=start|Current State=A|$laps=> 1|Next State=B", *GOOD[1:]),
-            "row 1, $laps: no row sets the variable $laps",
-        ),
-        ((GOOD[0] + "|O:level=2", *GOOD[1:]), "row 1, O:level: Expected `float` <= 1.0"),
-        ((GOOD[0] + "|O:level=$fast", *GOOD[1:]), "row 1, O:level: no row sets the variable $fast"),
-        ((GOOD[0] + "|O:level=0.2|O:turn=90", *GOOD[1:]), "row 1, O:turn: a row moves the robot in one way"),
-        ((GOOD[0] + "|O:range=40", *GOOD[1:]), "row 1, O:range: O:range goes with O:level alone"),
-        ((GOOD[0] + "|O:level=0.2|O:sensor=Forward", *GOOD[1:]), "row 1, O:sensor: O:sensor goes with O:range"),
-        (
-            (GOOD[0] + "|O:level=0.2|O:range=40|O:sensor=nose", *GOOD[1:]),
-            "row 1, O:sensor: this robot has no sensor 'nose'",
-        ),
-        ((GOOD[0] + "|O:turn=90 | 400", *GOOD[1:]), "row 1, O:turn: Expected `float` <= 360.0"),
-        ((GOOD[0] + "|O:set=laps", *GOOD[1:]), "row 1, O:set: 'laps' sets nothing"),
-        ((GOOD[0] + "|O:wait=-1", *GOOD[1:]), "row 1, O:wait: -1 is not from 0"),
-        ((GOOD[0] + "|Deadline=60|O:level=x", *GOOD[1:]), "row 1, O:level: 'x' is no number"),
+        GOOD[1:],
+        (*GOOD, "Type=start|Current State=D|Next State=B"),
+        GOOD[:1],
+        (GOOD[0].replace("B", "b"), *GOOD[1:]),
+        (*GOOD, "Current State=D|Next State=B"),
+        ("Type=start|Current State=A", *GOOD[1:]),
+        (*GOOD, "Current State=B|Next State=A"),
+        ("Type=start|Current State=A|Forward=low|Next State=B", *GOOD[1:]),
+        ("Type=start|Current State=A|level=lo|Next State=B", *GOOD[1:]),
+        ("Type=start|Current State=A|Time=< 0|Next State=B", *GOOD[1:]),
+        ("Type=start|Current State=A|Forward=> 5 and < 3|Next State=B", *GOOD[1:]),
+        ("Type=start|Current State=A|Forward=40 -1|Next State=B", *GOOD[1:]),
+        ("Type=start|Current State=A|$laps=> 1|Next State=B", *GOOD[1:]),
+        (GOOD[0] + "|O:level=2", *GOOD[1:]),
+        (GOOD[0] + "|O:level=$fast", *GOOD[1:]),
+        (GOOD[0] + "|O:level=0.2|O:turn=90", *GOOD[1:]),
+        (GOOD[0] + "|O:range=40", *GOOD[1:]),
+        (GOOD[0] + "|O:level=0.2|O:sensor=Forward", *GOOD[1:]),
+        (GOOD[0] + "|O:level=0.2|O:range=40|O:sensor=nose", *GOOD[1:]),
+        (GOOD[0] + "|O:turn=90 | 400", *GOOD[1:]),
+        (GOOD[0] + "|O:set=laps", *GOOD[1:]),
+        (GOOD[0] + "|O:wait=-1", *GOOD[1:]),
+        (GOOD[0] + "|Deadline=60|O:level=x", *GOOD[1:]),
     ],
 )
-def test_a_fault_is_told_with_row_and_column(lines, said):
-    told = faults(table(*lines), Parts(sensors=frozenset({"forward", "back"})))
-    assert any(one.startswith(said) for one in told), told
+def test_a_fault_is_told_with_row_and_column(lines, wording):
+    wording(*faults(table(*lines), Parts(sensors=frozenset({"forward", "back"}))))
 
 
-def test_a_motion_that_cannot_be_a_name_is_told_in_words():
-    told = "'Wave' is no motion's name: small letters, digits, underscores"
-    assert list(outputs.faults({"motion": "wave | Wave", "times": "2"})) == [("motion", told)]
+def test_a_motion_that_cannot_be_a_name_is_told_in_words(wording):
+    ((output, told),) = outputs.faults({"motion": "wave | Wave", "times": "2"})
+    assert output == "motion"
+    wording(told)
 
 
 def test_an_output_that_no_command_takes_is_named():
@@ -387,9 +373,9 @@ def test_a_value_of_another_kind_is_told_with_its_place():
 
 
 @pytest.mark.parametrize("wrong", ["x = 1e999", "x = -inf", "x = nan"])
-def test_a_variable_is_no_number_that_cannot_be_reckoned_with(wrong):
+def test_a_variable_is_no_number_that_cannot_be_reckoned_with(wrong, wording):
     text = table(f"Type=start|Current State=A|O:set={wrong}|Next State=B", *GOOD[1:])
-    assert any("no number that can be reckoned with" in one for one in faults(text))
+    wording(*faults(text))
 
 
 def test_a_cell_is_one_of_so_many_at_most():
@@ -397,7 +383,7 @@ def test_a_cell_is_one_of_so_many_at_most():
     assert any("one of 21, and 20 are the most" in one for one in faults(text))
 
 
-def test_of_a_table_with_many_faults_the_first_are_told():
+def test_of_a_table_with_many_faults_the_first_are_told(wording):
     many = tuple(
         BehaviourRow(behaviour="t", step=step, state="A", next_state="A", conditions={f"nothing{step}": "1"})
         for step in range(1, 200)
@@ -405,4 +391,4 @@ def test_of_a_table_with_many_faults_the_first_are_told():
     compiled = compile_table(T, many)
     assert compiled.table is None
     assert len(compiled.faults) == 51
-    assert "mend what was found first" in compiled.faults[-1].text
+    wording(compiled.faults[-1].text)

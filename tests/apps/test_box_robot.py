@@ -158,7 +158,7 @@ def test_a_recording_on_purpose_is_a_file_of_its_own(robot):
     found = {one.topic for one in selection.messages([path])}
     assert {"drive/state", "@rows", "@status"} <= found
     odd = lbr(robot.home, "record", "--name", "a/b")
-    assert (odd.returncode, "'a/b' cannot be a file's name here: letters" in odd.stderr) == (2, True)
+    assert (odd.returncode, "'a/b' cannot be" in odd.stderr) == (2, True)
     again = lbr(robot.home, "record", "--seconds", "1", "--name", "walk")
     assert again.returncode == 1
     assert "is there already" in again.stderr

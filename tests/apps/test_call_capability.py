@@ -85,7 +85,7 @@ def test_without_the_extra_it_says_what_to_install_and_lets_no_page_in(bench, mo
     found = bench(answer="at_once")
     reply = found.ring()
     assert (reply.accepted, reply.code) == (False, "not_possible")
-    assert reply.reason.endswith("pip install 'lbr[telepresence]'")
+    assert "lbr[telepresence]" in reply.reason
     assert found.round().lacks == reply.reason
     assert found.ctx.health == [reply.reason]
     assert found.say("answer").code == "idle"
@@ -102,7 +102,7 @@ def test_a_whole_call_with_a_camera_that_is_switched_off_in_it(bench):
         assert found.ctx.said("state")[-1].camera == "front"
         for _ in range(30):
             state = found.round(OFF)
-        assert (state.camera, state.picture) == ("", "the camera is off: the call does not switch it on")
+        assert (state.camera, "is off" in state.picture) == ("", True)
         assert found.keep(name).phase == "talking"
         for _ in range(30):
             state = found.round(None)

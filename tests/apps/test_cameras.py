@@ -83,12 +83,12 @@ def test_an_unknown_name_is_refused_with_those_there_are(cameras, bus):
 
 def test_whoever_asked_is_told_which_camera_failed(cameras, bus):
     bus.says = {
-        "camera_front": CommandReply(accepted=False, reason="its device is not closed yet"),
+        "camera_front": CommandReply(accepted=False, reason="not closed yet"),
         "camera_rear": None,
     }
     said = select(cameras, "rear")
     assert not said.accepted
-    assert said.reason == "front: its device is not closed yet; rear: no answer"
+    assert said.reason == "front: not closed yet; rear: no answer"
     assert bus.switched[-1] == ("camera_rear", True)
 
 

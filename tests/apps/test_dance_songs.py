@@ -26,27 +26,32 @@ def test_a_song_is_its_sound_and_its_beats(music):
 
 
 @pytest.mark.parametrize(
-    ("text", "why"),
+    "text",
     [
-        ('{"BEATS": [0.5,\n 1.0,, 2]}', r"tune\.json, line 2, column 6"),
-        ('{"beats": [1, 2]}', r'must be \{"BEATS"'),
-        ("[1, 2]", r'must be \{"BEATS"'),
-        ('{"BEATS": [1]}', "has 1 beats; 2 to 10000"),
-        ('{"BEATS": [1, "2"]}', r"BEATS\[1\] is not a number"),
-        ('{"BEATS": [1, true]}', r"BEATS\[1\] is not a number"),
-        ('{"BEATS": [-1, 2]}', r"BEATS\[0\] is outside 0 to 14400 s"),
-        ('{"BEATS": [1, NaN]}', r"BEATS\[1\] is outside"),
-        ('{"BEATS": [1, 1e999]}', r"BEATS\[1\] is outside"),
-        ('{"BEATS": [1, 2, 2]}', r"BEATS\[2\] 2 s is not after the beat before it"),
-        ('{"BEATS": [1, 5]}', r"BEATS\[1\] 5 s is after the end of the song, 3\.0 s"),
-        ("\ufeff{}", r"tune\.json"),
-        ("[" * 100_000, r"tune\.json"),
-        (" " * 1_000_001, "larger than 1000000 bytes"),
+        '{"BEATS": [0.5,\n 1.0,, 2]}',
+        '{"beats": [1, 2]}',
+        "[1, 2]",
+        '{"BEATS": [1]}',
+        '{"BEATS": [1, "2"]}',
+        '{"BEATS": [1, true]}',
+        '{"BEATS": [-1, 2]}',
+        '{"BEATS": [1, NaN]}',
+        '{"BEATS": [1, 1e999]}',
+        '{"BEATS": [1, 2, 2]}',
+        '{"BEATS": [1, 5]}',
+        "\ufeff{}",
+        " " * 1_000_001,
     ],
 )
-def test_beats_that_are_wrong_are_refused_with_file_and_line_or_beat(music, text, why):
+def test_beats_that_are_wrong_are_refused_with_file_and_line_or_beat(music, text, wording):
     (music / "tune.json").write_text(text)
-    with pytest.raises(InputError, match=why):
+    with wording.of(InputError):
+        songs.load(music, "tune")
+
+
+def test_beats_that_are_nested_deeper_than_python_reads_are_refused(music):
+    (music / "tune.json").write_text("[" * 100_000)
+    with pytest.raises(InputError, match=r"tune\.json"):
         songs.load(music, "tune")
 
 

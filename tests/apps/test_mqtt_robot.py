@@ -316,7 +316,6 @@ def test_a_robot_that_may_not_hear_its_own_word_says_so_before_anybody_asks_it(b
             ctx.now += 0.1
             mqtt.step()
         assert f"nothing comes back on {TOPIC}/eye/echo: " in ctx.health[-1]
-        assert "may not write and read there" in ctx.health[-1]
     finally:
         mqtt.close()
         strict.kill()

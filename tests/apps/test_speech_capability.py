@@ -52,11 +52,11 @@ def test_texts_wait_for_one_another_in_their_order(bench):
     assert [text for index, text in enumerate(texts) if text not in texts[:index]] == ["one", "two"]
 
 
-def test_the_queue_is_bounded_and_says_so(bench):
+def test_the_queue_is_bounded_and_says_so(bench, wording):
     found = bench(queue=2)
     answers = [found.say("long") for _ in range(4)]
     assert [answer.accepted for answer in answers] == [True, True, False, False]
-    assert answers[2].reason == "2 texts wait already; try again later, or interrupt"
+    wording(answers[2])
 
 
 def test_an_interrupting_text_ends_what_is_said_and_what_waits(bench):
@@ -109,18 +109,17 @@ def test_a_recording_has_no_other_place_than_its_folder(bench, name):
 
 
 @pytest.mark.parametrize(
-    ("message", "why"),
+    "message",
     [
-        ({"text": "\U0001f600"}, "nothing in it that can be said"),
-        ({"text": ""}, "nothing to say"),
-        ({"text": "a" * 5001}, "5000 can be said at once"),
-        ({"phrase": "left"}, "did you mean left_turn?"),
+        {"text": "\U0001f600"},
+        {"text": ""},
+        {"text": "a" * 5001},
+        {"phrase": "left"},
     ],
 )
-def test_what_cannot_be_said_is_refused_with_the_reason(bench, message, why):
+def test_what_cannot_be_said_is_refused_with_the_reason(bench, message, wording):
     answer = bench().say(**message)
-    assert not answer.accepted
-    assert why in answer.reason
+    wording(answer)
 
 
 @pytest.mark.parametrize(("text", "why"), [("lie", "cannot be read"), ("die", "died"), ("refuse", "no voice")])
@@ -135,12 +134,11 @@ def test_what_the_engine_fails_at_is_told_and_the_next_text_is_heard(bench, text
     assert why in told
 
 
-def test_without_an_engine_it_is_degraded_and_refuses_but_recordings_are_heard(bench):
+def test_without_an_engine_it_is_degraded_and_refuses_but_recordings_are_heard(bench, wording):
     found = bench("none", wait=False)
-    found.until(lambda: found.ctx.health[-1] == "there is no speech engine")
+    found.until(lambda: "no speech engine" in found.ctx.health[-1])
     wav_file(found.home / "sounds" / "ping.wav", 0.02)
-    assert found.say("Hello").reason == "there is no speech engine"
-    assert found.state.reason == "there is no speech engine"
+    wording(found.say("Hello"), found.state.reason)
     assert found.say("<ping").accepted
     found.until(lambda: found.state.spoken == 1)
 

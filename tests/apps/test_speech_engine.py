@@ -46,7 +46,7 @@ def outcome(found, asked, limit_s=5.0):
 @pytest.fixture(scope="module")
 def real():
     if not (shutil.which("espeak-ng") or needs.IN_CI):
-        pytest.skip("espeak-ng is not installed here: sudo apt install espeak-ng")
+        pytest.skip("espeak-ng is not installed")
     found = ready(Worker(time.monotonic))
     yield found
     found.close()
@@ -90,9 +90,9 @@ def test_a_file_that_cannot_be_written_ends_in_time_and_the_next_text_is_written
     assert outcome(ready(found), request(tmp_path / "a.wav")) == ""
 
 
-def test_a_robot_without_an_engine_says_so_and_tries_again_later(started):
+def test_a_robot_without_an_engine_says_so_and_tries_again_later(started, wording):
     found = ready(started("none"))
-    assert found.trouble == "there is no speech engine"
+    wording(found.trouble)
     assert not found.idle
 
 

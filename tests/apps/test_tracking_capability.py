@@ -88,7 +88,7 @@ class World(FakeContext):
                 return CommandReply(accepted=False, reason=f"held by {self.holder}")
             assert command.torque
             if self.stopped_s is not None and command.asked_s <= self.stopped_s:
-                return CommandReply(accepted=False, reason="a stop came after this command")
+                return CommandReply(accepted=False, reason="stopped since")
             self.leases += 1
             self.holder, self.lease = self.name, f"lease-{self.leases}"
         self.expires = self.clock() + command.ttl_s
@@ -329,13 +329,13 @@ def test_without_pictures_the_head_stays_and_it_is_degraded_with_a_reason(world,
     assert world.health[-1] == "ready"
 
 
-def test_joints_that_fall_silent_end_it(world):
+def test_joints_that_fall_silent_end_it(world, wording):
     world.ball = Angles(0.4, 0.2)
     begin(world)
     world.run(3.0)
     world.silent = True
     world.run(3.0)
-    assert "joints operation does not answer" in world.state.reason
+    wording(world.state.reason)
 
 
 def test_what_looks_at_pictures_is_loaded_before_anybody_can_have_the_head_follow(world, monkeypatch):
@@ -369,7 +369,7 @@ def test_an_eye_that_opens_late_is_answered_for_in_time_and_the_stop_ends_what_h
     world.ball = Angles(0.4, 0.2)
     call = begin(world)
     world.run(1.6)
-    assert call.answer == CommandReply(accepted=True, reason="the head follows a colour as soon as its eye is ready")
+    assert (call.answer.accepted, "eye" in call.answer.reason) == (True, True)
     world.tracking.command(FakeCall("stop", StopCommand(), source="tester"))
     slow.clear()
     moved = len(world.moves)
@@ -436,7 +436,7 @@ def test_a_stop_while_the_eye_is_not_ready_yet_ends_it_also_if_it_came_before_th
     world.run(0.5)
     slow.clear()
     world.run(2.0)
-    assert call.answer.reason == ("a stop came after this command" if later else "stopped by console")
+    assert call.answer.reason == ("stopped since" if later else "stopped by console")
     assert all(move.lease for move in world.moves[moved:]), "no new lease is asked for"
     assert world.holder is None
     assert not world.state.following

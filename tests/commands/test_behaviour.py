@@ -53,11 +53,11 @@ def test_a_table_is_named_after_its_file_in_any_script(home, capsys, file, name)
     assert f"took '{name}'" in capsys.readouterr().out
 
 
-def test_a_table_that_is_there_is_replaced_only_if_that_is_said(home, capsys):
+def test_a_table_that_is_there_is_replaced_only_if_that_is_said(home, capsys, wording):
     path = table(home)
     assert main(["behaviour", "import", path]) == 0
     assert main(["behaviour", "import", path]) == 2
-    assert "--replace puts this one in its place" in capsys.readouterr().err
+    wording(capsys.readouterr().err)
     assert main(["behaviour", "import", table(home, PATROL.replace("fail,Stuck,,,,\n", "")), "--replace"]) == 0
     assert main(["behaviour", "export", "mine"]) == 0
     assert "Stuck" not in capsys.readouterr().out, "rows that are not in the file any more are gone"

@@ -80,7 +80,7 @@ def test_a_package_whose_kind_cannot_be_used_is_named_without_a_row_too(tmp_path
 def test_no_speech_engine_is_a_hint(monkeypatch):
     monkeypatch.setattr(device_checks.ctypes.util, "find_library", lambda _name: None)
     (found,) = device_checks.speech()
-    assert (found.level, found.do) == ("hint", "sudo apt install espeak-ng")
+    assert (found.level, "espeak-ng" in found.do) == ("hint", True)
 
 
 @pytest.mark.parametrize(
@@ -105,14 +105,14 @@ def test_no_row_of_a_serial_device_ships_with_a_number():
     assert [address for _, address in tables if device_checks.NUMBERED.fullmatch(address)] == []
 
 
-def test_a_pattern_that_matches_nothing_says_so_and_one_that_does_is_looked_at(tmp_path, monkeypatch):
+def test_a_pattern_that_matches_nothing_says_so_and_one_that_does_is_looked_at(tmp_path, monkeypatch, wording):
     monkeypatch.setattr(serial_line, "BY_ID", str(tmp_path))
     found = judged("by-id:usb-*-if00")
     assert (found.level, "nothing matches by-id:usb-*-if00" in found.text) == ("hint", True)
     (tmp_path / "usb-a-if00").touch()
     assert judged("by-id:usb-*-if00").level == "good"
     (tmp_path / "usb-b-if00").touch()
-    assert "make the address say which" in judged("by-id:usb-*-if00").text
+    wording(judged("by-id:usb-*-if00").text)
 
 
 def test_a_receiver_without_a_decoder_is_bad(tmp_path, monkeypatch):
@@ -130,10 +130,10 @@ def test_a_receiver_without_a_decoder_is_bad(tmp_path, monkeypatch):
     assert judged(str(node), "infrared").level == "good"
 
 
-def test_right_after_a_plug_in_the_group_may_still_come(tmp_path, monkeypatch):
+def test_right_after_a_plug_in_the_group_may_still_come(tmp_path, monkeypatch, wording):
     monkeypatch.setattr(device_checks.os, "access", lambda *_: False)
     node = tmp_path / "tty"
     node.touch()
-    assert "udev may still be setting its group" in judged(str(node)).text
+    wording(judged(str(node)).text)
     monkeypatch.setattr(device_checks.access.time, "time", lambda: node.stat().st_ctime + 60)
     assert judged(str(node)).text == f"{node} may not be opened"

@@ -347,10 +347,10 @@ def test_a_launch_profile_without_an_end_of_brackets_is_told(lbr, tmp_path):
 
 
 @pytest.mark.parametrize("host", ["192.168..5", ".a", f"{'a' * 80}.b", "\udcff"])
-def test_a_name_that_no_machine_can_have_is_told_as_that(lbr, host):
+def test_a_name_that_no_machine_can_have_is_told_as_that(lbr, host, wording):
     code, _, err = lbr("send", "help", "--connect", f"tls/{host}:7447")
     assert code == 2
-    assert "is no name or address of a machine" in err
+    wording(err)
 
 
 def test_a_message_of_bytes_that_are_no_text_is_told(lbr):
@@ -372,7 +372,7 @@ def test_what_was_typed_moves_no_cursor_when_it_is_repeated(lbr):
     assert all(c.isprintable() or c == "\n" for c in err)
 
 
-def test_a_recording_that_cannot_be_deleted_is_not_called_written(capfd, home, monkeypatch):
+def test_a_recording_that_cannot_be_deleted_is_not_called_written(capfd, home, monkeypatch, wording):
     place = home / "recordings" / "lbr"
     place.mkdir(parents=True)
     (place / "walk.mcap").write_bytes(b"x")
@@ -380,7 +380,7 @@ def test_a_recording_that_cannot_be_deleted_is_not_called_written(capfd, home, m
     assert cli.main(["box", "delete", "walk"]) == 1
     out, err = capfd.readouterr()
     assert out == ""
-    assert err == "walk.mcap cannot be deleted: look at the disk and its rights\n"
+    wording(err)
 
 
 def refuse(_path: Path, missing_ok: bool = False) -> None:

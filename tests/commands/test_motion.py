@@ -68,20 +68,20 @@ def test_joints_beyond_their_limits_are_refused_or_clipped(place, capsys):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "why"),
+    "arguments",
     [
-        (("import", "nowhere.rbm"), "nowhere.rbm cannot be read: No such file"),
-        (("import", "{place}/robot.db"), "robot.db: it is not a motion"),
-        (("import", "{place}/nod.rbm", "--robot", "bioloid"), "has no joints with a motor in layer 'factory'"),
-        (("import", "{place}/nod.rbm", "--robot", "nobody"), "there is no robot 'nobody'"),
-        (("import", "{place}/nod.rbm", "--name", "sit_down", "--replace"), "is built in, and stays as it is"),
-        (("import", "{place}/nod.rbm", "--name", "No Name"), "name"),
-        (("export", "nothing"), "there is no motion 'nothing'; 'lbr motion list' shows them"),
-        (("export", "turn_left"), "bioloid and uxa90 have a motion 'turn_left'"),
-        (("export", "kick_right"), "kept by the robot's controller, in slot 2"),
+        ("import", "nowhere.rbm"),
+        ("import", "{place}/robot.db"),
+        ("import", "{place}/nod.rbm", "--robot", "bioloid"),
+        ("import", "{place}/nod.rbm", "--robot", "nobody"),
+        ("import", "{place}/nod.rbm", "--name", "sit_down", "--replace"),
+        ("import", "{place}/nod.rbm", "--name", "No Name"),
+        ("export", "nothing"),
+        ("export", "turn_left"),
+        ("export", "kick_right"),
     ],
 )
-def test_what_cannot_be_done_is_said_in_a_sentence(place, capsys, arguments, why):
+def test_what_cannot_be_done_is_said_in_a_sentence(place, capsys, arguments, wording):
     code, _, err = lbr(capsys, *(text.format(place=place) for text in arguments))
     assert code == 2
-    assert why in err
+    wording(err)

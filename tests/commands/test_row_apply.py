@@ -45,13 +45,13 @@ def refusal(*words: str) -> str:
     return str(db(*words).exception)
 
 
-def test_plan_tells_rows_and_processes_and_touches_nothing(path, sql):
+def test_plan_tells_rows_and_processes_and_touches_nothing(path, sql, wording):
     done = db("plan", sql(POWER))
     assert done.return_value == 0
     rows, robot, last = done.stdout.splitlines()
     assert rows.startswith("capability 'lbr/drive' changed: settings: ")
     assert robot == "lbr, at its next start: restart drive"
-    assert last == "nothing was changed yet; the rows have revision 0"
+    wording(last)
     assert asked(path, "SELECT count(*) FROM revision") == [(0,)]
 
 
@@ -78,31 +78,25 @@ def test_apply_writes_all_in_one_change_that_says_who_and_from_what(path, sql):
 
 
 @pytest.mark.parametrize(
-    ("script", "said"),
+    "script",
     [
-        ("DROP TABLE channel", "line 1: it may insert, update and delete rows that make robots, and do nothing else"),
-        ("\nDELETE FROM audit", "line 2: it may insert"),
-        ("UPDATE user_token SET role = 'admin'", "line 1: it may insert"),
-        ("UPDATE revision SET id = 4", "line 1: it may insert"),
-        ("ATTACH '/tmp/x' AS x", "line 1: it may insert"),
-        ("UPDATE channel SET rate_hz = -1", "line 1: table channel, rate_hz: must be above 0"),
-        ("BEGIN; DELETE FROM phrase;", "its transaction has no end"),
-        ("DELETE FROM phr", "line 1: no such table: phr"),
-        ("\udcff", "neither SQL nor a robot's database"),
-        ("DELETE FROM channel;\0", "neither SQL nor a robot's database: it has a NUL character in it"),
-        (
-            "PRAGMA foreign_keys = OFF; INSERT INTO channel (robot, source, target) VALUES ('none', 'a.b', 'c.d')",
-            "a row of channel would refer to a row of robot that is not there",
-        ),
-        (
-            "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) DELETE FROM phrase WHERE name IN (SELECT i FROM n)",
-            "line 1: it takes too long",
-        ),
+        "DROP TABLE channel",
+        "\nDELETE FROM audit",
+        "UPDATE user_token SET role = 'admin'",
+        "UPDATE revision SET id = 4",
+        "ATTACH '/tmp/x' AS x",
+        "UPDATE channel SET rate_hz = -1",
+        "BEGIN; DELETE FROM phrase;",
+        "DELETE FROM phr",
+        "\udcff",
+        "DELETE FROM channel;\0",
+        "PRAGMA foreign_keys = OFF; INSERT INTO channel (robot, source, target) VALUES ('none', 'a.b', 'c.d')",
+        "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) DELETE FROM phrase WHERE name IN (SELECT i FROM n)",
     ],
 )
-def test_sql_that_does_anything_else_is_refused_with_its_line(path, tmp_path, script, said):
+def test_sql_that_does_anything_else_is_refused_with_its_line(path, tmp_path, script, wording):
     (tmp_path / "edit.sql").write_text(script, errors="surrogateescape")
-    assert said in refusal("apply", str(tmp_path / "edit.sql"))
+    wording(refusal("apply", str(tmp_path / "edit.sql")))
     assert asked(path, "SELECT count(*) FROM revision") == [(0,)]
 
 
@@ -112,17 +106,17 @@ def test_a_plan_is_refused_when_the_rows_were_changed_meanwhile(path, sql):
     assert asked(path, "SELECT count(*) FROM revision") == [(1,)]
 
 
-def test_a_copy_brings_its_rows_and_nothing_else(path, tmp_path):
+def test_a_copy_brings_its_rows_and_nothing_else(path, tmp_path, wording):
     copy = tmp_path / "copy.db"
     asked(path, f"VACUUM INTO '{copy}'")
     asked(path, POWER)
     assert "drive" in db("plan", str(copy)).stdout
     assert db("apply", str(copy)).return_value == 0
     assert db("diff", "0").stdout == "nothing differs\n"
-    assert db("apply", str(copy)).stdout == "nothing differs: nothing was changed\n"
+    wording(db("apply", str(copy)).stdout)
 
 
-def test_what_was_exported_is_imported_again(path, tmp_path):
+def test_what_was_exported_is_imported_again(path, tmp_path, wording):
     folder = tmp_path / "rows"
     assert "wrote " in db("export", str(folder)).stdout
     asked(path, POWER)
@@ -130,7 +124,7 @@ def test_what_was_exported_is_imported_again(path, tmp_path):
     done = db("import", str(folder))
     assert done.return_value == 0
     assert db("diff", "0").stdout == "nothing differs\n"
-    assert db("import", str(folder)).stdout == "nothing differs: nothing was changed\n"
+    wording(db("import", str(folder)).stdout)
 
 
 def test_one_robot_alone_is_exported_and_comes_into_another_database(path, tmp_path):

@@ -194,7 +194,7 @@ def test_the_doctor_says_how_a_robot_comes_to_power_off(watching):
     nowhere = f"unix:path={watching / 'no-bus'}"
     found = {one.about: one for one in power_checks.power(watching, watching, nowhere)}
     assert found["power-off rule"].level == "hint"
-    assert "service install PROFILE --power-off" in found["power-off rule"].do
+    assert "--power-off" in found["power-off rule"].do
     assert found["power off"].level == "hint"
     assert "cannot be asked" in found["power off"].text
     lbr("install", "--power-off", "--root", str(watching))

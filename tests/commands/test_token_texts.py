@@ -23,7 +23,7 @@ SECONDS = {"m": 60, "h": 3600, "d": 86400, "w": 604800}
 def test_an_end_is_that_long_from_now_or_refused_in_a_sentence(number, unit):
     before = dt.datetime.now(dt.UTC)
     if number * SECONDS[unit] > 7900 * 366 * 86400:  # the year 9999 is the last
-        with pytest.raises(InputError, match=f"'{number}{unit}' from now is beyond the last date"):
+        with pytest.raises(InputError, match=f"'{number}{unit}' from now"):
             token._end(f"{number}{unit}")
         return
     ends = token._end(f"{number}{unit}")
@@ -35,7 +35,7 @@ def test_an_end_is_that_long_from_now_or_refused_in_a_sentence(number, unit):
 def test_what_is_no_time_is_refused_with_how_to_write_one(text):
     if re.fullmatch(r"[1-9][0-9]{0,5}[mhdw]", text):
         return
-    with pytest.raises(InputError, match="write 90m, 12h, 30d or 8w"):
+    with pytest.raises(InputError, match="90m, 12h, 30d or 8w"):
         token._end(text)
 
 

@@ -42,8 +42,8 @@ def test_a_port_that_is_taken_is_a_hint_unless_the_robot_itself_has_it(taken, mo
     assert judged(taken, monkeypatch, Running).level == "good"
 
 
-def test_a_free_port_says_who_reaches_it(monkeypatch):
-    assert judged(0, monkeypatch).text.endswith("this machine alone reaches it")
+def test_a_free_port_says_who_reaches_it(monkeypatch, wording):
+    wording(judged(0, monkeypatch).text)
     assert judged(0, monkeypatch, host="0.0.0.0").text.endswith("the network reaches it")
 
 

@@ -28,20 +28,20 @@ def lbr(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [
-        (["status"], 1, "no robot runs here; 'lbr run' starts one"),
+        (["status"], 1, "no robot runs here"),
         (["send", "s"], 1, "no robot runs here"),
         (["stop"], 1, "no robot runs here"),
         (["topic", "list"], 1, "no robot runs here"),
         (["view"], 1, "no robot runs here"),
         (["console", "--robot", "nobody"], 1, "robot 'nobody' does not run here"),
-        (["send", "!1 + 1"], 2, "Python runs at the robot's own console only"),
+        (["send", "!1 + 1"], 2, "own console only"),
         (["send", "a\x1bb"], 2, "control character U+001B"),
         (["send"], 2, "Missing argument"),
         (["send", "s", "--hold", "900"], 2, "--hold"),
         (["send", ""], 2, "there is nothing to send"),
         (["send", " ", ""], 2, "there is nothing to send"),
         (["nonsense"], 2, "nonsense"),
-        (["run", "nothing", "--no-console"], 2, "there is no launch profile 'nothing'"),
+        (["run", "nothing", "--no-console"], 2, "profile 'nothing'"),
         (["run", "--no-console", "--db", "/nowhere/at/all.db"], 2, "/nowhere/at/all.db"),
         (["db", "check"], 2, "'lbr db init' makes one"),
         (["graph"], 2, "'lbr db init' makes one"),
@@ -58,16 +58,14 @@ def test_what_cannot_be_done_is_one_line_and_an_exit_code(lbr, arguments, code, 
     assert done.stdout == ""
 
 
-def test_logs_of_a_robot_that_is_not_there_are_refused_with_those_that_are(lbr, tmp_path):
+def test_logs_of_a_robot_that_is_not_there_are_refused_with_those_that_are(lbr, tmp_path, wording):
     for name in ("lbr-base", "bioloid-servos"):
         log = tmp_path / "home" / "logs" / f"{name}.log"
         log.parent.mkdir(parents=True, exist_ok=True)
         log.write_text("said\n")
     done = lbr("logs", "--robot", "bioliod")
-    assert (done.returncode, done.stderr) == (
-        2,
-        "lbr: there is no log of a robot 'bioliod'; did you mean bioloid?\n",
-    )
+    assert done.returncode == 2
+    wording(done.stderr)
     assert lbr("logs", "--robot", "bioloid").stdout.startswith("bioloid/servos")
 
 

@@ -195,14 +195,14 @@ def test_what_the_joints_do_is_said_in_words(fields, words):
     assert any(words in text for _, _, text in joints(body(**fields)))
 
 
-def test_the_table_says_of_a_joint_that_it_is_weak_not_believed_or_without_torque():
+def test_the_table_says_of_a_joint_that_it_is_weak_not_believed_or_without_torque(wording):
     of = {
         "a": JointState(id=1, torque=0.4),
         "b": JointState(id=2, trusted=False, raw=200, reason="it jumped"),
         "c": JointState(id=3, torque=0.0, reason="was released"),
     }
     first, _, *rows = lines(body(joints=of, moving=True, stored=4, left_s=1.6), None, 100, 20)
-    assert first == "the controller plays slot 4 for 1.6 s more"
+    wording(first)
     assert [row.split("  ")[-1] for row in rows] == [
         "torque 40 %",
         "says 200, not believed, torque unknown",

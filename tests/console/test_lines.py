@@ -26,15 +26,13 @@ def run(operator, lines, **options) -> tuple[int, str, str]:
     return Lines(operator, out, err, **options).run(lines), out.getvalue(), err.getvalue()
 
 
-def test_results_go_out_errors_go_to_stderr_and_the_worst_code_counts(robot, operator):
+def test_results_go_out_errors_go_to_stderr_and_the_worst_code_counts(robot, operator, wording):
     robot.lines["s"] = ConsoleResult(code=0, text="stopped")
     robot.lines["no"] = ConsoleResult(code=1, text="refused\x1b[2J")
     code, out, err = run(operator, ["s\n", "\n", "bad\n", "no\n", "/s/\udcff\n"])
     assert code == 2
     assert out == "stopped\n"
-    assert err.splitlines() == [
-        "'bad' is not a word of this robot", "refused [2J", "the line is not valid UTF-8; send text",
-    ]  # fmt: skip
+    wording(err)
 
 
 def test_empty_lines_and_comments_are_skipped_and_stop_nothing(robot, operator):
@@ -100,7 +98,7 @@ def test_a_stop_does_not_wait_for_the_end_of_a_bounded_motion(robot, operator):
     assert out.splitlines() == ["moving under L1", "stopped"]
 
 
-def test_a_stop_that_comes_later_waits_for_no_line_before_it(robot, operator):
+def test_a_stop_that_comes_later_waits_for_no_line_before_it(robot, operator, wording):
     robot.moves("/r/0.2/0/40/forward/5", "L1", goal="g1")
     robot.lines["stop"] = ConsoleResult(code=0, text="stopped")
 
@@ -111,7 +109,8 @@ def test_a_stop_that_comes_later_waits_for_no_line_before_it(robot, operator):
         yield read("stop", time.monotonic())
 
     code, out, err = run(operator, lines())
-    assert (code, err) == (1, "a stop came, so not said any more: status\n")
+    assert code == 1
+    wording(err)
     assert out.splitlines() == ["moving under L1", "stopped"]
 
 

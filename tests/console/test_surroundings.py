@@ -39,34 +39,37 @@ def shell(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("line", "code", "said"),
+    ("line", "code"),
     [
-        ("lbr run", 2, "standard input is empty, and its end shuts a robot down that has a console"),
-        ("lbr run <&-", 2, "'lbr run --no-console' runs a robot without one"),
-        (": | lbr run", 2, "standard input is empty"),
-        ("sleep 1 | lbr run >&-", 2, "standard output is closed"),
-        ("lbr --help >/dev/full", 1, "standard output cannot be written (No space left on device)"),
-        ("lbr doctor >/dev/full", 1, "standard output cannot be written"),
-        ("lbr --version >&-", 1, "standard output is closed"),
-        ("lbr db init && lbr db check >&-", 1, "standard output is closed"),
-        ("ulimit -n 40; lbr status", 2, "this process may open 40 files, and lbr needs 64: say 'ulimit -n 1024' first"),
-        ("ulimit -n 100; lbr run --no-console", 2, "a robot needs 256"),
-        ("ulimit -f 100; lbr run --no-console", 2, "files may not grow beyond 102400 bytes here"),
-        ("ulimit -f 100; lbr db init", 2, "robot.db cannot be read or written"),
+        ("lbr run", 2),
+        ("lbr run <&-", 2),
+        (": | lbr run", 2),
+        ("sleep 1 | lbr run >&-", 2),
+        ("lbr --help >/dev/full", 1),
+        ("lbr doctor >/dev/full", 1),
+        ("lbr --version >&-", 1),
+        ("lbr db init && lbr db check >&-", 1),
+        ("ulimit -n 40; lbr status", 2),
+        ("ulimit -n 100; lbr run --no-console", 2),
+        ("ulimit -f 100; lbr run --no-console", 2),
+        ("ulimit -f 100; lbr db init", 2),
         (
             "HOME=/dev/null LBR_HOME= lbr run --no-console",
             2,
-            "/dev/null/.lbr cannot be made (Not a directory); set LBR_HOME",
         ),
-        ("HOME=/proc LBR_HOME= lbr run --no-console", 2, "/proc/.lbr cannot be made"),
-        ("LBR_HOME=/dev/null lbr token list", 2, "set LBR_HOME"),
+        ("LBR_HOME=/dev/null lbr token list", 2),
     ],
 )
-def test_too_little_is_one_sentence_and_a_code(shell, line, code, said):
+def test_too_little_is_one_sentence_and_a_code(shell, line, code, wording):
     got, complaints = shell(line)
     assert (got, len(complaints)) == (code, 1)
     assert complaints[0].startswith("lbr: ")
-    assert said in complaints[0]
+    wording(complaints[0])
+
+
+def test_a_home_that_cannot_be_made_is_named(shell):
+    code, (complaint,) = shell("HOME=/proc LBR_HOME= lbr run --no-console")
+    assert (code, complaint.startswith("lbr: /proc/.lbr ")) == (2, True)
 
 
 def test_soft_limits_are_no_obstacle(shell):

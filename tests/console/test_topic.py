@@ -82,18 +82,18 @@ def test_a_topic_that_is_not_there_is_told_with_those_that_may_be_meant(lbr):
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    "name",
     [
-        ("drive/command", "it is a command"),
-        ("drive/stop", "there is no 'drive/stop'"),
-        ("nothing", "there is no 'nothing'; 'lbr topic list' names what there is"),
+        "drive/command",
+        "drive/stop",
+        "nothing",
     ],
 )
-def test_echo_once_asks_no_command_and_says_why_nothing_came(described, lbr, monkeypatch, name, said):
+def test_echo_once_asks_no_command_and_says_why_nothing_came(described, lbr, monkeypatch, name, wording):
     monkeypatch.setattr("lbr.commands.topic.WAIT_S", 0.2)
     code, out, err = lbr("topic", "echo", name, "--once")
     assert (code, out) == (1, "")
-    assert said in err
+    wording(err)
     assert described.renewed == described.stopped == []
 
 

@@ -78,51 +78,51 @@ def test_a_line_becomes_its_message(line, target, payload):
 
 
 @pytest.mark.parametrize(
-    ("line", "complaint"),
+    "line",
     [
-        ("/r/3/0", "power is 0 to 1, not 3"),
-        ("/r/nan/0", "power is 0 to 1, not 'nan'"),
-        ("/r/inf/0", "power is 0 to 1, not 'inf'"),
-        ("/r/0x1/0", "power is 0 to 1, not '0x1'"),
-        ("/r/1_0/0", "power is 0 to 1, not '1_0'"),
-        ("/r/1e-1/0", "power is 0 to 1, not '1e-1'"),
-        ("/r/\u0660.\u0662/0", "power is 0 to 1, not '\u0660.\u0662'"),
-        ("/r/-0.1/0", "power is 0 to 1, not -0.1"),
-        ("/r/0.2/400", "angle is -360 to 360 degrees, not 400"),
-        ("/go/0/0.2", "distance is 1 to 10000 cm, not 0"),
-        ("/go/-0/0.2", "distance is 1 to 10000 cm, not -0"),
-        ("/r/0.2/0/900/forward/0", "range is 0 to 769 cm, not 900"),
-        ("/r/0.2/0/40/up!/0", "sensor 'up!' is not a name"),
-        ("/d/" + "a" * 30, "song has 30 characters; 20 are allowed"),
-        ("/d/waltz/0", "times is at least 1, not 0"),
-        ("/d/waltz/1.5", "times is at least 1, not 1.5"),
-        ("/r/0.2", "has 1 field after '/r'; say /r/power/angle or /r/power/angle/range/sensor/interval"),
-        ("/r", "has nothing after '/r'; say /r/power/angle"),
-        ("/x/1", "'/x' is not a word of this robot"),
-        ("stpo", "did you mean 'stop'?"),
-        ("shutdown", "did you mean 'Shutdown'?"),
-        ("/stpo", "did you mean 'stop'?"),
-        ("quit", "Ctrl-D leaves 'lbr console' and the robot runs on; at 'lbr run' it shuts the robot down"),
-        ("/exit", "Ctrl-D leaves 'lbr console' and the robot runs on; at 'lbr run' it shuts the robot down"),
-        ("?", "'help' lists what can be said"),
-        ("/stop/it", "is not a word of this robot"),
-        ("s now", "nothing may follow 's'"),
-        ("stop it", "'stop' alone stops the robot"),
-        ("gone", "is not a word"),
-        ("clock 'a", "no partner"),
-        ("/" * 9, "is not a word"),
-        ("x" * 5000, "4096 characters are allowed"),
-        ("/s/a\x1b[2Jb", "control character U+001B"),
-        ("/s/a\nS", "control character U+000A"),
-        ("/s/\u202egnp", "control character U+202E"),
-        (b"/s/\xff", "not valid UTF-8"),
-        ("/s/\udcff", "not valid UTF-8"),
+        "/r/3/0",
+        "/r/nan/0",
+        "/r/inf/0",
+        "/r/0x1/0",
+        "/r/1_0/0",
+        "/r/1e-1/0",
+        "/r/\u0660.\u0662/0",
+        "/r/-0.1/0",
+        "/r/0.2/400",
+        "/go/0/0.2",
+        "/go/-0/0.2",
+        "/r/0.2/0/900/forward/0",
+        "/r/0.2/0/40/up!/0",
+        "/d/" + "a" * 30,
+        "/d/waltz/0",
+        "/d/waltz/1.5",
+        "/r/0.2",
+        "/r",
+        "/x/1",
+        "stpo",
+        "shutdown",
+        "/stpo",
+        "quit",
+        "/exit",
+        "?",
+        "/stop/it",
+        "s now",
+        "stop it",
+        "gone",
+        "clock 'a",
+        "/" * 9,
+        "x" * 5000,
+        "/s/a\x1b[2Jb",
+        "/s/a\nS",
+        "/s/\u202egnp",
+        b"/s/\xff",
+        "/s/\udcff",
     ],
 )
-def test_bad_input_gets_one_line_that_says_what_is_allowed(line, complaint):
+def test_bad_input_gets_one_line_that_says_what_is_allowed(line, wording):
     with pytest.raises(InputError) as err:
         VOCABULARY.parse(line)
-    assert complaint in str(err.value)
+    wording(err.value)
     assert str(err.value).isprintable()
 
 
@@ -151,19 +151,19 @@ def test_an_external_command_takes_what_its_row_allows_and_is_stopped_by_name():
 
 
 @pytest.mark.parametrize(
-    ("line", "complaint"),
+    "line",
     [
-        ("clock -f /etc/passwd", "'clock' takes no arguments; the row's column 'arguments' says what may follow it"),
-        ("clock ''", "'clock' takes no arguments"),
-        ("beam up", "'beam' takes as its first argument left or right, not 'up'"),
-        ("beam left -1", "'beam' takes as its second argument what fits [0-9]+ cm|-1, not '-1'"),
-        ("beam left '1 cm' more", "'beam' takes at most 2 arguments"),
+        "clock -f /etc/passwd",
+        "clock ''",
+        "beam up",
+        "beam left -1",
+        "beam left '1 cm' more",
     ],
 )
-def test_an_argument_that_the_row_does_not_allow_is_refused(line, complaint):
+def test_an_argument_that_the_row_does_not_allow_is_refused(line, wording):
     with pytest.raises(InputError) as err:
         VOCABULARY.parse(line)
-    assert complaint in str(err.value)
+    wording(err.value)
 
 
 def test_help_tells_the_arguments_that_a_program_takes():

@@ -113,15 +113,15 @@ def test_a_calibration_without_a_heading_after_it_says_why(bench):
     bench.imu.mag_every = 10**9
     bench.run(3.0, lambda: bench.told("calibrated"))
     (told,) = bench.told("calibrated")
-    assert "the heading is not known yet: " in told
+    assert "heading is not known" in told
 
 
 def test_a_contradiction_of_the_old_calibration_is_not_held_against_the_new_one(bench):
     bench.run(1.0)
     fusion = bench.capability._fusion
-    fusion._field_trouble = "the compass contradicts the gyro by 26 degrees"
+    fusion._field_trouble = "it contradicts the gyro"
     fusion.calibrate(bench.calibration)
-    assert fusion.state(bench.clock()).heading_reason == "the compass has not measured yet"
+    assert "has not measured" in fusion.state(bench.clock()).heading_reason
 
 
 def test_few_samples_go_on_until_the_turn_is_whole(bench):
@@ -227,7 +227,7 @@ def test_a_dead_lease_ends_it_with_the_drives_reason_and_stops_nobody_else(bench
     assert list((tmp_path / "calibration").glob("mag-*.csv"))
 
 
-def test_a_stop_ends_it_and_halts(bench):
+def test_a_stop_ends_it_and_halts(bench, wording):
     bench.calibrate(500)
     bench.run(1.0)
     assert bench.stop().answer.accepted
@@ -237,7 +237,7 @@ def test_a_stop_ends_it_and_halts(bench):
     assert len(bench.drive.commands) == commands
     assert "stopped by console" in last(bench).text
     assert bench.kept == []
-    assert bench.stop().answer.reason == "no calibration was under way"
+    wording(bench.stop().answer)
     assert bench.stop(whole=True).answer.reason == ""
 
 
@@ -279,7 +279,7 @@ def test_a_robot_that_does_not_turn_is_noticed(bench):
     assert len(bench.drive.stops) == 1
 
 
-def test_a_compass_that_falls_silent_ends_it_before_long(bench):
+def test_a_compass_that_falls_silent_ends_it_before_long(bench, wording):
     bench.calibrate(300)
     bench.run(2.0)
     assert last(bench).phase == "collecting"
@@ -288,7 +288,7 @@ def test_a_compass_that_falls_silent_ends_it_before_long(bench):
     bench.run(20.0, ended(bench))
     assert bench.clock() - began < 4.0
     assert last(bench).phase == "refused"
-    assert "the compass measures nothing" in last(bench).text
+    wording(last(bench).text)
     assert len(bench.drive.stops) == 1
 
 

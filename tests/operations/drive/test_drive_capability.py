@@ -98,7 +98,7 @@ def test_a_command_moves_the_base_until_it_is_no_longer_renewed(robot):
     assert robot.wheels == pytest.approx((0.5, 0.5))
     robot.run(0.32)
     assert robot.wheels == (0.0, 0.0)
-    assert ("lapsed", "console: it lapsed, not renewed within 0.3 s") in robot.ctx.events
+    assert "lapsed" in dict(robot.ctx.events)
 
 
 def test_lease_ids_do_not_repeat_and_cannot_be_guessed(robot):
@@ -151,7 +151,7 @@ def test_it_is_ready_once_all_that_feeds_it_has_come_and_the_motors_are_armed():
     )
     attitude(robot)
     robot.ctx.arrive("odometry", OdometryState(valid=False, epoch="e"))
-    robot.ctx.arrive("motors", motors(armed=False, reason="waiting for a zero setpoint"))
+    robot.ctx.arrive("motors", motors(armed=False, reason="no zero setpoint yet"))
     robot.drive.step()
     assert robot.drive.lacks().code == "not_armed"
     robot.run(0.1)
@@ -249,7 +249,7 @@ def test_a_stop_while_a_check_thinks_is_the_last_word(robot):
     robot.send(robot.ctx.stop())
     robot.ctx.asked[0].given = {"cliff": CheckVerdict(accepted=True)}
     robot.run(0.1)
-    assert call.answer.reason == "a stop came after this command"
+    assert call.answer.code == "stopped"
     assert robot.wheels == (0.0, 0.0)
 
 
@@ -327,7 +327,7 @@ def test_a_new_drive_is_not_moved_by_what_was_sent_before_it_began(robot):
     robot.drive.open()
     robot.ctx.now += 0.02
     robot.ctx.hear()
-    assert robot.send(early).answer.reason == "a stop came after this command"
+    assert robot.send(early).answer.code == "stopped"
     robot.run(0.1)
     assert robot.wheels == (0.0, 0.0)
     assert robot.send(robot.ctx.command(0.5)).answer.accepted
@@ -353,18 +353,18 @@ def test_a_command_from_afar_waits_for_its_confirmation_and_the_state_says_so(ro
     assert robot.wheels != (0.0, 0.0)
 
 
-def test_changes_of_holder_are_events_in_words_and_as_data(robot):
+def test_changes_of_holder_are_events_in_words_and_as_data(robot, wording):
     robot.send(robot.ctx.command(0.5))
     robot.run(0.4)
     told = [
         (text, data) for (kind, text), data in zip(robot.ctx.events, robot.ctx.data, strict=True) if kind == "holder"
     ]
-    why = "it lapsed, not renewed within 0.3 s"
+    why = robot.ctx.said("state")[-1].reason
     assert told == [
         ("console took the base", {"took": "console"}),
         (f"console lost the base: {why}", {"lost": "console", "why": why}),
     ]
-    assert robot.ctx.said("state")[-1].reason == why
+    wording(why)
 
 
 def attitude(robot, turned_deg=0.0, **more):
@@ -388,13 +388,13 @@ def test_a_turn_and_a_heading_are_commands_like_any_other(robot):
     assert [result.result for result in robot.ctx.said("result")] == ["superseded"]
 
 
-def test_a_turn_without_an_attitude_is_refused_and_one_that_loses_it_ends(robot):
-    assert robot.send(robot.ctx.turn(90.0)).answer.reason == "no attitude was heard yet"
+def test_a_turn_without_an_attitude_is_refused_and_one_that_loses_it_ends(robot, wording):
+    assert robot.send(robot.ctx.turn(90.0)).answer.code == "stale_sensor"
     attitude(robot)
     begun = robot.send(robot.ctx.turn(90.0))
     robot.run(0.3, lambda: robot.send(robot.ctx.turn(90.0, lease=begun.answer.lease)))
     assert robot.wheels == (0.0, 0.0)
-    assert robot.ctx.said("result")[-1].reason == "the attitude is older than 0.2 s"
+    wording(robot.ctx.said("result")[-1])
 
 
 def test_a_distance_is_driven_by_the_odometry(robot):

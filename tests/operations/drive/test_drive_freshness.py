@@ -410,4 +410,4 @@ def test_a_flood_of_changes_is_counted_instead_of_told(bench):
     bench.now += 1.0
     bench.sense()
     bench.drive(0.5)
-    assert holders(bench)[-1][0] == "console took the base (and 180 changes of holder before that)"
+    assert "180 changes" in holders(bench)[-1][0]

@@ -18,19 +18,11 @@ def test_mirrored_joints_count_alike_though_their_servos_turn_the_other_way():
 
 
 @pytest.mark.parametrize(
-    ("name", "angle_rad", "said"),
-    [
-        ("left_knee", -1.0, ""),
-        ("left_knee", 0.1, ""),
-        ("left_knee", 0.2, "left_knee 0.2 rad (11 degrees) is outside its limits (-2 to 0.1 rad, -115 to 6 degrees)"),
-        ("left_knee", float("nan"), "left_knee is to go to nan, which is not an angle"),
-        ("left_kne", 0.0, "there is no joint 'left_kne'; did you mean left_knee or right_knee?"),
-        ("x" * 500, 0.0, f"there is no joint '{'x' * 40}'; there are {', '.join(sorted(NAMES))}"),
-    ],
+    ("name", "angle_rad"), [("left_knee", 0.2), ("left_knee", float("nan")), ("left_kne", 0.0), ("x" * 500, 0.0)]
 )
-def test_an_angle_is_refused_naming_joint_and_limits(name, angle_rad, said):
-    why = BODY.refusal(name, angle_rad)
-    assert (why.text if why else "") == said
+def test_an_angle_is_refused_naming_joint_and_limits(name, angle_rad, wording):
+    assert BODY.refusal("left_knee", -1.0) is BODY.refusal("left_knee", 0.1) is None
+    wording(BODY.refusal(name, angle_rad))
 
 
 @given(st.dictionaries(st.sampled_from([name for name in NAMES if BODY.partner(name)]), st.floats(-3.0, 3.0)))

@@ -47,7 +47,7 @@ def test_setpoints_come_at_the_rate_of_the_loop_however_often_it_is_woken(robot)
     assert len(robot.ctx.said("state")) == pytest.approx(100, abs=5)
 
 
-def test_the_state_is_one_sweep_in_the_joints_own_radians(robot):
+def test_the_state_is_one_sweep_in_the_joints_own_radians(robot, wording):
     robot.ctx.servos.at[2] = BODY.servo_rad("left_shoulder_pitch", 0.7)
     robot.ctx.servos.stuck, robot.ctx.servos.missing = {2}, {20}
     robot.run(0.02)
@@ -57,12 +57,8 @@ def test_the_state_is_one_sweep_in_the_joints_own_radians(robot):
     assert state.joints["left_shoulder_pitch"].position_rad == pytest.approx(0.7)
     assert state.joints["head_yaw"].position_rad is None
     assert state.joints["head_yaw"].reason == "servo 20 does not answer"
-    assert (state.phase, state.moving, state.holder, state.reason) == (
-        "following",
-        False,
-        None,
-        "no sender moves the joints",
-    )
+    assert (state.phase, state.moving, state.holder) == ("following", False, None)
+    wording(state.reason)
 
 
 def test_while_joints_move_their_state_is_told_often_also_of_servos_that_are_read_seldom(robot):
@@ -160,9 +156,7 @@ def test_a_driver_that_does_not_answer_is_told_of(robot, answers):
     assert len(robot.ctx.asked[-1].message.ids) == len(NAMES)
     robot.ctx.asked[-1].given = answers
     robot.run(0.01)
-    assert call.answer == CommandReply(
-        accepted=False, reason="the servo driver did not answer; is it running?", code="unreachable"
-    )
+    assert (call.answer.accepted, call.answer.code) == (False, "unreachable")
 
 
 def test_an_unknown_joint_is_not_recovered(robot):

@@ -163,7 +163,7 @@ def test_each_joint_may_have_a_strength_of_its_own_and_all_of_them_begin_or_none
     bench.run(0.3)
     both = {"left_knee": -1.0, "head_yaw": 0.5}
     assert bench.command(both, torques={"left_knee": 0.2}, join=True).reason.startswith("head_yaw has no torque")
-    assert bench.command(both, torques={"left_kne": 0.2}).reason == "torques names what does not move: left_kne"
+    assert bench.command(both, torques={"left_kne": 0.2}).reason.endswith("does not move: left_kne")
     assert strengths(bench) == {}
     bench.command(both, torques={"left_knee": 0.2, "head_yaw": 0.8}, join=True)
     assert strengths(bench) == {"left_knee": 0.2, "head_yaw": 0.8}

@@ -30,10 +30,10 @@ def test_start_up_moves_nothing_and_switches_nothing_on():
     assert not bench.setpoint.lost
 
 
-def test_nothing_is_said_to_servos_that_were_never_heard():
+def test_nothing_is_said_to_servos_that_were_never_heard(wording):
     bench = Bench().run(0.5, hear=False)
     assert bench.setpoint is None
-    assert bench.command(SLOW).reason == "the servo driver was not heard yet"
+    wording(bench.command(SLOW))
 
 
 def test_servos_that_hold_when_the_process_begins_anew_go_on_holding_where_they_are_until_somebody_cares(bench):
@@ -106,13 +106,10 @@ def test_a_command_that_makes_no_sense_is_refused_with_a_sentence(bench, command
     assert bench.state.move is None
 
 
-def test_joints_without_torque_are_refused_by_name():
+def test_joints_without_torque_are_refused_by_name(wording):
     bench = Bench().run(0.05)
     bench.torque("right_knee", on=True)
-    assert bench.command({"left_knee": -0.1}).reason == "left_knee has no torque: torque on first (/torque/on)"
-    assert bench.command({"left_knee": -0.1, "head_yaw": 0.0}).reason == (
-        "left_knee, head_yaw have no torque: torque on first (/torque/on)"
-    )
+    wording(bench.command({"left_knee": -0.1}), bench.command({"left_knee": -0.1, "head_yaw": 0.0}))
     assert bench.command({"right_knee": -0.1}).accepted
 
 
@@ -207,7 +204,7 @@ def test_a_mirrored_motion_is_done_by_the_other_side(bench):
 def test_a_lease_that_lapses_ends_the_motion_and_says_that_the_mover_is_lost(bench):
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(0.5)
-    assert last(bench) == ("lapsed", "it lapsed, not renewed within 0.3 s")
+    assert last(bench)[0] == "lapsed"
     assert bench.setpoint.lost
     where = bench.goals
     bench.run(1.0)
@@ -228,12 +225,12 @@ def test_a_holder_whose_process_is_gone_is_lost(bench):
     assert bench.setpoint.lost
 
 
-def test_no_more_is_appended_than_can_be_planned_without_being_late(bench):
+def test_no_more_is_appended_than_can_be_planned_without_being_late(bench, wording):
     many = tuple(frame(0.01, left_knee=-0.01 * (at % 2)) for at in range(600))
     lease = bench.command(frames=many).lease
     bench.run(0.05, lease)
     refused = bench.command(frames=many, append=True, lease=lease)
-    assert "key frames lie ahead, and 1000 may" in refused.reason
+    wording(refused)
     assert bench.command(frames=many[:100], append=True, lease=lease).accepted
 
 
@@ -307,7 +304,7 @@ def test_what_was_sent_before_a_stop_moves_nothing_after_it(bench):
     sent = bench.now
     bench.run(0.05)
     bench.stop()
-    assert bench.command(SLOW, received=sent).reason == "a stop came after this command"
+    assert bench.command(SLOW, received=sent).code == "stopped"
 
 
 def test_the_emergency_stop_ends_everything_and_its_reset_moves_nothing(bench):
@@ -396,7 +393,7 @@ def test_torque_is_not_switched_before_it_is_known_who_has_any(bench):
         assert "still being looked for" in bench.torque("left_knee", on=on).reason
 
 
-def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench):
+def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench, wording):
     sweep, bench.servos.state = (
         bench.servos.state,
         lambda now: ServosState(
@@ -404,7 +401,7 @@ def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench):
         ),
     )
     bench.run(0.1)
-    assert bench.command(SLOW).reason == "the servos are not armed: the cable is out"
+    wording(bench.command(SLOW))
     assert {joint.reason for joint in joints_state(bench.state, bench.now).joints.values()} == {
         "the servos are not armed"
     }
@@ -414,33 +411,33 @@ def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench):
     assert bench.command(SLOW).accepted
 
 
-def test_a_driver_that_holds_although_it_is_told_to_follow_ends_the_motion(bench):
+def test_a_driver_that_holds_although_it_is_told_to_follow_ends_the_motion(bench, wording):
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(0.1, reply.lease)
     bench.servos.obey = lambda setpoint: None
-    bench.servos.phase, bench.servos.reason = "holding", "the lease of this motion has died; stop, then move again"
+    bench.servos.phase, bench.servos.reason = "holding", "the lease has died"
     bench.run(0.02, reply.lease)
-    assert last(bench) == ("fault", f"the servos do not follow: {bench.servos.reason}")
+    wording(*last(bench))
 
 
 @pytest.mark.parametrize("followed_s", [0.0, 0.1])
-def test_a_stream_of_commands_is_no_reason_to_wait_for_servos_for_ever(bench, followed_s):
+def test_a_stream_of_commands_is_no_reason_to_wait_for_servos_for_ever(bench, followed_s, wording):
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(followed_s, reply.lease)
     bench.servos.obey = lambda setpoint: None
-    bench.servos.phase, bench.servos.reason = "holding", "the lease of this motion has died; stop, then move again"
+    bench.servos.phase, bench.servos.reason = "holding", "the lease has died"
     for turn in range(40):
         bench.run(0.01)
         bench.command(SLOW, duration_s=2.0 + turn / 100, lease=reply.lease)
-    assert last(bench) == ("fault", f"the servos do not follow: {bench.servos.reason}")
+    wording(*last(bench))
 
 
 def test_a_servo_that_was_without_power_stays_without_torque_until_it_is_switched_on(bench):
     bench.run(1.0)
-    bench.servos.powerless = {14: "lost its torque: was it without power?"}
+    bench.servos.powerless = {14: "was it without power?"}
     bench.run(0.02)
     assert "left_knee" not in bench.goals
-    assert bench.events[-1].text == "left_knee is without torque: lost its torque: was it without power?"
+    assert bench.events[-1].text == "left_knee is without torque: was it without power?"
     assert "torque on first" in bench.command(SLOW).reason
     bench.servos.powerless = {}
     assert bench.torque("left_knee", on=True).accepted
@@ -450,20 +447,20 @@ def test_a_servo_that_was_without_power_stays_without_torque_until_it_is_switche
     assert "left_knee" in bench.goals
 
 
-def test_a_silent_driver_ends_the_motion(bench):
+def test_a_silent_driver_ends_the_motion(bench, wording):
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(0.28, reply.lease, hear=False)
     assert bench.results == []
     bench.run(0.1, reply.lease, hear=False)
-    assert last(bench) == ("fault", "the servo driver has been silent for more than 0.3 s")
+    wording(*last(bench))
 
 
-def test_a_joint_of_the_motion_that_latches_a_fault_ends_it_and_needs_its_torque_switched_on_again(bench):
+def test_a_joint_of_the_motion_that_latches_a_fault_ends_it_and_needs_its_torque_switched_on_again(bench, wording):
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(0.1, reply.lease)
     bench.servos.latched = {14: ("overload",)}
     bench.run(0.02, reply.lease)
-    assert last(bench) == ("fault", "left_knee has latched overload: remove the cause, then recover it")
+    wording(*last(bench))
     assert "left_knee" not in bench.goals
     assert "right_knee" in bench.goals
     bench.servos.latched = {}
@@ -597,12 +594,12 @@ def test_servos_that_gave_way_while_nobody_cared_are_held_again_where_they_are_b
     assert not bench.setpoint.lost
 
 
-def test_a_sweep_of_nothing_is_one_too(bench):
+def test_a_sweep_of_nothing_is_one_too(bench, wording):
     empty = ServosState(sweep=1, measured_s=bench.now, armed=True, phase="holding", servos=())
     bench.servos.state = lambda now: empty
     bench.command(SLOW)
     bench.run(0.05)
-    assert last(bench) == ("fault", "left_knee: the servo driver does not know servo 14")
+    wording(*last(bench))
 
 
 def test_a_lease_that_stays_outlives_arrival_until_it_lapses_or_somebody_stops(bench):

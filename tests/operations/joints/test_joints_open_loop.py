@@ -71,13 +71,11 @@ def test_a_joint_that_is_measured_is_moved_from_there_also_when_that_ceases_on_t
     assert bench.goals["left_knee"] == -1.0
 
 
-def test_where_the_row_does_not_say_so_it_is_refused_by_name():
+def test_where_the_row_does_not_say_so_it_is_refused_by_name(wording):
     bench = Bench().standing()
     bench.servos.doubted = {KNEE}
     bench.run(0.02)
-    assert bench.command({"left_knee": -1.0}).reason == (
-        "left_knee is not measured: servo 14 reports what is not believed"
-    )
+    wording(bench.command({"left_knee": -1.0}))
     state = joints_state(bench.state, bench.now).joints["left_knee"]
     assert (state.position_rad, state.trusted) == (None, False)
 

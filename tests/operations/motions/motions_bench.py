@@ -89,7 +89,7 @@ class FakeJoints:
         elif self.holder and not message.take_over:
             return refused(Reason("held", f"held by {self.holder}"))
         if None not in (message.asked_s, self.stopped_s) and message.asked_s <= self.stopped_s:
-            return refused(Reason("stopped", "a stop came after this command"))
+            return refused(Reason("stopped", "a stop came after it"))
         if self.refusal:
             return refused(Reason("no_torque", self.refusal))
         anew = (message.frames and not message.append) or message.stored
@@ -124,7 +124,7 @@ class FakeJoints:
         if self.holder != "motions":
             return
         if now - self.renewed > 0.3:
-            self.end("lapsed", "it lapsed, not renewed within 0.3 s")
+            self.end("lapsed", "not renewed within 0.3 s")
         elif now >= self.ends[-1]:
             self.end("reached", "")
 

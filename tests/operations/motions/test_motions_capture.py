@@ -30,43 +30,40 @@ def test_a_joint_a_little_beyond_its_limit_is_taken_at_its_limit(stage, world):
     assert world.kept[0][-1].positions["right_elbow"] == lower
 
 
-def test_joints_far_beyond_their_limits_are_named(stage, world):
+def test_joints_far_beyond_their_limits_are_named(stage, world, wording):
     world.pose["right_elbow"] = JOINTS[0].lower_rad - radians(1.1)
-    why = "right_elbow is at -115.7 degrees, its limits are -114.6 to 5.7; move it, or change its row"
-    assert stage.capture().answer.reason == why
+    wording(stage.capture().answer)
     world.pose["neck"] = 2.0
-    assert stage.capture().answer.reason == f"neck is at 114.6 degrees, its limits are -57.3 to 57.3; {why}"
+    wording(stage.capture().answer)
     assert world.kept == []
 
 
-def test_joints_that_were_not_measured_are_named(stage, world):
+def test_joints_that_were_not_measured_are_named(stage, world, wording):
     world.unmeasured = {"neck": "servo 19 does not answer"}
-    assert stage.capture().answer.reason == "not all joints were measured: neck (servo 19): servo 19 does not answer"
+    wording(stage.capture().answer)
     world.unmeasured = {}
     world.pose["left_elbow"] = float("nan")
     assert "left_elbow (servo 6)" in stage.capture().answer.reason
     assert world.kept == []
 
 
-def test_joints_that_report_what_is_not_believed_are_named(stage, world):
+def test_joints_that_report_what_is_not_believed_are_named(stage, world, wording):
     world.doubted = {"neck"}
-    assert stage.capture().answer.reason == (
-        "not all joints were measured: neck (servo 19): what it reports is not believed"
-    )
+    wording(stage.capture().answer)
     assert world.kept == []
 
 
-def test_a_motion_that_the_controller_keeps_is_not_added_to(stage, world):
-    assert stage.capture("stand").answer.reason == "motion 'stand' stays as it is; capture under another name"
+def test_a_motion_that_the_controller_keeps_is_not_added_to(stage, world, wording):
+    wording(stage.capture("stand").answer)
     assert world.kept == []
 
 
-def test_without_news_of_the_joints_nothing_is_captured(stage, world):
+def test_without_news_of_the_joints_nothing_is_captured(stage, world, wording):
     world.told_of_joints = False
-    assert "joints operation has not told" in stage.capture().answer.reason
+    wording(stage.capture().answer)
 
 
-def test_nothing_is_captured_while_a_motion_is_played(stage, world):
+def test_nothing_is_captured_while_a_motion_is_played(stage, world, wording):
     call = stage.begun("wave")
     stage.run(0.1, call)
-    assert stage.capture().answer.reason == "'wave' is being played; stop it first"
+    wording(stage.capture().answer)

@@ -63,9 +63,10 @@ def base():
     return Base()
 
 
-def test_nothing_is_known_before_the_motors_spoke():
+def test_nothing_is_known_before_the_motors_spoke(wording):
     state = Reckoning(OdometrySettings(), "test").state()
-    assert (state.valid, state.reason, state.distance_m) == (False, "the motor driver was not heard yet", None)
+    assert (state.valid, state.distance_m) == (False, None)
+    wording(state.reason)
 
 
 @pytest.mark.parametrize("way_m", [2.0, -1.5])
@@ -124,7 +125,7 @@ def test_a_controller_that_counts_anew_begins_another_epoch(base):
 def test_without_encoders_nothing_is_known_and_the_reason_is_told(base):
     state = base.roll(0.1, 0.1, counts_left=None)
     assert (state.valid, state.x_m) == (False, None)
-    assert state.reason.startswith("the motor controller tells no encoder counts")
+    assert "no encoder counts" in state.reason
     state = base.roll(0.1, 0.1, counts_right=None, armed=False, reason="the line is closed")
     assert state.reason.endswith("(the line is closed)")
     assert base.roll(0.1, 0.1).valid
@@ -184,7 +185,7 @@ def test_whatever_is_told_the_state_is_made_of_numbers_or_is_not_valid(told):
         assert all(-inf < value < inf for value in shown) if state.valid else set(shown) == {None}
 
 
-def test_the_process_answers_each_state_of_the_motors_and_speaks_when_they_are_silent():
+def test_the_process_answers_each_state_of_the_motors_and_speaks_when_they_are_silent(wording):
     context = FakeContext(KIND, OdometrySettings(), name="odometry")
     odometry = Odometry(context)
     odometry.open()
@@ -197,7 +198,7 @@ def test_the_process_answers_each_state_of_the_motors_and_speaks_when_they_are_s
     for _ in range(25):
         context.now += 0.04
         odometry.step()
-    assert context.said("state")[-1].reason == "the motor driver has been silent for more than 0.3 s"
+    wording(context.said("state")[-1].reason)
     assert len(context.said("state")) == 5
 
 
