@@ -13,9 +13,12 @@ from lbr.bus import keys, wire
 from lbr.bus import stamp as stamps
 from lbr.bus.codec import Decoder
 from lbr.bus.memory import BEGAN_S, Memory, MemoryTransport
+from lbr.bus.transport import Transport
 from lbr.capability.calls import Answers
+from lbr.capability.config import ProcessConfig
+from lbr.capability.estop import EstopLatch
 from lbr.capability.kind import Kind
-from lbr.capability.runtime import ProcessContext
+from lbr.capability.runtime import ACKNOWLEDGE_S, ProcessContext
 from lbr.capability.stage import StageReporter, alone
 from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import MEANINGS, Code, Reason
@@ -24,25 +27,17 @@ from lbr.messages.rows import Row
 from lbr.messages.system import Event, Stamp
 
 
-@dataclass
-class FakeEstop:
-    """The latch: a test sets `engaged`; `acknowledged` are the answers, oldest first."""
+class FakeEstop(EstopLatch):
+    """The latch: a test sets `engaged`, or presses it on the bus; `acknowledged` are the answers, oldest first."""
 
-    engaged: bool = False
-    reason: str = ""
-    by: str = ""
-    follows: bool = True
-    acknowledged: list[tuple[bool, str]] = field(default_factory=list)
+    def __init__(self, config: ProcessConfig, bus: Transport) -> None:
+        super().__init__(config, lambda: None, ACKNOWLEDGE_S, bus)
+        self.acknowledged: list[tuple[bool, str]] = []
 
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
-        """Keep the answer."""
+        """Answer, and keep the answer."""
+        super().acknowledge(stopped=stopped, reason=reason)
         self.acknowledged.append((stopped, reason))
-
-    def serve(self) -> None:
-        """Do nothing: nobody releases this one but the test."""
-
-    def close(self) -> None:
-        """Do nothing."""
 
 
 @dataclass
@@ -160,7 +155,7 @@ class FakeContext(ProcessContext):
             join=lambda _config, *, alone: MemoryTransport(memory),  # noqa: ARG005
         )
         memory.listen(keys.event(self.robot), Event, self._keep)
-        self.estop, self.on_tick, self.given = FakeEstop(), True, ()
+        self.estop, self.on_tick, self.given = FakeEstop(config, MemoryTransport(memory)), True, ()
         for name, value in given.items():
             if not hasattr(self, name):
                 raise TypeError(f"a context has no '{name}'")

@@ -1,20 +1,24 @@
 """What stops motion, of whole robots in virtual time: from the command to the bytes on a device's line, exact to a round."""
 
 import tempfile
+from math import radians
 from pathlib import Path
 
 import msgspec
 import pytest
 from msgspec.structs import replace
 
-from lbr.bus import keys
-from lbr.capability.stage import ROUND_S
+from lbr.bus import keys, stamp
+from lbr.bus.lease_client import LeaseClient, LeaseTarget
+from lbr.bus.memory import MemoryTransport
+from lbr.capability import Capability, Kind, NoSettings
+from lbr.capability.stage import ROUND_S, alone
 from lbr.commands.rows import opened, planned
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable, RunBehaviour
 from lbr.messages.drive import DriveCommand
 from lbr.messages.gamepad import GamepadState
 from lbr.messages.joints import JointsCommand, TorqueCommand
-from lbr.messages.leases import StopCommand
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.rows import row_set
 from lbr.messages.system import EstopAcknowledgement
@@ -29,6 +33,7 @@ TTL_S, VALID_S, TICK_S = 0.3, 0.1, 0.02
 STAND, CUT = b"!M 0 0\r", b"!EX\r"
 WHEELED = ("world", "motors", "ranges", "imu", "drive", "attitude", "odometry", "battery", "behaviour", "teleop")
 ELBOW = "left_elbow"
+WAYS = (("world", "pose"), ("odometry", "state"), ("attitude", "state"))
 DEVICES = frozenset({"roboteq", "ultrasonic_ring", "mpu9150", "dynamixel", "uxa90"})
 """Those with twins on lines; others, as cameras, are left out."""
 EDITS = (
@@ -177,6 +182,17 @@ def test_an_emergency_stop_cuts_the_power_in_the_next_round_and_is_acknowledged(
     assert robot.stands()
 
 
+def test_a_robot_that_was_reset_stands_until_somebody_drives_it_anew(robot):
+    lease = robot.driving()
+    robot.stage.press("test")
+    robot.run(0.5)
+    assert robot.reset() == dict.fromkeys(("motors", "drive", "behaviour"), True)
+    assert robot.stands()
+    assert robot.drive(lease).code == "dead_lease"
+    assert robot.stands(0.5)
+    assert robot.driving()
+
+
 def test_a_stop_command_stops_the_motors_within_a_tick(robot):
     lease = robot.driving()
     asked_s = robot.stage.now
@@ -196,13 +212,14 @@ def test_a_frozen_drive_is_given_up_by_the_motors_as_its_last_setpoint_is_too_ol
     assert robot.stands()
 
 
-def test_a_drive_that_is_killed_is_missed_at_the_next_tick(robot):
-    robot.driving()
+def test_a_drive_that_is_killed_is_missed_at_the_next_tick_and_gives_no_answer(robot):
+    lease = robot.driving()
     killed_s = robot.stage.now
     robot.stage.kill("drive")
     robot.run(0.1)
     assert robot.first(STAND, killed_s) <= TICK_S + ROUND_S
     assert robot.stands()
+    assert robot.drive(lease) is None
 
 
 def test_a_frozen_driver_leaves_the_wheels_to_the_controllers_watchdog(robot):
@@ -243,6 +260,35 @@ def test_it_stops_before_a_wall_by_what_its_range_board_says(robot):
     assert not any(pose.touching for pose in poses)
 
 
+def test_a_range_board_that_falls_silent_stops_a_drive(robot):
+    lease = robot.driving()
+    robot.twins["range_board"].fault("silent", value=True)
+    silent_s = robot.stage.now
+    while (reply := robot.drive(lease)).accepted and robot.stage.now < silent_s + 2.0:
+        robot.run(0.1)
+    assert not reply.accepted
+    assert robot.turned[-1] - silent_s < 1.0
+    assert robot.stands()
+
+
+def test_what_it_knows_of_its_way_is_what_it_did_in_its_world(robot):
+    poses, ways, attitudes = (robot.stage.hear(*one) for one in WAYS)
+    robot.run(0.5)
+    turned_deg = attitudes[-1].turned_deg
+    for angle_deg in (0.0, 90.0):
+        lease = ""
+        for _ in range(6):
+            command = DriveCommand(power=0.2, angle_deg=angle_deg, ttl_s=TTL_S, lease=lease)
+            lease = robot.ask("drive", "command", command).lease
+            robot.run(0.1)
+        robot.ask("drive", "stop", StopCommand(reason="test"))
+        robot.run(1.0)
+    pose, way = poses[-1], ways[-1]
+    assert (way.x_m, way.y_m, way.yaw_rad) == pytest.approx((pose.x_m, pose.y_m, pose.yaw_rad), abs=0.01)
+    assert radians(attitudes[-1].turned_deg - turned_deg) == pytest.approx(-pose.yaw_rad, abs=0.01)
+    assert (pose.x_m > 0.05, pose.yaw_rad < -0.5) == (True, True)
+
+
 def test_a_table_drives_and_ends_with_its_process(robot):
     assert robot.ask("behaviour", "run", RunBehaviour(name="ahead")).accepted
     robot.run(1.0)
@@ -252,6 +298,47 @@ def test_a_table_drives_and_ends_with_its_process(robot):
     robot.run(1.0)
     assert robot.turned[-1] - killed_s < 0.6
     assert robot.stands()
+
+
+class Borrows(Capability[NoSettings]):
+    """Borrows the drive for whoever says so, and never gives it back."""
+
+    lease: LeaseClient | None = None
+
+    def command(self, call):
+        self.lease = LeaseClient(self.ctx, LeaseTarget("go"), DriveCommand(power=0.3, angle_deg=90.0))
+        call.reply(CommandReply(accepted=True))
+
+    def step(self):
+        if self.lease is not None:
+            self.lease.step()
+
+
+BORROWS = Kind(
+    name="borrows",
+    summary="borrows the drive",
+    family="app",
+    entry=Borrows,
+    commands={"start": StopCommand},
+    requests={"go": DriveCommand},
+    replies={"start": CommandReply, "go": CommandReply},
+)
+
+
+@pytest.mark.parametrize(("asker", "code"), [("page", "stopped_since"), ("test", None)])
+def test_what_a_capability_borrows_for_a_command_moves_nothing_that_another_stopped_since_it_was_written(
+    robot, asker, code
+):
+    requests = {"go": {"drive": keys.port("lbr", "drive", "command")}}
+    borrows = robot.stage.add(replace(alone(BORROWS, robot="lbr"), requests=requests), BORROWS)
+    robot.run(0.3)
+    written_s = robot.stage.now
+    assert robot.ask("drive", "stop", StopCommand(whole=True)).accepted
+    start, origin = keys.port("lbr", "borrows", "start"), stamp.Origin(asker, written_s)
+    MemoryTransport(robot.stage.bus).query(start, b"{}", timeout_s=1.0, source="web", origin=origin)
+    robot.run(0.2)
+    assert borrows.lease.ended.code == code if code else borrows.lease.accepted
+    assert bool(robot.turned) == (code is None)
 
 
 class Pad:

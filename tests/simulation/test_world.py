@@ -273,7 +273,7 @@ def test_it_opens_again_after_closing(bench):
 
 
 def test_the_kind_is_light_and_leads_to_the_world():
-    code = "import sys, lbr.simulation as s; s.KIND.parse('{}'); print([m for m in ('mujoco', 'numpy', 'PIL') if m in sys.modules])"
+    code = "import sys, lbr.simulation.kind as s; s.KIND.parse('{}'); print([m for m in ('mujoco', 'numpy', 'PIL') if m in sys.modules])"
     result = programs.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"
     assert KIND.load() is World

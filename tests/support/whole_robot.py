@@ -9,7 +9,11 @@ from typing import Any
 
 import pytest
 
+from lbr.bus import keys, stamp, wire
+from lbr.bus.codec import Decoder
+from lbr.bus.memory import MemoryQuestion
 from lbr.capability import registry
+from lbr.capability.calls import Answers
 from lbr.capability.config import ProcessConfig
 from lbr.capability.stage import ROUND_S, Stage
 from lbr.drivers import i2c_socket
@@ -17,6 +21,8 @@ from lbr.drivers.mpu9150.controller import InertialUnit
 from lbr.drivers.servos.bus_thread import BusThread
 from lbr.drivers.servos.line import ServoLine
 from lbr.errors import DeviceError
+from lbr.messages.leases import CommandReply
+from lbr.messages.system import EstopRelease
 from lbr.simulation import plugged, twins
 from lbr.simulation.loop import WorldLoop
 
@@ -195,6 +201,26 @@ class WholeRobot:
         while (answers := asked.answers()) is None:
             self.round()
         return answers[name]
+
+    def reset(self) -> dict[str, bool]:
+        """Release the emergency stop as the executive does, and say who agreed."""
+        agreed = {}
+        payload = wire.encode(EstopRelease(by="test"))
+        for name, member in self.stage.members.items():
+            config = member.ctx.config
+            if not member.ctx.kind.moves:
+                continue
+            seal = stamp.make(
+                "executive", 1, payload, bytes.fromhex(config.release_key), sent_s=self.stage.bus.moment()
+            )
+            key = keys.estop_release(self.stage.robot, name)
+            asked = Answers(
+                {name: MemoryQuestion(self.stage.bus, key, payload, seal, 1.0, lambda: None)}, Decoder(CommandReply)
+            )
+            while (answers := asked.answers()) is None:
+                self.round()
+            agreed[name] = bool(answers[name] and answers[name].accepted)
+        return agreed
 
     def _patch(self, patch: pytest.MonkeyPatch) -> None:
         def make(device: Any, around: Any) -> Any:
