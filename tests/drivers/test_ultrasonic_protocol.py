@@ -118,7 +118,7 @@ def test_a_frame_in_metres_has_null_wherever_nothing_was_measured():
 
 def test_sensors_take_turns_so_that_the_first_is_the_oldest():
     ages = to_ranges(parse_line(GOOD.replace(b"102}", b'102, "Stern": 100}')), ARDUINO).ages_s
-    assert list(ages) == ["stern", "back", "right", "left", "forward"]
+    assert list(ages) == ["forward", "left", "right", "back", "stern"]
     assert ages["stern"] == pytest.approx(0.015 + 100 * 58e-6, abs=1e-3)
     assert ages["back"] - ages["stern"] == pytest.approx(0.1)  # its error takes the whole of the board's patience
     assert ages["forward"] - ages["left"] == pytest.approx(120 * 58e-6, abs=1e-3)

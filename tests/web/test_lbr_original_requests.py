@@ -17,7 +17,7 @@ from lbr.messages.dock import DockHeard
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import SayCommand
-from lbr.messages.telemetry import AmperagesPart, CameraPart, CamerasPart, ImuPart, Telemetry
+from lbr.messages.telemetry import AmperagesPart, BatteryPart, CameraPart, CamerasPart, ImuPart, Telemetry
 from tests.docs.pages import ROOT
 from tests.support.waiting import until
 from tests.web.test_web_access import FINGERPRINT, SECRET, user
@@ -229,6 +229,21 @@ def test_a_heading_that_is_not_known_any_more_is_the_last_one_with_its_own_old_t
     for later in (found, gone):
         assert later["heading"] == before["heading"] == 270.0
         assert later["time"] == pytest.approx(before["time"], abs=0.05)
+
+
+def test_currents_stay_as_they_were_while_the_motor_driver_begins_anew():
+    def currents(left_a, volts):
+        amperages = AmperagesPart(age_s=0.0, left_a=left_a, right_a=left_a)
+        battery = BatteryPart(age_s=0.0, voltage_v=volts, charge=1.0, charging=False, source="battery", level="ok")
+        return structs.replace(TELEMETRY, amperages=amperages, battery=battery)
+
+    with serving(users=USERS, requests_per_s=10_000.0, **FACE) as served:
+        prepared(served).stage.say("telemetry", currents(2.5, 12.6))
+        before = until(lambda: served.ask("GET", "/telemetry").json.get("Bat")) and served.ask("GET", "/telemetry").json
+        served.stage.say("telemetry", currents(None, 12.1))
+        found = until(lambda: now if (now := served.ask("GET", "/telemetry").json)["Bat"]["voltage"] < 12.6 else None)
+    assert found["amperages"] == before["amperages"]
+    assert found["amperages"]["leftMotor"] == 2.5
 
 
 def test_the_server_is_not_called_ready_before_its_telemetry_is_complete():

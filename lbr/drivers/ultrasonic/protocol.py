@@ -107,7 +107,7 @@ def ages_s(frame: Frame) -> dict[str, float]:
     for name, cm in reversed(turns.items()):
         age_s += cm * ECHO_S_PER_CM if cm > 0 else NO_ECHO_S
         found[name] = round(age_s, 3)
-    return found
+    return dict(reversed(found.items()))
 
 
 def classify(cm: int, settings: UltrasonicSettings) -> RangeStatus:
