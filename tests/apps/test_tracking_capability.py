@@ -55,8 +55,8 @@ class World(FakeContext):
     """The context of tracking: joints, a camera in the head and a ball; one tick is 5 ms."""
 
     def __init__(self, **settings):
-        super().__init__(KIND, KIND.settings(**settings), robot="uxa90", name="tracking", given=JOINTS)
         self.head = Head(delay_s=0.02)
+        super().__init__(KIND, KIND.settings(**settings), robot="uxa90", name="tracking", given=JOINTS)
         self.ball = None
         self.trusted = True
         self.camera_on, self.camera_old_s = True, 0.0
