@@ -3,6 +3,7 @@
 `python docs/generate.py` writes what has changed; with `--check` it writes nothing and fails if a page is stale.
 """
 
+import ast
 import re
 import sqlite3
 import sys
@@ -11,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import closing
 from itertools import pairwise
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import click
@@ -30,6 +32,7 @@ from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.database.shipped import shipped
 from lbr.database.tables import WRITTEN_BY_LBR
 from lbr.database.triggers import revision_triggers
+from lbr.drivers.wheels import contract
 from lbr.executive.planning import words
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_roles
@@ -89,7 +92,8 @@ def pages() -> dict[str, str]:
         "lbr.1": man_page(),
     }
     written = {str((PAGES / name).relative_to(ROOT)): text for name, text in references.items()}
-    return {**written, "robot.db.sql": with_triggers(sql)}
+    drivers = with_contract((ROOT / "docs" / "drivers.md").read_text(), contract)
+    return {**written, "docs/drivers.md": drivers, "robot.db.sql": with_triggers(sql)}
 
 
 def kinds() -> list[Kind]:
@@ -118,6 +122,37 @@ def with_triggers(sql: str) -> str:
             key = [name for name, place in sorted(found, key=lambda one: one[1]) if place]
             written.append(revision_triggers(table, kept, key))
     return _TRIGGERS.sub(lambda _: "\n".join(written) + "\n", sql)
+
+
+# -- contracts --------------------------------------------------------------------------------------------------------
+
+
+def with_contract(page: str, module: ModuleType) -> str:
+    """Return a page with a table of the protocol's members between the comments that name it."""
+    source = ast.parse(Path(str(module.__file__)).read_text())
+    for of in (node for node in source.body if isinstance(node, ast.ClassDef)):
+        begins, ends = f"<!-- {of.name}, by docs/generate.py -->\n", f"<!-- end of {of.name} -->\n"
+        if begins in page:
+            before, _, rest = page.partition(begins)
+            after = rest.partition(ends)[2]
+            page = f"{before}{begins}{_table(('member', 'what it is'), _members(of))}{ends}{after}"
+    return page
+
+
+def _members(of: ast.ClassDef) -> Iterable[tuple[str, str]]:
+    """Yield the fields and methods of a class, as they are written, with what their source says of them."""
+    for node, after in pairwise((*of.body, ast.Pass())):
+        if isinstance(node, ast.AnnAssign) and isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+            yield f"`{ast.unparse(node)}`", _one_line(str(after.value.value))
+        elif isinstance(node, ast.FunctionDef):
+            given = ast.unparse(node.args).removeprefix("self").removeprefix(", ")
+            call = "" if node.decorator_list else f"({given})"
+            told = "" if (found := ast.unparse(node.returns or ast.Constant(None))) == "None" else f" -> {found}"
+            yield f"`{node.name}{call}{told}`", _one_line(ast.get_docstring(node) or "")
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
 
 
 # -- rows -------------------------------------------------------------------------------------------------------------

@@ -57,7 +57,7 @@ COMPONENT = Component(
         ),
         "new": CliCommand(
             entry="lbr.commands.new:command",
-            help="Write a robot, a driver, servos or a capability of your own, to begin with.",
+            help="Write a robot, a driver, servos, wheels or a capability of your own, to begin with.",
         ),
     },
 )

@@ -25,7 +25,7 @@ def _place(function: click.decorators.FC) -> click.decorators.FC:
 
 @click.group("new")
 def command() -> None:
-    """Write a package of your own that runs at once, in simulation: a robot, a driver, servos or a capability.
+    """Write a package of your own that runs at once, in simulation: a robot, a driver, servos, wheels or a capability.
 
     It is a folder NAME with a project file, a module, rows, a launch profile, tests and a page, and yours to change.
     Nothing that is there is overwritten. Needs no network and no running robot.
@@ -60,6 +60,17 @@ def servos(name: str, into: Path) -> int:
     With it come the emulated bus, a robot of two joints, and a test by the checks that every driver of servos has to pass.
     """
     return _write("servos", name, into)
+
+
+@command.command("wheels")
+@_place
+@click.option("--silent", is_flag=True, help="The controller never answers.")
+def wheels(name: str, into: Path, silent: bool) -> int:
+    """Write a driver of wheels on a controller.
+
+    With it come the emulated controller, a robot of two wheels, and a test by the checks that every driver of wheels has to pass.
+    """
+    return _write("silent_wheels" if silent else "wheels", name, into)
 
 
 @command.command("capability")

@@ -23,7 +23,9 @@ from lbr.plugins import Field
 from lbr.robots import registry as robots
 from lbr.robots.registry import plain
 
-What = Literal["robot", "driver", "servos", "capability"]
+What = Literal["robot", "driver", "servos", "wheels", "silent_wheels", "capability"]
+BASES: dict[What, What] = {"silent_wheels": "wheels"}
+"""Whose templates are written, but for those that it has itself."""
 BROUGHT: dict[Field, str] = {
     "robots": "a robot",
     "kinds": "a kind of capability",
@@ -66,7 +68,9 @@ def files(what: What, name: str) -> Iterator[tuple[Path, str]]:
         "Class": "".join(part.capitalize() for part in plain(name).split("_")),
         "requires": _required(metadata.version("lbr")),
     }
-    for path, text in _templates(resources.files("lbr.commands") / "templates" / "new" / what):
+    folder = resources.files("lbr.commands") / "templates" / "new"
+    templates = dict(_templates(folder / BASES[what])) if what in BASES else {}
+    for path, text in (templates | dict(_templates(folder / what))).items():
         place = path.replace("NAME", words["name"]).replace("DASH", words["dash"]).removesuffix(".in")
         yield Path(place), string.Template(text).substitute(words)
 
@@ -84,7 +88,7 @@ def next_steps(what: What, name: str, folder: Path) -> tuple[str, ...]:
     """Return what to type next, as it works in this shell, and which page to read."""
     tools, extra = _tools(), "" if importlib.util.find_spec("pytest") is not None else "[test]"
     shown = f"./{folder}" if not folder.is_absolute() and folder.parts[0] != ".." else str(folder)
-    page = {"robot": "robot_packages", "driver": "drivers", "servos": "drivers", "capability": "capabilities"}[what]
+    page = {"robot": "robot_packages", "capability": "capabilities"}.get(what, "drivers")
     return (
         f"{tools}pip install -e {_quoted(f'{shown}{extra}')}",
         f"{tools}lbr run {name.replace('_', '-')}-sim",

@@ -59,7 +59,11 @@ class WheelController(Protocol):
         """Identify it, write zero, then set and read back what safety rests on, its own watchdog above all."""
 
     def close(self) -> bool:
-        """Write zero and close the line; return whether it was acknowledged, or nothing is there to be stopped."""
+        """Write zero and close the line; return whether it was acknowledged, or nothing is there to be stopped.
+
+        It may not raise, also where the line is gone, and not leave the line open. It may not return true for a zero that
+        was only written: its guard is dismissed then, and nobody stops the motors. It may not end an emergency stop.
+        """
 
     def fileno(self) -> int:
         """Return the descriptor of its line, which the guard holds too."""
@@ -85,7 +89,7 @@ class WheelController(Protocol):
 
     @property
     def fed_s_ago(self) -> float:
-        """Seconds since a motor command was last written; inf before the first."""
+        """Return the seconds since a motor command was last written; inf before the first."""
 
     @property
     def faults(self) -> tuple[str, ...] | None:
@@ -94,7 +98,7 @@ class WheelController(Protocol):
 
     @property
     def grave(self) -> tuple[str, ...]:
-        """Those of its faults with which nothing may move."""
+        """Return those of its faults with which nothing may move."""
 
     def faults_after(self, when: float) -> tuple[str, ...] | None:
         """Return the faults if they were read after that; None where it keeps no latch that could be lost."""
