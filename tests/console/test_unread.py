@@ -58,7 +58,6 @@ def flooded(robot) -> Iterator[None]:
             teller.join()
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("stop", ["s", "estop"])
 def test_a_stop_with_the_beginning_of_a_terminals_answer_whose_rest_comes_later_stops_what_drives(robot, trace, stop):
     with terminal(robot, "console") as person:
