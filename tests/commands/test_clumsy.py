@@ -40,6 +40,7 @@ def test_a_robot_that_is_not_there_has_no_graph(monkeypatch: pytest.MonkeyPatch,
 def test_a_wrong_profile_is_told_before_the_console_that_it_would_lack(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("forget_runtime", "bound_heaps", "need_room_for_a_robot"):
         monkeypatch.setattr(surroundings, name, lambda: None)
+    monkeypatch.setattr(home, "begin", lambda: None)
     monkeypatch.setattr(surroundings, "_at_end", lambda _fd: True)
     monkeypatch.setattr(surroundings, "can_write", lambda _fd: True)
     with pytest.raises(InputError, match="no launch profile 'nope'"):
