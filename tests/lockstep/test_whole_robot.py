@@ -1,6 +1,7 @@
 """What stops motion, of whole robots in virtual time: from the command to the bytes on a device's line, exact to a round."""
 
 import tempfile
+from contextlib import closing
 from math import radians
 from pathlib import Path
 
@@ -120,7 +121,8 @@ class Driven(WholeRobot):
 
 @pytest.fixture
 def robot(monkeypatch, wheeled, home):
-    return Driven(monkeypatch, wheeled, home)
+    with closing(Driven(monkeypatch, wheeled, home)) as robot:
+        yield robot
 
 
 def test_a_lease_that_nobody_renews_lapses_to_the_round_and_nothing_resumes(robot):
@@ -133,9 +135,9 @@ def test_a_lease_that_nobody_renews_lapses_to_the_round_and_nothing_resumes(robo
 def test_the_same_robot_says_the_same_bytes_at_the_same_times(monkeypatch, wheeled, home):
     said = []
     for _ in range(2):
-        robot = Driven(monkeypatch, wheeled, home)
-        robot.driving()
-        said.append(robot.commands)
+        with closing(Driven(monkeypatch, wheeled, home)) as robot:
+            robot.driving()
+            said.append(robot.commands)
     assert said[0] == said[1]
 
 
@@ -431,7 +433,8 @@ def jointed(request, home):
 
 @pytest.fixture
 def posed(monkeypatch, jointed, home):
-    return Posed(monkeypatch, jointed, home)
+    with closing(Posed(monkeypatch, jointed, home)) as posed:
+        yield posed
 
 
 def test_servos_whose_lease_lapses_end_their_motion_with_it_and_hold(posed):
@@ -481,11 +484,11 @@ def test_a_place_that_is_no_number_is_refused_and_moves_nothing(posed):
 def test_servos_that_have_no_sender_any_more_fade_after_their_time(monkeypatch, jointed, home):
     settings = {**msgspec.json.decode(jointed["servos"].settings), "hold_s": 0.5, "release_s": 0.5}
     servos = replace(jointed["servos"], settings=msgspec.Raw(msgspec.json.encode(settings)))
-    posed = Posed(monkeypatch, {**jointed, "servos": servos}, home)
-    posed.stage.kill("joints")
-    posed.run(0.4)
-    assert posed.motor.torque == 1.0
-    posed.run(0.4)
-    assert 0.0 < posed.motor.torque < 1.0
-    posed.run(0.4)
-    assert posed.motor.torque == 0.0
+    with closing(Posed(monkeypatch, {**jointed, "servos": servos}, home)) as posed:
+        posed.stage.kill("joints")
+        posed.run(0.4)
+        assert posed.motor.torque == 1.0
+        posed.run(0.4)
+        assert 0.0 < posed.motor.torque < 1.0
+        posed.run(0.4)
+        assert posed.motor.torque == 0.0

@@ -202,6 +202,11 @@ class WholeRobot:
             self.round()
         return answers[name]
 
+    def close(self) -> None:
+        """End all of them, the world last."""
+        for member in reversed(self.stage.members.values()):
+            member.loop.end()
+
     def reset(self) -> dict[str, bool]:
         """Release the emergency stop as the executive does, and say who agreed."""
         agreed = {}
