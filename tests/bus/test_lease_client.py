@@ -8,7 +8,7 @@ from lbr.messages.drive import DriveCommand, GoalResult
 from lbr.messages.leases import CommandReply, StopCommand, refused
 from tests.support.replies import dead
 
-TARGET = LeaseTarget("go", "halt", "drive", "the drive does not answer")
+TARGET = LeaseTarget("go", "halt", "drive", "no answer from drive")
 SLOW = DriveCommand(power=0.2)
 FAST = DriveCommand(power=0.4)
 
@@ -151,14 +151,14 @@ def test_silence_ends_it_but_not_while_we_were_held_up_ourselves(drive):
     assert lease.ended is None
     drive.mute = True
     kept(drive, lease, SILENT_S + 2 * RENEW_S)
-    assert (lease.silent, str(lease.ended)) == (True, "the drive does not answer")
+    assert (lease.silent, str(lease.ended)) == (True, "no answer from drive")
 
 
 def test_nobody_there_nobody_wired_and_a_refusal_begin_nothing(drive):
     drive.mute = True
     lease = LeaseClient(drive, TARGET, SLOW)
     kept(drive, lease, ANSWER_S + SILENT_S + RENEW_S)
-    assert lease.ended == Reason("unreachable", "the drive does not answer")
+    assert lease.ended == Reason("unreachable", "no answer from drive")
     drive.mute, drive.absent = False, True
     lease = LeaseClient(drive, TARGET, SLOW)
     lease.step()

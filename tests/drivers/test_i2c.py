@@ -155,9 +155,7 @@ def test_a_peer_that_leaves_is_a_device_that_is_gone_until_it_is_back(tmp_path):
 def test_every_way_not_to_answer_reads_alike(number):
     told = str(unanswered(row("i2c:1:0x68"), 0x68, OSError(number, os.strerror(number))))
     assert told.startswith("device 'imu' at i2c:1:0x68: it does not answer at 0x68 (")
-    assert told.endswith(
-        "check its power and wiring; 'i2cdetect -y 1' shows what is there, 'lbr doctor' what is missing here"
-    )
+    assert "'i2cdetect -y 1'" in told
 
 
 def test_another_error_is_told_as_it_is():

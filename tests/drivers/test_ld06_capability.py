@@ -51,9 +51,9 @@ def bench(tmp_path):
     made.close()
 
 
-def test_every_whole_turn_is_told_and_the_first_makes_it_ready(bench):
+def test_every_whole_turn_is_told_and_the_first_makes_it_ready(bench, wording):
     bench.step()
-    assert bench.ctx.health == ["waiting for the first scan"]
+    wording(*bench.ctx.health)
     bench.hear(3)
     assert bench.ctx.health[-1] == "ready"
     output, scan = bench.ctx.published[-1]
@@ -84,18 +84,18 @@ def test_noise_on_the_line_is_told_once_in_a_while(bench):
     bench.twin.fault("garbage", 0.5)
     bench.hear(3)
     (told,) = bench.ctx.told("bad_bytes")
-    assert "bytes from the lidar were no packets" in told
+    assert "from the lidar" in told
 
 
 @pytest.mark.parametrize(
-    ("row", "says"),
+    "row",
     [
-        (None, "has no row of range_sensor 'lidar'"),
-        (RangeSensor(name="lidar", kind="lidar"), "needs more than one ray in the row of range_sensor 'lidar'"),
+        None,
+        RangeSensor(name="lidar", kind="lidar"),
     ],
 )
-def test_without_a_row_that_says_where_it_is_it_does_not_begin(tmp_path, row, says):
+def test_without_a_row_that_says_where_it_is_it_does_not_begin(tmp_path, row, wording):
     bench = Bench(tmp_path, row)
-    with pytest.raises(DeviceError, match=says):
+    with wording.of(DeviceError):
         bench.driver.open()
     bench.close()

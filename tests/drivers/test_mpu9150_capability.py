@@ -118,9 +118,7 @@ def test_without_a_compass_rate_nothing_is_said_to_it(make, chips, peer):
 def test_another_chip_is_named_and_nothing_is_written_to_it(make, chips, peer, who, said):
     chips.who = who
     imu, _ = make()
-    with pytest.raises(
-        DeviceError, match=rf"device 'imu' at .* is not an MPU-9150: WHO_AM_I is {said}, not 0x68; check"
-    ):
+    with pytest.raises(DeviceError, match=rf"'imu' .*{said}, not 0x68"):
         imu.open()
     assert peer.log == [[(MPU, b"\x75"), (MPU, 1)]]
 

@@ -109,13 +109,13 @@ def test_with_echo_an_answer_without_it_does_not_count():
     assert not any(sample.valid for sample in bench.run(0.4))
 
 
-def test_an_orientation_of_another_length_is_null_and_told():
+def test_an_orientation_of_another_length_is_null_and_told(wording):
     bench = Bench()
     bench.wire.orientation = (8192, 0, 0, 0)
     sample = bench.run(0.1)[-1]
     assert sample.valid
     assert sample.orientation is None
-    assert "8192:0:0:0 is not an orientation; is the setting quaternion_divisor right?" in bench.told[0][1]
+    wording(bench.told[0][1])
 
 
 def test_a_unit_that_refuses_orientation_is_not_asked_for_it_for_ever():
@@ -173,7 +173,7 @@ def test_a_unit_that_never_answered_has_one_reason_and_is_told_of_once():
 def test_noise_counts_as_silence_and_is_told():
     bench = Bench()
     bench.wire.said = b"ML=1:2\xff:4\r"
-    with pytest.raises(DeviceError, match=r"but \d+ lines that are not answers"):
+    with pytest.raises(DeviceError, match=r"\d+ lines"):
         bench.run(2.0)
     assert "bad_lines" in {kind for kind, _ in bench.told}
 

@@ -8,7 +8,7 @@ from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.drivers.roboteq.controller import Controller
 from lbr.drivers.wheels import EnableCommand, capability
-from lbr.drivers.wheels.arming import Setpoint, receive
+from lbr.drivers.wheels.arming import START, Setpoint, receive
 from lbr.errors import DeviceError
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.system import Stamp
@@ -73,7 +73,7 @@ def test_after_opening_a_power_without_a_zero_before_it_moves_nothing(motors, ct
         motors.step()
     assert moves(peer) == []
     assert not ctx.state.armed
-    assert ctx.state.reason == "waiting for a zero setpoint"
+    assert ctx.state.reason == START
 
 
 def test_silence_of_the_source_stops_the_wheels_within_a_tenth_of_a_second_and_kills_the_lease(
@@ -155,13 +155,15 @@ def test_armed_wheels_are_fed_at_fifty_hertz_or_more_and_only_from_fresh_setpoin
     assert {line for line in peer.log if line[0] in "?~"} >= {"?FF", "?A", "?C", "?V"}
 
 
-def test_an_emergency_stop_is_acknowledged_only_with_the_controllers_word(drive, motors, ctx, peer):
+def test_an_emergency_stop_is_acknowledged_only_with_the_controllers_word(drive, motors, ctx, peer, wording):
     drive()
     peer.answer = lambda line: b"!EX\r" if line == "!EX" else None
     ctx.estop.engaged, ctx.estop.reason = True, "button"
     motors.step()
     assert peer.motor == (0, 0)
-    assert ctx.estop.acknowledged == [(False, "the controller has not acknowledged")]
+    ((stopped, why),) = ctx.estop.acknowledged
+    assert not stopped
+    wording(why)
     peer.answer = lambda line: None
     motors.step()
     assert ctx.estop.acknowledged[-1] == (True, "")
@@ -228,7 +230,7 @@ def test_a_fault_disarms_and_is_named(drive, motors, ctx, peer, bits, name):
     assert ctx.state.faults == (name,)
     assert "fault" in ctx.kinds()
     peer.answers["FF"] = "0"
-    until(lambda: (motors.step(), ctx.state.reason == "waiting for a zero setpoint")[1])
+    until(lambda: (motors.step(), ctx.state.reason == START)[1])
     assert ctx.health[-1] == "ready"
 
 
@@ -258,14 +260,14 @@ def test_disabling_execution_stops_and_enabling_waits_for_a_zero(drive, motors, 
 
 
 def test_what_a_ramp_came_to_while_the_controller_took_nothing_is_not_sent_at_once(
-    drive, motors, ctx, peer, monkeypatch
+    drive, motors, ctx, peer, monkeypatch, wording
 ):
     drive(0.01, 0.01)
     with monkeypatch.context() as late:  # as when answers come too late for three commands, and no more
         late.setattr(Controller, "fed_s_ago", 0.12)
         ctx.give(setpoint(0.4, 0.4))
         motors.step()
-    assert ctx.state.reason == "the controller has taken no command for 0.12 s"
+    wording(ctx.state.reason)
     ctx.give(setpoint(0.4, 0.4))
     motors.step()
     assert peer.motor == (0, 0)

@@ -149,7 +149,7 @@ def test_the_wrong_device_is_named_and_never_told_to_move(bring_up, peer):
 
 
 def test_an_inertial_unit_of_the_same_maker_is_named_and_never_told_to_move(bring_up, peer):
-    peer.answers["FID"] = "Roboteq v1.6 RIOX 06/01/2015"
+    peer.answers["FID"] = "Roboteq v1.6 RIOX 2015"
     controller = bring_up()
     with pytest.raises(DeviceError, match=r"RIOX.*is an inertial unit \(kind riox\); correct the address"):
         controller.open()

@@ -17,7 +17,7 @@ from tests.drivers.peers import DriverContext
 from tests.drivers.uxa90_peers import Board
 from tests.support.waiting import until
 
-UNHEARD = "no servo answers, so that nothing is measured; is the robot's power on?"
+UNHEARD = "no servo answers"
 SETTINGS = {"device": "board", "guard": False, "sweep_hz": 50, "settle_s": 0.05, "reply_s": 0.05}
 
 
@@ -243,7 +243,7 @@ def test_silence_holds_then_weakens_then_lets_go_and_wants_to_be_switched_on_ane
     rig.at({0: 100}, lease="b")
     rig.sweeps()
     assert board.servos[0].level is None
-    assert "switch its torque off, then on" in rig.servo(0).reason
+    assert "switch its torque off" in rig.servo(0).reason
     rig.idle(lease="b")
     rig.until(lambda: not rig.servo(0).reason and rig.servo(0).trusted)
     rig.at({0: 100}, lease="b")
@@ -257,7 +257,7 @@ def test_a_dead_lease_moves_nothing(rig, board):
     rig.at({0: 140, 1: 140, 2: 140}, lease="a")
     rig.sweeps()
     assert board.servos[0].position == 100
-    assert "lease of this motion has died" in rig.state.reason
+    assert "lease of this motion" in rig.state.reason
 
 
 def test_a_stop_is_told_to_every_servo_and_one_that_is_elsewhere_holds_there(rig, board):
@@ -314,7 +314,7 @@ def test_the_emergency_stop_does_as_the_row_says_and_is_acknowledged_when_all_we
     rig.sweeps()
     assert not board.moves()
     if how != "hold":
-        assert "switch its torque off, then on" in rig.servo(0).reason
+        assert "switch its torque off" in rig.servo(0).reason
     rig.driver.close()
 
 
@@ -388,7 +388,7 @@ def test_after_a_stored_motion_joints_are_held_at_their_own_torque_and_after_a_l
     rig.sweeps()
     assert not board.moves()
     assert rig.servo(0).torque == 0.0
-    assert "released by the main board's motion" in rig.servo(0).reason
+    assert "main board's motion" in rig.servo(0).reason
 
 
 def test_a_stored_motion_may_be_played_without_leaving_pc_control(board):
@@ -578,7 +578,7 @@ def test_pc_control_that_was_lost_is_taken_again_and_the_motion_ended(rig, board
     rig.at({0: 150, 1: 150, 2: 150}, lease="a")
     rig.hurried(lambda: board.mode == "pc")
     board.forget()
-    rig.until(lambda: "lease of this motion has died" in rig.state.reason)
+    rig.until(lambda: "lease of this motion" in rig.state.reason)
     rig.sweeps()
     assert all(one.position < 110 for one in board.servos.values())
 
@@ -625,7 +625,7 @@ def test_a_robot_that_was_never_heard_is_degraded_and_moves_nothing_by_itself_on
 def test_servos_that_answer_only_after_they_were_told_are_held_where_they_are(rig, board):
     board.dead = set(board.servos)
     rig.idle()
-    rig.hurried(lambda: rig.state.armed and rig.ctx.health[-1:] == [UNHEARD])
+    rig.hurried(lambda: rig.state.armed and rig.ctx.health[-1].startswith(UNHEARD))
     rig.at({0: 127, 1: 127, 2: 127}, lease="a")
     rig.hurried(lambda: all(one.torque for one in rig.state.servos))
     rig.ahead_s += 3.0
@@ -635,7 +635,7 @@ def test_servos_that_answer_only_after_they_were_told_are_held_where_they_are(ri
     rig.hurried(lambda: all(one.trusted for one in rig.state.servos))
     rig.sweeps()
     assert sorted((servo, at) for servo, _, at in board.moves()) == [(0, 100), (1, 104), (2, 108)]
-    assert "lease of this motion has died" in rig.state.reason
+    assert "lease of this motion" in rig.state.reason
 
 
 def test_servos_that_fall_silent_one_after_another_are_told_of_together(rig, board):

@@ -132,7 +132,7 @@ def test_an_emergency_stop_that_cannot_be_read_latches_everywhere(robot, payload
 @pytest.mark.parametrize(
     ("line", "code", "words"),
     [
-        ("dance", 2, "is not a word of this robot"),
+        ("dance", 2, "'dance' is not a word"),
         ("/r/0.2", 2, "/r/power/angle"),
         ("/r/2/0", 2, "power is 0 to 1, not 2"),
         ("/r/nan/0", 2, "power is 0 to 1, not 'nan'"),
@@ -257,7 +257,7 @@ def test_rows_and_files_that_only_fail_when_used_do_not_end_the_executive(robot)
         "KIND = Kind(name='odd', summary='', family='app', entry=Capability, commands={'go': dict})\n"
     )
     robot.edit("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'odd', 'odd')")
-    until(lambda: any("must carry a msgspec Struct" in problem for problem in robot.status()["problems"]))
+    until(lambda: any("port 'go'" in problem for problem in robot.status()["problems"]))
     robot.edit("DELETE FROM capability WHERE name = 'odd'")
     until(lambda: robot.status()["problems"] == [])
 

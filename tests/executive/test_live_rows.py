@@ -116,7 +116,7 @@ def test_what_holds_the_base_is_named_by_the_word_and_by_the_command_and_what_to
     assert robot.line("why drive", role="view")["data"]["code"] == "role"
     robot.edit("UPDATE capability SET enabled = 0 WHERE name = 'ranges'")
     found = until(lambda: (said := robot.line("why")["data"])["code"] == "off" and said)
-    assert "UPDATE capability SET enabled = 1" in found["do"]
+    assert "SET enabled = 1" in found["do"]
     robot.edit("UPDATE capability SET enabled = 1 WHERE name = 'ranges'")
     until(lambda: told()[0] != "held", what="ranges are back")
     assert robot.line("why nothing")["reason_code"] == "unknown_name"
@@ -210,7 +210,7 @@ def test_a_device_row_restarts_its_driver_and_motion_stops_first(robot):
                 "INSERT INTO verb (robot, word, pattern, target)"
                 " SELECT 'lbr', 'w' || value, 'w' || value, 'drive.fly' FROM json_each('[1, 2, 3, 4]')"
             ),
-            "more, which `lbr db check` lists",
+            "`lbr db check`",
         ),
     ],
 )

@@ -9,6 +9,7 @@ from lbr.bus import keys, stamp, wire
 from lbr.database.store import Database
 from lbr.errors import LbrError
 from lbr.executive import start
+from lbr.executive.beside import NO_THREAD
 from lbr.executive.planning.kinds import KindsBeside
 from lbr.executive.planning.last_good_copy import AGAIN_AFTER_S, LastGoodCopy
 from lbr.executive.service.desk import Desk
@@ -16,8 +17,6 @@ from lbr.executive.service.edits import Edits
 from lbr.messages.faces import Motor
 from tests.support import databases
 from tests.support.waiting import until
-
-SAYS = "this machine gives no more threads now: free some memory, or have the limits raised"
 
 
 class Asked(wire.Request):
@@ -50,7 +49,7 @@ def test_a_thread_that_cannot_be_started_is_one_sentence_with_its_cure(tmp_path,
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
     tmp_path.chmod(0o700)
     monkeypatch.setattr(start, "Executive", no_thread)
-    with pytest.raises(LbrError, match="free some memory, or have the limits raised"):
+    with pytest.raises(LbrError, match="ulimit -u"):
         start.run("lbr-sim", console=False)
 
 
@@ -63,10 +62,10 @@ def test_the_last_good_rows_are_copied_once_there_is_a_thread_for_it(tmp_path, n
     copy.touched(0.0)
     copy.step(10.0, digest)
     copy.step(10.1, digest)
-    assert told == [SAYS]
+    assert told == [NO_THREAD]
     no_thread()
     copy.step(10.0 + AGAIN_AFTER_S, digest)
-    until(lambda: copy.step(11.0 + AGAIN_AFTER_S, digest) or told == [SAYS, ""], what="it is copied, and said so")
+    until(lambda: copy.step(11.0 + AGAIN_AFTER_S, digest) or told == [NO_THREAD, ""], what="it is copied, and said so")
 
 
 def test_a_kind_in_a_file_is_known_once_there_is_a_thread_to_try_it(tmp_path, no_thread):
@@ -101,6 +100,6 @@ def test_what_is_asked_by_pages_and_capabilities_is_refused_until_there_is_a_thr
     )
     for each in (edits, desk, edits, desk):
         assert not each.step()
-    assert [(one.code, one.reason) for asked in (edit, look) for one in asked.replies] == [("busy", SAYS)] * 2
+    assert [(one.code, one.reason) for asked in (edit, look) for one in asked.replies] == [("busy", NO_THREAD)] * 2
     assert len(woken) == 2
     assert not rows.held

@@ -148,14 +148,14 @@ def test_a_missing_device_does_not_hold_up_the_others():
 def test_what_is_still_missing_right_after_a_start_is_told_as_trouble_only_if_it_lasts():
     stage = Stage(unit("ranges"))
     stage.says("ranges")
-    stage.says("ranges", "degraded", "waiting for the first reading")
+    stage.says("ranges", "degraded", "no reading yet")
     assert stage.phase("ranges") == "degraded"
     stage.passes(SETTLING_S / 2, beating=["ranges"])
     stage.says("ranges")
     stage.passes(SETTLING_S, beating=["ranges"])
     assert stage.told == [("started", "ranges", "ready", "info")]
-    stage.says("ranges", "degraded", "waiting for the first reading")
-    assert stage.told[1:] == [("degraded", "ranges", "waiting for the first reading", "warning")]
+    stage.says("ranges", "degraded", "no reading yet")
+    assert stage.told[1:] == [("degraded", "ranges", "no reading yet", "warning")]
 
 
 def test_a_crash_is_restarted_after_a_delay_and_its_dependants_are_told():
@@ -212,12 +212,12 @@ def test_an_app_that_others_leave_little_time_is_given_more_of_it():
     assert ("kill", "speech") in stage.log
 
 
-def test_a_capability_that_somebody_else_told_to_end_starts_again():
+def test_a_capability_that_somebody_else_told_to_end_starts_again(wording):
     stage = Stage(unit("motors"))
     stage.says("motors")
     stage.dies("motors", 0)
     assert stage.told[-1][:3] == ("crashed", "motors", stage.told[-1][2])
-    assert "told to end, but not by the robot" in stage.told[-1][2]
+    wording(stage.told[-1][2])
     stage.passes(0.2)
     assert stage.starts("motors") == 2
 
@@ -379,7 +379,7 @@ def test_ready_means_visible_on_the_bus():
 
 def test_a_degraded_capability_gets_a_moment_before_the_robot_counts_as_ready():
     stage = Stage(unit("ranges"))
-    stage.says("ranges", "degraded", "waiting for the first reading")
+    stage.says("ranges", "degraded", "no reading yet")
     assert not stage.supervisor.settled()
     stage.passes(DEGRADED_PATIENCE_S + 0.2, beating=["ranges"])
     assert stage.supervisor.settled()
@@ -388,7 +388,7 @@ def test_a_degraded_capability_gets_a_moment_before_the_robot_counts_as_ready():
 @pytest.mark.parametrize("code", ["not_ready", "not_armed"])
 def test_who_says_that_it_has_just_begun_gets_as_long_as_its_first_troubles_are_not_told(code):
     stage = Stage(unit("attitude"))
-    stage.says("attitude", "degraded", "the gyro's zero is not known yet", code)
+    stage.says("attitude", "degraded", "its zero is not known", code)
     stage.passes(SETTLING_S - 0.2, beating=["attitude"])
     assert not stage.supervisor.settled()
     stage.passes(0.4, beating=["attitude"])
@@ -429,7 +429,7 @@ def test_who_is_not_given_the_processor_is_not_killed_and_the_machine_is_said_to
     assert not [what for what, _ in stage.log if what == "kill"]
     told = [text for kind, _, text, _ in stage.told if kind == "too_busy"]
     assert len(told) == 1
-    assert told[0].startswith("this machine is too busy: 'motors' has waited ")
+    assert "'motors' has waited " in told[0]
     stage.busy = False
     stage.passes(14.0, beating=("motors", "camera"))
     assert [kind for kind, *_ in stage.told][-1] == "busy_over"

@@ -118,7 +118,7 @@ def test_what_ends_and_starts_between_two_looks_is_not_ready(bench):
     assert bench.end().state == "back"
 
 
-def test_rows_go_back_when_time_is_over(bench):
+def test_rows_go_back_when_time_is_over(bench, wording):
     apply(bench.database, within_s=2.0)
     bench.adopt("starting")
     bench.look()
@@ -130,9 +130,7 @@ def test_rows_go_back_when_time_is_over(bench):
     (_, back) = bench.database.changes()
     assert back.program == "executive"
     assert back.text == "went back to revision 0: drive is starting: no line after 2 s"
-    assert bench.told[-1] == (
-        "rows_back: the rows are as at revision 0 again, because drive is starting: no line after 2 s"
-    )
+    wording(bench.told[-1])
 
 
 def test_rows_go_back_at_once_when_what_they_touch_has_failed_for_good(bench):
@@ -165,13 +163,11 @@ def test_what_others_changed_since_stays(bench, database):
     assert [row["model"] for row in tables["robot"] if row["name"] == "uxa90"] == ["other"]
 
 
-def test_a_start_takes_back_what_was_on_trial_and_nothing_else(database):
+def test_a_start_takes_back_what_was_on_trial_and_nothing_else(database, wording):
     assert go_back(database, "lbr") == ""
     apply(database)
     assert go_back(database, "uxa90") == ""
-    assert go_back(database, "lbr") == (
-        "the rows are as at revision 0 again, because the executive ended before they were judged"
-    )
+    wording(go_back(database, "lbr"))
     assert owned_by(database) == ""
     assert go_back(database, "lbr") == ""
 
@@ -193,12 +189,12 @@ def test_a_trial_is_judged_once(database):
     assert owned_by(database) == "tried"
 
 
-def test_rows_that_cannot_be_taken_back_stay_and_are_told(database):
+def test_rows_that_cannot_be_taken_back_stay_and_are_told(database, wording):
     apply(database)
     database.outdo(0, "a copy")
     ended = becoming.judge(database, becoming.trial(database), good=False, text="it is late")
     assert ended.state == "lost"
-    assert ended.text.startswith("it is late; and it cannot be taken back: the rows before revision 2")
+    wording(ended.text)
 
 
 @pytest.mark.parametrize(

@@ -31,25 +31,22 @@ LAN = LanConfig(
 
 
 @pytest.mark.parametrize(
-    ("listen", "said"),
+    "listen",
     [
-        (
-            "tcp/0.0.0.0:7447",
-            "clear text; write 'tls/0.0.0.0:7447' in the setting 'listen' of the row, or after --listen",
-        ),
-        ("tcp/robot:7447", "clear text"),
-        ("tcp/[::]:7447", "clear text"),
-        ("tls/0.0.0.0:0", "no port between 1 and 65535"),
-        ("tls/0.0.0.0:99999", "no port between 1 and 65535"),
-        ("udp/0.0.0.0:7447", "matching regex"),
-        ("tls/0.0.0.0", "matching regex"),
-        ("tls/0.0.0.0:7447#iface=eth0", "matching regex"),
+        "tcp/0.0.0.0:7447",
+        "tcp/robot:7447",
+        "tcp/[::]:7447",
+        "tls/0.0.0.0:0",
+        "tls/0.0.0.0:99999",
+        "udp/0.0.0.0:7447",
+        "tls/0.0.0.0",
+        "tls/0.0.0.0:7447#iface=eth0",
     ],
 )
-def test_a_place_to_listen_is_refused_in_one_sentence(listen, said):
+def test_a_place_to_listen_is_refused_in_one_sentence(listen, wording):
     with pytest.raises(msgspec.ValidationError) as refused:
         KIND.parse(json.dumps({"listen": [listen]}))
-    assert said in str(refused.value)
+    wording(refused.value)
 
 
 @pytest.mark.parametrize(
@@ -62,7 +59,7 @@ def test_a_place_to_listen_may_be_anywhere_by_tls_and_on_loopback_without(listen
 def test_listening_in_clear_text_is_refused_before_anything_starts(home: Path):
     done = lbr(home, "run", "--no-console", "--listen", "tcp/0.0.0.0:7447")
     assert done.returncode == 2
-    assert "would talk to other machines in clear text" in done.stderr
+    assert "in clear text" in done.stderr
     assert done.stdout == ""
 
 

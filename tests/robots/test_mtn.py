@@ -89,21 +89,21 @@ def test_a_truncated_file_is_told(at):
 
 
 @pytest.mark.parametrize(
-    ("change", "why"),
+    "change",
     [
-        ((b"type=motion\n", b""), "line 1: it does not say type=motion"),
-        ((b"page_end", b""), r"line 13: 'page_begin' does not belong into page 1, which has no page_end"),
-        ((b"play_param=0 0 1 1.000 32", b"play_param=0 0 1 0.000 32"), "line 8: a speed of 0"),
-        ((b"play_param=0 0 1 1.000 32", b"play_param=0 0 1"), "line 8: play_param has 5 numbers; this one has 3"),
-        ((b"step=0 235", b"step=235"), "line 9: a step has 26 positions, a pause and a time; this one has 27"),
-        ((b"step=0 235", b"step=0 -35"), "line 9: position: '-35' is not a whole number from 0 to 65535"),
-        ((b"0.000 1.000\n", b"0.000 NaN\n"), "line 9: 'NaN' is not a number of seconds"),
-        ((b"version=1.01", b"colour=red"), "line 2: 'colour' does not belong here"),
-        ((b"enable=0", b"enable=x"), "line 3: enable: 'x' is not a whole number"),
+        (b"type=motion\n", b""),
+        (b"page_end", b""),
+        (b"play_param=0 0 1 1.000 32", b"play_param=0 0 1 0.000 32"),
+        (b"play_param=0 0 1 1.000 32", b"play_param=0 0 1"),
+        (b"step=0 235", b"step=235"),
+        (b"step=0 235", b"step=0 -35"),
+        (b"0.000 1.000\n", b"0.000 NaN\n"),
+        (b"version=1.01", b"colour=red"),
+        (b"enable=0", b"enable=x"),
     ],
 )
-def test_a_line_that_cannot_be_is_named(change, why):
-    with pytest.raises(InputError, match=why):
+def test_a_line_that_cannot_be_is_named(change, wording):
+    with wording.of(InputError):
         mtn.parse(WHOLE.replace(*change, 1))
 
 
@@ -194,9 +194,9 @@ def test_servos_without_a_joint_of_another_type_or_beyond_their_range_stay_and_a
     (bow,), notes = motion_file.read(mtn.write(file)).motions(rows["bioloid"])
     assert not {"right_shoulder_pitch", "right_elbow"} & set(bow.frames[0].positions)
     assert [(note.table, note.row) for note in notes] == [("motor_type", "1"), ("enable", "19"), ("page", "1")]
-    with pytest.raises(InputError, match="moves no servo that a joint"):
+    with pytest.raises(InputError, match="moves no servo"):
         motion_file.read(mtn.write(file._replace(enabled=(25,)))).motions(rows["bioloid"])
-    with pytest.raises(InputError, match="none of its pages has a step"):
+    with pytest.raises(InputError, match="none of its pages"):
         motion_file.read(mtn.write(file._replace(pages=(Page("empty", ()),)))).motions(rows["bioloid"])
 
 

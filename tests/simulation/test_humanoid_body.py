@@ -43,12 +43,10 @@ def test_a_body_of_ones_own_goes_before_the_shipped_one_and_unknown_ones_are_lis
     assert model_file("bioloid", str(tmp_path)).parent == path.parent
 
 
-def test_missing_and_unknown_joints_are_named(tmp_path):
+def test_missing_and_unknown_joints_are_named(tmp_path, wording):
     path = made(tmp_path, ONE.format(inside=JOINT.format(name="left_tail", more=""), beside=""))
     told = refusal(path, {"left_knee"})
-    assert str(path) in told
-    assert "no joint 'left_knee', which the joint rows name" in told
-    assert "a joint 'left_tail' that no joint row names" in told
+    wording(told)
 
 
 def test_a_joint_that_is_no_hinge_is_named(tmp_path):
@@ -63,7 +61,7 @@ def test_a_joint_whose_range_was_written_in_the_other_unit_is_named_with_what_to
 
     told = refusal(body(""), {"left_knee"})
     assert "the joint 'left_knee' turns from -0.028 to 0.028 rad, and its row says" in told
-    assert '<compiler angle="radian"/>' in told
+    assert 'angle="radian"' in told
     joints = [joint for joint in rows()[0] if joint.name == "left_knee"]
     assert load(body('<compiler angle="radian"/>'), joints, HumanoidWorldSettings(model="mine"))
 

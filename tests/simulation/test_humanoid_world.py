@@ -106,7 +106,7 @@ def test_servos_with_torque_stand_it_up_and_positions_on_the_bus_follow_the_worl
     assert bench.until(lambda: bench.ctx.said("pose"))
     assert bench.pose.held
     stand(bench, servos)
-    assert ("let_go", "the helper's hand has released it: bioloid stands by itself") in bench.ctx.events
+    assert "let_go" in dict(bench.ctx.events)
     servos.write_all(30, {LEFT_ARM: 663})
     assert bench.until(lambda: bench.pose.joints["left_shoulder_roll"] > 0.7), "it counts the other way round"
 

@@ -189,15 +189,13 @@ def test_what_ends_the_worlds_thread_ends_the_capability(bench, monkeypatch):
         bench.until(lambda: False)
 
 
-def test_a_device_without_a_twin_is_named(tmp_path):
+def test_a_device_without_a_twin_is_named(tmp_path, wording):
     bench = Bench(tmp_path)
     bench.ctx.devices = (*bench.ctx.devices, Device("arm", "servo_bus", str(tmp_path / "arm"), {}))
     bench.world.open()
     bench.world.close()
     assert bench.ctx.health == []
-    assert ("no_twin", f"without a twin, and so used at their own address: arm (servo_bus at {tmp_path / 'arm'})") in [
-        event[:2] for event in bench.ctx.events
-    ]
+    wording(*bench.ctx.told("no_twin"))
 
 
 def test_a_device_that_has_a_twin_but_is_elsewhere_is_named(tmp_path):
@@ -313,29 +311,27 @@ def test_a_device_is_plugged_in_while_time_runs_and_what_is_there_goes_on(bench,
     assert bench.ctx.told("plugged_in") == ["device 'ahrs' (riox) is emulated, too"]
 
 
-def test_a_device_without_a_twin_that_comes_later_is_told_in_one_line(bench, tmp_path):
+def test_a_device_without_a_twin_that_comes_later_is_told_in_one_line(bench, tmp_path, wording):
     call, _ = plugged(bench, tmp_path, "arm", "servo_bus", "/dev/arm")
     assert call.answer.accepted, call.refused
-    assert bench.ctx.told("no_twin") == [
-        "without a twin, and so used at their own address: arm (servo_bus at /dev/arm)"
-    ]
+    wording(*bench.ctx.told("no_twin"))
 
 
 @pytest.mark.parametrize(
-    ("name", "type_", "address", "settings", "why"),
+    ("name", "type_", "address", "settings"),
     [
-        ("second", "roboteq", "", {}, "'second' moves what is in the world, and so is there from its beginning"),
-        ("ranges", "riox", "", {}, "there is a device 'ranges' already"),
-        ("ahrs", "riox", "/tmp/elsewhere", {}, "new devices are emulated at "),
-        ("ahrs", "riox", "", {"colour": 1}, "unknown field `colour`"),
+        ("second", "roboteq", "", {}),
+        ("ranges", "riox", "", {}),
+        ("ahrs", "riox", "/tmp/elsewhere", {}),
+        ("ahrs", "riox", "", {"colour": 1}),
     ],
 )
 def test_a_device_that_cannot_be_plugged_in_now_is_refused_and_nothing_is_changed(
-    bench, tmp_path, name, type_, address, settings, why
+    bench, tmp_path, name, type_, address, settings, wording
 ):
     bench.ctx.home = str(tmp_path)
     call, place = plugged(bench, tmp_path, name, type_, address, **settings)
-    assert why in call.refused
+    wording(call.refused)
     assert not place.exists()
     assert bench.ctx.told("plugged_in") == []
 
