@@ -20,6 +20,7 @@ from lbr.executive.planning.process_specs import read_by
 from lbr.executive.planning.said import vocabulary
 from lbr.executive.planning.trials import Trials
 from lbr.executive.planning.watch import RowWatch
+from lbr.messages.calibration import CalibrationValue
 from lbr.messages.codes import Code
 from lbr.messages.rows import Row, RowsChanged, by_table
 from lbr.messages.system import CapabilityStatus
@@ -145,11 +146,13 @@ class LiveRows:
         self._watch.look_again()
 
     def _known(self, name: str) -> dict[RowKey, Any]:
-        """Return the rows that a capability has, by table and key."""
+        """Return the rows that a capability has, by table and key; what its profile has in their place is none of them."""
+        measured = {one.device for one in self.plan.rows.of(CalibrationValue)}
         return {
             (table, tuple(row[column] for column in one.key)): row
             for table, one in self.plan.units[name].config.rows.items()
             for row in msgspec.json.decode(one.rows)
+            if table != CalibrationValue.TABLE or row["measured_at"] or row["device"] in measured
         }
 
     def _adopt(self, plan: Plan, change: Change, edited: str) -> None:
