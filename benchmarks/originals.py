@@ -6,6 +6,7 @@ with a back rule that lets the robot as near to the wall behind the dock as that
 
 import argparse
 import json
+import os
 import sys
 import tempfile
 from pathlib import Path
@@ -13,7 +14,7 @@ from pathlib import Path
 from benchmarks import Measured
 from tests.models.original.machine import Machine, ask
 from tests.support.figures import Promise, Results
-from tests.support.robot import prepare, running
+from tests.support.robot import Robot, prepare, running
 from tests.support.waiting import until
 
 SMOKE = "--n 1 --tables pacing"
@@ -49,9 +50,16 @@ def _end(name: str) -> str:
             port = int(robot.served("web_api").rpartition(":")[2])
             try:
                 with (FOLDER / TABLES[name][0]).open() as lines:
-                    return Machine(lines, lambda *asked: ask(port, *asked)).run()
+                    end = Machine(lines, lambda *asked: ask(port, *asked)).run()
             except (KeyError, TypeError) as err:
-                return f"{type(err).__name__}: {err}"
+                end = f"{type(err).__name__}: {err}"
+            return end if end == TABLES[name][1] else f"{end}, after: {_last_motion(robot)}"
+
+
+def _last_motion(robot: Robot) -> str:
+    """Return how the newest motion ended, and how busy the machine is."""
+    ends = [event["text"] for event in robot.events() if event["kind"] == "holder" and "lost" in event["text"]]
+    return f"{ends[-1] if ends else 'no motion'} (load {os.getloadavg()[0]:.0f})"
 
 
 def _room() -> tuple[str, ...]:
