@@ -16,7 +16,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, reduce
-from itertools import chain
+from itertools import chain, takewhile
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -334,22 +334,29 @@ def _others() -> tuple[Entry, ...]:
 
 
 def _declared() -> Iterator[Entry]:
-    found = [(folder, text) for name, folder, text in _metadata() if name != CORE]
-    if not found:
-        return
-    from importlib.metadata import Distribution  # noqa: PLC0415 - its import takes longer than all else here
+    for name, folder, text in _metadata():
+        if name != CORE:
+            package, requires = _described(folder)
+            yield from (Entry(*point, package, requires) for point in _lines(text))
 
-    for folder, text in found:
-        dist = Distribution.at(folder)
-        package, requires = f"{dist.name} {dist.version}", tuple(dist.requires or ())
-        for point in _lines(text):
-            yield Entry(*point, package, requires)
+
+def _described(folder: Path) -> tuple[str, tuple[str, ...]]:
+    """Return a package as people are told of it, and what it requires, by the head of its metadata."""
+    head: dict[str, list[str]] = {}
+    for name in ("METADATA", "PKG-INFO"):
+        with contextlib.suppress(OSError), (folder / name).open(encoding="utf-8", errors="replace") as file:
+            for line in takewhile("\n".__ne__, file):
+                field, colon, value = line.partition(":")
+                if colon and not field[:1].isspace():
+                    head.setdefault(field.lower(), []).append(value.strip())
+    label = " ".join((*head.get("name", [folder.name])[:1], *head.get("version", [])[:1]))
+    return label, tuple(head.get("requires-dist", ()))
 
 
 def _metadata() -> Iterator[tuple[str, Path, str]]:
     """Yield the packages on the path that have entry points in the group: plain name, folder, and `entry_points.txt`.
 
-    As `importlib.metadata` finds them, the first of a name; its import alone takes as long as that of click.
+    As `importlib.metadata` finds them, the first of a name; its import takes as long as all else that the help needs.
     """
     seen: set[str] = set()
     for place in sys.path:

@@ -101,11 +101,11 @@ def test_a_command_of_a_package_has_help_completion_and_exit_codes_as_ours_have(
 
 
 def test_what_lbr_brings_itself_is_found_without_an_import_of_other_packages(site):
-    put(site, "loud", "raise SystemExit('imported')")
+    put(site, "loud", "COMPONENT = Component()")
     code = (
         "import sys; from lbr import plugins as p; print(p.find('kinds', 'web').ours, p.find('commands', 'run').ours)"
     )
-    code += "\nprint('loud' in sys.modules, 'importlib.metadata' in sys.modules)"
+    code += "\nprint('loud' in sys.modules); p.installed('kinds'); print('importlib.metadata' in sys.modules)"
     env = {**os.environ, "PYTHONPATH": on_path(site)}
     done = programs.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["True", "True", "False", "False"]
@@ -185,3 +185,13 @@ def test_the_first_of_a_package_on_the_path_counts_however_its_name_is_written(s
         assert [one.package for one in plugins.entries() if not one.ours] == ["theirs 0.1"]
     finally:
         sys.path.remove(str(other))
+
+
+def test_a_package_is_named_by_the_head_of_its_metadata_alone(site):
+    put(site, "theirs", "COMPONENT = Component()", requires=("lbr", "numpy>=2"))
+    (path,) = site.glob("*.dist-info/METADATA")
+    head = path.read_text().replace("Version: 0.1", "License: a\n        Name: b\n        \nVersion: 0.1")
+    path.write_text(f"{head}\nName: another\nRequires-Dist: lbr>=99\n")
+    plugins.forget()
+    (found,) = (one for one in plugins.entries() if not one.ours)
+    assert (found.package, found.requires) == ("theirs 0.1", ("lbr", "numpy>=2"))
