@@ -2,7 +2,6 @@
 
 import sys
 import textwrap
-import time
 import wave
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,8 @@ from typing import Any
 from lbr.apps.speech.kind import KIND
 from lbr.capability.context import Device
 from lbr.messages.speech import Phrase, SayCommand, SpeechState
-from lbr.testing import FakeCall, FakeContext
+from lbr.testing import FakeCall
+from lbr.testing.driver import RealTimeContext
 from tests.support.waiting import until
 
 ENGINE = textwrap.dedent("""
@@ -56,7 +56,7 @@ def wav_file(path: Path, seconds: float, *, width: int = 1, value: int = 100) ->
     return path
 
 
-class SpeechContext(FakeContext):
+class SpeechContext(RealTimeContext):
     """The context of speech on real time, with a folder as its speaker."""
 
     def __init__(self, home: Path, address: str, **settings: Any) -> None:
@@ -64,9 +64,6 @@ class SpeechContext(FakeContext):
         chosen = KIND.settings(device="speaker", **{"greets": False, **settings})
         speaker = Device("speaker", "speaker", address, {})
         super().__init__(KIND, chosen, robot="lbr", name="speech", home=str(home), device=speaker, given=PHRASES)
-
-    def clock(self) -> float:
-        return time.monotonic()
 
 
 class Bench:

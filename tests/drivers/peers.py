@@ -14,7 +14,7 @@ from typing import Any
 from lbr.capability.context import Device
 from lbr.capability.kind import Kind
 from lbr.messages.system import Stamp
-from lbr.testing import FakeContext
+from lbr.testing.driver import RealTimeContext
 
 
 class Pty:
@@ -145,15 +145,12 @@ class Board(Pty):
             return b""
 
 
-class DriverContext(FakeContext):
+class DriverContext(RealTimeContext):
     """The context of a driver on real time, beside a `drive` that lives and is wired to it."""
 
     def __init__(self, kind: Kind, settings: Any, address: Path | str, type_: str) -> None:
         super().__init__(kind, settings, robot="tester", device=Device(settings.device, type_, str(address), {}))
         self.wired["setpoint"] = ("drive",)
-
-    def clock(self) -> float:
-        return time.monotonic()
 
     def give(self, message: Any, *, source: str = "drive", stamp: Stamp | None = None) -> None:
         self.arrive("setpoint", message, source=source, stamp=stamp)

@@ -14,11 +14,8 @@ TICK_S = 0.01
 class Bench(DriverContext):
     """A context whose clock goes on by itself only as far as the driver sleeps."""
 
-    on_tick = True
-
     def __init__(self, settings, address):
         super().__init__(KIND, settings, address, "mpu9150")
-        self.now = 100.0
 
     def clock(self):
         return self.now

@@ -77,17 +77,11 @@ def test_charge_is_by_chemistry_and_within_bounds(volts, letter, charge):
 
 
 class Bench(DriverContext):
-    on_tick = True
-
     def __init__(self, settings, address):
         super().__init__(KIND, settings, address, "pico")
-        self.now = 100.0
 
     def clock(self):
         return self.now
-
-    def event(self, kind, text, *, level="info", data=None, code="", about=""):
-        self.events.append((kind, text))
 
 
 class Running:

@@ -14,20 +14,18 @@ from lbr.simulation.requests import FaultRequest
 from lbr.simulation.settings import BoxSettings, WorldSettings
 from lbr.simulation.trace import OutputTrace
 from lbr.simulation.twins.base import Surroundings
-from lbr.testing import FakeCall, FakeContext
+from lbr.testing import FakeCall
+from lbr.testing.driver import RealTimeContext
 from tests.support.waiting import HANG_S
 
 WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)
 
 
-class WorldContext(FakeContext):
+class WorldContext(RealTimeContext):
     """The context of a world on real time."""
 
     def __init__(self, settings, devices, sensors=(), kind=KIND):
         super().__init__(kind, settings, robot="lbr", name="world", devices=devices, given=sensors)
-
-    def clock(self):
-        return time.monotonic()
 
 
 class Client:
