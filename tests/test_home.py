@@ -149,14 +149,14 @@ def test_a_key_that_was_cut_is_no_key(place):
         credentials.token_key()
 
 
-def test_a_certificate_that_the_owner_put_there_is_what_browsers_are_shown(place):
+def test_a_certificate_that_the_owner_put_there_is_what_browsers_are_shown(place, wording):
     folder = place / "credentials"
     assert listening.certificate() == (str(folder / "bus.key"), str(folder / "bus.crt"))
     assert not credentials.is_own_shown()
     of_robot, bus = credentials.fingerprint_shown(), credentials.certificate_der()
     key, own = certificates.self_signed()
     home.write_private(folder / "web.crt", b"of an authority\n" + own + (folder / "bus.crt").read_bytes())
-    with pytest.raises(InputError, match=r"web.key is missing beside .*web.crt: put it there, or remove the other"):
+    with wording.of(InputError):
         listening.certificate()
     home.write_private(folder / "web.key", key)
     assert listening.certificate() == (str(folder / "web.key"), str(folder / "web.crt"))
@@ -170,7 +170,7 @@ def test_a_certificate_that_the_owner_put_there_is_what_browsers_are_shown(place
     (folder / "web.crt").write_text("no certificate")
     with pytest.raises(InputError, match=r"web.crt has no certificate in it"):
         credentials.fingerprint_shown()
-    with pytest.raises(InputError, match=r"TLS cannot be spoken with .*web.key and .*web.crt"):
+    with pytest.raises(InputError, match=r"web.key and .*web.crt"):
         serving.config(Starlette(), tls=True)
 
 
@@ -210,14 +210,14 @@ def test_every_command_refuses_a_strangers_log(shared, tmp_path, monkeypatch, wo
 
 @pytest.mark.parametrize("name", ["a#b", "a?b", "a\nb", "a\x7fb", "a\udcffb"])
 @pytest.mark.parametrize("variable", ["LBR_HOME", "TMPDIR"])
-def test_a_folder_whose_name_ends_a_sockets_address_is_refused(tmp_path, monkeypatch, variable, name):
+def test_a_folder_whose_name_ends_a_sockets_address_is_refused(tmp_path, monkeypatch, variable, name, wording):
     """What the bus takes for the end of the path would have its sockets made elsewhere, where others may be."""
     long = tmp_path / ("long" * 25)
     monkeypatch.setenv("LBR_HOME", str(long / "h"))
     monkeypatch.setenv(variable, str(tmp_path / name))
     monkeypatch.setattr(tempfile, "tempdir", None)
     (tmp_path / name).mkdir()
-    with pytest.raises(InputError, match="in it, which no socket's address may have"):
+    with wording.of(InputError):
         home.socket_path("lbr")
 
 
@@ -231,7 +231,7 @@ def test_a_record_that_is_no_file_says_nothing_and_keeps_nobody_waiting(monkeypa
     assert Latch(home.directory("run") / "lbr.estop").reason() == UNREADABLE
 
 
-def test_a_robot_that_runs_makes_no_second_home_where_its_own_was(tmp_path):
+def test_a_robot_that_runs_makes_no_second_home_where_its_own_was(tmp_path, wording):
     """A robot that runs makes no second home where its own was"""
     script = (
         "import shutil\n"
@@ -253,8 +253,8 @@ def test_a_robot_that_runs_makes_no_second_home_where_its_own_was(tmp_path):
         [sys.executable, "-c", script], env=os.environ | {"LBR_HOME": str(place)}, text=True, check=True,
         capture_output=True, timeout=10,
     ).stdout.splitlines()  # fmt: skip
-    gone = f"the robot's home {place} is gone: end the robot, put its home back, and start it again"
-    assert told == [gone, gone, "[]", "False", "False"]
+    wording(*told[:2])
+    assert told[2:] == ["[]", "False", "False"]
 
 
 def test_a_process_of_a_robot_makes_no_home_either(monkeypatch, tmp_path):

@@ -63,16 +63,17 @@ def test_a_robot_says_what_it_is_and_what_its_asker_may(served):
 
 
 @pytest.mark.parametrize(
-    ("method", "path", "sentence"),
+    ("method", "path"),
     [
-        ("POST", "/api/consol", "there is no POST /api/consol; GET /api and /openapi.json name what there is"),
-        ("GET", "/API/console", "there is no GET /API/console; it takes POST"),
-        ("DELETE", "/api", "there is no DELETE /api; it takes GET, HEAD"),
+        ("POST", "/api/consol"),
+        ("GET", "/API/console"),
+        ("DELETE", "/api"),
     ],
 )
-def test_a_path_or_method_that_the_api_has_not_is_refused_like_all_else(served, method, path, sentence):
+def test_a_path_or_method_that_the_api_has_not_is_refused_like_all_else(served, method, path, wording):
     answer = served.ask(method, path)
-    assert (answer.status, answer.json) == (404, {"message": sentence, "code": "unknown_name"})
+    assert (answer.status, answer.json["code"]) == (404, "unknown_name")
+    wording(answer.json["message"])
 
 
 def test_how_capabilities_are_follows_the_status(served):

@@ -65,7 +65,7 @@ def test_a_documented_request_asks_for_what_is_documented(body, expected):
         ({}, "say 'level' and 'angle'"),
         ({"speech": ""}, "say 'level' and 'angle'"),
         ({"level": 0.3}, "level needs an angle"),
-        ({"level": "0.3", "angle": 0}, "level must be a number, not a text"),
+        ({"level": "0.3", "angle": 0}, "level must be a number"),
         ({"level": True, "angle": 0}, "level must be a number"),
         ({"level": 0.3, "angle": "left"}, "angle must be a number, not 'left'"),
         (

@@ -178,13 +178,13 @@ def test_what_was_to_follow_a_move_is_forgotten_if_a_stop_comes_before_the_move_
     assert len(bench.sent()) == 1
 
 
-def test_what_was_due_while_the_server_stood_still_does_not_begin(bench):
+def test_what_was_due_while_the_server_stood_still_does_not_begin(bench, wording):
     bench.motor("id=23&pos=20&delay=500")
     bench.run(0.1)
     bench.ctx.now += 30.0
     bench.run(0.1)
     assert bench.sent() == []
-    assert bench.work.jobs.get("1").reason.startswith("the server stood still for 30")
+    wording(bench.work.jobs.get("1").reason)
 
 
 def test_without_a_delay_there_is_no_job(bench):

@@ -112,7 +112,7 @@ def test_a_refusal_is_an_answer_and_no_fault(loop):
     assert not loop.failed
 
 
-def test_a_loop_that_ends_refuses_what_waits_and_what_comes(loop, monkeypatch):
+def test_a_loop_that_ends_refuses_what_waits_and_what_comes(loop, monkeypatch, wording):
     async def never() -> None:
         await until(lambda: False)
 
@@ -127,6 +127,6 @@ def test_a_loop_that_ends_refuses_what_waits_and_what_comes(loop, monkeypatch):
         assert await refused(loop, never()) == "the server ends"
         loop.bridge.open()
         monkeypatch.setattr(bridges, "MOST_WAITING", 0)
-        assert "too much is asked at once" in await refused(loop, never())
+        wording(await refused(loop, never()))
 
     asyncio.run(asks())

@@ -76,4 +76,4 @@ def test_a_server_that_is_killed_in_the_middle_of_a_move_leaves_the_joint_where_
         assert ask(robot.web, "GET", "/motor?id=23&pos=100")[0] == 409
         assert until(lambda: ask(robot.web, "POST", "/estop/reset")[0] == 200)
         assert robot.status()["estop"]["engaged"] is False
-        assert f"Only this machine reaches {robot.web}/" in robot.line("qr")["text"]
+        assert f" reaches {robot.web}/" in robot.line("qr")["text"]

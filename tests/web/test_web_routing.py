@@ -134,8 +134,8 @@ def test_a_parameter_that_does_not_fit_is_named(query, said):
     assert said in refused.value.message
 
 
-def test_what_is_no_name_is_told_in_words():
-    with pytest.raises(Refused, match=r"name: Expected a name \(small letters, digits, underscores; at most 40\)"):
+def test_what_is_no_name_is_told_in_words(wording):
+    with wording.of(Refused):
         routing.decoded(b'{"name": "Nod"}', Named)
 
 

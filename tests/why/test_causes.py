@@ -16,8 +16,7 @@ from tests.why import healthy
 from tests.why.healthy import edited, with_estop, with_event, with_joint, with_said, with_unit
 
 Broken = Callable[[Snapshot], Snapshot]
-MOTORS_CABLE = "device 'motor_controller' at /dev/ttyACM0 went away (Input/output error); check its cable and power"
-MISSING = "device 'motor_controller' at /dev/ttyACM0 is missing; plug it in, or correct the address in the device row"
+MOTORS_CABLE = "/dev/ttyACM0 went away"
 GRIPPED = {"phase": "waiting", "pid": None, "uptime_s": None}
 
 
@@ -117,8 +116,8 @@ CAUSES: dict[str, tuple[str, str, Broken, tuple[str, str, str]]] = {
     "ended by a wall": (
         "lbr", "drive", drive_says(code="obstacle", reason="blocked for 1 s by forward"), ("last", "drive", "obstacle"),
     ),
-    "lapsed": ("lbr", "drive", drive_says(code="lapsed", reason="it lapsed, not renewed within 0.3 s"), ("last", "drive", "lapsed")),
-    "stuck": ("lbr", "drive", drive_says(code="stuck", reason="the wheels stand although the motors push"), ("last", "drive", "stuck")),
+    "lapsed": ("lbr", "drive", drive_says(code="lapsed", reason="not renewed"), ("last", "drive", "lapsed")),
+    "stuck": ("lbr", "drive", drive_says(code="stuck", reason="the wheels stand"), ("last", "drive", "stuck")),
     "not fresh": (
         "lbr", "drive", lambda now: with_said(now, "ranges/readings", age_s=9.0), ("input", "ranges", "stale_sensor"),
     ),
@@ -179,7 +178,7 @@ CAUSES: dict[str, tuple[str, str, Broken, tuple[str, str, str]]] = {
     ),
     "camera lost": (
         "lbr", "camera_front",
-        lambda now: with_said(now, "camera_front/state", phase="lost", reason="no picture has come for 2 s; check the camera's cable"),
+        lambda now: with_said(now, "camera_front/state", phase="lost", reason="no picture has come"),
         ("line", "front_camera", "unreachable"),
     ),
     "no beam": (
@@ -396,13 +395,13 @@ def with_teleop(all_rows) -> Snapshot:
     return healthy.snapshot(healthy.facts_of(edited(all_rows["lbr"], "capabilities", "teleop", enabled=True)))
 
 
-def test_a_gamepad_that_moves_nothing_says_why_not_and_no_dock_is_blamed(with_teleop):
+def test_a_gamepad_that_moves_nothing_says_why_not_and_no_dock_is_blamed(with_teleop, wording):
     now = with_said(with_teleop, "dock/signal", left=False, right=False, left_age_s=None, right_age_s=None)
     idle = with_said(
         now, "teleop/state", driving=False, dead_man=False, reason="the button tl is not held", code="idle"
     )
     assert told(idle, "teleop") == ("input", "teleop", "idle")
-    assert explain(idle, "teleop").text == "the gamepad moves nothing: the button tl is not held"
+    wording(explain(idle, "teleop").text)
     assert explain(idle, "drive").state == explain(idle, "").state == "ok"
     assert told(with_estop(idle, reason="dog"), "teleop") == ("estop", "estop", "estop")
 
@@ -443,7 +442,7 @@ def test_how_long_it_has_been_so_is_that_of_the_event_that_began_it(robots):
 
 def test_of_what_is_over_the_newest_is_told(robots):
     again = with_unit(robots["lbr"], "world", uptime_s=40.0, last_end="crashed: killed by signal 9", end_code="failed")
-    lapsed = with_said(again, "drive/state", code="lapsed", reason="it lapsed, not renewed within 0.3 s")
+    lapsed = with_said(again, "drive/state", code="lapsed", reason="not renewed")
     assert told(again, "drive")[:2] == ("process", "world")
     assert told(with_event(lapsed, "lapsed", "drive", 2.0), "drive") == ("last", "drive", "lapsed")
 
@@ -498,10 +497,10 @@ def took(now: Snapshot, who: str, part: str, ago_s: float) -> Snapshot:
 
 
 @pytest.mark.parametrize("crashed", ["drive", "motors"])
-def test_after_a_command_that_was_taken_a_crash_before_it_is_no_reason_to_say_it_again(robots, crashed):
+def test_after_a_command_that_was_taken_a_crash_before_it_is_no_reason_to_say_it_again(robots, crashed, wording):
     lately = with_unit(robots["lbr"], crashed, uptime_s=20.0, last_end="crashed: exit code 1", end_code="failed")
     for before in (lately, took(lately, "console", "drive", 25.0), took(lately, "console", "dock", 5.0)):
-        assert explain(before, crashed).do == "say again what it shall do"
+        wording(explain(before, crashed).do)
         assert explain(before, "drive").state == "past"
     after = took(lately, "console", "drive", 5.0)
     for part in (crashed, "drive", ""):
@@ -554,15 +553,12 @@ def with_refusal(now: Snapshot, ago_s: float, code: str = "stale_sensor", kind: 
     return replace(now, events=(*now.events, event))
 
 
-def test_what_was_refused_last_is_told_before_what_holds_another_way_and_after_what_holds(robots):
+def test_what_was_refused_last_is_told_before_what_holds_another_way_and_after_what_holds(robots, wording):
     near = with_said(robots["lbr"], "ranges/readings", right_m=0.1)
     assert told(near, "drive")[0] == "reading"
     refused = with_refusal(near, 20.0)
     assert told(refused, "drive") == ("refused", "drive", "stale_sensor")
-    assert (
-        explain(refused, "drive").text
-        == "'drive' refused what was asked last, by phone: bow forward reading is invalid"
-    )
+    wording(explain(refused, "drive").text)
     busy = with_event(with_refusal(robots["lbr"], 20.0), "too_busy", "machine", 5.0)
     assert told(busy, "drive")[0] == "refused"
     assert told(with_estop(refused, reason="dog"), "drive")[0] == "estop"
