@@ -121,7 +121,7 @@ def test_the_guard_says_why_before_it_kills():
     assert victim.wait(2.0) == -signal.SIGKILL
     assert os.read(said, 16) == b"why"
     assert os.read(tty, 7) == STOP
-    guard.wait(2.0)
+    assert guard.wait(2.0) == 0
     for fd in (tty, line, beats, alive, said, words, driver):
         os.close(fd)
 

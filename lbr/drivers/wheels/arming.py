@@ -85,9 +85,8 @@ def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Ar
 def tick(state: Arming, inhibit: Inhibit | None, now: float, valid_s: float) -> Arming:
     """Let time pass: stop what is inhibited or late."""
     if inhibit is not None:
-        if state.armed or not state.inhibited:
-            state = _disarm(state, inhibit.reason, now, fault=inhibit.fault)
-        return replace(state, inhibited=True, reason=inhibit.reason, since=now)
+        stopped = _disarm(state, inhibit.reason, now, fault=inhibit.fault)
+        return replace(stopped, inhibited=True, reason=inhibit.reason)
     if state.setpoint is not None and not fresh(state.setpoint.born, now, valid_s):
         state = _disarm(state, f"no setpoint within {valid_s:g} s", now, fault=True)
     if state.inhibited:
