@@ -112,7 +112,7 @@ class Column:
             return f"'{shown(value)}' is not {self._extra['meant']}"
         if isinstance(info, inspect.LiteralType):
             told = get_args(self._type) or info.values  # in the order in which they were declared
-            return f"'{shown(value)}' is not one of {', '.join(map(str, told))}"
+            return f"'{shown(value)}' is not one of {', '.join(str(one) or 'an empty text' for one in told)}"
         if isinstance(info, inspect.IntType):
             bounds = f" from {info.ge} to {info.le}" if info.ge is not None and info.le is not None else ""
             return f"'{shown(value)}' is not a whole number{bounds}"

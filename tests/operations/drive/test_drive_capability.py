@@ -98,7 +98,7 @@ def test_a_command_moves_the_base_until_it_is_no_longer_renewed(robot):
     assert robot.wheels == pytest.approx((0.5, 0.5))
     robot.run(0.32)
     assert robot.wheels == (0.0, 0.0)
-    assert "lapsed" in dict(robot.ctx.events)
+    assert ("lapsed", "console") in [(kind, text.partition(":")[0]) for kind, text in robot.ctx.events]
 
 
 def test_lease_ids_do_not_repeat_and_cannot_be_guessed(robot):
