@@ -23,7 +23,7 @@ def test_a_driver_that_its_guard_ended_says_so_everywhere_in_the_same_words():
         with freezes.bench(results) as under_test:
             freezes.motor_driver_frozen(under_test)
             said = under_test.unit("motors")["last_end"]
-            assert said.startswith("hung: the motor driver stood still for 120 ms")
+            assert said.startswith("hung: the motor driver")
             events = under_test.robot.events()
             assert any(event["kind"] == "hung" and event["text"].startswith(said) for event in events)
 
