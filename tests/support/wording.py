@@ -82,7 +82,7 @@ class Wording:
         self.lines += [line.rstrip() for line in LINE_ENDS.split(said) if line.strip()]
         if self._golden is not None:
             assert self.lines[at:] == self._golden[at : len(self.lines)], (
-                "or is it `python -m tests.sentences --write`?"
+                "`python -m tests.sentences --write` writes down what is said now"
             )
 
     @contextmanager
