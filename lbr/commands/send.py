@@ -64,7 +64,7 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as
             lines.show(result, sys.stdout, sys.stderr)
 
     if not whom.connect:
-        _await_start(whom.robot, wait_s)
+        await_start(whom.robot, wait_s)
     found, *others = target.find_to_stop(*whom) if stops.is_stop(line) else [target.find(*whom)]
     if others:
         return _stop_all([found, *others], line, as_json)
@@ -87,7 +87,7 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as
     return code
 
 
-def _await_start(robot: str | None, wait_s: float) -> None:
+def await_start(robot: str | None, wait_s: float) -> None:
     """Wait for a robot that is meant and whose start is under way, and say so; return at once where none is."""
     from lbr import home  # noqa: PLC0415 - kept out of its `--help`
 

@@ -75,15 +75,15 @@ def add(name: str, role: str, good_for: str, expires: str | None, path: Path | N
     if good_for == "web" and (role == "host" or path is not None):
         what = "a host" if role == "host" else "--file"
         raise InputError(f"{what} comes in by the bus, and this token would be good for the web alone: --for both")
-    ends = _end(expires) if expires is not None else None
-    with _opened(database) as rows, _new_file(path) as file:
+    ends = end_in(expires) if expires is not None else None
+    with _opened(database) as rows, new_file(path) as file:
         door = msgspec.convert(good_for, GoodFor)
         token = credentials.new_token(rows, name, msgspec.convert(role, TokenRole), good_for=door, ends=ends).token
         listen = _listens(rows)
-        endpoints = _endpoints(listen)
+        endpoints = endpoints_of(listen)
         click.echo(str(token))
         if file is not None:
-            _write_configuration(file, token, endpoints)
+            write_configuration(file, token, endpoints)
             click.echo(f"{path} lets a Zenoh client in; it is as secret as the token", err=True)
     if good_for == "web":
         return 0
@@ -103,13 +103,13 @@ def list_tokens(database: Path | None, as_json: bool) -> int:
         found = rows.tokens()
     if as_json:
         fields = ("name", "role", "good_for", "created_at", "expires_at", "revoked_at", "paired_from")
-        print_json([{field: getattr(one, field) for field in fields} | {"state": _state(one)} for one in found])
+        print_json([{field: getattr(one, field) for field in fields} | {"state": state_of(one)} for one in found])
         return 0
     width = max((len(one.name) for one in found), default=0)
     for one in found:
         click.echo(
-            f"{one.name:<{width}}  {one.role:<8}{one.good_for:<5}{_state(one):<9}since {one.created_at}{_until(one)}"
-            + (f", paired from {one.paired_from}" if one.paired_from else "")
+            f"{one.name:<{width}}  {one.role:<8}{one.good_for:<5}{state_of(one):<9}"
+            f"since {one.created_at}{until_of(one)}" + (f", paired from {one.paired_from}" if one.paired_from else "")
         )
     return 0
 
@@ -131,7 +131,8 @@ def _opened(path: Path | None) -> "Database":
     return opened(path or (Path(here[0].database) if len(here) == 1 else None))
 
 
-def _end(text: str) -> dt.datetime:
+def end_in(text: str) -> dt.datetime:
+    """Return the moment that long from now, such as `30d`."""
     found = re.fullmatch(r"([1-9][0-9]{0,5})([mhdw])", text)
     if found is None:
         raise InputError(f"'{text[:40]}' is not a time from now: write 90m, 12h, 30d or 8w")
@@ -141,13 +142,15 @@ def _end(text: str) -> dt.datetime:
         raise InputError(f"'{text}' from now is beyond the last date there is: leave --expires out") from None
 
 
-def _state(one: "TokenRow") -> str:
+def state_of(one: "TokenRow") -> str:
+    """Return whether a token is valid, expired or revoked."""
     if one.revoked_at is not None:
         return "revoked"
     return "expired" if one.has_expired(dt.datetime.now(dt.UTC)) else "valid"
 
 
-def _until(one: "TokenRow") -> str:
+def until_of(one: "TokenRow") -> str:
+    """Return the end of a token as a list shows it, nothing if it has none."""
     if one.revoked_at is not None:
         return f", until {one.revoked_at}"
     return f", until {one.expires_at}" if one.expires_at else ""
@@ -168,7 +171,7 @@ def _listens(rows: "Database") -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _endpoints(listen: tuple[str, ...]) -> list[str]:
+def endpoints_of(listen: tuple[str, ...]) -> list[str]:
     """Return where others find this machine: its addresses, with the ports it listens at."""
     found = []
     for endpoint in listen or ("tls/0.0.0.0:7447",):
@@ -188,7 +191,7 @@ def _addresses() -> list[str]:
 
 
 @contextmanager
-def _new_file(path: Path | None) -> Iterator[TextIO | None]:
+def new_file(path: Path | None) -> Iterator[TextIO | None]:
     """Open a file that is not there yet, before anything is made that it is for; it is gone again if that fails."""
     if path is None:
         yield None
@@ -207,7 +210,8 @@ def _new_file(path: Path | None) -> Iterator[TextIO | None]:
         raise
 
 
-def _write_configuration(file: TextIO, token: "Token", endpoints: list[str]) -> None:
+def write_configuration(file: TextIO, token: "Token", endpoints: list[str]) -> None:
+    """Write the settings of a client that comes in by this token."""
     from lbr.bus.session import client_settings  # noqa: PLC0415
     from lbr.executive.planning import credentials  # noqa: PLC0415
 

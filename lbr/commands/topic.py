@@ -98,7 +98,7 @@ def echo(topic: str, whom: Whom, once: bool, raw: bool, as_json: bool) -> int:
         while True:
             for message in messages:
                 heard = True
-                _print_message(message, as_json=as_json, raw=raw, named="*" in key)
+                print_message(message, as_json=as_json, raw=raw, named="*" in key)
                 if once:
                     return 0
             if once and not time.monotonic() < started + WAIT_S:
@@ -139,7 +139,7 @@ def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
     if not found:
         raise BusError(f"nothing came on {key} within {seconds:g} s")
     for rate in found:
-        click.echo(_rate_text(rate))
+        click.echo(rate_text(rate))
     return 0
 
 
@@ -175,7 +175,7 @@ def pub(topic: str, message: str, whom: Whom, rate: float, count: int) -> int:
             wire.put(bus, key, payload, source=source)
             due += 1 / rate
         time.sleep(REFUSAL_S)
-        refusals = [text for text in (_refusal(raw, key, source) for raw in events.take()) if text]
+        refusals = [text for text in (refusal_in(raw, key, source) for raw in events.take()) if text]
     for text in dict.fromkeys(refusals):
         click.echo(text, err=True)
     return 1 if refusals else 0
@@ -204,24 +204,26 @@ def _latest(bus: "Session", key: str, known: "list[Topic]", source: str) -> "lis
     return wire.ask(bus, key, None, source=source, timeout_s=1.0) if key.partition("/")[2] in streams else []
 
 
-def _print_message(message: "RawMessage", *, as_json: bool, raw: bool, named: bool) -> None:
+def print_message(message: "RawMessage", *, as_json: bool, raw: bool, named: bool) -> None:
+    """Print a message: its bytes, its JSON, or lines for people."""
     if raw:
         out = sys.stdout.buffer
         out.write(message.payload + b"\n")
         out.flush()
         return
-    value = _value(message.payload)
+    value = value_of(message.payload)
     if as_json:
         print_json({"key": message.key, "message": value} if named else value)
         return
     if named:
         click.echo(f"# {message.key}")
-    for line in _lines(value):
+    for line in lines_of(value):
         click.echo(line)
     click.echo("---")
 
 
-def _value(payload: bytes) -> Any:
+def value_of(payload: bytes) -> Any:
+    """Return the JSON of a payload; of a picture or other bytes, a description."""
     from lbr.bus import pictures  # noqa: PLC0415
     from lbr.bus.codec import decode  # noqa: PLC0415
 
@@ -233,14 +235,15 @@ def _value(payload: bytes) -> Any:
         return f"{len(payload)} bytes that are not JSON"
 
 
-def _lines(value: Any, indent: str = "") -> Iterator[str]:
+def lines_of(value: Any, indent: str = "") -> Iterator[str]:
+    """Return lines for people, a field in each."""
     if not isinstance(value, dict):
         yield indent + one_line(_scalar(value))
         return
     for name, one in value.items():
         if isinstance(one, dict) and one and len(indent) < DEEPEST:
             yield f"{indent}{one_line(name)}:"
-            yield from _lines(one, indent + "  ")
+            yield from lines_of(one, indent + "  ")
         else:
             yield f"{indent}{one_line(name)}: {one_line(_scalar(one))}"
 
@@ -253,7 +256,8 @@ def _scalar(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else msgspec.json.encode(value).decode()
 
 
-def _rate_text(rate: "Rate") -> str:
+def rate_text(rate: "Rate") -> str:
+    """Return a measured rate in one line."""
     published = f"published {rate.publisher_hz:.1f} Hz" if rate.publisher_hz is not None else "published ? Hz"
     parts = [published, f"received {rate.received_hz:.1f} Hz"]
     if rate.lost is not None:
@@ -265,8 +269,9 @@ def _rate_text(rate: "Rate") -> str:
     return one_line(f"{rate.key} from {rate.source}: {', '.join([*parts, f'{rate.bytes_per_s / 1000:.1f} kB/s'])}")
 
 
-def _refusal(raw: "RawMessage", key: str, source: str) -> str:
-    value = _value(raw.payload)
+def refusal_in(raw: "RawMessage", key: str, source: str) -> str:
+    """Return what an event tells of a refusal of this key or sender, or nothing."""
+    value = value_of(raw.payload)
     if not isinstance(value, dict) or value.get("kind") != "refused":
         return ""
     text = str(value.get("text", ""))

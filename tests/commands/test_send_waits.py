@@ -35,7 +35,7 @@ def looks(monkeypatch):
 def test_a_start_under_way_is_waited_for_until_it_is_reached(looks, capsys):
     lock = RunLock("lbr")
     looks.then = lambda: looks.now > 3.0 and lock.publish(RECORD)
-    send._await_start(None, 10.0)
+    send.await_start(None, 10.0)
     assert 3.0 < looks.now < 3.2
     assert [one.robot for one in home.running()] == ["lbr"]
     assert capsys.readouterr().err.count("lbr is starting") == 1
@@ -45,17 +45,17 @@ def test_a_start_under_way_is_waited_for_until_it_is_reached(looks, capsys):
 
 def test_the_wait_ends_at_its_bound_and_with_the_start(looks):
     lock = RunLock("lbr")
-    send._await_start("lbr", 2.0)
+    send.await_start("lbr", 2.0)
     assert 2.0 <= looks.now < 2.2
     looks.now, looks.then = 0.0, lock.release
-    send._await_start("lbr", 2.0)
+    send.await_start("lbr", 2.0)
     assert looks.now < 0.2
 
 
 def test_nothing_is_waited_for_where_none_that_is_meant_starts(looks):
-    send._await_start(None, 10.0)
+    send.await_start(None, 10.0)
     lock = RunLock("bioloid")
-    send._await_start("lbr", 10.0)
+    send.await_start("lbr", 10.0)
     assert looks.now == 0.0
     lock.release()
 
@@ -69,7 +69,7 @@ def test_the_record_of_a_run_that_was_killed_is_of_no_robot_for_those_who_look_a
         assert (home.running(), home.starting()) == ([], [])
     lock = RunLock("lbr")
     assert (home.running(), home.starting()) == ([], ["lbr"])
-    send._await_start("lbr", 2.0)
+    send.await_start("lbr", 2.0)
     assert looks.now >= 2.0
     lock.release()
 
@@ -77,7 +77,7 @@ def test_the_record_of_a_run_that_was_killed_is_of_no_robot_for_those_who_look_a
 def test_a_start_whose_robot_is_not_known_yet_is_waited_for_until_it_has_its_lock(looks):
     home.begin()
     assert home.starting() == [""]
-    send._await_start("lbr", 1.0)
+    send.await_start("lbr", 1.0)
     assert looks.now >= 1.0
     lock = RunLock("lbr")
     assert home.starting() == ["lbr"]

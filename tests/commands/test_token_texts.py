@@ -24,9 +24,9 @@ def test_an_end_is_that_long_from_now_or_refused_in_a_sentence(number, unit):
     before = dt.datetime.now(dt.UTC)
     if number * SECONDS[unit] > 7900 * 366 * 86400:  # the year 9999 is the last
         with pytest.raises(InputError, match=f"'{number}{unit}' from now"):
-            token._end(f"{number}{unit}")
+            token.end_in(f"{number}{unit}")
         return
-    ends = token._end(f"{number}{unit}")
+    ends = token.end_in(f"{number}{unit}")
     wanted = dt.timedelta(seconds=number * SECONDS[unit])
     assert abs(ends - before - wanted) < dt.timedelta(seconds=5)
 
@@ -36,13 +36,13 @@ def test_what_is_no_time_is_refused_with_how_to_write_one(text):
     if re.fullmatch(r"[1-9][0-9]{0,5}[mhdw]", text):
         return
     with pytest.raises(InputError, match="90m, 12h, 30d or 8w"):
-        token._end(text)
+        token.end_in(text)
 
 
 @pytest.mark.parametrize("text", ["0d", "-1d", "1.5h", "12", "d", "1 d", "1d\n", "1000000m", "\u0661d", "1D"])
 def test_a_time_that_is_not_quite_one_is_refused(text):
     with pytest.raises(InputError, match="is not a time from now"):
-        token._end(text)
+        token.end_in(text)
 
 
 @pytest.fixture
@@ -60,16 +60,16 @@ def cards(monkeypatch):
 def test_who_listens_everywhere_is_found_at_each_address(cards):
     cards("127.0.0.1", "192.168.1.7", "10.0.0.2")
     for everywhere in ("0.0.0.0", "[::]"):
-        assert token._endpoints((f"tls/{everywhere}:7447",)) == ["tls/192.168.1.7:7447", "tls/10.0.0.2:7447"]
-    assert token._endpoints(()) == ["tls/192.168.1.7:7447", "tls/10.0.0.2:7447"]
+        assert token.endpoints_of((f"tls/{everywhere}:7447",)) == ["tls/192.168.1.7:7447", "tls/10.0.0.2:7447"]
+    assert token.endpoints_of(()) == ["tls/192.168.1.7:7447", "tls/10.0.0.2:7447"]
     cards("127.0.0.1")
-    assert token._endpoints(("tls/0.0.0.0:1",)) == ["tls/127.0.0.1:1"]
+    assert token.endpoints_of(("tls/0.0.0.0:1",)) == ["tls/127.0.0.1:1"]
 
 
 def test_who_listens_at_one_address_is_found_there(cards):
     cards("192.168.1.7")
     listened = ("tls/robot.local:7447", "tcp/[fe80::2]:80")
-    assert token._endpoints(listened) == list(listened)
+    assert token.endpoints_of(listened) == list(listened)
 
 
 def test_a_token_is_valid_until_it_ends_or_is_taken_away():
@@ -78,11 +78,11 @@ def test_a_token_is_valid_until_it_ends_or_is_taken_away():
             **{"revoked_at": None, "expires_at": None, "has_expired": lambda _now: False} | fields,
         )
 
-    assert (token._state(row()), token._until(row())) == ("valid", "")
+    assert (token.state_of(row()), token.until_of(row())) == ("valid", "")
     ended = row(expires_at="2026-01-01", has_expired=lambda _now: True)
-    assert (token._state(ended), token._until(ended)) == ("expired", ", until 2026-01-01")
+    assert (token.state_of(ended), token.until_of(ended)) == ("expired", ", until 2026-01-01")
     gone = row(revoked_at="2026-02-02", expires_at="2026-01-01", has_expired=lambda _now: True)
-    assert (token._state(gone), token._until(gone)) == ("revoked", ", until 2026-02-02")
+    assert (token.state_of(gone), token.until_of(gone)) == ("revoked", ", until 2026-02-02")
 
 
 @pytest.fixture

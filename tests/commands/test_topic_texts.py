@@ -23,7 +23,7 @@ JSON = st.recursive(
 
 
 def printed(payload: bytes, capsys, *, named: bool = False, as_json: bool = False) -> str:
-    topic._print_message(RawMessage("lbr/a/b", payload, b"", 0.0), as_json=as_json, raw=False, named=named)
+    topic.print_message(RawMessage("lbr/a/b", payload, b"", 0.0), as_json=as_json, raw=False, named=named)
     return capsys.readouterr().out
 
 
@@ -46,13 +46,13 @@ def test_whatever_is_typed_is_a_key_of_the_bus_or_no_topic(name):
 
 @given(st.binary(max_size=60) | JSON.map(lambda value: json.dumps(value).encode()))
 def test_whatever_comes_is_lines_without_anything_that_moves_a_cursor(payload):
-    lines = list(topic._lines(topic._value(payload)))
+    lines = list(topic.lines_of(topic.value_of(payload)))
     assert all(line.isprintable() for line in lines)
 
 
 @given(st.dictionaries(st.text("abc", min_size=1, max_size=4), st.integers() | st.text(max_size=6), max_size=5))
 def test_every_field_of_a_flat_message_has_its_line(message):
-    lines = list(topic._lines(topic._value(json.dumps(message).encode())))
+    lines = list(topic.lines_of(topic.value_of(json.dumps(message).encode())))
     assert len(lines) == len(message)
     assert all(line.startswith(f"{name}: ") for line, name in zip(lines, message, strict=True))
 
@@ -74,7 +74,7 @@ def test_what_is_nested_without_end_is_told_and_no_error(opens, depth, capsys):
 
 @pytest.mark.parametrize("payload", [b"", b"{", b"\xff\xfe", b'"\xff"', b'{"a": 1}x'])
 def test_bytes_that_are_no_json_are_counted(payload):
-    assert topic._value(payload) == f"{len(payload)} bytes that are not JSON"
+    assert topic.value_of(payload) == f"{len(payload)} bytes that are not JSON"
 
 
 def test_with_more_than_one_topic_each_message_says_whose_it_is(capsys):
@@ -85,7 +85,7 @@ def test_with_more_than_one_topic_each_message_says_whose_it_is(capsys):
 
 def refusal(**event: object) -> str:
     payload = json.dumps({"kind": "refused", "subject": "lan", "text": "no", **event}).encode()
-    return topic._refusal(RawMessage("lbr/@event", payload, b"", 0.0), KEY, OURS)
+    return topic.refusal_in(RawMessage("lbr/@event", payload, b"", 0.0), KEY, OURS)
 
 
 def test_a_refusal_counts_if_it_is_of_this_topic_of_its_owner_or_of_us():
@@ -104,7 +104,7 @@ def test_a_refusal_that_a_stranger_made_up_moves_no_cursor_and_is_one_line():
 
 @given(st.binary(max_size=80) | JSON.map(lambda value: json.dumps({"kind": "refused", "data": value}).encode()))
 def test_no_event_is_too_odd_to_be_looked_at(payload):
-    assert isinstance(topic._refusal(RawMessage("lbr/@event", payload, b"", 0.0), KEY, OURS), str)
+    assert isinstance(topic.refusal_in(RawMessage("lbr/@event", payload, b"", 0.0), KEY, OURS), str)
 
 
 def rate(**known: object) -> Rate:
@@ -113,8 +113,8 @@ def rate(**known: object) -> Rate:
 
 
 def test_a_stream_is_told_with_what_is_known_of_it_alone():
-    assert topic._rate_text(rate()) == "lbr/a/b from imu: published ? Hz, received 10.0 Hz, 1.2 kB/s"
-    told = topic._rate_text(
+    assert topic.rate_text(rate()) == "lbr/a/b from imu: published ? Hz, received 10.0 Hz, 1.2 kB/s"
+    told = topic.rate_text(
         rate(
             publisher_hz=50.0, lost=3, lost_percent=1.25, period_p50_ms=20.0, period_p99_ms=31.5, age_p50_ms=0.5,
             age_p99_ms=2.0,
@@ -127,4 +127,4 @@ def test_a_stream_is_told_with_what_is_known_of_it_alone():
 
 
 def test_who_publishes_cannot_forge_a_line_by_its_name():
-    assert topic._rate_text(rate(source="imu\n\x1b[1mdrive")).isprintable()
+    assert topic.rate_text(rate(source="imu\n\x1b[1mdrive")).isprintable()

@@ -105,7 +105,7 @@ def test_echo_says_after_a_while_that_nothing_came_and_goes_on(described, client
         seen.append(message.key)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("lbr.commands.topic._print_message", print_one)
+    monkeypatch.setattr("lbr.commands.topic.print_message", print_one)
     later = threading.Timer(2.0, lambda: wire.put(client, f"{ROBOT}/late/word", {}, source="late"))
     later.start()
     code = cli.main(["topic", "echo", "late/word", "--connect", described.endpoint, "--robot", ROBOT])

@@ -89,8 +89,8 @@ def test_a_written_file_lets_a_client_in_although_its_first_address_leads_nowher
         dead = f"tls/127.0.0.1:{nobody.getsockname()[1]}"
     monkeypatch.setenv("LBR_HOME", str(door.robot.home))
     path = door.away / "two_addresses.json5"
-    with token_command._new_file(path) as file:
-        token_command._write_configuration(file, door.tokens["eye"], [dead, door.endpoint])
+    with token_command.new_file(path) as file:
+        token_command.write_configuration(file, door.tokens["eye"], [dead, door.endpoint])
     with zenoh.open(zenoh.Config.from_file(str(path))) as bus:
         assert answer(bus, "lbr/@status") is not None
 
