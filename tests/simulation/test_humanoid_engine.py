@@ -26,7 +26,7 @@ CROUCHED = KeyFrame(
 def place(engine, body):
     """Where a part is, seen from the trunk that hangs upright."""
     engine.step({}, 0.0)
-    return engine._data.body(body).xpos - engine._data.body("trunk").xpos
+    return engine.data.body(body).xpos - engine.data.body("trunk").xpos
 
 
 def hung(pose, seconds=1.5, **more):
@@ -124,11 +124,11 @@ def test_angles_count_as_people_say_and_alike_on_both_sides(joint, angle, part, 
 
 def test_toes_go_up_soles_follow_the_hip_and_elbows_bend_inwards():
     engine = hung({"left_ankle_pitch": 0.3, "right_ankle_roll": 0.2, "left_shoulder_roll": 0.9, "left_elbow": -1.5})
-    toes = engine._data.body("left_foot").xmat.reshape(3, 3)[:, 0]
+    toes = engine.data.body("left_foot").xmat.reshape(3, 3)[:, 0]
     assert toes[2] == pytest.approx(np.sin(0.3), abs=0.02)
-    sole = engine._data.body("right_foot").xmat.reshape(3, 3)[:, 2]
+    sole = engine.data.body("right_foot").xmat.reshape(3, 3)[:, 2]
     assert sole[1] == pytest.approx(np.sin(0.2), abs=0.02), "its outer edge rises"
-    forearm = engine._data.body("left_forearm").xmat.reshape(3, 3)[:, 2]
+    forearm = engine.data.body("left_forearm").xmat.reshape(3, 3)[:, 2]
     assert forearm[1] == pytest.approx(np.sin(1.5 - 0.9), abs=0.1), "the hand is nearer the middle than the elbow"
 
 

@@ -59,7 +59,7 @@ def test_waving_raises_the_hand():
     player = Player()
     player.go(MOTIONS["wave"].frames[:3])
     engine = player.engine
-    hand, head = (engine._data.body(name).xpos[2] for name in ("right_forearm", "trunk"))
+    hand, head = (engine.data.body(name).xpos[2] for name in ("right_forearm", "trunk"))
     assert hand - head > 0.08, "its elbow is above its shoulder"
 
 

@@ -41,5 +41,5 @@ def test_things_come_and_go_while_the_world_runs(bench):
     for turn in range(30):
         assert bench.ask("place", PlaceRequest(name=f"box {turn % 3}", x_m=1.0 + turn / 10, y_m=0.5)).answer
         threading.Event().wait(0.002)
-    bench.world.step()
-    assert {wall.name for wall in bench.world._scene.walls} == {"box 0", "box 1", "box 2"}
+    boxes = {"box 0", "box 1", "box 2"}
+    assert bench.until(lambda: {wall.name for wall in bench.ctx.said("scene")[-1].walls} == boxes)

@@ -37,7 +37,7 @@ def test_it_is_as_tall_and_heavy_as_published_and_its_soles_are_on_the_floor(hun
     model = hung.body.model
     assert sum(model.body_mass) == pytest.approx(10.95, abs=0.1)
     head = model.geom_bodyid == model.body("head").id
-    top = (hung._data.geom_xpos[head, 2] + model.geom_aabb[head, 5]).max() - hung._data.qpos[2]
+    top = (hung.data.geom_xpos[head, 2] + model.geom_aabb[head, 5]).max() - hung.data.qpos[2]
     assert top + model.body_pos[hung.body.trunk, 2] == pytest.approx(1.01, abs=0.01)
     assert hung._lowest_m() == pytest.approx(0.05, abs=0.005)
 
@@ -69,10 +69,10 @@ def test_it_is_as_tall_and_heavy_as_published_and_its_soles_are_on_the_floor(hun
 def test_a_positive_angle_turns_a_part_the_way_that_the_rows_mean(hung, joint, part, axis, sense):
     def place():
         if part == "camera":
-            return -hung._data.camera("head").xmat.reshape(3, 3)[:, 2]
+            return -hung.data.camera("head").xmat.reshape(3, 3)[:, 2]
         if part.endswith("toes"):
-            return hung._data.body(f"{part.split()[0]}_foot").xmat.reshape(3, 3)[:, 0].copy()
-        return hung._data.body(part).xpos.copy()
+            return hung.data.body(f"{part.split()[0]}_foot").xmat.reshape(3, 3)[:, 0].copy()
+        return hung.data.body(part).xpos.copy()
 
     turn = -0.3 if joint.endswith(("elbow", "knee")) else 0.3
     hung.step(driven({}), 0.6)
@@ -89,7 +89,7 @@ def test_mirrored_joints_at_the_same_angle_are_a_symmetrical_pose(hung):
     }
     hung.step(driven(pose), 1.0)
     for part in ("forearm", "fingers", "shin", "foot"):
-        left, right = (hung._data.body(f"{side}_{part}").xpos - hung._data.qpos[:3] for side in ("left", "right"))
+        left, right = (hung.data.body(f"{side}_{part}").xpos - hung.data.qpos[:3] for side in ("left", "right"))
         assert left == pytest.approx(right * (1, -1, 1), abs=0.003)
 
 

@@ -111,10 +111,10 @@ def test_its_head_sees_the_ball_where_it_is_put(use_gl):
 @pytest.mark.parametrize(("path", "reach"), [("rest", (0.0, 0.0)), ("to_and_fro", (0.4, 0.0)), ("circle", (0.4, 0.4))])
 def test_a_ball_keeps_to_its_path(path, reach):
     engine = humanoid(balls={"ball": Ball(path=path, reach_m=0.4, period_s=2.0)})
-    body, seen = engine._data.body("ball ball"), []
+    body, seen = engine.data.body("ball ball"), []
     for _ in range(50):
         engine.step({}, 0.04)
-        seen.append(engine._data.mocap_pos[engine._model.body_mocapid[body.id]] - (1.0, 0.0, 0.9))
+        seen.append(engine.data.mocap_pos[engine.body.model.body_mocapid[body.id]] - (1.0, 0.0, 0.9))
     assert np.abs(seen).max(axis=0) == pytest.approx((0.0, *reach), abs=0.01)
 
 
