@@ -82,7 +82,7 @@ def test_whoever_wants_to_stop_is_answered_whatever_others_hold_open(served, sen
     with burdened(served.port, sent, MANY):
         for _ in range(5):
             assert stopped(served.port).startswith(b"HTTP/1.1 200")
-        until(lambda: served.web._serving.connections <= slots.MOST + 1)
+        until(lambda: served.connections <= slots.MOST + 1)
 
 
 def test_forty_idle_connections_of_one_address_are_no_reason_to_refuse_anything(served):
@@ -163,9 +163,9 @@ def test_a_stop_is_done_and_answered_and_what_its_body_goes_on_with_is_bounded(s
 def test_those_who_ask_to_watch_count_until_they_do(monkeypatch):
     monkeypatch.setattr(guards, "TOO_OFTEN_S", 2.0)
     with serving(Plain(), requests_per_s=1.0) as served, burdened(served.port, VIEW, MANY):
-        until(lambda: served.web._serving.connections >= slots.MOST)
+        until(lambda: served.connections >= slots.MOST)
         assert stopped(served.port).startswith(b"HTTP/1.1 200")
-        assert served.web._serving.connections <= slots.MOST + viewing.MOST_OF_ONE
+        assert served.connections <= slots.MOST + viewing.MOST_OF_ONE
 
 
 def test_a_viewer_who_sends_nothing_but_pings_is_cut(served):
@@ -176,7 +176,7 @@ def test_a_viewer_who_sends_nothing_but_pings_is_cut(served):
             with suppress(ConnectionError):
                 one.sendall(20_000 * PING)
         assert stopped(served.port).startswith(b"HTTP/1.1 200")
-        until(lambda: served.web._serving.connections <= 1, what="they are cut")
+        until(lambda: served.connections <= 1, what="they are cut")
 
 
 def test_one_asker_cannot_take_every_place_to_watch():
@@ -214,7 +214,7 @@ def test_where_tls_is_spoken_silence_and_half_a_greeting_deny_nobody(monkeypatch
         for sent in (b"", b"\x16\x03\x01\x02\x00\x01"):
             with burdened(served.port, sent, MANY) as held:
                 assert answer().startswith(b"HTTP/1.1 200")
-                until(lambda: served.web._serving.connections <= 1, what="room again")
+                until(lambda: served.connections <= 1, what="room again")
                 assert held[-1].recv(1) == b""
 
 

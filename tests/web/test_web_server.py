@@ -372,7 +372,7 @@ def test_a_viewer_that_answers_no_ping_is_no_fault(face, monkeypatch, capfd):
             served.stage.say("joints", replace(JOINTS, sequence=number))
             if not frozen.recv(65536):
                 break
-        until(lambda: served.web._serving.connections == 0)
+        until(lambda: served.connections == 0)
         assert not [event for event in served.stage.events if event[0] == "web_fault"]
     assert "Traceback" not in capfd.readouterr().err
 

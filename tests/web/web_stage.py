@@ -108,6 +108,11 @@ class Served:
         self.stage, self.web = stage, web
         self.port = web._place.port
 
+    @property
+    def connections(self) -> int:
+        """Return how many connections are open."""
+        return self.web._serving.connections
+
     def ask(
         self,
         method: str,
