@@ -2,7 +2,7 @@
 
 import pytest
 
-from lbr.bus.lease_client import ANSWER_S, MOST_WAITING, RENEW_S, SILENT_S, LeaseClient, LeaseTarget
+from lbr.bus.lease_client import ANSWER_S, RENEW_S, SILENT_S, LeaseClient, LeaseTarget
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, GoalResult
 from lbr.messages.leases import CommandReply, StopCommand, refused
@@ -182,9 +182,10 @@ def test_a_release_halts_it_also_before_it_was_accepted_and_once(drive):
 def test_no_more_is_sent_than_is_answered(drive):
     lease = LeaseClient(drive, TARGET, SLOW)
     kept(drive, lease, 0.02)
+    lease.step()
     drive.mute = True
-    sent = [lease.send(FAST) for _ in range(2 * MOST_WAITING)]
-    assert sum(asked is not None for asked in sent) <= MOST_WAITING
+    sent = [lease.send(FAST) for _ in range(20)]
+    assert sum(asked is not None for asked in sent) == 8
     assert sent[-1] is None
 
 
@@ -192,3 +193,13 @@ def test_fields_are_a_motion_too(drive):
     lease = LeaseClient(drive, TARGET, {"power": 0.2})
     kept(drive, lease, 0.02, {"power": 0.3})
     assert drive.sent[-1] == {"power": 0.3, "lease": "L1"}
+
+
+@pytest.mark.parametrize(("others", "known"), [(7, True), (8, False)])
+def test_the_results_of_others_goals_are_kept_for_a_while_and_no_longer(drive, others, known):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    for goal in ("goal-1", *(f"other-{number}" for number in range(others))):
+        lease.hear(GoalResult(goal=goal, result="reached", reason="there", elapsed_s=1.0))
+    lease.step()
+    lease.step()
+    assert (lease.result is not None) is known

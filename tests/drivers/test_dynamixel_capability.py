@@ -2,6 +2,7 @@ import os
 import signal
 import sys
 import time
+from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 
@@ -248,6 +249,35 @@ def test_an_overload_is_latched_until_it_is_recovered_and_recovering_moves_nothi
     rig.send(goals=(ServoGoal(id=1), ServoGoal(id=3)))
     rig.until(lambda: not rig.servo(2).reason)
     rig.on()
+
+
+def test_a_recovery_is_answered_when_all_of_its_servos_were_tried(rig):
+    rig.on()
+    session, jobs = rig.driver._session, [Future(), Future()]
+    waiting = iter(jobs)
+    for servo in (1, 2):
+        session.targets.servos[servo].latched = ("overload",)
+    call = FakeCall("recover", RecoverServos())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(session.thread, "submit", lambda _job, _priority: next(waiting))
+        rig.driver.command(call)
+    jobs[0].set_result("")
+    rig.driver.answer(session)
+    assert call.answer is None
+    jobs[1].set_result("is still too hot")
+    rig.driver.answer(session)
+    assert call.answer.code == "failed"
+
+
+def test_every_sweep_is_published_at_once(rig):
+    rig.until(rig.seen)
+    rig.ctx.published.clear()
+
+    def five_in_a_row():
+        sweeps = [state.sweep for state in rig.ctx.said("state")]
+        return any(later - first == 4 for first, later in zip(sweeps, sweeps[4:], strict=False))
+
+    rig.until(five_in_a_row)
 
 
 def test_a_servo_that_is_still_hot_is_not_recovered(rig, chain):

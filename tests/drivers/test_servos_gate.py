@@ -44,6 +44,12 @@ def test_whoever_is_lost_leaves_servos_that_hold_then_fade_then_are_let_go():
     assert [strength(again, now, 30.0, 5.0) for now in (11.0, 41.0, 43.5, 46.0, 99.0)] == [1.0, 1.0, 0.5, 0.0, 0.0]
 
 
+def test_before_any_setpoint_came_none_was_seen():
+    assert not first(0.0).seen
+    assert not tick(first(0.0), 99.0, VALID_S).seen
+    assert following().seen
+
+
 def test_nobody_ever_came_counts_as_lost_from_the_beginning():
     assert strength(first(0.0), 36.0, 30.0, 5.0) == 0.0
 

@@ -2,6 +2,7 @@
 
 import time
 from concurrent.futures import Future
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,7 +13,7 @@ from lbr.drivers.guard import Guard
 from lbr.drivers.servos.contract import Seen, SlowState, Snapshot
 from lbr.drivers.servos.gate import first, receive, tick
 from lbr.drivers.servos.poller import SINGLY_FIRST_S, SYNC_READ_FAILURES, Poller
-from lbr.drivers.servos.targets import ServoTargets
+from lbr.drivers.servos.targets import FADE_STEP, REPEAT_S, ServoTargets
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 from tests.support.waiting import until
 
@@ -42,6 +43,7 @@ class Servo:
 
     def __init__(self):
         self.torque, self.limits = False, []
+        self.goals, self.placed = [], []
 
     def torque_on(self, _servo, _speed, _limit):
         self.torque = True
@@ -53,9 +55,11 @@ class Servo:
     def write_limits(self, limits):
         self.limits.append(limits[1])
 
-    def write_goals(self, goals): ...
+    def write_goals(self, goals):
+        self.goals += goals.values()
 
-    def write_positions(self, goals): ...
+    def write_positions(self, goals):
+        self.placed += goals.values()
 
 
 MODEL = SimpleNamespace(
@@ -72,6 +76,7 @@ MODEL = SimpleNamespace(
 class Bench:
     def __init__(self):
         self.now, self.sweep, self.told = 0.0, 0, []
+        self.age_s = 0.0
         self.line, self.bus = Line(), Servo()
         self.targets = ServoTargets(
             [1], self.line, lambda: self.now, MODEL, lambda kind, text, level: self.told.append(kind)
@@ -87,7 +92,7 @@ class Bench:
         self.gate = tick(self.gate, self.now, VALID_S)
         motion = SimpleNamespace(error=0, position=512, speed=0)
         slow = SlowState(self.now, self.bus.torque, 512, 100, 1000, 12.0, 30.0)
-        snapshot = Snapshot(self.sweep, self.now, {1: Seen(motion, self.now, slow)})
+        snapshot = Snapshot(self.sweep, self.now, {1: Seen(motion, self.now - self.age_s, slow)})
         self.targets.apply(self.gate, strength, snapshot)
         if works:
             self.line.work(self.bus)
@@ -108,6 +113,103 @@ def test_a_servo_that_loses_its_torque_while_that_fades_is_told():
     for share in (0.8, 0.7, 0.6):
         bench.step(strength=share, follows=False, works=False)
     assert bench.told == ["torque_lost"]
+
+
+@pytest.mark.parametrize("per_step", [0.0005, 0.002, 0.01])
+def test_torque_that_fades_is_written_in_steps_that_are_worth_a_packet_and_not_too_often(per_step):
+    bench = Bench()
+    bench.on()
+    for _ in range(15):
+        bench.step(follows=False)
+    assert bench.bus.limits == []
+    written_at = []
+    for step in range(90):
+        count = len(bench.bus.limits)
+        bench.step(strength=1.0 - per_step * step, follows=False)
+        written_at += [bench.now] * (len(bench.bus.limits) - count)
+    limits = [1000, *bench.bus.limits]
+    assert limits[-1] == pytest.approx(1000 * (1.0 - per_step * 89), abs=60)
+    assert all(before - after >= 1000 * FADE_STEP for before, after in pairwise(limits))
+    assert all(after - before >= REPEAT_S / 2 - 1e-9 for before, after in pairwise(written_at))
+
+
+def test_the_least_torque_is_not_none_and_of_a_servo_without_torque_nothing_fades():
+    bench = Bench()
+    for _ in range(20):
+        bench.step(strength=0.5, follows=False)
+    assert bench.bus.limits == []
+    bench.on()
+    bench.bus.limits.clear()
+    for _ in range(20):
+        bench.step(strength=1e-6, follows=False)
+    assert bench.bus.limits == [1]
+
+
+@pytest.mark.parametrize(("age_s", "places"), [(0.04, [512]), (0.06, [])])
+def test_a_servo_is_held_only_where_it_was_measured_just_now(age_s, places):
+    bench = Bench()
+    bench.on()
+    bench.bus.placed.clear()
+    bench.age_s = age_s
+    bench.gate = receive(
+        bench.gate, ServoSetpoint(goals=(ServoGoal(id=1),), lease="a", halt=1), bench.now, bench.now, VALID_S
+    )
+    bench.step(follows=False)
+    assert bench.bus.placed == places
+
+
+@pytest.mark.parametrize(("age_s", "told"), [(0.24, True), (0.26, False)])
+def test_a_servo_that_was_not_heard_for_a_while_is_told_no_goals(age_s, told):
+    bench = Bench()
+    bench.on()
+    bench.bus.goals.clear()
+    bench.age_s = age_s
+    for _ in range(20):
+        bench.step()
+    assert bool(bench.bus.goals) is told
+
+
+def test_a_servo_that_gets_no_torque_is_asked_again_five_times_a_second():
+    bench = Bench()
+    asked = []
+    bench.bus.torque_on = lambda *_: asked.append(bench.now) or "is too hot"
+    for _ in range(100):
+        bench.step()
+    assert len(asked) == 5
+
+
+def test_a_goal_that_asks_for_less_torque_gets_it_at_once():
+    bench = Bench()
+    bench.on()
+    bench.gate = receive(
+        bench.gate,
+        ServoSetpoint(goals=(ServoGoal(id=1, position_rad=0.0, torque=0.3),), lease="a"),
+        bench.now + 0.01,
+        bench.now + 0.01,
+        VALID_S,
+    )
+    bench.step(follows=False)
+    assert bench.bus.limits == [300]
+
+
+def test_why_a_servo_gets_no_torque_is_told_once_for_each_reason():
+    bench = Bench()
+    for reason, times in (("is too hot", 1), ("does not answer", 2)):
+        bench.bus.torque_on = lambda *_, reason=reason: reason
+        for _ in range(100):
+            bench.step()
+        assert bench.told == ["torque_refused"] * times
+
+
+def test_torque_that_was_found_is_left_before_any_setpoint_came_and_taken_once_one_leaves_it_out():
+    bench = Bench()
+    bench.bus.torque = True
+    for _ in range(200):
+        bench.step(follows=False)
+    assert bench.bus.torque
+    bench.gate = receive(bench.gate, ServoSetpoint(goals=(), lease="a"), bench.now + 0.01, bench.now + 0.01, VALID_S)
+    bench.step(follows=False)
+    assert not bench.bus.torque
 
 
 def test_no_servo_gets_torque_before_the_guard_listens():
@@ -213,6 +315,28 @@ def test_reading_all_at_once_is_tried_again_after_a_busy_time():
     sweep()
     assert set(bus.asked) == {"all"}
     assert poller.snapshot.together
+
+
+def test_a_sweep_begins_right_after_goals_were_written_and_the_next_waits_a_little_longer_for_them():
+    bus, now = Deaf(), [0.0]
+    bus.busy = False
+    poller = Poller([1, 2], lambda: now[0], 0.01)
+
+    def sweep():
+        while (rest_s := poller.turn(bus)) == 0.0:
+            pass
+        return rest_s
+
+    assert sweep() == pytest.approx(0.01)
+    now[0] += 0.004
+    bus.written_all += 1
+    swept = poller.snapshot.sweep
+    assert poller.turn(bus) == pytest.approx(0.006), "too early"
+    now[0] += 0.002
+    assert sweep() == pytest.approx(0.011)
+    assert poller.snapshot.sweep == swept + 1
+    now[0] += 0.011
+    assert sweep() == pytest.approx(0.01)
 
 
 def test_what_never_answers_is_asked_less_and_less():

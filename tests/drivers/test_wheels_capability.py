@@ -6,6 +6,7 @@ from math import ceil
 import pytest
 from msgspec.structs import replace
 
+from lbr.drivers.roboteq.controller import Controller
 from lbr.drivers.wheels import EnableCommand, capability
 from lbr.drivers.wheels.arming import START
 from lbr.drivers.wheels.capability import FEW, GUARD_STARTS, REPORT_PERIOD_S
@@ -63,7 +64,7 @@ def test_a_cut_that_is_not_acknowledged_is_repeated_each_tick_and_not_called_don
     press(bench)
     bench.step()
     assert [line for line in bench.written(since_s) if line == CUT] == [CUT, CUT]
-    assert {stopped for stopped, _reason in bench.ctx.estop.acknowledged} == {False}
+    assert set(bench.ctx.estop.acknowledged) == {(False, "the controller has not acknowledged")}
     bench.line.unheard = ()
     bench.step()
     assert bench.ctx.estop.acknowledged[-1] == (True, "")
@@ -108,6 +109,16 @@ def test_after_a_release_the_next_emergency_stop_cuts_again(bench):
         bench.ctx.estop.engaged = False
         bench.steps(3 * STEP_S)
         assert bench.line.device.cause(bench.ctx.now) != "emergency_stop"
+
+
+def test_it_cuts_again_also_when_the_controllers_faults_are_not_known_since_the_release(bench):
+    press(bench)
+    bench.ctx.estop.engaged = False
+    bench.line.unheard = (b"?FF\r",)
+    bench.step()
+    since_s = bench.ctx.now
+    press(bench)
+    assert bench.written(since_s)[0] == CUT
 
 
 def test_an_emergency_stop_of_its_own_is_told_as_no_fault(bench):
@@ -172,6 +183,23 @@ def test_fault_bits_that_are_not_understood_stop(bench, wording):
     assert bench.outputs != (0.0, 0.0)
 
 
+def test_a_fault_in_motion_stops_and_is_a_mishap(bench):
+    bench.drive()
+    bench.line.device.faults = replace(bench.line.device.faults, undervoltage=True)
+    bench.steps(0.5, 0.5)
+    assert (bench.state.armed, bench.state.trips) == (False, 1)
+    assert bench.state.reason == "the controller reports undervoltage"
+    assert bench.written()[-1] == STAND
+
+
+def test_the_controllers_own_emergency_stop_forbids_motion_whatever_else_it_takes_for_grave(bench, monkeypatch):
+    monkeypatch.setattr(Controller, "grave", ())
+    bench.line.device.feed(b"!EX\r", bench.ctx.now)
+    bench.steps(0.5, 0.0)
+    assert not bench.state.armed
+    assert "not by this robot" in bench.state.reason
+
+
 def test_the_source_that_was_heard_last_has_to_live(bench):
     bench.ctx.wired["setpoint"] = ("drive", "other")
     bench.drive()
@@ -197,13 +225,21 @@ def test_before_a_source_is_heard_the_first_one_has_to_live(bench):
     assert bench.state.trips == 0
 
 
-def test_a_setpoint_of_another_than_the_wired_one_neither_arms_nor_counts(bench):
+def test_a_setpoint_of_another_than_the_wired_source_neither_arms_nor_moves(bench):
     bench.give(0.0, source="stranger")
-    bench.ctx.gone.add("stranger")
     bench.step()
     assert not bench.state.armed
-    bench.steps(2 * STEP_S, 0.0)
-    assert bench.state.armed
+    bench.drive()
+    bench.give(0.9, source="stranger")
+    bench.step()
+    assert bench.state.left == 0.5
+
+
+def test_silence_of_the_source_is_a_mishap_that_is_told(bench):
+    bench.drive()
+    bench.steps(VALID_S + STEP_S)
+    assert bench.ctx.told("trip") == ["motors stopped: no setpoint within 0.1 s; waiting for a zero setpoint"]
+    assert (bench.ctx.levels, bench.ctx.data) == (["warning"], [{"trips": 1}])
 
 
 @pytest.mark.parametrize(("pause_s", "stops"), [(0.12, False), (0.125, True), (0.35, True)])

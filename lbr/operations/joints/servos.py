@@ -66,12 +66,13 @@ def _adopted(state: State, now: float) -> State:
         return state
     on = frozenset(name for name, servo in state.seen.items() if _has_torque(state, name, servo))
     goals = {name: moving.as_found(state, name) for name in on}
-    strength = {name: found for name in on if (found := _strength(state, name)) < 1.0}
+    strength = {name: found for name in on if (found := state.seen[name].torque) is not None and found < 1.0}
     lost = bool(on) and (state.lost or not state.begun)
     halt = state.halt + 1
     silent = frozenset(name for name, servo in state.seen.items() if servo.torque is None) - on
     state = replace(state, adopted=True, begun=True, on=on, goals=goals, lost=lost, halt=halt, switched=now)
-    return replace(state, unread=silent, strength=strength)
+    releasing = state.servos is not None and state.servos.phase == "releasing"
+    return replace(state, unread=silent, strength={} if releasing else strength)
 
 
 def _found(state: State, now: float) -> State:
@@ -88,13 +89,6 @@ def _found(state: State, now: float) -> State:
 def _has_torque(state: State, name: str, servo: ServoState) -> bool:
     """Say whether a servo has torque: as far as is known, where it does not answer."""
     return name in state.on if servo.torque is None else servo.torque > 0.0
-
-
-def _strength(state: State, name: str) -> float:
-    """Return how strong a servo was found, unless it was just being released."""
-    torque = state.seen[name].torque
-    releasing = state.servos is not None and state.servos.phase == "releasing"
-    return 1.0 if releasing or not torque else min(torque, 1.0)
 
 
 def _note_released(state: State, now: float) -> State:

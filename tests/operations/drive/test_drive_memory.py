@@ -165,6 +165,27 @@ def test_the_odometry_knows_better_than_the_powers_how_far_it_drove(watcher):
     assert obstacle_memory.drove(right, before, replace(before, trouble="lost")).x_m == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize(
+    ("moved_by", "stands"),
+    [
+        ({"x_m": 0.009}, True),
+        ({"y_m": -0.009}, True),
+        ({"x_m": -0.011}, False),
+        ({"x_m": 0.008, "y_m": 0.008}, False),
+        ({"yaw_rad": -0.009}, True),
+        ({"yaw_rad": 0.011}, False),
+    ],
+)
+def test_what_a_sensor_saw_is_its_own_until_the_base_has_moved_by_a_centimetre_or_half_a_degree(
+    watcher, moved_by, stands
+):
+    memory = replace(watcher.see(left=0.5).memory, **moved_by)
+    assert {spot.by for spot in memory.spots} == {"left"}
+    after = see(memory, {}, watcher.now, watcher.settings)
+    assert {spot.by for spot in after.spots} == ({"left"} if stands else {None})
+    assert (after.x_m, after.y_m, after.yaw_rad) == ((memory.x_m, memory.y_m, memory.yaw_rad) if stands else (0.0,) * 3)
+
+
 def test_it_is_forgotten_after_a_while():
     watcher = Watcher(memory_s=2.0).see(left=0.5).drive(0.5, 0.5, 1.0)
     assert watcher.see(times=15).memory.spots

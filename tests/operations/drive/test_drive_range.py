@@ -5,6 +5,9 @@ from random import Random
 import pytest
 from msgspec.structs import replace
 
+from lbr.operations.drive.odometry_view import UNHEARD
+from lbr.operations.drive.range_goal import NOISE_M, RangeGoal, driven, is_over, power, read
+from lbr.operations.drive.settings import DriveSettings
 from tests.operations.drive.drive_bench import ranges
 from tests.operations.drive.drive_body import TICK_S, Body
 
@@ -111,3 +114,48 @@ def test_a_sender_that_dies_on_the_approach_stops_the_base():
         base.step()
     assert base.results[-1].result == "lapsed"
     assert base.wheels == STILL
+
+
+# A reading at a time.
+
+HALTING = RangeGoal(whole_m=0.03, marks=((10.0, 0.0),), halts=True)
+
+
+def rests(way, left_m, readings, *, stands=True):
+    """Readings of a base that stands, each after a tick."""
+    for _ in range(readings):
+        at_s = way.marks[-1][0] + 0.1
+        way = read(way, left_m, at_s, 0.0, stands=stands)
+        way = driven(way, UNHEARD, 0.0, 0.1, at_s, DriveSettings())
+    return way
+
+
+def test_a_base_that_rests_short_of_the_range_goes_on_after_three_readings_and_no_sooner():
+    assert rests(HALTING, 0.03, 2).halts
+    again = rests(HALTING, 0.03, 3)
+    assert (again.halts, again.rested) == (False, 0)
+    assert power(again, 0.5, DriveSettings()) > 0.0
+    assert power(HALTING, 0.5, DriveSettings()) == 0.0
+
+
+def test_readings_while_it_rolls_are_none_at_rest():
+    assert rests(rests(HALTING, 0.03, 2), 0.03, 3, stands=False).rested == 0
+    assert rests(replace(HALTING, halts=False), 0.03, 1).rested == 0
+
+
+@pytest.mark.parametrize(("left_m", "over"), [(0.004, True), (-0.02, True), (0.006, False)])
+def test_it_is_over_after_three_readings_at_rest_within_half_a_centimetre(left_m, over):
+    near = replace(HALTING, whole_m=left_m)
+    assert not is_over(rests(near, left_m, 2))
+    assert is_over(rests(near, left_m, 3)) is over
+
+
+def test_a_reading_of_something_else_counts_alone_and_others_count_by_how_well_it_is_known():
+    other = read(replace(HALTING, rested=1), 0.2, 10.0, 0.0, stands=True)
+    assert (other.whole_m, other.error_m, other.rested) == (0.2, NOISE_M, 2)
+    closer = read(HALTING, 0.04, 10.0, 0.0, stands=True)
+    assert closer.whole_m == pytest.approx(0.035)
+    assert closer.error_m < HALTING.error_m
+    rolling = read(HALTING, 0.04, 10.0, 0.5, stands=False)
+    assert rolling.whole_m == pytest.approx(0.03 + 0.01 * 0.01**2 / (0.01**2 + 0.01**2 + 0.025**2))
+    assert read(HALTING, 0.09, 10.0, 0.5, stands=False).error_m == pytest.approx((0.01**2 + 0.025**2) ** 0.5)

@@ -137,6 +137,12 @@ def test_a_part_of_a_scan_that_is_not_known_hides_what_is_in_the_way(middle, wid
             assert scanned(sensors_of(ALONE, [row]), row, blind)[side] == (pytest.approx(nan, nan_ok=True), "missing")
 
 
+@pytest.mark.parametrize(("wide", "seen"), [(0.02, (inf, "")), (0.3, (nan, "missing"))])
+def test_what_a_scan_sees_of_the_base_itself_is_no_obstacle_and_hides_what_is_behind_it(wide, seen):
+    pole = scan(LIDAR, lambda angle: 0.05 if abs(around(angle)) < wide else 10.0)
+    assert scanned(sensors_of(ALONE, [LIDAR]), LIDAR, pole)["forward"] == (pytest.approx(seen[0], nan_ok=True), seen[1])
+
+
 @given(st.floats(-pi, pi))
 def test_a_ray_or_two_that_are_not_known_hide_nothing(middle):
     holes = scan(LIDAR, lambda angle: nan if abs(around(angle - middle)) < 0.02 else 10.0)

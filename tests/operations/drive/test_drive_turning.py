@@ -1,15 +1,17 @@
 """Turns by an angle and to a heading: where they end, and what ends them sooner."""
 
-from math import inf, nan
+from math import inf, isnan, nan
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from lbr.messages.drive import CheckVerdict, DriveCommand, HeadingCommand, TurnCommand
 from lbr.operations.drive import command, heading_view
 from lbr.operations.drive.kernel import drive_state
 from lbr.operations.drive.settings import DriveSettings
+from lbr.operations.drive.turn_goal import TurnGoal, power, watch
 from tests.operations.drive.drive_bench import Bench
 from tests.operations.drive.drive_body import Body
 
@@ -43,6 +45,29 @@ def go_on(body, reply, ticks, angle_deg=90.0):
 
 
 # where they end
+
+
+@pytest.mark.parametrize(
+    ("counts", "times"),
+    [
+        ({"tries": 3}, 1.0),
+        ({"tries": 4}, 1.5),
+        ({"tries": 5}, 2.0),
+        ({"tries": 99}, 4.0),
+        ({"swings": 1}, 1.0),
+        ({"swings": 2}, 2.0),
+        ({"swings": 99}, 4.0),
+    ],
+)
+def test_each_correction_in_vain_widens_the_tolerance_and_by_four_times_at_most(counts, times):
+    settings = DriveSettings()
+    heading = heading_view.HeadingView(trouble="", epoch="e", turned_deg=0.0, seen=10.0)
+    turn = TurnGoal(asked_deg=0.0, begun_deg=0.0, epoch="e", heading=heading, ends=20.0, allowed_s=10.0, **counts)
+    near, far = (replace(turn, asked_deg=sign * times * settings.turn_tolerance_deg) for sign in (0.99, 1.01))
+    assert power(near, settings, 10.0) == 0.0
+    assert power(far, settings, 10.0) != 0.0
+    rested = [watch(one, replace(heading, seen=10.1), 0.0, settings) for one in (near, far)]
+    assert [isnan(one.quiet) for one in rested] == [False, True]
 
 
 @pytest.mark.parametrize("angle_deg", [-360.0, -90.0, -3.0, 2.0, 10.0, 90.0, 180.0, 360.0])

@@ -4,6 +4,7 @@ import pytest
 
 from lbr.messages.joints import KeyFrame, StoredMotion
 from lbr.operations.joints.feet import LONGEST_S
+from lbr.operations.joints.view import joints_state
 from lbr.operations.leasing.lease import Stop
 from tests.operations.joints.joints_bench import Bench, frame
 
@@ -36,7 +37,11 @@ def test_a_stop_goes_on_to_the_next_stable_frame_and_says_so(bench):
     assert "within 0.4 s" in reply.reason
     assert (bench.results[-1].result, bench.results[-1].code) == ("stopped", "stopped")
     assert bench.setpoint.lease, "a driver that ended it does not take it up again"
-    bench.run(0.4)
+    bench.run(0.1)
+    left_s = joints_state(bench.state, bench.now).feet_s
+    bench.run(0.1)
+    assert joints_state(bench.state, bench.now).feet_s == pytest.approx(left_s - 0.1, abs=0.015)
+    bench.run(0.2)
     assert bench.goals["left_knee"] == pytest.approx(-0.6)
     assert bench.goals["head_yaw"] == pytest.approx(0.3)
     assert stands(bench)
@@ -233,3 +238,31 @@ def test_a_stop_that_says_so_holds_at_once(bench, later):
         bench.stop("console")
     bench.answer(Stop(source="motions", by="console", received=bench.now, at_once=True))
     assert stands(bench)
+
+
+def test_what_the_controller_was_playing_is_said_to_take_as_long_as_a_stop_may(bench):
+    bench.servos.stores = True
+    bench.hear()
+    lease = bench.command(stored=StoredMotion(slot=4, duration_s=2.0, pose=POSE, stable=True)).lease
+    bench.run(0.1, lease)
+    bench.servos.mode = "taking"
+    assert f"within {LONGEST_S:.1f} s" in bench.stop().reason
+    bench.run(0.3)
+    assert joints_state(bench.state, bench.now).feet_s == pytest.approx(LONGEST_S - 0.3, abs=0.02)
+
+
+@pytest.mark.parametrize(("left_s", "goes"), [(0.4, True), (0.2, False)])
+def test_a_controller_that_comes_back_goes_to_its_pose_only_if_there_is_time_for_that(bench, left_s, goes):
+    bench.servos.stores = True
+    bench.hear()
+    lease = bench.command(stored=StoredMotion(slot=4, duration_s=2.0, pose=POSE, stable=True)).lease
+    bench.run(0.1, lease)
+    bench.push("left_knee", -0.3)
+    bench.servos.mode = "taking"
+    bench.stop()
+    bench.run(LONGEST_S - left_s)
+    bench.servos.mode = "pc"
+    bench.run(0.02)
+    assert stands(bench) is not goes
+    bench.run(left_s + 0.02)
+    assert bench.measured("left_knee") == pytest.approx(-0.5 if goes else -0.3, abs=0.02)

@@ -2,8 +2,9 @@
 
 import pytest
 
+from lbr.messages.joints import MAX_FRAMES, TorqueCommand
 from lbr.messages.servos import ServosState
-from lbr.operations.joints.state import Tick
+from lbr.operations.joints.state import Tick, Torque
 from lbr.operations.joints.view import joints_state
 from lbr.operations.leasing.lease import Stop
 from tests.operations.joints.joints_bench import BODY, DT, NAMES, START, Bench, frame
@@ -629,3 +630,36 @@ def test_a_stay_is_over_when_a_later_command_does_not_stay(bench):
     bench.command({"left_knee": -0.2}, join=True, lease=lease)
     bench.run(2.0, lease)
     assert [result.result for result in bench.results] == ["reached"]
+
+
+@pytest.mark.parametrize(
+    ("remote", "answerable", "code"), [(True, False, "query_first"), (True, True, ""), (False, False, "")]
+)
+def test_from_another_machine_torque_is_switched_by_a_query_alone(bench, remote, answerable, code):
+    command = TorqueCommand(on=False, joints=("head_yaw",))
+    event = Torque(command=command, source="page", received=bench.now, remote=remote, answerable=answerable)
+    reply = bench.answer(event)
+    assert (reply.accepted, reply.code) == (not code, code)
+    assert ("head_yaw" in bench.state.on) is bool(code)
+
+
+@pytest.mark.parametrize(
+    ("phase", "strengths"), [("holding", {"left_knee": 0.6}), ("following", {"left_knee": 0.6}), ("releasing", {})]
+)
+def test_servos_that_are_found_with_less_torque_keep_it_unless_they_were_being_released(phase, strengths):
+    bench = Bench()
+    bench.servos.torque = dict.fromkeys(bench.servos.torque, 1.0) | {14: 0.6, 20: 0.0}
+    bench.servos.phase = phase
+    bench.hear()
+    assert bench.state.on == set(NAMES) - {"head_yaw"}
+    assert bench.state.strength == strengths
+
+
+def test_to_ways_that_joined_as_many_key_frames_may_be_appended_as_to_none(bench):
+    lease = bench.command({"left_knee": -1.0}, join=True).lease
+    bench.now += 1e-5
+    most = (frame(0.02, head_yaw=0.01),) * MAX_FRAMES
+    reply = bench.command(frames=most, append=True, lease=lease)
+    assert reply.code != "busy", reply.reason
+    bench.now += 1e-5
+    assert bench.command(frames=most[:1], append=True, lease=lease).code == "busy"

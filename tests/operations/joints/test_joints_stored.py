@@ -5,6 +5,7 @@ import pytest
 from lbr.drivers.servos.gate import first, receive, tick
 from lbr.drivers.uxa90 import stored_motions
 from lbr.messages.joints import StoredMotion
+from lbr.operations.joints.state import Tick
 from lbr.operations.joints.view import joints_state
 from tests.operations.joints.joints_bench import NAMES, Bench
 
@@ -53,6 +54,18 @@ def test_who_is_elsewhere_than_the_pose_says_is_held_there(bench):
     bench.servos.plays("over")
     bench.run(0.02, reply.lease)
     assert bench.goals["left_knee"] == pytest.approx(-0.9)
+
+
+@pytest.mark.parametrize(("age_s", "rests_at"), [(0.03, -0.9), (0.06, -0.4)])
+def test_only_what_was_measured_just_now_is_known_to_be_elsewhere_than_the_pose(bench, age_s, rests_at):
+    reply = bench.command(stored=WALK)
+    bench.run(0.1, reply.lease)
+    bench.push("left_knee", -0.9)
+    bench.servos.ages_s[14] = age_s
+    bench.servos.plays("over")
+    bench.hear()
+    bench.give(Tick())
+    assert bench.goals["left_knee"] == pytest.approx(rests_at)
 
 
 def test_after_a_limp_one_no_joint_has_torque(bench):
