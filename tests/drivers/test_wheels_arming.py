@@ -29,6 +29,20 @@ def test_only_a_zero_arms():
     assert armed().armed
 
 
+@pytest.mark.parametrize("powers", [(0.0, 0.5), (-0.5, 0.0)])
+def test_a_setpoint_of_which_one_power_is_zero_is_no_zero(powers):
+    assert not receive(Arming(), at(10.0, *powers, "L1"), 10.0, VALID_S).armed
+    late = receive(tick(moving(), None, 10.11, VALID_S), at(10.12), 10.12, VALID_S)
+    assert receive(late, at(10.13, *powers, "L1"), 10.13, VALID_S).applied == (0.0, 0.0)
+    assert receive(armed(), at(10.0, *powers, "L1"), 10.0, VALID_S).moving
+
+
+def test_a_motor_that_a_setpoint_does_not_name_is_named():
+    state = receive(moving(), Setpoint((nan, 0.1), "L1", 10.0, "front_left"), 10.0, VALID_S)
+    assert "'front_left'" in state.reason
+    assert "finite" in receive(moving(), at(10.0, nan), 10.0, VALID_S).reason
+
+
 def test_an_armed_setpoint_is_applied():
     assert moving().applied == (0.5, 0.5)
     assert moving().reason == ""

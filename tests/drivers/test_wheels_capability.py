@@ -9,11 +9,14 @@ from msgspec.structs import replace
 from lbr.drivers.roboteq.controller import Controller
 from lbr.drivers.wheels import EnableCommand, capability
 from lbr.drivers.wheels.arming import START
-from lbr.drivers.wheels.capability import FEW, GUARD_STARTS, REPORT_PERIOD_S
+from lbr.drivers.wheels.capability import GUARD_STARTS
 from lbr.errors import DeviceError
+from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.leases import StopCommand
-from lbr.testing import FakeCall
-from tests.drivers.wheel_line import STEP_S, GuardPipe, WheelBench
+from lbr.messages.motors import MotorSetpoint
+from lbr.testing import FakeCall, FakeContext
+from tests.drivers.tiny_wheels import FOUR, QUAD, STOP_FOUR, Quad, TinyController
+from tests.drivers.wheel_line import DEVICE, STEP_S, AnsweringLine, GuardPipe, WheelBench
 
 VALID_S, WATCHDOG_S = 0.1, 0.2
 STAND, CUT, RELEASE = "!M 0 0", "!EX", "!MG"
@@ -398,11 +401,13 @@ def test_it_asks_the_controller_seldom_at_rest_and_each_tick_in_motion(bench):
     def asked(power=None):
         since_s = bench.ctx.now
         bench.steps(1.0, power)
-        return sum(data[:1] in b"?~" for at, data in bench.line.written if at >= since_s)
+        return [data for at, data in bench.line.written if at >= since_s and data[:1] in b"?~"]
 
-    assert 15 <= asked() <= 26
+    assert 15 <= len(asked()) <= 26
     bench.drive()
-    assert asked(0.5) >= 45
+    found = asked(0.5)
+    assert len(found) >= 45
+    assert set(found) >= {b"?FF\r", b"?A\r", b"?C\r", b"?V\r"}
 
 
 # What is told.
@@ -417,7 +422,8 @@ def test_a_fault_is_told_when_it_comes_and_when_it_goes(bench):
     assert bench.ctx.health == ["the controller reports overheat"]
     bench.line.device.faults = replace(bench.line.device.faults, overheat=False)
     bench.steps(0.5, 0.0)
-    assert len(bench.ctx.told("fault")) == 2
+    assert bench.ctx.told("fault")[1:] == ["the controller reports no fault any more"]
+    assert bench.ctx.levels == ["error", "info"]
     assert bench.ctx.health[-1] == "ready"
     assert bench.state.armed
 
@@ -437,6 +443,7 @@ def test_the_state_goes_out_twenty_times_a_second_and_at_once_when_it_changes(be
     bench.ctx.published.clear()
     bench.steps(1.0)
     assert 15 <= len(bench.ctx.published) <= 20
+    assert bench.state.voltage_v == 12.6
     bench.steps(2 * STEP_S, 0.0)
     assert bench.state.armed
     for power in (0.5, 0.0):
@@ -448,32 +455,110 @@ def test_the_state_goes_out_twenty_times_a_second_and_at_once_when_it_changes(be
         assert bench.state.left == 0.5 - power
 
 
-def lose(bench, times):
-    """Have so many commands in motion not answered, each alone."""
+def disturb(bench, times, lease="L3", **disturbed):
+    """Have so many commands in motion not answered, or refused, each alone."""
     for _ in range(times):
-        bench.line.unheard = (b"!M 500 500\r",)
-        bench.steps(STEP_S, 0.5)
-        bench.line.unheard = ()
-        bench.steps(4 * STEP_S, 0.5)
+        bench.line.unheard, bench.line.misread = disturbed.get("unheard", ()), disturbed.get("misread", {})
+        bench.steps(STEP_S, 0.5, lease)
+        bench.line.unheard, bench.line.misread = (), {}
+        bench.steps(4 * STEP_S, 0.5, lease)
 
 
-def test_commands_unanswered_are_told_when_they_have_become_a_few_and_whenever_they_have_doubled(bench):
-    bench.drive()
+LOST = {"unheard": (b"!M 500 500\r",)}
+
+
+def test_commands_unanswered_are_told_when_they_are_eight_and_whenever_they_have_doubled_but_seldom(bench):
     bench.ctx.now = bench.began = 1000.0
     bench.steps(0.5, 0.0)
     bench.drive(lease="L2")
-    lose(bench, FEW - 1)
+    disturb(bench, 7, **LOST)
     assert bench.ctx.told("unanswered") == []
-    lose(bench, 1)
-    assert bench.ctx.data[-1] == {"lost": FEW, "refused": 0}
-    bench.steps(REPORT_PERIOD_S, 0.5)
-    lose(bench, FEW - 1)
+    disturb(bench, 1, **LOST)
+    assert bench.ctx.data[-1] == {"lost": 8, "refused": 0}
+    disturb(bench, 7, **LOST)
+    bench.steps(5.0, 0.5)
     assert len(bench.ctx.told("unanswered")) == 1
-    lose(bench, 1)
-    assert bench.ctx.data[-1] == {"lost": 2 * FEW, "refused": 0}
-    assert {
-        level for level, (kind, _) in zip(bench.ctx.levels, bench.ctx.events, strict=True) if kind == "unanswered"
-    } == {"warning"}
+    disturb(bench, 1, **LOST)
+    assert bench.ctx.data[-1] == {"lost": 16, "refused": 0}
+    disturb(bench, 16, **LOST)
+    assert len(bench.ctx.told("unanswered")) == 2
+    bench.steps(5.0, 0.5)
+    assert bench.ctx.data[-1] == {"lost": 32, "refused": 0}
+    assert set(bench.ctx.levels) == {"warning"}
+
+
+def test_those_that_are_refused_count_too_and_all_anew_after_it_was_opened_again(bench):
+    bench.drive()
+    disturb(bench, 4, **LOST)
+    disturb(bench, 4, misread={b"+\r": b"-\r"})
+    assert bench.ctx.data[-1] == {"lost": 4, "refused": 4}
+    bench.motors.close()
+    bench.motors.open()
+    bench.steps(5.0, 0.0)
+    bench.drive(lease="L4")
+    disturb(bench, 8, "L4", **LOST)
+    assert bench.ctx.data[-1] == {"lost": 8, "refused": 0}
+
+
+# Other motors than left and right.
+
+PLACES = zip(FOUR, (0.1, 0.1, -0.1, -0.1), (0.1, -0.1, 0.1, -0.1), strict=True)
+SKID = (
+    Kinematics(name="base", kind="skid"),
+    *(Wheel(name=name, motor=name, x_m=x_m, y_m=y_m, diameter_m=0.1) for name, x_m, y_m in PLACES),
+)
+
+
+class QuadBench:
+    """Four motors on a line in memory, with the rows of a base."""
+
+    def __init__(self, rows=(), counts="0 1 2 3"):
+        self.ctx = FakeContext(QUAD, QUAD.parse('{"device": "motors", "guard": false}'), device=DEVICE, given=rows)
+        self.ctx.wired["setpoint"] = ("drive",)
+        self.line = AnsweringLine(f"C {counts} ok\r".encode())
+        self.motors = Quad(self.ctx)
+        self.motors.connect = lambda *_: TinyController(self.line, self.ctx.clock, lambda: None, STOP_FOUR)
+        self.motors.open()
+
+    def give(self, *powers):
+        setpoint = MotorSetpoint(left=0.0, right=0.0, lease="L1", motors=dict(zip(FOUR, powers, strict=False)))
+        self.ctx.arrive("setpoint", setpoint, source="drive")
+        self.motors.step()
+        self.ctx.now += STEP_S
+        return self.ctx.said("state")[-1]
+
+
+@pytest.mark.parametrize(("rows", "sides"), [(SKID, (0.3, 0.5)), ((), (0.0, 0.0)), (SKID[:2], None)])
+def test_it_tells_of_each_motor_and_what_they_are_for_the_sides_of_its_base(rows, sides):
+    if sides is None:
+        rows = (SKID[0], *(replace(row, motor=f"other_{row.motor}") for row in SKID[1:]))
+        sides = (0.0, 0.0)
+    bench = QuadBench(rows)
+    bench.give()
+    bench.give(0.0, 0.0, 0.0, 0.0)
+    bench.give(0.3, 0.5, 0.3, 0.5)
+    bench.ctx.now += 0.05
+    state = bench.give(0.3, 0.5, 0.3, 0.5)
+    assert (state.left, state.right) == pytest.approx(sides)
+    assert {name: (motor.power, motor.counts) for name, motor in state.motors.items()} == {
+        name: (power, count) for count, (name, power) in enumerate(zip(FOUR, (0.3, 0.5, 0.3, 0.5), strict=True))
+    }
+    assert bench.line.written[-1] == b"P 300 500 300 500\r"
+
+
+def test_a_zero_for_left_and_right_is_one_for_all_motors_and_a_power_is_none():
+    bench = QuadBench()
+    for power, armed in ((0.0, True), (0.2, False)):
+        bench.ctx.now += STEP_S
+        bench.ctx.arrive("setpoint", MotorSetpoint(left=power, right=power, lease="L1"), source="drive")
+        bench.motors.step()
+        assert bench.ctx.said("state")[-1].armed is armed
+    assert "'front_left'" in bench.ctx.said("state")[-1].reason
+
+
+def test_a_controller_that_measures_of_fewer_motors_than_it_drives_is_a_drivers_defect():
+    with pytest.raises(ValueError, match="shorter"):
+        QuadBench(counts="0 1 2")
 
 
 # Its guard.

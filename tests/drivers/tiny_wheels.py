@@ -15,7 +15,7 @@ from lbr.errors import DeviceError
 STOP, STOP_FOUR = b"P 0 0\r", b"P 0 0 0 0\r"
 FOUR = ("front_left", "front_right", "rear_left", "rear_right")
 ANSWER_S = 0.02
-COUNTS = re.compile(rb"C((?: -?[0-9]+){4}) ok\r")
+COUNTS = re.compile(rb"C((?: -?[0-9]+)+) ok\r")
 
 
 class TinySettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -12,6 +12,7 @@ from lbr.testing import FakeContext
 
 STEP_S = 1.0 / Wheels.rate_hz
 READ_S = 0.0005
+DEVICE = Device("motors", "roboteq", "memory", {})
 
 
 class MemoryLine:
@@ -55,6 +56,25 @@ class MemoryLine:
     def _heard(self) -> bytes:
         data, self._came = self._came + self.device.poll(self._ctx.now), b""
         return data
+
+
+class AnsweringLine:
+    """A line on which each command is answered alike."""
+
+    def __init__(self, answer: bytes) -> None:
+        self.answer = answer
+        self.written: list[bytes] = []
+
+    def write(self, data: bytes) -> int:
+        self.written.append(data)
+        return len(data)
+
+    def read(self, wait_s: float = 0.0) -> bytes:
+        del wait_s
+        return self.answer
+
+    def close(self) -> None:
+        pass
 
 
 class MemoryWheels(Wheels[RoboteqSettings]):
@@ -104,7 +124,7 @@ class WheelBench:
 
     def __init__(self, settings: str = '"guard": false') -> None:
         row = KIND.parse(f'{{"device": "motors", {settings}}}')
-        self.ctx = FakeContext(KIND, row, robot="tester", device=Device("motors", "roboteq", "memory", {}))
+        self.ctx = FakeContext(KIND, row, robot="tester", device=DEVICE)
         self.ctx.wired["setpoint"] = ("drive",)
         self.motors = MemoryWheels(self.ctx)
         self.line = self.motors.line

@@ -3,8 +3,7 @@
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from math import nan
+from math import inf, nan
 from typing import Any, TypeVar
 
 from lbr.capability.base import Capability
@@ -61,13 +60,13 @@ class Wheels(Capability[S], ABC):
         self._source = ""
         self._switching: deque[tuple[Call, float]] = deque()
         self._stepped: float | None = None
-        self._queried = 0.0
-        self._published = 0.0
+        self._queried = -inf
+        self._published = -inf
         self._shown: tuple[object, ...] = ()
         self._faults: tuple[str, ...] = ()
         self._lacks: Reason | None = None
         self._unanswered = 0
-        self._reported = 0.0
+        self._reported = -inf
 
     @abstractmethod
     def connect(self, device: Device, beat: Callable[[], None]) -> WheelController:
@@ -124,14 +123,13 @@ class Wheels(Capability[S], ABC):
             self._latched = True
             self.ctx.estop.acknowledge(stopped=False, reason=reason)
         self._disarm(reason)
-        self._publish(reason)
+        self._publish()
         self._answer_switching(waits=False)
 
     def close(self) -> None:
         """Write zero, then close the line; what is not acknowledged the guard writes again."""
         controller, self._controller = self._controller, None
         guard, self._guard = self._guard, None
-        self._held_since = None
         stopped = False
         try:
             stopped = controller is None or controller.close()
@@ -312,12 +310,11 @@ class Wheels(Capability[S], ABC):
             self._shown = shown
             self._publish()
 
-    def _publish(self, away: str = "") -> None:
+    def _publish(self) -> None:
         self._published = self.ctx.clock()
         state = self._arming
         if self._controller is None:
-            reason = away or state.reason
-            self.ctx.publish("state", _at_rest(replace(state, reason=reason), estop=self.ctx.estop.engaged))
+            self.ctx.publish("state", _at_rest(state, estop=self.ctx.estop.engaged))
             return
         message = MotorsState(
             **self._each(self._controller),
@@ -339,7 +336,7 @@ class Wheels(Capability[S], ABC):
             return {"left": applied[0], "right": applied[1], **measured}
         each = zip(self.motors, applied, amps, counts, strict=True)
         motors = {name: MotorState(power=power, amps_a=a, counts=n) for name, power, a, n in each}
-        left, right = self._sides(dict(zip(self.motors, applied, strict=True)))
+        left, right = self._sides({name: motor.power for name, motor in motors.items()})
         return {"left": left, "right": right, "motors": motors, **measured}
 
     def _sides(self, applied: dict[str, float]) -> tuple[float, float]:
