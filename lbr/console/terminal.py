@@ -78,7 +78,7 @@ class Terminal:
         self._source = source
         self._screen = screen or Screen.on(sys.stdout, term=os.environ.get("TERM"))
         self._contact = Contact()
-        self._closing = False
+        self._closing = self._left = False
         self._lock = threading.Lock()
         self._under_way: dict[str, float] = {}
         self._completer = LineCompleter()
@@ -136,6 +136,7 @@ class Terminal:
                 self._print(self._parting())
             for helper in helpers:
                 helper.join(1.0)
+            self._left = True
             self._above.ended()
             self._screen.outlet.drain(LAST_OUTPUT_S if self._screen.outlet.stuck_s < STUCK_S else 0.0)
             self._screen.outlet.close()
@@ -306,6 +307,8 @@ class Terminal:
         self._print(f"{one_line(line)}: {ending.text}", "info" if ending.good else "warning")
 
     def _print(self, text: str, level: str = "info") -> None:
+        if self._left:  # a line was still under way
+            return
         colour = _COLOURS.get(level, "")
         safe = wrapped(text, self._screen.get_size().columns)
         self._above.print(f"{colour}{safe}{_PLAIN if colour else ''}")

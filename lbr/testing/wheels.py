@@ -24,14 +24,17 @@ BEYOND_WATCHDOG_S = 0.5
 
 
 def turns_each_motor_its_own_way(bench: DriverBench) -> None:
-    """One motor at a time turns, the way that it is told to; the other way, where the row mounts it the other way."""
-    _each_way(bench, {})
+    """One motor at a time turns, the way that it is told to; the other way, where the row mounts it the other way.
+
+    There is no guard, since it would end this process whenever that is held up.
+    """
+    alone = {"guard": False} if hasattr(bench.ctx.settings, "guard") else {}
+    _each_way(bench.again(**alone), {})
     for side in ("left", "right"):
         mounted = msgspec.to_builtins(getattr(bench.ctx.settings, side, None))
         if isinstance(mounted, dict) and "direction" in mounted:
-            turned = bench.again(**{side: mounted | {"direction": -mounted["direction"]}})
+            turned = bench.again(**alone, **{side: mounted | {"direction": -mounted["direction"]}})
             _each_way(turned, {side: -1.0})
-    bench.close()
 
 
 def stops_by_its_guard_alone(bench: DriverBench) -> None:
