@@ -126,6 +126,22 @@ def test_the_guard_says_why_before_it_kills():
         os.close(fd)
 
 
+def test_a_guard_that_is_dismissed_writes_nothing():
+    tty, line = os.openpty()
+    setraw(line)
+    beats, alive = os.pipe()
+    driver = os.pidfd_open(os.getpid())
+    program = [sys.executable, "-I", "-S", str(PROGRAM), str(line), str(beats), str(driver), "60"]
+    guard = programs.start([*program, STOP.hex(), ACKNOWLEDGED.hex()], pass_fds=(line, beats, driver))
+    os.write(alive, b"q")
+    assert guard.wait(10.0) == 0
+    os.set_blocking(tty, False)
+    with pytest.raises(BlockingIOError):
+        os.read(tty, 7)
+    for fd in (tty, line, beats, alive, driver):
+        os.close(fd)
+
+
 def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
     ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     clock = Clock()

@@ -1,10 +1,10 @@
-from math import nan
+from math import inf, nan
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.drivers.servos.gate import first, receive, strength, tick
+from lbr.drivers.servos.gate import START, first, receive, strength, tick
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 
 VALID_S = 0.1
@@ -22,6 +22,8 @@ def following(lease="a", now=10.0):
 
 def test_a_fresh_setpoint_is_followed_and_a_late_one_is_not():
     assert following().goals[1].position_rad == 0.1
+    assert following().reason == ""
+    assert tick(following(), 10.09, VALID_S) == following()
     assert not receive(first(0.0), setpoint(), 9.8, 10.0, VALID_S).follows
     assert not receive(first(0.0), setpoint(), nan, 10.0, VALID_S).follows
 
@@ -50,6 +52,30 @@ def test_before_any_setpoint_came_none_was_seen():
     assert following().seen
 
 
+def test_while_there_is_a_sender_servos_keep_all_of_their_torque_and_then_for_as_long_as_they_hold():
+    assert strength(following(), 99.0, 30.0, 5.0) == 1.0
+    lost = tick(following(), 11.0, VALID_S)
+    assert [strength(lost, 11.0 + after_s, 30.0, 5.0) for after_s in (29.9, 30.5, 34.5)] == pytest.approx(
+        [1.0, 0.9, 0.1]
+    )
+
+
+def test_why_and_when_the_sender_was_lost_is_told_as_it_was_first():
+    state = receive(following(), setpoint(lost=True), 11.0, 11.0, VALID_S)
+    for later in (tick(state, 12.0, VALID_S), tick(state, 12.0, VALID_S, gone="'joints' is not on the bus")):
+        assert (later.reason, later.lost_since) == ("the mover of the servos is lost", 11.0)
+    assert tick(first(0.0), 99.0, VALID_S).reason == START
+    assert tick(first(0.0), 99.0, VALID_S, gone="'joints' is not on the bus").lost_since == 0.0
+
+
+def test_under_the_emergency_stop_its_reason_stays_whoever_is_lost_besides():
+    state = tick(following(), 10.01, VALID_S, gone="'joints' is not on the bus", estop="button")
+    assert (state.reason, state.lost_since) == ("emergency stop: button", 10.01)
+    reset = tick(following(), 10.01, VALID_S, estop="button")
+    reset = tick(reset, 10.02, VALID_S)
+    assert (reset.estop, reset.reason) == (False, "the emergency stop was reset; waiting for a setpoint")
+
+
 def test_nobody_ever_came_counts_as_lost_from_the_beginning():
     assert strength(first(0.0), 36.0, 30.0, 5.0) == 0.0
 
@@ -62,6 +88,7 @@ def test_the_emergency_stop_ends_the_motion_and_its_reset_moves_nothing():
     assert not state.follows
     state = tick(state, 10.03, VALID_S)
     assert not state.follows
+    assert state.lease == "b"
     for lease in "ab":
         assert not receive(state, setpoint(lease=lease), 10.04, 10.04, VALID_S).follows
     assert receive(state, setpoint(lease="c"), 10.04, 10.04, VALID_S).follows
@@ -82,6 +109,14 @@ def test_another_number_of_stops_is_a_stop():
 def test_what_is_no_number_ends_the_motion():
     state = receive(following(), setpoint(ServoGoal(id=1, position_rad=nan)), 10.01, 10.01, VALID_S)
     assert not state.follows
+
+
+@pytest.mark.parametrize("wrong", [{"position_rad": nan}, {"speed_rps": inf}, {"torque": nan}])
+def test_one_number_of_one_goal_that_is_none_ends_the_motion_of_all(wrong):
+    goals = (ServoGoal(id=1, position_rad=0.1), ServoGoal(**{"id": 2, "position_rad": 0.1} | wrong))
+    state = receive(following(), setpoint(*goals, lease="a"), 10.01, 10.01, VALID_S)
+    assert not state.follows
+    assert not receive(state, setpoint(lease="a"), 10.02, 10.02, VALID_S).follows
 
 
 def test_what_is_no_number_ends_the_motion_even_when_it_comes_late():

@@ -40,6 +40,13 @@ def test_what_is_not_of_now_is_late(age_s):
     assert SetpointGate().judge(Asked(born=10.0 - age_s), 10.0, VALID_S) == "late"
 
 
+@pytest.mark.parametrize(
+    ("age_s", "now"), [(0.0, True), (0.1249, True), (0.125, False), (-0.125, True), (-0.1251, False)]
+)
+def test_what_is_as_old_as_it_may_live_is_late_and_what_is_from_as_far_ahead_is_not(age_s, now):
+    assert fresh(10.0 - age_s, 10.0, 0.125) is now
+
+
 @given(st.lists(st.sampled_from(["", *map(str, range(300))]), max_size=600))
 def test_the_memory_of_revoked_leases_is_bounded_and_keeps_the_newest(leases):
     gate = SetpointGate()

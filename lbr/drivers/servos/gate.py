@@ -122,10 +122,9 @@ def ended(state: ServoGate, reason: str) -> ServoGate:
 
 
 def _lose(state: ServoGate, reason: str, now: float) -> ServoGate:
-    if state.lost_since is not None and not state.follows:
+    if state.lost_since is not None:
         return state
-    since = now if state.lost_since is None else state.lost_since
-    return replace(ended(state, state.reason if state.estop else reason), lost_since=since)
+    return replace(ended(state, state.reason if state.estop else reason), lost_since=now)
 
 
 def _halted(state: ServoGate, setpoint: ServoSetpoint) -> ServoGate:

@@ -488,6 +488,17 @@ def test_ranges_that_fall_silent_stop_motion_towards_them(bench):
     assert bench.wheels != STILL
 
 
+def test_why_it_stands_is_in_its_state_and_while_it_drives_there_is_nothing_to_say(bench):
+    bench.estop(engaged=True)
+    state = drive_state(bench.state, bench.now)
+    assert (state.reason, state.code, state.estop) == ("emergency stop: button", "estop", True)
+    bench.estop(engaged=False)
+    bench.run(0.1)
+    assert bench.drive(0.3).accepted
+    state = drive_state(bench.state, bench.now)
+    assert (state.reason, state.code, state.estop) == ("", "", False)
+
+
 def test_a_frozen_range_stops_motion_towards_it(bench):
     bench.see(forward=2.0)
     reply = bench.drive(0.5)

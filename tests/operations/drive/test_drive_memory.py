@@ -166,6 +166,24 @@ def test_the_odometry_knows_better_than_the_powers_how_far_it_drove(watcher):
 
 
 @pytest.mark.parametrize(
+    ("yaw_rad", "ahead_m", "aside_m", "place"),
+    [
+        (0.0, 0.1, 0.0, (0.9, 0.0)),
+        (0.0, 0.0, 0.1, (1.0, -0.1)),
+        (pi / 2, 0.1, 0.0, (-0.1, -1.0)),
+        (pi / 2, 0.0, 0.1, (0.0, -1.1)),
+        (-pi / 2, 0.0, 0.1, (0.0, 0.9)),
+    ],
+)
+def test_a_base_that_has_turned_moves_ahead_and_aside_from_where_it_looks(yaw_rad, ahead_m, aside_m, place):
+    memory = replace(at(1.0, 0.0), yaw_rad=yaw_rad)
+    power = ahead_m / SETTINGS.max_speed_mps
+    memory = moved(memory, power, power, 1.0, SETTINGS, aside_m / SETTINGS.max_speed_mps)
+    (spot,) = around(memory)
+    assert (spot.x_m, spot.y_m) == pytest.approx(place, abs=1e-9)
+
+
+@pytest.mark.parametrize(
     ("moved_by", "stands"),
     [
         ({"x_m": 0.009}, True),

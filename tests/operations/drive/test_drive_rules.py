@@ -141,6 +141,11 @@ def test_something_that_appears_counts_at_once():
         ((-0.5, -0.2), {"back", "right"}),
         ((-0.2, -0.5), {"back", "left"}),
         ((0.5, 0.43), {"forward"}),
+        ((0.5, 0.33), {"forward", "right"}),
+        ((0.5, -0.34), {"forward", "right"}),
+        ((0.5, -0.36), {"forward", "left", "right"}),
+        ((0.515, -0.485), {"forward", "left", "right"}),
+        ((0.5, -0.485), {"left", "right"}),
         ((0.0, 0.0), set()),
     ],
 )

@@ -19,11 +19,13 @@ def bench():
     return made.run(0.05)
 
 
-def test_a_joint_that_nobody_knows_starts_at_its_goal_and_has_the_time_that_a_weak_servo_needs(bench):
-    reply = bench.command({"left_knee": -1.0}, torque=0.6, join=True)
+@pytest.mark.parametrize("how", [{"join": True}, {}, {"duration_s": 0.5}, {"speed_rps": 2.0}])
+def test_a_joint_that_nobody_knows_starts_at_its_goal_and_has_the_time_that_a_weak_servo_needs(bench, how):
+    reply = bench.command({"left_knee": -1.0}, torque=0.6, **how)
     assert reply.accepted
+    bench.run(0.02, reply.lease)
     assert bench.goals == {"left_knee": -1.0}
-    bench.run(UNKNOWN_S - 0.1, reply.lease)
+    bench.run(UNKNOWN_S - 0.12, reply.lease)
     assert bench.results == []
     bench.run(0.2, reply.lease)
     assert bench.results[-1].result == "reached"
