@@ -203,3 +203,19 @@ def test_the_results_of_others_goals_are_kept_for_a_while_and_no_longer(drive, o
     lease.step()
     lease.step()
     assert (lease.result is not None) is known
+
+
+@pytest.mark.parametrize(
+    "reply",
+    [
+        CommandReply(accepted=True, reason="done, without a lease"),
+        CommandReply(accepted=False, code="held", reason="no", lease="L9"),
+    ],
+)
+def test_without_a_yes_that_names_a_lease_nothing_is_borrowed(drive, reply):
+    drive.reply = reply
+    lease = LeaseClient(drive, TARGET, SLOW)
+    lease.step()
+    assert lease.ended == reply.why
+    assert not lease.holds
+    assert lease.send(FAST) is None

@@ -374,6 +374,27 @@ def test_nothing_is_said_before_every_servo_was_looked_for(chain):
     rig.driver.close()
 
 
+def test_without_its_device_row_or_rows_of_joints_it_says_what_to_add(chain):
+    ctx = DriverContext(KIND, KIND.parse(SETTINGS), chain.path, "dynamixel")
+    with pytest.raises(DeviceError, match="table joint"):
+        Dynamixel(ctx).open()
+    ctx.given, ctx.device = (joint(1),), None
+    with pytest.raises(DeviceError, match="no device row 'servos'"):
+        Dynamixel(ctx).open()
+
+
+def test_an_emergency_stop_while_the_line_is_away_is_not_called_done(chain):
+    ctx = DriverContext(KIND, KIND.parse(SETTINGS), chain.path, "dynamixel")
+    ctx.given = (joint(1),)
+    driver = Dynamixel(ctx)
+    driver.degraded("unplugged")
+    assert ctx.estop.acknowledged == []
+    ctx.estop.engaged = True
+    driver.degraded("unplugged")
+    assert ctx.estop.acknowledged == [(False, "unplugged")]
+    assert (ctx.state.reason, ctx.state.armed, ctx.state.estop) == ("unplugged", False, True)
+
+
 def test_an_empty_bus_is_degraded_and_says_what_to_look_at(chain):
     chain.dead.update(chain.servos)
     rig = Rig(chain)

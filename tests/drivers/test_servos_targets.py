@@ -255,6 +255,37 @@ def test_a_servo_that_is_just_getting_torque_has_not_confirmed_a_stop():
     assert bench.targets.unconfirmed(snapshot, released=False) == [1]
 
 
+def test_a_goal_that_waits_for_the_line_does_not_come_after_a_stop():
+    bench = Bench()
+    bench.on()
+    bench.line.work(bench.bus)
+    for _ in range(15):
+        snapshot = bench.step(works=False)
+    bench.bus.goals.clear()
+    bench.targets.hold(snapshot)
+    bench.line.work(bench.bus)
+    assert (bench.bus.goals, bench.bus.placed[-1:]) == ([], [512])
+
+
+def test_a_release_is_confirmed_once_every_servo_was_read_without_torque():
+    bench = Bench()
+    bench.on()
+    assert bench.targets.unconfirmed(bench.step(), released=True) == [1]
+    bench.targets.release("over")
+    assert bench.targets.unconfirmed(bench.step(follows=False, works=False), released=True) == [1]
+    bench.line.work(bench.bus)
+    assert bench.targets.unconfirmed(bench.step(follows=False), released=True) == []
+
+
+def test_a_stop_is_confirmed_once_every_servo_was_read_to_hold_where_it_is():
+    bench = Bench()
+    bench.on()
+    bench.targets.hold(bench.step(follows=False))
+    assert bench.targets.unconfirmed(bench.step(follows=False, works=False), released=False) == [1]
+    bench.line.work(bench.bus)
+    assert bench.targets.unconfirmed(bench.step(follows=False), released=False) == []
+
+
 def test_a_lost_acknowledgement_takes_no_torque_if_the_servo_says_that_it_has_it():
     bus = Bus.__new__(Bus)
     bus.read_motion = lambda _servo: SimpleNamespace(position=512)

@@ -488,6 +488,18 @@ def test_ranges_that_fall_silent_stop_motion_towards_them(bench):
     assert bench.wheels != STILL
 
 
+@pytest.mark.parametrize(("how", "level"), [("stopped", "info"), ("lapsed", "warning"), ("fault", "warning")])
+def test_an_end_that_nobody_wanted_is_told_as_a_warning(bench, how, level):
+    moving(bench)
+    if how == "stopped":
+        bench.stop()
+    elif how == "fault":
+        bench.lose_motors()
+    else:
+        bench.run(1.0)
+    assert [event.level for event in bench.events if event.kind == how] == [level]
+
+
 def test_why_it_stands_is_in_its_state_and_while_it_drives_there_is_nothing_to_say(bench):
     bench.estop(engaged=True)
     state = drive_state(bench.state, bench.now)

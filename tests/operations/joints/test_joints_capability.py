@@ -71,6 +71,13 @@ def test_while_joints_move_their_state_is_told_often_also_of_servos_that_are_rea
     assert len(robot.ctx.said("state")) >= 20
 
 
+def test_at_rest_their_state_is_told_ten_times_a_second_also_of_servos_that_are_read_seldom(robot):
+    robot.run(0.5)
+    robot.ctx.published.clear()
+    robot.run(0.65, hear=False)
+    assert 5 <= len(robot.ctx.said("state")) <= 8
+
+
 def test_a_motion_is_shown_while_it_goes_on_and_its_result_published(robot):
     reply = robot.move("left_knee", -30.0, speed_dps=60.0)
     assert reply.accepted

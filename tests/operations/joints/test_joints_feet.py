@@ -148,6 +148,14 @@ def test_back_to_the_frame_behind_where_the_next_is_too_far(bench):
     assert bench.goals["left_knee"] == pytest.approx(-0.2)
 
 
+def test_of_several_frames_behind_it_goes_back_to_the_last(bench):
+    stable = tuple(KeyFrame(positions={"left_knee": angle}, duration_s=0.2, stable=True) for angle in (-0.2, -0.4))
+    steps(bench, (*stable, frame(2.0, left_knee=-1.0)), 0.7)
+    assert bench.stop().code == "to_feet"
+    bench.run(LONGEST_S)
+    assert bench.goals["left_knee"] == pytest.approx(-0.4)
+
+
 @pytest.mark.parametrize("frames", [(frame(0.5, left_knee=-0.6),), (frame(2.0, left_knee=-0.6), STEP[2])])
 def test_without_a_stable_frame_in_reach_it_holds_at_once(bench, frames):
     steps(bench, frames, 0.2)

@@ -135,6 +135,18 @@ def test_a_hundred_joins_a_second_leave_little_behind(bench):
     assert not [event for event in bench.events if event.kind == "superseded"]
 
 
+@pytest.mark.parametrize("rests", [True, False])
+def test_a_joint_that_has_come_to_its_goal_is_left_out_once_another_joins_and_one_that_has_not_is_not(bench, rests):
+    lease = joins(bench, {"left_knee": -0.3}).lease
+    lease = later(bench).command({"left_knee": -0.3}, join=True, stay=True, lease=lease).lease
+    bench.run(0.6, lease)
+    if not rests:
+        bench.push("left_knee", 0.05)
+        bench.hear()
+    joins(bench, {"head_yaw": 0.1}, lease)
+    assert set(bench.state.move.beside) == ({"head_yaw"} if rests else {"left_knee", "head_yaw"})
+
+
 # strength
 
 

@@ -663,3 +663,17 @@ def test_to_ways_that_joined_as_many_key_frames_may_be_appended_as_to_none(bench
     assert reply.code != "busy", reply.reason
     bench.now += 1e-5
     assert bench.command(frames=most[:1], append=True, lease=lease).code == "busy"
+
+
+def test_why_the_joints_stand_still_is_in_their_state(bench):
+    def said():
+        state = joints_state(bench.state, bench.now)
+        return state.code, state.reason
+
+    bench.lose_servos()
+    assert said()[1] == "the servo driver (servos) is gone"
+    bench.run(0.05)
+    assert bench.command(SLOW, source="far", remote=True, sender_s=5.0).accepted
+    assert said() == ("not_ready", "waiting for far to confirm")
+    bench.estop()
+    assert said() == ("estop", "emergency stop: test")

@@ -68,6 +68,16 @@ def test_only_what_was_measured_just_now_is_known_to_be_elsewhere_than_the_pose(
     assert bench.goals["left_knee"] == pytest.approx(rests_at)
 
 
+def test_who_is_outside_its_limits_afterwards_is_held_where_it_is(bench):
+    reply = bench.command(stored=WALK)
+    bench.run(0.1, reply.lease)
+    bench.push("left_knee", -2.3)
+    bench.servos.plays("over")
+    bench.hear()
+    bench.give(Tick())
+    assert bench.goals["left_knee"] is None
+
+
 def test_after_a_limp_one_no_joint_has_torque(bench):
     reply = bench.command(stored=SIT)
     assert bench.setpoint.stored.limp
