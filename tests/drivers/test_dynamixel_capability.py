@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from lbr.capability.faults import faults
 from lbr.drivers.dynamixel import KIND
 from lbr.drivers.dynamixel.capability import Dynamixel
 from lbr.drivers.dynamixel.table import position_rad
@@ -372,6 +373,11 @@ def test_nothing_is_said_before_every_servo_was_looked_for(chain):
     assert (first[1].torque, first[2].torque, first[3].torque) == (0.0, None, 1.0)
     assert rig.ctx.published[0][1].phase == "holding"
     rig.driver.close()
+
+
+def test_its_kind_moves_something_and_polls_its_line():
+    assert (KIND.moves, KIND.line, KIND.family) == (True, "polled", "driver")
+    assert faults(KIND) == ()
 
 
 def test_without_its_device_row_or_rows_of_joints_it_says_what_to_add(chain):

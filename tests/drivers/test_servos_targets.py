@@ -76,7 +76,7 @@ MODEL = SimpleNamespace(
 class Bench:
     def __init__(self):
         self.now, self.sweep, self.told = 0.0, 0, []
-        self.age_s = 0.0
+        self.age_s, self.slow_age_s = 0.0, 0.0
         self.line, self.bus = Line(), Servo()
         self.targets = ServoTargets(
             [1], self.line, lambda: self.now, MODEL, lambda kind, text, level: self.told.append(kind)
@@ -91,7 +91,7 @@ class Bench:
             self.gate = receive(self.gate, ServoSetpoint(goals=goals, lease="a"), self.now, self.now, VALID_S)
         self.gate = tick(self.gate, self.now, VALID_S)
         motion = SimpleNamespace(error=0, position=512, speed=0)
-        slow = SlowState(self.now, self.bus.torque, 512, 100, 1000, 12.0, 30.0)
+        slow = SlowState(self.now - self.slow_age_s, self.bus.torque, 512, 100, 1000, 12.0, 30.0)
         snapshot = Snapshot(self.sweep, self.now, {1: Seen(motion, self.now - self.age_s, slow)})
         self.targets.apply(self.gate, strength, snapshot)
         if works:
@@ -255,6 +255,20 @@ def test_a_servo_that_is_just_getting_torque_has_not_confirmed_a_stop():
     assert bench.targets.unconfirmed(snapshot, released=False) == [1]
 
 
+def test_a_servo_whose_state_was_not_read_since_it_was_told_something_goes_on_as_it_is_told():
+    bench = Bench()
+    while not bench.targets.servos[1].on:
+        bench.slow_age_s = 10.0 * bool(bench.targets.servos[1].switching)
+        bench.step()
+    bench.slow_age_s = 10.0
+    bench.bus.placed.clear()
+    bench.bus.goals.clear()
+    for _ in range(20):
+        bench.step()
+    assert bench.bus.placed == []
+    assert bench.bus.goals
+
+
 def test_a_goal_that_waits_for_the_line_does_not_come_after_a_stop():
     bench = Bench()
     bench.on()
@@ -368,6 +382,32 @@ def test_a_sweep_begins_right_after_goals_were_written_and_the_next_waits_a_litt
     assert poller.snapshot.sweep == swept + 1
     now[0] += 0.011
     assert sweep() == pytest.approx(0.01)
+
+
+def test_a_servo_that_reports_another_error_is_looked_at_next():
+    bus, now = Deaf(), [0.0]
+    bus.busy = False
+    poller, read = Poller([1, 2, 3], lambda: now[0]), []
+    bus.read_state = lambda servo, _s: (
+        read.append(servo) or (bus.motion, SlowState(0.0, False, 512, 100, 1000, 12.0, 30.0))
+    )
+
+    def sweep():
+        swept = poller.snapshot.sweep
+        while poller.snapshot.sweep == swept:
+            poller.turn(bus)
+        now[0] += 0.01
+
+    for _ in range(6):
+        sweep()
+    read.clear()
+    sweep()
+    assert len(read) == 1, "one a sweep"
+    read.clear()
+    bus.motion = SimpleNamespace(error=0x20, position=512, speed=0)
+    sweep()
+    sweep()
+    assert set(read) == {1, 2, 3}
 
 
 def test_what_never_answers_is_asked_less_and_less():

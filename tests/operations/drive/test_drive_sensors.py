@@ -137,6 +137,24 @@ def test_a_part_of_a_scan_that_is_not_known_hides_what_is_in_the_way(middle, wid
             assert scanned(sensors_of(ALONE, [row]), row, blind)[side] == (pytest.approx(nan, nan_ok=True), "missing")
 
 
+@pytest.mark.parametrize(
+    ("post", "ways"),
+    [
+        ((0.5, 0.0), {"forward"}),
+        ((0.5, 0.14), {"forward"}),
+        ((0.5, -0.25), set()),
+        ((-0.5, 0.1), {"back"}),
+        ((0.1, 0.5), {"left"}),
+        ((0.32, 0.5), set()),
+        ((-0.1, -0.5), {"right"}),
+        ((-0.32, -0.5), set()),
+    ],
+)
+def test_a_post_is_in_the_way_of_the_sides_whose_lane_it_stands_in(post, ways):
+    found = scanned(sensors_of(ALONE, [LIDAR]), LIDAR, room([post]))
+    assert {side for side, (metres, _) in found.items() if metres < 1.0} == ways
+
+
 @pytest.mark.parametrize(("wide", "seen"), [(0.02, (inf, "")), (0.3, (nan, "missing"))])
 def test_what_a_scan_sees_of_the_base_itself_is_no_obstacle_and_hides_what_is_behind_it(wide, seen):
     pole = scan(LIDAR, lambda angle: 0.05 if abs(around(angle)) < wide else 10.0)

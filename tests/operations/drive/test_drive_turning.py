@@ -11,7 +11,7 @@ from lbr.messages.drive import CheckVerdict, DriveCommand, HeadingCommand, TurnC
 from lbr.operations.drive import command, heading_view
 from lbr.operations.drive.kernel import drive_state
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.drive.turn_goal import TurnGoal, power, watch
+from lbr.operations.drive.turn_goal import TurnGoal, driven, fault, power, start, watch
 from tests.operations.drive.drive_bench import Bench
 from tests.operations.drive.drive_body import Body
 
@@ -45,6 +45,28 @@ def go_on(body, reply, ticks, angle_deg=90.0):
 
 
 # where they end
+
+
+@pytest.mark.parametrize(
+    ("rate_dps", "away_deg", "ends"), [(0.0, 4.9, False), (0.0, 5.1, True), (-4.0, 6.9, False), (-4.0, 7.1, True)]
+)
+def test_a_base_may_get_a_little_farther_from_its_target_and_by_what_it_turned_already(rate_dps, away_deg, ends):
+    settings = DriveSettings()
+    heading = heading_view.HeadingView(trouble="", epoch="e", turned_deg=0.0, rate_dps=rate_dps, seen=10.0)
+    turn = start(TurnCommand(angle_deg=30.0), heading, settings, 10.0)
+    turn = watch(turn, replace(heading, turned_deg=-away_deg, rate_dps=0.0, seen=10.05), 0.3, settings)
+    found = fault(turn, settings, 10.05)
+    assert (found.code if found else "") == ("not_followed" if ends else "")
+
+
+def test_the_power_of_late_turns_the_base_after_its_lag():
+    settings = DriveSettings()
+    heading = heading_view.HeadingView(trouble="", epoch="e", turned_deg=0.0, seen=10.0)
+    turn = start(TurnCommand(angle_deg=90.0), heading, settings, 10.0)
+    half = driven(turn, 0.4, settings.turn_lag_s / 2, settings)
+    assert half.flow_dps == pytest.approx(0.4 * settings.max_turn_dps / 2)
+    assert driven(half, 0.4, settings.turn_lag_s, settings).flow_dps == pytest.approx(0.4 * settings.max_turn_dps)
+    assert (half.tries, half.given) == (1, 0.4)
 
 
 @pytest.mark.parametrize(
