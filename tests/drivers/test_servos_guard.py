@@ -1,13 +1,19 @@
 """What guards are told on their command lines, and how long they may take."""
 
 import os
+from itertools import groupby, pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from lbr.capability import lifeline
 from lbr.drivers.dynamixel import KIND
+from lbr.drivers.line_lock import SURE
 from lbr.drivers.servos import guard as servos
+from lbr.drivers.servos.contract import SlowState
+from lbr.drivers.servos.guard_release import STEP_S, GuardRelease
+from lbr.drivers.servos.register_release import RegisterRelease
 from lbr.drivers.wheels import guard as wheels
 from lbr.drivers.wheels.contract import GuardStop
 from tests.support.waiting import until
@@ -61,3 +67,108 @@ def test_a_guard_of_servos_may_take_as_long_as_it_holds_fades_and_settles_and_so
     guard.dismiss()
     (last_word_s,) = (word.partition("=")[2] for word in surroundings if word.startswith(f"{lifeline.LAST_WORD}="))
     assert 12.5 + 5.0 <= int(last_word_s) <= 12.5 + 20.0
+
+
+class Releasing:
+    """Servos of which a guard notes what it tells them, and when."""
+
+    blind, least_hold_s = False, 0.0
+
+    def __init__(self, *, held=True):
+        self.now, self.held, self.told = 100.0, held, []
+
+    def clock(self):
+        return self.now
+
+    def sleep(self, seconds):
+        self.now += seconds
+
+    def hold(self):
+        self.told.append(("hold", 0.0))
+        return self.held
+
+    def keep(self):
+        self.told.append(("keep", self.now - 100.0))
+
+    def prepare(self):
+        self.told.append(("prepare", self.now - 100.0))
+        return 0.5
+
+    def fade(self, strength):
+        self.told.append(("fade", strength))
+
+    def off(self):
+        self.told.append(("off", self.now - 100.0))
+
+    def of(self, what):
+        return [number for name, number in self.told if name == what]
+
+
+def test_after_its_drivers_death_a_guard_holds_makes_ready_fades_and_releases_each_in_its_time(line):
+    servos = Releasing()
+    GuardRelease(servos, line, servos.sleep, servos.clock).act(2.0, 1.0)
+    names = [name for name, _ in groupby(servos.told, key=lambda one: one[0])]
+    assert names == ["hold", "keep", "prepare", "keep", "fade", "off"]
+    keeps = servos.of("keep")
+    assert (min(keeps), max(keeps)) == (0.0, pytest.approx(2.45, abs=0.051))
+    assert all(after - before <= STEP_S + 1e-9 for before, after in pairwise(keeps))
+    assert servos.of("prepare") == [pytest.approx(2.0)]
+    strengths = servos.of("fade")
+    assert strengths[0] == 1.0
+    assert strengths == sorted(strengths, reverse=True)
+    assert 0.0 < strengths[-1] <= 0.051
+    assert servos.of("off") == pytest.approx([3.5 + STEP_S * again for again in range(SURE)])
+
+
+def test_where_nothing_has_torque_a_guard_has_no_more_to_do(line):
+    servos = Releasing(held=False)
+    GuardRelease(servos, line, servos.sleep, servos.clock).act(2.0, 1.0)
+    assert servos.told == [("hold", 0.0)]
+
+
+class RegisterBus:
+    """Servos whose registers can be read: which have torque, and which do not answer."""
+
+    def __init__(self, *on, silent=()):
+        self.on, self.silent, self.wrote = set(on), set(silent), []
+
+    def read_state(self, servo, _patience_s):
+        if servo in self.silent:
+            return None
+        motion = SimpleNamespace(position=500 + servo, speed=0)
+        return motion, SlowState(0.0, servo in self.on, 512, 100, 400, 12.0, 30.0)
+
+    def drain(self):
+        self.wrote.append(("drain",))
+
+    def write_positions(self, goals):
+        self.wrote.append(("positions", goals))
+
+    def write_limits(self, limits):
+        self.wrote.append(("limits", limits))
+
+    def torque_off(self, servos):
+        self.wrote.append(("off", list(servos)))
+
+
+MODEL = SimpleNamespace(holding_goal=lambda position, _speed, _goal: position)
+
+
+def test_a_guard_holds_each_servo_that_has_torque_where_it_is_and_those_that_answer_later_then():
+    bus = RegisterBus(1, 2, silent={2})
+    servos = RegisterRelease(bus, MODEL, [1, 2, 3])
+    assert servos.hold()
+    assert bus.wrote == [("positions", {1: 501})]
+    bus.silent.clear()
+    servos.keep()
+    assert bus.wrote[1:] == [("drain",), ("positions", {2: 502})]
+    servos.fade(0.5)
+    servos.fade(0.0001)
+    assert bus.wrote[3:] == [("limits", {1: 200, 2: 200}), ("limits", {1: 1, 2: 1})]
+    servos.off()
+    assert bus.wrote[-1] == ("off", [1, 2, 3])
+
+
+@pytest.mark.parametrize(("on", "silent", "held"), [((), (), False), ((), (3,), True), ((2,), (), True)])
+def test_a_guard_holds_as_long_as_a_servo_may_have_torque(on, silent, held):
+    assert RegisterRelease(RegisterBus(*on, silent=silent), MODEL, [1, 2, 3]).hold() is held

@@ -410,6 +410,44 @@ def test_a_servo_that_reports_another_error_is_looked_at_next():
     assert set(read) == {1, 2, 3}
 
 
+def test_a_servo_that_falls_silent_and_comes_back_is_told_once_each_and_is_looked_for_ever_more_seldom():
+    bus, now, told, asked, silent = Deaf(), [0.0], [], [], {2}
+    bus.together, bus.trouble = False, "does not answer"
+
+    def read(servo, *_):
+        asked.append((servo, now[0]))
+        return None if servo in silent else bus.motion
+
+    bus.read_motion = read
+    bus.read_state = lambda servo, *_: (
+        (found := read(servo)) and (found, SlowState(0.0, False, 512, 100, 1000, 12.0, 30.0))
+    )
+    poller = Poller([1, 2], lambda: now[0], told=lambda kind, *_: told.append(kind))
+
+    def run(seconds):
+        until_s = now[0] + seconds
+        while now[0] < until_s:
+            swept = poller.snapshot.sweep
+            while poller.snapshot.sweep == swept:
+                poller.turn(bus)
+            now[0] += 0.01
+
+    silent.clear()
+    run(1.0)
+    silent.add(2)
+    run(20.0)
+    assert told == ["servo_silent"]
+    assert poller.snapshot.servos[2].reason == "does not answer"
+    times = [at for servo, at in asked if servo == 2 and at > 1.1]
+    gaps = [after - before for before, after in pairwise(times)]
+    assert 1.9 < max(gaps) < 2.1
+    assert len(times) < 25
+    silent.clear()
+    run(3.0)
+    assert told == ["servo_silent", "servo_back"]
+    assert not poller.snapshot.servos[2].reason
+
+
 def test_what_never_answers_is_asked_less_and_less():
     bus, now = Deaf(), [0.0]
     poller = Poller([1, 2], lambda: now[0])

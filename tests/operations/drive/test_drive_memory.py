@@ -204,6 +204,13 @@ def test_what_a_sensor_saw_is_its_own_until_the_base_has_moved_by_a_centimetre_o
     assert (after.x_m, after.y_m, after.yaw_rad) == ((memory.x_m, memory.y_m, memory.yaw_rad) if stands else (0.0,) * 3)
 
 
+@pytest.mark.parametrize("side", ["left", "right", "back", "forward"])
+def test_what_is_seen_again_at_the_same_place_is_remembered_once(watcher, side):
+    once = len(watcher.see(**{side: 0.5}).memory.spots)
+    assert once > 0
+    assert len(watcher.see(5, **{side: 0.5}).memory.spots) == once
+
+
 def test_it_is_forgotten_after_a_while():
     watcher = Watcher(memory_s=2.0).see(left=0.5).drive(0.5, 0.5, 1.0)
     assert watcher.see(times=15).memory.spots
