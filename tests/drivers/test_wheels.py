@@ -113,6 +113,12 @@ def test_its_kind_is_as_kinds_must_be():
     assert KIND.device == "tiny"
 
 
+def test_a_row_that_says_nothing_of_safety_has_all_of_its_layers():
+    row = KIND.parse('{"device": "motors"}')
+    assert (row.enabled, row.guard, row.guard_silence_ms, row.watchdog_ms) == (True, True, 120, 200)
+    assert (row.setpoint_valid_s, row.acknowledge_s) == (0.1, 0.5)
+
+
 def test_only_a_zero_arms_and_silence_stops(motors, ctx, peer):
     ctx.give(MotorSetpoint(left=0.5, right=0.5, lease="L1"))
     motors.step()

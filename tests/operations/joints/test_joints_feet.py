@@ -200,6 +200,13 @@ def test_a_loop_that_is_held_up_holds_when_its_time_is_over(bench):
     assert bench.goals["left_knee"] != pytest.approx(-0.6, abs=0.01)
 
 
+def test_of_a_loop_that_is_held_up_it_is_said_that_it_takes_no_longer_than_a_stop_may(bench):
+    steps(bench)
+    bench.stop()
+    bench.now += LONGEST_S - 0.2
+    assert joints_state(bench.state, bench.now).feet_s == pytest.approx(0.2)
+
+
 POSE = {"left_knee": -0.5, "right_knee": -0.5}
 
 
