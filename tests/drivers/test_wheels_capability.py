@@ -40,6 +40,7 @@ def test_a_driver_without_its_device_row_names_it():
 
 def test_after_opening_it_shows_wheels_at_rest(bench):
     assert (bench.state.left, bench.state.right, bench.state.armed) == (0.0, 0.0, False)
+    assert bench.state.motors == {}, "left and right have fields of their own"
 
 
 # The emergency stop.
@@ -260,6 +261,21 @@ def test_a_driver_that_paused_for_as_long_as_a_setpoint_lives_needs_a_new_zero(p
     assert (bench.outputs == (0.0, 0.0)) is stops
     if stops:
         assert f" {pause_s:.2f} s" in bench.state.reason
+
+
+@pytest.mark.parametrize(("fed_s_ago", "stops"), [(0.09, False), (VALID_S, True)])
+def test_what_a_ramp_came_to_while_the_controller_took_nothing_needs_a_new_zero(bench, monkeypatch, fed_s_ago, stops):
+    bench.steps(2 * STEP_S, 0.0)
+    with monkeypatch.context() as late:
+        late.setattr(Controller, "fed_s_ago", fed_s_ago)
+        bench.steps(STEP_S, 0.0)
+        assert bench.state.armed, "at rest nothing was missed"
+    bench.steps(2 * STEP_S, 0.5)
+    with monkeypatch.context() as late:
+        late.setattr(Controller, "fed_s_ago", fed_s_ago)
+        bench.steps(STEP_S, 0.5)
+    assert (bench.state.armed, bench.state.trips) == (not stops, int(stops))
+    assert bench.state.reason == (f"the controller has taken no command for {fed_s_ago:.2f} s" if stops else "")
 
 
 def test_a_pause_before_it_was_opened_again_counts_for_nothing(bench):
