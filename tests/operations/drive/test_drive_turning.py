@@ -59,6 +59,18 @@ def test_a_base_may_get_a_little_farther_from_its_target_and_by_what_it_turned_a
     assert (found.code if found else "") == ("not_followed" if ends else "")
 
 
+def test_the_older_an_attitude_is_the_nearer_its_target_a_turning_base_is_taken_to_be():
+    settings = DriveSettings()
+    heading = heading_view.HeadingView(trouble="", epoch="e", turned_deg=80.0, rate_dps=20.0, seen=10.0)
+    turn = replace(start(TurnCommand(angle_deg=90.0), heading, settings, 10.0), begun_deg=60.0)
+    fresh, older = (power(turn, settings, 10.0 + age_s) for age_s in (0.0, 0.1))
+    least = power(replace(turn, heading=replace(heading, turned_deg=149.0, rate_dps=0.0)), settings, 10.0)
+    assert fresh >= older >= least
+    near = replace(turn, heading=replace(heading, turned_deg=145.0))
+    assert power(near, settings, 10.0) > 0.0
+    assert power(near, settings, 10.3) == 0.0
+
+
 def test_the_power_of_late_turns_the_base_after_its_lag():
     settings = DriveSettings()
     heading = heading_view.HeadingView(trouble="", epoch="e", turned_deg=0.0, seen=10.0)
