@@ -248,9 +248,10 @@ def test_a_stop_ends_what_is_published_and_a_network_that_stumbles_is_no_rest_af
     client.say(**TWIST)
     with closing(Foxglove(url)) as other, closing(Publishing(client)) as publishing:
         until(lambda: moves(robot), what="driving")
+        publishing.longest_s = 0.0
         assert other.call("/stop")["code"] == 0
         until(lambda: not moves(robot), what="standing still")
-        publishing.longest_s, publishing.pause_s = 0.0, 0.35
+        publishing.pause_s = 0.35
         ends = time.monotonic() + 2.0
         moved = False
         while time.monotonic() < ends:

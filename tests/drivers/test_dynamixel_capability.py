@@ -275,6 +275,8 @@ def test_every_sweep_is_published_at_once(rig):
     rig.ctx.published.clear()
 
     def five_in_a_row():
+        for _ in range(20):
+            rig.step()
         sweeps = [state.sweep for state in rig.ctx.said("state")]
         return any(later - first == 4 for first, later in zip(sweeps, sweeps[4:], strict=False))
 

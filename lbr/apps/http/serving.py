@@ -26,8 +26,9 @@ from lbr.errors import InputError
 
 LOOK_S = 0.25
 LARGEST_HEAD = 16 * 1024
-LARGEST_BODY = 128 * 1024
-"""Of any request, read or not: twice what a handler takes, so that who sends a little too much reads why it is refused."""
+LARGEST_BODY = 512 * 1024
+"""Of any request, read or not: more than uvicorn holds (64 KiB) and one reading of asyncio (256 KiB) together, so that a request
+is answered before its body is too large."""
 MOST_UNREAD = 16 * 1024 * 1024
 """Of what still comes after an answer: it is thrown away, so that its sender reads the answer and not a reset."""
 MOST_PIECES = 256
