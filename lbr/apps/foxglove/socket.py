@@ -44,8 +44,8 @@ RESTED_S = 1.0
 """The same once somebody has stopped or taken it: a network that holds messages up for a moment is nobody's rest. Chosen: longer
 than a wireless network is usually silent."""
 STOPPED = frozenset({"stopped", "stopped_since", "taken_over", "estop", "dead_lease"})
-"""How motion ends that another has ended; `dead_lease` where a renewal is refused before that end is read."""
-"""Codes of an end that somebody wanted; what lapsed because a machine was busy begins anew as ever."""
+"""Codes of an end that somebody wanted, or may have: `dead_lease` where a renewal is refused before its end is read. What lapsed
+because a machine was busy begins anew as ever."""
 LOST_MS = 1500
 """What is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
 ALIVE_S = 0.25
