@@ -69,7 +69,7 @@ def board(tmp_path):
 
 
 def test_a_driver_that_hangs_is_killed_and_its_guard_holds_the_servos_then_brakes_then_lets_them_go(board):
-    process = driving(board, '{"hold_s": 0.2, "guard_silence_ms": 250}')
+    process = driving(board, '{"hold_s": 0.2, "guard_silence_ms": 1000}')
     process.send_signal(signal.SIGSTOP)
     until(lambda: board.braked)
     assert [one for one in board.packets if one[1] >> 5 == 6][:1] == [bytes.fromhex("FFDF207F")]

@@ -1,0 +1,25 @@
+"""Each part of lbr has a ceiling of lines; raising one needs a decision record (docs/decisions)."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+LBR = Path(__file__).parents[1] / "lbr"
+BUDGETS: dict[str, int] = tomllib.loads((Path(__file__).parent / "budgets.toml").read_text())
+
+
+def lines(part: str) -> int:
+    """Return the lines of Python in a part; `.` is what stands directly in the package."""
+    paths = LBR.glob("*.py") if part == "." else (LBR / part).rglob("*.py")
+    return sum(len(path.read_text().splitlines()) for path in paths)
+
+
+@pytest.mark.parametrize("part", BUDGETS)
+def test_a_part_keeps_within_its_budget(part: str) -> None:
+    assert lines(part) <= BUDGETS[part]
+
+
+def test_every_part_has_a_budget() -> None:
+    modules = {path.parent.relative_to(LBR).as_posix() for path in LBR.rglob("*.py")}
+    assert {name for name in modules if not any(f"{name}/".startswith(f"{part}/") for part in BUDGETS)} <= {"apps"}
