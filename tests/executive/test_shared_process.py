@@ -117,14 +117,11 @@ def robot(shared_home: Path) -> Iterator[Robot]:
 @pytest.fixture(autouse=True)
 def all_well(robot: Robot) -> None:
     """Each test begins with three that are ready, and no past: who has ended too often is given up."""
-
-    def well() -> bool:
-        for one in mates(robot):
-            if one["last_end"] and one["phase"] in {"ready", "failed"}:
-                robot.line(f"/restart/{one['name']}")
-        return [(one["phase"], one["last_end"]) for one in mates(robot)] == [("ready", "")] * 3
-
-    until(well, what="three that are ready")
+    until(lambda: len(mates(robot)) == 3)
+    for name in [one["name"] for one in mates(robot) if one["last_end"]]:
+        until(lambda: all(one["phase"] in {"ready", "failed"} for one in mates(robot)), what="an end of the last start")
+        robot.line(f"/restart/{name}")
+    until(lambda: all(one["phase"] == "ready" and not one["last_end"] for one in mates(robot)))
 
 
 def mates(robot: Robot) -> list[dict[str, Any]]:
