@@ -181,8 +181,8 @@ def test_a_client_that_is_killed_while_it_drives_leaves_wheels_that_stand(api):
         still = time.monotonic() + HEARTBEAT_S + 0.5
         until(lambda: time.monotonic() > still or not api.turns())
         assert api.turns(), "its polls keep it going"
-        client.send_signal(signal.SIGKILL)
         killed_ns = time.monotonic_ns()
+        client.send_signal(signal.SIGKILL)
         zero = api.trace.first_zero(killed_ns, HEARTBEAT_S + 3.0)
     assert zero is not None, "the wheels turn on"
     took_s = (zero.at_ns - killed_ns) * 1e-9
@@ -213,8 +213,8 @@ def test_it_speaks_hears_the_dock_and_switches_cameras(api):
 def test_the_server_that_is_killed_while_it_moves_the_base_leaves_it_standing(api):
     pid = api.robot.capability("web_api")["pid"]
     until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
-    os.kill(pid, signal.SIGKILL)
     killed_ns = time.monotonic_ns()
+    os.kill(pid, signal.SIGKILL)
     zero = api.trace.first_zero(killed_ns, 2.0)
     assert zero is not None
     assert (zero.at_ns - killed_ns) * 1e-9 <= 0.5 + SLACK_S

@@ -18,6 +18,7 @@ from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from uvicorn.server import ServerState
 from websockets.frames import CloseCode
+from websockets.protocol import State
 
 from lbr.apps.http import listening, names, peers
 from lbr.apps.http.listening import BUFFER_BYTES
@@ -99,8 +100,9 @@ class Viewing(WebSocketsSansIOProtocol):
         """Close it with the reason: the server ends."""
         if self.handshake_complete and not self.close_sent:
             self.queue.put_nowait({"type": "websocket.disconnect", "code": CloseCode.GOING_AWAY})
-            self.conn.send_close(CloseCode.GOING_AWAY, "the server ends")
-            self.transport.write(b"".join(self.conn.data_to_send()))
+            if self.conn.state is State.OPEN:  # else the viewer has begun to close
+                self.conn.send_close(CloseCode.GOING_AWAY, "the server ends")
+                self.transport.write(b"".join(self.conn.data_to_send()))
             self.close_sent = True
         super().shutdown()
 
