@@ -46,7 +46,7 @@ def outcome(found, asked, limit_s=5.0):
 @pytest.fixture(scope="module")
 def real():
     if not (shutil.which("espeak-ng") or needs.IN_CI):
-        pytest.skip("espeak-ng is not installed")
+        pytest.skip("espeak-ng is not installed here: sudo apt install espeak-ng")
     found = ready(Worker(time.monotonic))
     yield found
     found.close()

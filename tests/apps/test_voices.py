@@ -154,7 +154,7 @@ def test_rows_name_voices_and_nothing_else(wrong):
 @pytest.fixture
 def real(cloud):
     if not (shutil.which("espeak-ng") or needs.IN_CI):
-        pytest.skip("espeak-ng is not installed")
+        pytest.skip("espeak-ng is not installed here: sudo apt install espeak-ng")
     found = Worker(time.monotonic)
     until(lambda: (found.poll(), found.idle or found.trouble)[1])
     yield found

@@ -53,12 +53,12 @@ class Mate(Capability[NoSettings]):
 
     def command(self, call):
         what = call.message.what
+        if what.startswith("threads"):
+            threading.Thread.start = refused if what == "threads: none" else START
         call.reply(CommandReply(accepted=True, reason=f"{self.heard}"))
         if what.startswith("raise"):
             self.cannot_close = what == "raise twice"
             raise ValueError("out of cheese")
-        if what.startswith("threads"):
-            threading.Thread.start = refused if what == "threads: none" else START
         if what == "circle":
             while True:
                 pass
@@ -248,7 +248,7 @@ def test_who_gets_no_thread_to_begin_in_fails_alone_and_begins_once_there_is_one
     told = "crashed: RuntimeError: can't start new thread"
     until(lambda: any(one["name"] == "dan" and told in one["last_end"] for one in units(robot)))
     do(robot, "ann", "threads: as ever")
-    robot.line("/restart/dan")
+    assert robot.line("/restart/dan")["code"] == 0
     until(lambda: robot.capability("dan")["phase"] == "ready")
     assert pids(robot) == {**before, "dan": before["ann"]}
     robot.edit("DELETE FROM capability WHERE name = 'dan'")
