@@ -265,7 +265,7 @@ def _locked_within(fd: int, limit_s: float) -> bool:
 
 
 def _is_locked(path: Path, how: int = fcntl.LOCK_SH) -> bool:
-    """Say whether a robot has the lock; those who look share it, and are none for each other."""
+    """Say whether a robot has the lock; two processes that look at the same time share it."""
     try:
         fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError:

@@ -28,8 +28,8 @@ from lbr.errors import InputError
 LOOK_S = 0.25
 LARGEST_HEAD = 16 * 1024
 LARGEST_BODY = 512 * 1024
-"""Of any request, read or not: more than uvicorn holds (64 KiB) and one reading of asyncio (256 KiB) together, so that a request
-is answered before its body is too large."""
+"""Of any request. It exceeds what uvicorn holds (64 KiB) and one reading of asyncio (256 KiB) together: a request is answered before
+its body is too large."""
 MOST_UNREAD = 16 * 1024 * 1024
 """Of what still comes after an answer: it is thrown away, so that its sender reads the answer and not a reset."""
 MOST_PIECES = 256

@@ -105,7 +105,7 @@ def _counted(way: RangeGoal, odometry: OdometryView, ahead_mps: float, elapsed_s
 
 
 def _marked(way: RangeGoal, mark: Mark) -> RangeGoal:
-    kept = tuple(one for one in way.marks if one[0] > mark[0] - KEPT_S) or way.marks[-1:]
+    kept = tuple(earlier for earlier in way.marks if earlier[0] > mark[0] - KEPT_S) or way.marks[-1:]
     return replace(way, marks=(*kept, mark), error_m=way.error_m + DRIFT * abs(mark[1] - way.marks[-1][1]))
 
 
