@@ -27,6 +27,7 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # a robot is ten processes, and
 sys.dont_write_bytecode = False
 os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = "unix:path=/nonexistent"  # no test may power this machine off
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored, in children too
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # `nohup` has it ignored, in children too
 
 LEFT = "left"
 ENDS_S = 2.0
