@@ -8,6 +8,8 @@ from pathlib import Path
 from threading import Event, Thread
 from typing import Any
 
+import pytest
+
 from lbr.bus import keys, session, wire
 from lbr.executive.service import emergency
 from lbr.executive.service.emergency import Emergency
@@ -21,6 +23,7 @@ class LastGoodCopy:
     def __init__(self, endpoint: str) -> None:
         self.saved: list[tuple[bool, str]] = []
         self.news: list[tuple[str, str]] = []
+        self.woken = 0
         self.kept = Emergency(
             "lbr",
             lambda: session.open_client([endpoint]),
@@ -31,7 +34,7 @@ class LastGoodCopy:
             happened=lambda kind, _subject, text, _level: self.news.append((kind, text)),
             trouble=lambda *_trouble: None,
             reset=lambda _request: None,
-            wake=lambda: None,
+            wake=self._wake,
         )
         self._end = Event()
         self._thread = Thread(target=self._turn)
@@ -41,6 +44,9 @@ class LastGoodCopy:
         self._end.set()
         self._thread.join()
         self.kept.close()
+
+    def _wake(self) -> None:
+        self.woken += 1
 
     def _turn(self) -> None:
         while not self._end.wait(0.001):
@@ -53,6 +59,9 @@ def keeper(tmp_path: Path) -> Iterator[tuple[LastGoodCopy, session.Session]]:
     with session.open_router(session.Router(listen=(endpoint,))), session.open_client([endpoint]) as bus:
         kept = LastGoodCopy(endpoint)
         try:
+            until(
+                lambda: wire.ask(bus, keys.estop("lbr"), b"", source="tester", timeout_s=0.5), what="a press reaches it"
+            )
             yield kept, bus
         finally:
             kept.close()
@@ -109,6 +118,26 @@ def test_what_was_written_before_another_pressed_it_releases_nothing(tmp_path: P
         assert why_not.code == "stopped_since"
         assert robot.kept.state().engaged
         assert released(robot)
+        del release
+
+
+@pytest.mark.parametrize("when", ["before the movers are asked", "while they answer"])
+def test_a_press_that_comes_during_a_release_wins(tmp_path: Path, monkeypatch: Any, when: str) -> None:
+    with keeper(tmp_path) as (robot, bus):
+
+        def press() -> dict[str, bool]:
+            before = robot.woken
+            bus.put(keys.estop("lbr"), json.dumps({"engaged": True, "reason": "a ladder"}))
+            until(lambda: robot.woken > before, what="it has come")
+            return {"accepted": True}
+
+        first = when == "before the movers are asked"
+        release = releasing(bus) if first else wire.ComputedReply(bus, keys.estop_release("lbr", "motors"), press)
+        press()
+        if first:
+            monkeypatch.setattr(emergency.time, "sleep", lambda _seconds: press())
+        assert not released(robot)
+        assert robot.kept.state().engaged
         del release
 
 

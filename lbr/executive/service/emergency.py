@@ -127,12 +127,12 @@ class Emergency:
         What was written before another than `source` pressed it releases nothing. A press that comes meanwhile wins: what
         was released already is latched again. Waits for the disk, unless that fails or takes half a second. A stop is never so short that a stream of commands has not met it.
         """
-        at, who = self._halts.by_others(source)
+        with self._changed:
+            presses, (at, who) = self._count, self._halts.by_others(source)
         if not written_s > at:  # this way round, NaN was written too early
             return Reason("stopped_since", f"{STOPPED_SINCE}by {who}")
         time.sleep(max(0.0, min(SHORTEST_S, self._latched_at + SHORTEST_S - time.monotonic())))
         with self._changed:
-            presses = self._count
             self._releasing += 1  # a repetition now would latch again what has just been released
         try:
             why_not = self._release(source)
