@@ -122,25 +122,25 @@ class _Lingering:
     too: who is closed with something unread is told nothing but that, not even the answer before it."""
 
     def __init__(self, transport: asyncio.Transport, linger: Callable[[], bool]) -> None:
-        self._transport = transport
+        self.transport = transport
         self._linger = linger
         self.lingers = False
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._transport, name)
+        return getattr(self.transport, name)
 
     def is_closing(self) -> bool:
         """Say whether nothing more is written."""
-        return self.lingers or self._transport.is_closing()
+        return self.lingers or self.transport.is_closing()
 
     def close(self) -> None:
         """Write what is to be written, and end."""
-        if self.is_closing() or not self._transport.can_write_eof() or not self._linger():
-            self._transport.close()
+        if self.is_closing() or not self.transport.can_write_eof() or not self._linger():
+            self.transport.close()
             return
         self.lingers = True
-        self._transport.write_eof()
-        self._transport.resume_reading()
+        self.transport.write_eof()
+        self.transport.resume_reading()
 
 
 class Connection(H11Protocol):
@@ -226,8 +226,13 @@ class Connection(H11Protocol):
             super().connection_lost(exc)
 
     def handle_websocket_upgrade(self, event: Any) -> None:
-        """Leave the connection to the WebSocket; it asks until who answers it calls it `watching`."""
+        """Leave the connection to the WebSocket; it asks until who answers it calls it `watching`.
+
+        A WebSocket ends by a message, so that its transport does not listen on once it is closed.
+        """
         self._marked = self
+        if self._lingering is not None:
+            self.transport = self._lingering.transport
         self._to("asking")
         super().handle_websocket_upgrade(event)
 
