@@ -13,7 +13,10 @@ from lbr.messages.leases import CommandReply
 
 
 class OverSession:
-    """Asks by a session on the bus: `keys` says which key each request goes to."""
+    """Asks by a session on the bus: `keys` says which key each request goes to.
+
+    `wanted_s`: since when the motion is wanted, on this clock; what was stopped by another since is not begun again.
+    """
 
     def __init__(
         self,
@@ -23,19 +26,30 @@ class OverSession:
         *,
         wake: Callable[[], None] = lambda: None,
         clock: Callable[[], float] = time.monotonic,
+        wanted_s: float | None = None,
     ) -> None:
         self.clock = clock
         self._session = session
         self._source = source
         self._keys = keys
         self._wake = wake
+        self._wanted_s = wanted_s
 
     def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
         """Ask; the answer is a `CommandReply`."""
         payload = wire.encode(message)
         key = self._keys[request]
+        waited_s = 0.0 if self._wanted_s is None else self.clock() - self._wanted_s
         return _Question(
-            wire.PendingQuery(self._session, key, payload, timeout_s=timeout_s, source=self._source, wake=self._wake)
+            wire.PendingQuery(
+                self._session,
+                key,
+                payload,
+                timeout_s=timeout_s,
+                source=self._source,
+                waited_s=waited_s,
+                wake=self._wake,
+            )
         )
 
 

@@ -3,6 +3,7 @@
 import json
 import time
 from collections.abc import Callable, Iterable, Mapping
+from math import inf
 from typing import Any
 
 import msgspec
@@ -142,8 +143,10 @@ class StageBus:
         wake()
         return Question(key, self.answers.get(key, _stops)(said))
 
-    def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> "Lent":
-        return Lent(self.lent, source, dict(keys), wake)
+    def transport(
+        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], wanted_s: float = inf
+    ) -> "Lent":
+        return Lent(self.lent, source, dict(keys), wake, wanted_s)
 
     def say(self, name: str, message: Any) -> None:
         """Publish on a key below the robot's name."""
@@ -176,15 +179,18 @@ class Lender:
         self.moves: list[tuple[float, str, Any]] = []
         self.halts: list[tuple[float, str, Any]] = []
         self.until = 0.0
+        self.stopped_s = -inf
         self._count = 0
 
-    def ask(self, source: str, request: str, message: Any) -> CommandReply | None:
+    def ask(self, source: str, request: str, message: Any, wanted_s: float = inf) -> CommandReply | None:
         now = self.clock()
         if request.endswith("stop"):
             self.halts.append((now, source, message))
             self.holder = ""
             return CommandReply(accepted=True)
         self.moves.append((now, source, dict(message)))
+        if not wanted_s > self.stopped_s:
+            return CommandReply(accepted=False, code="stopped_since", reason="stopped after this was wanted")
         if self.refusal is not None:
             return self.refusal
         if self.holder and now < self.until and self.holder != source:
@@ -205,14 +211,16 @@ class Lender:
 class Lent:
     """By what one source borrows."""
 
-    def __init__(self, lender: Lender, source: str, keys: dict[str, str], wake: Callable[[], None]) -> None:
-        self._lender, self._source, self._keys, self._wake = lender, source, keys, wake
+    def __init__(
+        self, lender: Lender, source: str, keys: dict[str, str], wake: Callable[[], None], wanted_s: float
+    ) -> None:
+        self._lender, self._source, self._keys, self._wake, self._wanted_s = lender, source, keys, wake, wanted_s
 
     def ask(self, request: str, message: Any, timeout_s: float) -> Reply:
         del timeout_s
         plain = msgspec.to_builtins(message)
         self._wake()
-        return Reply(self._lender.ask(self._source, self._keys[request], plain))
+        return Reply(self._lender.ask(self._source, self._keys[request], plain, self._wanted_s))
 
     def clock(self) -> float:
         return self._lender.clock()

@@ -29,17 +29,17 @@ class Bench:
     def _patience_s(self, wanted):
         return BOUNDED_S if wanted.to == "motions/play" else SILENT_S
 
-    def _transport(self, source, keys):
+    def _transport(self, source, keys, wanted_s):
         if self.lost:
             raise BusError("the bus is away")
-        return Lent(self.lender, source, dict(keys), lambda: None)
+        return Lent(self.lender, source, dict(keys), lambda: None, wanted_s)
 
     def _keys(self, wanted):
         return {"motion": f"r/{wanted.to}", "halt": f"r/{wanted.capability}/stop"}
 
-    def hand(self, source="web:phone", may=lambda _wanted: None):
+    def hand(self, source="web:phone", may=lambda _wanted: None, **how):
         told = []
-        found = Hand(source, may, told.append)
+        found = Hand(source, may, told.append, **how)
         found.told = told
         self.holds.add(found)
         return found
@@ -89,6 +89,39 @@ def test_a_silent_page_is_released_within_a_round_of_its_time(bench):
     assert stop["lost"]
     assert not bench.lender.moving
     assert (last(hand).holds, last(hand).code) == (False, "lapsed")
+
+
+def test_a_page_that_was_silent_moves_nothing_until_it_begins_anew(bench):
+    hand = bench.hand()
+    for n, moves in ((1, True), (1, False), (2, True)):
+        bench.want(hand, n)
+        assert bench.lender.moving is moves
+        bench.run(2 * SILENT_S)
+
+
+def test_a_hand_that_resumes_goes_on_after_a_silence(bench):
+    hand = bench.hand(resumes=True)
+    for _ in range(3):
+        bench.want(hand, 1)
+        assert bench.lender.moving
+        bench.run(2 * SILENT_S)
+        assert (bench.lender.moving, last(hand).code) == (False, "lapsed")
+
+
+@pytest.mark.parametrize("silent_s", [0.0, 2 * SILENT_S])
+def test_a_hand_that_resumes_does_not_go_on_with_what_another_has_stopped_meanwhile(bench, silent_s):
+    """Also where the silence comes before its end was read: the mover refuses what was wanted before a stop"""
+    hand = bench.hand(resumes=True)
+    bench.want(hand, 1)
+    bench.lender.holder, bench.lender.stopped_s = "", bench.now
+    bench.run(silent_s)
+    for _ in range(5):
+        bench.want(hand, 1)
+        assert not bench.lender.moving
+        bench.run(2 * SILENT_S)
+    assert [news.code for news in hand.told if not news.holds][-1] == "stopped_since"
+    bench.want(hand, 2)
+    assert bench.lender.moving
 
 
 def test_nothing_is_renewed_for_a_silent_page(bench):
@@ -239,8 +272,8 @@ def test_a_bus_that_is_away_is_told_and_moves_nothing(bench):
 
 def test_one_that_was_not_granted_yet_is_given_up_when_it_is(bench):
     hand, answer = bench.hand(), Unanswered()
-    lent, asked = bench._transport("web:phone", bench._keys(Wanted(to="drive/command", n=1))), []
-    bench._transport = lambda _source, _keys: lent
+    lent, asked = bench._transport("web:phone", bench._keys(Wanted(to="drive/command", n=1)), bench.now), []
+    bench._transport = lambda _source, _keys, _wanted_s: lent
     bench.holds._transport = bench._transport
     lent.ask, ask = (lambda *said: asked.append(said) or answer), lent.ask
     bench.want(hand, 1)

@@ -38,14 +38,9 @@ STALLED_S = 5.0
 STALLED, TALKS = 1013, 1008
 SAID_HZ, SAID_AT_ONCE = 150.0, 300.0
 MOST_CALLS, MOST_NEWS = 8, 256
-FRESH_S = 0.25
-"""Motion that is published this long after the last begins anew."""
 RESTED_S = 1.0
-"""The same once somebody has stopped or taken it: a network that holds messages up for a moment is nobody's rest. Chosen: longer
-than a wireless network is usually silent."""
-STOPPED = frozenset({"stopped", "stopped_since", "taken_over", "estop", "dead_lease"})
-"""Codes of an end that somebody wanted, or may have: `dead_lease` where a renewal is refused before its end is read. What lapsed
-because a machine was busy begins anew as ever."""
+"""Motion that is published this long after the last begins anew. What comes sooner goes on with what was: a network that holds
+messages up for a moment is nobody's rest. Chosen: longer than a wireless network is usually silent."""
 LOST_MS = 1500
 """What is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
 ALIVE_S = 0.25
@@ -99,10 +94,11 @@ class Viewer:
         self._calls: set[asyncio.Task[None]] = set()
         self._stops: set[asyncio.Task[None]] = set()
         self._woken = asyncio.Event()
-        self._hand = Hand(source_of(client), served.api.may(client), self._tell_from_loop, whose="Foxglove")
+        self._hand = Hand(
+            source_of(client), served.api.may(client), self._tell_from_loop, whose="Foxglove", resumes=True
+        )
         self._has_hand = False
         self._push, self._pushed_s, self._pushed_to = 0, 0.0, ""
-        self._rest_s = FRESH_S
         self._often = Bucket(SAID_HZ, self._loop.time(), SAID_AT_ONCE)
 
     async def serve(self, web: WebSocket, receive: Receive, name: str) -> None:
@@ -317,9 +313,8 @@ class Viewer:
 
     def _hold(self, to: str, message: dict[str, Any]) -> None:
         now = self._served.api.now()
-        if self._hand.said.wanted is None or now - self._pushed_s > self._rest_s or to != self._pushed_to:
+        if self._hand.said.wanted is None or now - self._pushed_s > RESTED_S or to != self._pushed_to:
             self._push += 1
-            self._rest_s = FRESH_S
         self._pushed_s, self._pushed_to = now, to
         self._hand.hold(Wanted(to=to, message=message, n=self._push), now)
         if not self._has_hand:
@@ -366,8 +361,6 @@ class Viewer:
         """Have it told how it stands with motion; from the capability's loop."""
         if news.holds or not news.reason:
             return
-        if news.code in STOPPED:
-            self._rest_s = RESTED_S
         held = f" (held by {news.holder})" if news.holder else ""
         with suppress(RuntimeError):  # the server has ended
             self._loop.call_soon_threadsafe(

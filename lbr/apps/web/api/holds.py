@@ -60,9 +60,10 @@ class HoldNews(Struct, frozen=True, kw_only=True):
 
 
 class Said(Struct, frozen=True, kw_only=True):
-    """The last word of a page: what it wants, and when it said so; `rests` counts how often it released."""
+    """The last word of a page: what it wants, since when, and when it said so; `rests` counts how often it released."""
 
     wanted: Wanted | None = None
+    since: float = nan
     at: float = nan
     rests: int = 0
     gone: bool = False
@@ -72,6 +73,8 @@ class Hand:
     """A page's hand on the robot: `said` is written by its socket, all else by the loop.
 
     `may` says why what is wanted is not for this page; `tell` is called for news; `whose` names what has the hand.
+    Motion that lapsed is over for a page, which knows of it. A hand that `resumes` may go on with the same number, under the
+    date at which it was first wanted: the mover refuses that if the robot was stopped since.
     """
 
     def __init__(
@@ -80,9 +83,12 @@ class Hand:
         may: Callable[[Wanted], Reason | None],
         tell: Callable[[HoldNews], None],
         whose: str = "the page",
+        *,
+        resumes: bool = False,
     ) -> None:
         self.source = source
         self.whose = whose
+        self.resumes = resumes
         self.may = may
         self.tell = tell
         self.said = Said()
@@ -96,7 +102,9 @@ class Hand:
 
     def hold(self, wanted: Wanted, at: float) -> None:
         """Want motion."""
-        self.said = replace(self.said, wanted=wanted, at=at)
+        before = self.said.wanted
+        since = self.said.since if before is not None and before.n == wanted.n else at
+        self.said = replace(self.said, wanted=wanted, since=since, at=at)
 
     def keep(self, n: int, at: float) -> None:
         """Go on wanting what has that number."""
@@ -107,18 +115,22 @@ class Hand:
         """Want no motion; `gone`: never again."""
         self.said = Said(rests=self.said.rests + 1, gone=gone or self.said.gone)
 
+    def over(self, why: Reason) -> bool:
+        """Return whether an end for this reason leaves nothing to go on with."""
+        return why.code != "cancelled" and not (self.resumes and why.code == "lapsed")
+
 
 class Holds:
     """Every hand there is; all but `add` is for the loop.
 
-    `transport` is by what motion is borrowed in a source's name; `keys` are those of a held command (`motion`) and of the
+    `transport` is by what motion is borrowed in a source's name that was wanted at a time; `keys` are those of a held command (`motion`) and of the
     stop of its capability (`halt`, if it has one). `patience_s` says for how long a page may be silent while that which it
     wants goes on; what it does not hold begins by a word of the last `SILENT_S` alone.
     """
 
     def __init__(
         self,
-        transport: Callable[[str, Mapping[str, str]], Transport],
+        transport: Callable[[str, Mapping[str, str], float], Transport],
         keys: Callable[[Wanted], Mapping[str, str]],
         clock: Callable[[], float] = time.monotonic,
         patience_s: Callable[[Wanted], float] = lambda _wanted: SILENT_S,
@@ -206,7 +218,7 @@ class Holds:
             keys = self._keys(wanted)
             target = LeaseTarget("motion", halt="halt" if "halt" in keys else "")
             with self._bus_of(hand):
-                hand.lease = LeaseClient(self._transport(hand.source, keys), target, wanted.message)
+                hand.lease = LeaseClient(self._transport(hand.source, keys, hand.said.since), target, wanted.message)
 
     def _keep(self, hand: Hand, lease: LeaseClient, wanted: Wanted) -> None:
         hand.wanted = wanted
@@ -220,7 +232,7 @@ class Holds:
         lease, hand.lease = hand.lease, None
         if lease is None:
             return
-        if hand.wanted is not None and why.code != "cancelled":
+        if hand.wanted is not None and hand.over(why):
             hand.over_n = hand.wanted.n
         if lease.accepted is None:
             self._leaving.append((lease, why.text, lost))
@@ -243,8 +255,10 @@ class Holds:
         return lease.ended is not None
 
     def _refuse(self, hand: Hand, why: Reason) -> None:
-        hand.over_n, hand.refused_s = _number(hand), self._clock()
-        hand.ended = why if why.code in ENDED_BY_OTHERS else None
+        hand.refused_s = self._clock()
+        if hand.over(why):
+            hand.over_n = _number(hand)
+            hand.ended = why if why.code in ENDED_BY_OTHERS else None
         self._tell(hand, HoldNews(n=_number(hand), holds=False, code=why.code, reason=why.text, holder=why.holder))
 
     @contextmanager

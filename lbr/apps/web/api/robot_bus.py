@@ -47,7 +47,9 @@ class Bus(Protocol):
     ) -> Question:
         """Ask by a query what has waited here for so long, and was said at `sent_s`; BusError if that cannot be sent."""
 
-    def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> Transport:
+    def transport(
+        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], wanted_s: float | None = None
+    ) -> Transport:
         """Return by what motion is borrowed: `keys` by request."""
 
     def close(self) -> None:
@@ -87,9 +89,11 @@ class RobotBus:
             wake=wake,
         )
 
-    def transport(self, source: str, keys: Mapping[str, str], wake: Callable[[], None]) -> Transport:
-        """Return by what motion is borrowed."""
-        return OverSession(self._session, source, keys, wake=wake)
+    def transport(
+        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], wanted_s: float | None = None
+    ) -> Transport:
+        """Return by what motion is borrowed that is wanted since then; since it is asked, if that is not known."""
+        return OverSession(self._session, source, keys, wake=wake, wanted_s=wanted_s)
 
     def close(self) -> None:
         """Leave the bus."""

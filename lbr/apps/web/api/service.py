@@ -172,10 +172,10 @@ class Api:
         found = {"motion": self._key(wanted.to)}
         return found | ({"halt": self._key(stop)} if self.known is not None and stop in self.known.commands else {})
 
-    def _transport(self, source: str, wanted: Mapping[str, str]) -> Transport:
+    def _transport(self, source: str, wanted: Mapping[str, str], wanted_s: float) -> Transport:
         if self._bus is None:
             raise BusError(NO_BUS)
-        return self._bus.transport(source, wanted, self._robot.ctx.wake)
+        return self._bus.transport(source, wanted, self._robot.ctx.wake, wanted_s)
 
     def _key(self, name: str) -> str:
         system = {STATUS: keys.status, EVENT: keys.event}
