@@ -23,8 +23,9 @@ class OnTerminal:
     """The program, and the person's end of its terminal."""
 
     def __init__(self, home: Path, argv: Sequence[str], *, answers: bool = True) -> None:
-        self.said = b""
+        self.said = bytearray()
         self._answers = answers
+        self._asked_from = 0
         self._reading = threading.Event()
         self._reading.set()
         self._master, slave = os.openpty()
@@ -40,12 +41,12 @@ class OnTerminal:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
-    def wait_for(self, text: bytes, limit_s: float = 8.0) -> None:
-        """Wait until the program has shown this."""
+    def wait_for(self, text: bytes, limit_s: float = 8.0, *, start: int = 0) -> None:
+        """Wait until the program has shown this, beyond its first `start` bytes."""
         end = time.monotonic() + limit_s
-        while text not in self.said:
+        while self.said.find(text, start) < 0:
             if time.monotonic() > end or self.popen.poll() is not None:
-                raise AssertionError(f"the terminal never showed {text!r}: {self.said[-500:]!r}")
+                raise AssertionError(f"the terminal never showed {text!r}: {bytes(self.said[-500:])!r}")
             select.select([], [], [], 0.02)
 
     def type(self, keys: bytes) -> None:
@@ -86,9 +87,13 @@ class OnTerminal:
                 ready, _, _ = select.select([self._master], [], [], 0.1)
                 self._reading.wait()
                 if ready:
-                    data = os.read(self._master, 4096)
-                    self.said = (self.said + data)[-20000:]
-                    if self._answers and WHERE_IS_THE_CURSOR in data:
-                        os.write(self._master, CURSOR_IS_HERE)
+                    self.said += os.read(self._master, 4096)
+                    self._answer()
             except (OSError, ValueError):
                 return
+
+    def _answer(self) -> None:
+        """Answer each question once all of it has been read."""
+        while self._answers and (asked := self.said.find(WHERE_IS_THE_CURSOR, self._asked_from)) >= 0:
+            self._asked_from = asked + len(WHERE_IS_THE_CURSOR)
+            os.write(self._master, CURSOR_IS_HERE)
