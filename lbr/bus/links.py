@@ -35,10 +35,7 @@ class Links:
 
     def take(self) -> list[Coming]:
         """Return what happened since the last call, oldest first."""
-        taken = []
-        while self._slots:
-            taken.append(self._slots.popleft())
-        return taken
+        return wire.drained(self._slots)
 
     def close(self) -> None:
         """Note nothing any more."""

@@ -46,10 +46,7 @@ class Arrivals:
 
     def take(self) -> list[Arrival]:
         """Return the arrivals since the last call, oldest first."""
-        taken = []
-        while self._slots:
-            taken.append(self._slots.popleft())
-        return taken
+        return wire.drained(self._slots)
 
     def close(self) -> None:
         """Stop listening."""

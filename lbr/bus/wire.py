@@ -1,6 +1,7 @@
 """Publishing, receiving, answering and asking: thin, so that nothing but a slot write happens on Zenoh's threads."""
 
 import contextlib
+import functools
 import os
 import re
 import threading
@@ -8,7 +9,7 @@ import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 import zenoh
@@ -25,6 +26,7 @@ JSON = zenoh.Encoding.APPLICATION_JSON
 JPEG = zenoh.Encoding.IMAGE_JPEG
 MAX_COMMAND_BYTES = 64 * 1024
 MAX_WAITING_COMMANDS = 64
+T = TypeVar("T")
 encode = msgspec.json.Encoder().encode
 
 
@@ -42,6 +44,14 @@ def raw(sample: zenoh.Sample) -> RawMessage:
     attachment = sample.attachment
     taken = attachment.to_bytes() if attachment is not None else b""
     return RawMessage(str(sample.key_expr), sample.payload.to_bytes(), taken, time.monotonic())
+
+
+def drained(slots: deque[T]) -> list[T]:
+    """Take all that waits, oldest first, while another thread may add to it."""
+    taken = []
+    while slots:
+        taken.append(slots.popleft())
+    return taken
 
 
 def plain(err: Exception) -> str:
@@ -174,10 +184,7 @@ class Subscription:
 
     def take(self) -> list[RawMessage]:
         """Return what arrived since the last call, oldest first."""
-        taken = []
-        while self._slots:
-            taken.append(self._slots.popleft())
-        return taken
+        return drained(self._slots)
 
     def close(self) -> None:
         """Stop receiving."""
@@ -267,11 +274,7 @@ class CommandQueue:
 
     def take(self) -> list[Request]:
         """Return the waiting requests, oldest first; before them those that quote the lease that is served first."""
-        taken = []
-        for waiting in (self._waiting_first, self._waiting):
-            while waiting:
-                taken.append(waiting.popleft())
-        return taken
+        return drained(self._waiting_first) + drained(self._waiting)
 
     def queue(self, request: Request) -> None:
         """Have a request wait, or refuse it where there is no room."""
@@ -505,25 +508,6 @@ class Presence:
         self._changed(name, alive)
 
 
-class StaticReply:
-    """A key that answers every query with the same document, made when first asked for."""
-
-    def __init__(self, session: zenoh.Session, key: str, make: Callable[[], Any]) -> None:
-        self._key = key
-        self._make = make
-        self._payload = b""
-        self._queryable = session.declare_queryable(key, direct(self._answer), complete=True)
-
-    def _answer(self, query: zenoh.Query) -> None:
-        with query:
-            self._payload = self._payload or encode(self._make())
-            query.reply(self._key, self._payload, encoding=JSON)
-
-    def close(self) -> None:
-        """Answer no more."""
-        self._queryable.undeclare()
-
-
 class ComputedReply:
     """A key that answers every query with what `make` returns at that moment; `make` must be quick and thread-safe."""
 
@@ -535,3 +519,14 @@ class ComputedReply:
     def _answer(self, query: zenoh.Query) -> None:
         with query:
             query.reply(self._key, encode(self._make()), encoding=JSON)
+
+
+class StaticReply(ComputedReply):
+    """A key that answers every query with the same document, made when first asked for."""
+
+    def __init__(self, session: zenoh.Session, key: str, make: Callable[[], Any]) -> None:
+        super().__init__(session, key, functools.cache(lambda: msgspec.Raw(encode(make()))))
+
+    def close(self) -> None:
+        """Answer no more."""
+        self._queryable.undeclare()

@@ -121,12 +121,10 @@ def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Pa
 def _shown(end: tuple[str, int], family: int) -> str:
     """Return an address and port as the kernel's tables have them; empty if the family has no such address."""
     ip = names.plain(end[0])
-    if ip is None:
+    if ip is None or (family == socket.AF_INET and ip.version != 4):
         return ""
     packed = ip.packed
     if family == socket.AF_INET6 and ip.version == 4:
         packed = b"\0" * 10 + b"\xff\xff" + packed
-    elif family == socket.AF_INET and ip.version != 4:
-        return ""
     words = struct.unpack(f"={len(packed) // 4}I", packed)
     return f"{''.join(f'{word:08X}' for word in words)}:{end[1]:04X}"

@@ -147,6 +147,7 @@ class Connection(H11Protocol):
     """A connection that holds little, so that a slow one gets what is newer, and that says in its slot what it does."""
 
     transport: asyncio.Transport
+    _lingering: _Lingering
 
     def __init__(
         self, config: uvicorn.Config, state: ServerState, slots: Slots, loop: asyncio.AbstractEventLoop
@@ -161,7 +162,6 @@ class Connection(H11Protocol):
         self._slot: Slot | None = None
         self._early = b""
         self._marked: object = None
-        self._lingering: _Lingering | None = None
         self._unread = 0
 
     def begin(self, transport: asyncio.Transport, slot: Slot) -> None:
@@ -196,7 +196,7 @@ class Connection(H11Protocol):
         if self._slot is None:
             self._early += data
             return
-        if self._lingering is not None and self._lingering.lingers:
+        if self._lingering.lingers:
             self._unread += len(data)
             if self._unread > MOST_UNREAD:
                 self.transport.abort()
@@ -231,8 +231,7 @@ class Connection(H11Protocol):
         A WebSocket ends by a message, so that its transport does not listen on once it is closed.
         """
         self._marked = self
-        if self._lingering is not None:
-            self.transport = self._lingering.transport
+        self.transport = self._lingering.transport
         self._to("asking")
         super().handle_websocket_upgrade(event)
 

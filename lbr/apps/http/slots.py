@@ -83,7 +83,6 @@ def _victim(held: list[Slot]) -> Slot:
     for phases in _CUT_FIRST:
         found = [one for one in held if one.phase in phases]
         if found:
-            most = Counter(one.who for one in found).most_common(1)[0][1]
-            many = {who for who, count in Counter(one.who for one in found).items() if count == most}
-            return min((one for one in found if one.who in many), key=lambda one: one.since)
+            counts = Counter(one.who for one in found)
+            return min(found, key=lambda one: (-counts[one.who], one.since))
     return min(held, key=lambda one: one.since)

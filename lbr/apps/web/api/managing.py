@@ -5,13 +5,9 @@ from typing import Annotated, Any, Literal, Protocol
 from msgspec import Meta, Struct
 from starlette.responses import Response
 
-from lbr.apps.web.api.requests import source_of
+from lbr.apps.web.api.requests import answered, payload_of, source_of
 from lbr.apps.web.api.robot_bus import Question
-from lbr.apps.web.bridge import until
-from lbr.apps.web.face import Refused, Request, Route, json
-from lbr.bus import codec
-from lbr.bus.wire import encode
-from lbr.errors import MalformedError
+from lbr.apps.web.face import Request, Route, json
 from lbr.messages.manage import (
     MOST_CHANGES,
     MOST_EVENTS,
@@ -139,18 +135,9 @@ class Managing:
         return await self._ask(request, LookAtEvents(subject=wanted.subject, level=wanted.level, limit=wanted.limit))
 
     async def _ask(self, request: Request, command: Any) -> Response:
-        try:
-            payload = encode(command)
-        except (OverflowError, RecursionError) as err:
-            raise Refused(400, f"this cannot be passed on: {err}") from None
-        question = self._robot.manage(payload, source=source_of(request.client), timeout_s=ANSWER_S)
-        await until(lambda: question.done or bool(question.replies))
-        if not question.replies:
-            raise Refused(503, f"the robot did not answer within {ANSWER_S:g} s", {"Retry-After": "1"}, "timeout")
-        try:
-            answer = codec.decode(question.replies[0].payload)
-        except MalformedError as err:
-            raise Refused(503, f"the answer cannot be read: {err}", code="malformed") from None
+        source = source_of(request.client)
+        question = self._robot.manage(payload_of(command), source=source, timeout_s=ANSWER_S)
+        answer = await answered(question, ANSWER_S)
         if answer.get("accepted"):
             return json(answer)
         code = str(answer.get("code") or "refused")

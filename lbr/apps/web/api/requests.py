@@ -178,7 +178,7 @@ class Requests:
         if command is None:
             raise Refused(404, f"there is no command '{name[:81]}' on this robot; GET /api names them")
         request.require(command.role)
-        source, payload = source_of(request.client), _payload(asked)
+        source, payload = source_of(request.client), payload_of(asked)
         capability, _, asks = name.partition("/")
         if asks == STOP:
             self._robot.stopped(request.came_s, capability)
@@ -200,23 +200,25 @@ class Requests:
             self._robot.stopped(request.came_s)
         said = AT_ONCE if stops else self._robot.said(request.came_s)
         question = self._robot.line(line, role=role, source=source_of(request.client), timeout_s=LINE_S, said=said)
-        await until(lambda: question.done or bool(question.replies))
-        if not question.replies:
-            raise Refused(503, f"the robot did not answer within {LINE_S:g} s", {"Retry-After": "1"}, "timeout")
-        answer = _decoded(question.replies[0])
+        answer = await answered(question, LINE_S)
         return json(answer, 200, Reason_Code=_code(answer.get("reason_code", "")))
 
     async def _why(self, request: Request) -> Response:
         part = request.keys.get("part", "")[:LONGEST_PART]
         line, role = f"/why/{part}" if part else "why", request.client.role or "view"
         question = self._robot.line(line, role=role, source=source_of(request.client), timeout_s=WHY_S)
-        await until(lambda: question.done or bool(question.replies))
-        if not question.replies:
-            raise Refused(503, f"the robot did not answer within {WHY_S:g} s", {"Retry-After": "1"}, "timeout")
-        answer = _decoded(question.replies[0])
+        answer = await answered(question, WHY_S)
         if answer.get("code") != 0:
             raise Refused(404, str(answer.get("text", "")), code="unknown_name")
         return json(answer.get("data"))
+
+
+async def answered(question: Question, within_s: float) -> dict[str, Any]:
+    """Return what the robot answers; Refused (503) if that does not come in time, or cannot be read."""
+    await until(lambda: question.done or bool(question.replies))
+    if not question.replies:
+        raise Refused(503, f"the robot did not answer within {within_s:g} s", {"Retry-After": "1"}, "timeout")
+    return _decoded(question.replies[0])
 
 
 def source_of(client: Client) -> str:
@@ -229,7 +231,8 @@ def _name(request: Request) -> str:
     return f"{request.keys['capability']}/{request.keys['name']}".lower()
 
 
-def _payload(message: dict[str, Any]) -> bytes:
+def payload_of(message: Any) -> bytes:
+    """Return a message as it is passed on; Refused (400) for what JSON cannot say."""
     try:
         return encode(message)
     except (OverflowError, RecursionError) as err:

@@ -1,6 +1,7 @@
 """The API as the capability's loop runs it: knows what the robot is, asks it, and looks after what pages hold."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import TypeVar
 
@@ -208,12 +209,10 @@ class Api:
         if self._asked is None and now >= self._ask_at and (self.known is None or run != self._described):
             self._ask_at = now + AGAIN_S
             key = keys.console_of_pages(self._robot.name, "view")
-            try:
+            with suppress(BusError):
                 self._asked = bus.ask(
                     key, REPORT, source=self._robot.ctx.name, timeout_s=REPORT_S, wake=self._robot.ctx.wake
                 )
-            except BusError:
-                self._asked = None
 
     def _take(self, asked: Question) -> None:
         told = _read(_reports, asked.replies[0].payload) if asked.replies else None

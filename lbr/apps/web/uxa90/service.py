@@ -39,8 +39,8 @@ class Service:
         self.buttons = ButtonTable(robot.buttons)
         self.jobs = Jobs()
         self._robot = robot
-        self._mover = MotorClient(robot, self._lost)
-        self._player = Player(robot, self._lost)
+        self._mover = MotorClient(robot, self._drop)
+        self._player = Player(robot, self._drop)
         self._stopped_s: float | None = None
         self._looked = False
         self._stepped = inf
@@ -202,9 +202,6 @@ class Service:
             self._drop("the emergency stop was pressed")
         elif stopped:
             self._drop("the joints were stopped")
-
-    def _lost(self, why: str) -> None:
-        self._drop(why)
 
     def _drop(self, why: str) -> None:
         if dropped := self.jobs.drop(why):
