@@ -8,6 +8,7 @@ from lbr.bus import wire
 from lbr.bus.codec import Decoder
 from lbr.bus.lease_client import PendingReply
 from lbr.bus.session import Session
+from lbr.bus.stamp import Origin
 from lbr.errors import MalformedError
 from lbr.messages.leases import CommandReply
 
@@ -15,7 +16,7 @@ from lbr.messages.leases import CommandReply
 class OverSession:
     """Asks by a session on the bus: `keys` says which key each request goes to.
 
-    `wanted_s`: since when the motion is wanted, on this clock; what was stopped by another since is not begun again.
+    `origin`: who wants the motion, and since when; what was stopped by another since is not begun again.
     """
 
     def __init__(
@@ -26,20 +27,19 @@ class OverSession:
         *,
         wake: Callable[[], None] = lambda: None,
         clock: Callable[[], float] = time.monotonic,
-        wanted_s: float | None = None,
+        origin: Origin | None = None,
     ) -> None:
         self.clock = clock
         self._session = session
         self._source = source
         self._keys = keys
         self._wake = wake
-        self._wanted_s = wanted_s
+        self._origin = origin
 
     def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
         """Ask; the answer is a `CommandReply`."""
         payload = wire.encode(message)
         key = self._keys[request]
-        waited_s = 0.0 if self._wanted_s is None else self.clock() - self._wanted_s
         return _Question(
             wire.PendingQuery(
                 self._session,
@@ -47,7 +47,7 @@ class OverSession:
                 payload,
                 timeout_s=timeout_s,
                 source=self._source,
-                waited_s=waited_s,
+                origin=self._origin,
                 wake=self._wake,
             )
         )

@@ -144,9 +144,9 @@ class StageBus:
         return Question(key, self.answers.get(key, _stops)(said))
 
     def transport(
-        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], wanted_s: float = inf
+        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], origin: stamp.Origin | None = None
     ) -> "Lent":
-        return Lent(self.lent, source, dict(keys), wake, wanted_s)
+        return Lent(self.lent, source, dict(keys), wake, origin)
 
     def say(self, name: str, message: Any) -> None:
         """Publish on a key below the robot's name."""
@@ -179,17 +179,18 @@ class Lender:
         self.moves: list[tuple[float, str, Any]] = []
         self.halts: list[tuple[float, str, Any]] = []
         self.until = 0.0
-        self.stopped_s = -inf
+        self.stopped = stamp.Origin("", -inf)
         self._count = 0
 
-    def ask(self, source: str, request: str, message: Any, wanted_s: float = inf) -> CommandReply | None:
+    def ask(self, source: str, request: str, message: Any, origin: stamp.Origin | None = None) -> CommandReply | None:
         now = self.clock()
+        by, wanted_s = origin or (source, inf)
         if request.endswith("stop"):
             self.halts.append((now, source, message))
             self.holder = ""
             return CommandReply(accepted=True)
         self.moves.append((now, source, dict(message)))
-        if not wanted_s > self.stopped_s:
+        if by != self.stopped.source and not wanted_s > self.stopped.written_s:
             return CommandReply(accepted=False, code="stopped_since", reason="stopped after this was wanted")
         if self.refusal is not None:
             return self.refusal
@@ -212,15 +213,20 @@ class Lent:
     """By what one source borrows."""
 
     def __init__(
-        self, lender: Lender, source: str, keys: dict[str, str], wake: Callable[[], None], wanted_s: float
+        self,
+        lender: Lender,
+        source: str,
+        keys: dict[str, str],
+        wake: Callable[[], None],
+        origin: stamp.Origin | None,
     ) -> None:
-        self._lender, self._source, self._keys, self._wake, self._wanted_s = lender, source, keys, wake, wanted_s
+        self._lender, self._source, self._keys, self._wake, self._origin = lender, source, keys, wake, origin
 
     def ask(self, request: str, message: Any, timeout_s: float) -> Reply:
         del timeout_s
         plain = msgspec.to_builtins(message)
         self._wake()
-        return Reply(self._lender.ask(self._source, self._keys[request], plain, self._wanted_s))
+        return Reply(self._lender.ask(self._source, self._keys[request], plain, self._origin))
 
     def clock(self) -> float:
         return self._lender.clock()

@@ -6,6 +6,7 @@ import pytest
 from lbr.apps.web.api.holds import AGAIN_S, Hand, Holds
 from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.patience import BOUNDED_S, SILENT_S, silent_s
+from lbr.bus.stamp import Origin
 from lbr.errors import BusError
 from lbr.messages.codes import Reason
 from lbr.messages.description import CommandDescription
@@ -29,10 +30,10 @@ class Bench:
     def _patience_s(self, wanted):
         return BOUNDED_S if wanted.to == "motions/play" else SILENT_S
 
-    def _transport(self, source, keys, wanted_s):
+    def _transport(self, source, keys, origin):
         if self.lost:
             raise BusError("the bus is away")
-        return Lent(self.lender, source, dict(keys), lambda: None, wanted_s)
+        return Lent(self.lender, source, dict(keys), lambda: None, origin)
 
     def _keys(self, wanted):
         return {"motion": f"r/{wanted.to}", "halt": f"r/{wanted.capability}/stop"}
@@ -108,12 +109,14 @@ def test_a_hand_that_resumes_goes_on_after_a_silence(bench):
         assert (bench.lender.moving, last(hand).code) == (False, "lapsed")
 
 
+@pytest.mark.parametrize("by", ["web:desk", "web:phone"])
 @pytest.mark.parametrize("silent_s", [0.0, 2 * SILENT_S])
-def test_a_hand_that_resumes_does_not_go_on_with_what_another_has_stopped_meanwhile(bench, silent_s):
-    """Also where the silence comes before its end was read: the mover refuses what was wanted before a stop"""
+def test_a_hand_that_resumes_does_not_go_on_with_what_another_has_stopped_meanwhile(bench, silent_s, by):
+    """Also where the silence comes before its end was read, and where the stop came from the hand's own address: the mover
+    refuses what was wanted before a stop."""
     hand = bench.hand(resumes=True)
     bench.want(hand, 1)
-    bench.lender.holder, bench.lender.stopped_s = "", bench.now
+    bench.lender.holder, bench.lender.stopped = "", Origin(by, bench.now)
     bench.run(silent_s)
     for _ in range(5):
         bench.want(hand, 1)
@@ -272,8 +275,8 @@ def test_a_bus_that_is_away_is_told_and_moves_nothing(bench):
 
 def test_one_that_was_not_granted_yet_is_given_up_when_it_is(bench):
     hand, answer = bench.hand(), Unanswered()
-    lent, asked = bench._transport("web:phone", bench._keys(Wanted(to="drive/command", n=1)), bench.now), []
-    bench._transport = lambda _source, _keys, _wanted_s: lent
+    lent, asked = bench._transport("web:phone", bench._keys(Wanted(to="drive/command", n=1)), None), []
+    bench._transport = lambda _source, _keys, _origin: lent
     bench.holds._transport = bench._transport
     lent.ask, ask = (lambda *said: asked.append(said) or answer), lent.ask
     bench.want(hand, 1)

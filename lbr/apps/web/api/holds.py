@@ -20,6 +20,7 @@ from msgspec.structs import replace
 from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.patience import SILENT_S
 from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
+from lbr.bus.stamp import Origin
 from lbr.errors import BusError
 from lbr.messages.codes import Reason
 
@@ -123,14 +124,15 @@ class Hand:
 class Holds:
     """Every hand there is; all but `add` is for the loop.
 
-    `transport` is by what motion is borrowed in a source's name that was wanted at a time; `keys` are those of a held command (`motion`) and of the
-    stop of its capability (`halt`, if it has one). `patience_s` says for how long a page may be silent while that which it
+    `transport` is by what motion is borrowed in a source's name that a hand wants since then. A hand is nobody who stops the
+    robot: every stop since counts, also one of its own source, which may have other hands. `keys` are those of a held
+    command (`motion`) and of the stop of its capability (`halt`, if it has one). `patience_s` says for how long a page may be silent while that which it
     wants goes on; what it does not hold begins by a word of the last `SILENT_S` alone.
     """
 
     def __init__(
         self,
-        transport: Callable[[str, Mapping[str, str], float], Transport],
+        transport: Callable[[str, Mapping[str, str], Origin], Transport],
         keys: Callable[[Wanted], Mapping[str, str]],
         clock: Callable[[], float] = time.monotonic,
         patience_s: Callable[[Wanted], float] = lambda _wanted: SILENT_S,
@@ -218,7 +220,8 @@ class Holds:
             keys = self._keys(wanted)
             target = LeaseTarget("motion", halt="halt" if "halt" in keys else "")
             with self._bus_of(hand):
-                hand.lease = LeaseClient(self._transport(hand.source, keys, hand.said.since), target, wanted.message)
+                origin = Origin(f"a hand of {hand.source}", hand.said.since)
+                hand.lease = LeaseClient(self._transport(hand.source, keys, origin), target, wanted.message)
 
     def _keep(self, hand: Hand, lease: LeaseClient, wanted: Wanted) -> None:
         hand.wanted = wanted

@@ -5,9 +5,9 @@ from typing import Annotated, Any, Literal, Protocol
 from msgspec import Meta, Struct
 from starlette.responses import Response
 
-from lbr.apps.web.api.requests import answered, payload_of, source_of
+from lbr.apps.web.api.requests import answered, payload_of, replied, source_of
 from lbr.apps.web.api.robot_bus import Question
-from lbr.apps.web.face import Request, Route, json
+from lbr.apps.web.face import Request, Route
 from lbr.messages.manage import (
     MOST_CHANGES,
     MOST_EVENTS,
@@ -23,7 +23,7 @@ from lbr.messages.manage import (
 )
 
 ANSWER_S = 10.0
-BUSY = {"busy", "failed"}
+STATUSES = {"unknown_name": 404, "busy": 503, "failed": 503}
 
 
 class ChangesBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -137,11 +137,4 @@ class Managing:
     async def _ask(self, request: Request, command: Any) -> Response:
         source = source_of(request.client)
         question = self._robot.manage(payload_of(command), source=source, timeout_s=ANSWER_S)
-        answer = await answered(question, ANSWER_S)
-        if answer.get("accepted"):
-            return json(answer)
-        code = str(answer.get("code") or "refused")
-        status = 404 if code == "unknown_name" else 400 if code in {"malformed", "bad_value"} else 409
-        return json(
-            {**answer, "message": str(answer.get("reason", ""))}, 503 if code in BUSY else status, Reason_Code=code
-        )
+        return replied(await answered(question, ANSWER_S), STATUSES)

@@ -1,5 +1,7 @@
 """The API's routes: what the robot is, one stream, one command, one console line. Each is asked once and answered once."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Annotated, Any, Protocol
 
 from msgspec import Meta, Struct
@@ -191,7 +193,7 @@ class Requests:
         await until(lambda: question.done or bool(question.replies))
         if not question.replies:
             raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
-        return _replied(question.replies[0])
+        return replied(_decoded(question.replies[0]))
 
     async def _console(self, request: Request) -> Response:
         role: Role = request.client.role or "view"
@@ -239,13 +241,12 @@ def payload_of(message: Any) -> bytes:
         raise Refused(400, f"the message cannot be passed on: {err}") from None
 
 
-def _replied(raw: RawMessage) -> Response:
-    """Return a capability's reply; one that refuses says so by its status, and in the words of all refusals besides."""
-    answer = _decoded(raw)
+def replied(answer: dict[str, Any], statuses: Mapping[str, int] = MappingProxyType({})) -> Response:
+    """Return a reply; one that refuses says so by its status, and in the words of all refusals besides."""
     if answer.get("accepted") is not False:
         return json(answer)
     code = str(answer.get("code") or "refused")
-    status = 400 if code in {"malformed", "bad_value"} else 409
+    status = {"malformed": 400, "bad_value": 400, **statuses}.get(code, 409)
     return json({**answer, "message": str(answer.get("reason", "")), "code": code}, status, Reason_Code=_code(code))
 
 

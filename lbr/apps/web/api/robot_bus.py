@@ -6,6 +6,7 @@ from typing import Any, Protocol
 from lbr.bus import wire
 from lbr.bus.lease_client import Transport
 from lbr.bus.over_session import OverSession
+from lbr.bus.stamp import Origin
 from lbr.bus.wire import RawMessage
 from lbr.capability import way_in
 from lbr.capability.config import ProcessConfig
@@ -48,9 +49,9 @@ class Bus(Protocol):
         """Ask by a query what has waited here for so long, and was said at `sent_s`; BusError if that cannot be sent."""
 
     def transport(
-        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], wanted_s: float | None = None
+        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], origin: Origin | None = None
     ) -> Transport:
-        """Return by what motion is borrowed: `keys` by request."""
+        """Return by what motion is borrowed that somebody wants since then: `keys` by request."""
 
     def close(self) -> None:
         """Leave the bus."""
@@ -90,10 +91,10 @@ class RobotBus:
         )
 
     def transport(
-        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], wanted_s: float | None = None
+        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], origin: Origin | None = None
     ) -> Transport:
-        """Return by what motion is borrowed that is wanted since then; since it is asked, if that is not known."""
-        return OverSession(self._session, source, keys, wake=wake, wanted_s=wanted_s)
+        """Return by what motion is borrowed; it is wanted since it is asked for, where no more is known."""
+        return OverSession(self._session, source, keys, wake=wake, origin=origin)
 
     def close(self) -> None:
         """Leave the bus."""

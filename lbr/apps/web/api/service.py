@@ -22,6 +22,7 @@ from lbr.apps.web.robot import Robot
 from lbr.bus import keys
 from lbr.bus.codec import Decoder
 from lbr.bus.lease_client import Transport
+from lbr.bus.stamp import Origin
 from lbr.capability.kind import STOP
 from lbr.errors import BusError, MalformedError
 from lbr.messages.codes import Reason
@@ -173,10 +174,10 @@ class Api:
         found = {"motion": self._key(wanted.to)}
         return found | ({"halt": self._key(stop)} if self.known is not None and stop in self.known.commands else {})
 
-    def _transport(self, source: str, wanted: Mapping[str, str], wanted_s: float) -> Transport:
+    def _transport(self, source: str, wanted: Mapping[str, str], origin: Origin) -> Transport:
         if self._bus is None:
             raise BusError(NO_BUS)
-        return self._bus.transport(source, wanted, self._robot.ctx.wake, wanted_s)
+        return self._bus.transport(source, wanted, self._robot.ctx.wake, origin)
 
     def _key(self, name: str) -> str:
         system = {STATUS: keys.status, EVENT: keys.event}
