@@ -15,8 +15,8 @@ import psutil
 
 from benchmarks import Measured, listed
 from benchmarks.latency import STEPS, _slow_down, _spin
-from lbr.recording import selection
-from lbr.recording.shelf import Shelf
+from lbr.apps.recorder.recording import selection
+from lbr.apps.recorder.recording.shelf import Shelf
 from tests.scenarios.promises import PROMISES as SAFETY
 from tests.support.bench import Bench, bench, let_go, temporary_home
 from tests.support.figures import Promise, Results, percentile

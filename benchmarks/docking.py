@@ -13,12 +13,12 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks import Measured
-from lbr.commands.behaviour_trials import setup_of
+from lbr.apps.behaviours.commands.trials import setup_of
 from lbr.commands.rows import opened
-from lbr.lockstep.faults import DOCKING
-from lbr.lockstep.trial import WALKING_MPS, Outcome, Setup
-from lbr.lockstep.trying import tried
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
+from lbr.simulation.trials.faults import DOCKING
+from lbr.simulation.trials.trial import WALKING_MPS, Outcome, Setup
+from lbr.simulation.trials.trying import tried
 from tests.support.figures import Promise, Results
 from tests.support.robot import prepare
 

@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import Measured, listed
-from lbr.lockstep.places import starts
 from lbr.simulation.settings import WorldSettings
+from lbr.simulation.trials.places import starts
 from tests.support.figures import Promise, Results
 from tests.support.robot import Robot, prepare, running
 from tests.support.waiting import until

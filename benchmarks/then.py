@@ -19,8 +19,8 @@ from typing import Any
 from msgspec import Struct
 
 from benchmarks import Measured, listed
-from lbr.recording import selection
-from lbr.recording.shelf import Shelf
+from lbr.apps.recorder.recording import selection
+from lbr.apps.recorder.recording.shelf import Shelf
 from tests.support.bench import Bench, let_go, temporary_home
 from tests.support.figures import Promise, Results
 from tests.support.robot import lbr, start

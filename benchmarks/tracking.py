@@ -16,9 +16,9 @@ import numpy as np
 import psutil
 
 from benchmarks import Measured
-from lbr.apps.tracking.kind import TrackingSettings
 from lbr.apps.vision import finding
 from lbr.apps.vision.eye import Eye
+from lbr.apps.vision.tracking.kind import TrackingSettings
 from lbr.messages.tracking import Seen
 
 SMOKE = "--seconds 0.2 --pictures 4"

@@ -7,8 +7,8 @@ import argparse
 from itertools import pairwise
 
 from benchmarks import Measured
-from lbr.messages.simulation import HumanoidPose
-from lbr.simulation.devices.uxa90 import firmware
+from lbr.robots.uxa90.twin import firmware
+from lbr.simulation.messages import HumanoidPose
 from tests.models.uxa90.robot import Robot
 from tests.support.figures import Promise, Results
 

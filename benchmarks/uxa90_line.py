@@ -20,12 +20,12 @@ import msgspec
 
 from benchmarks import Measured
 from lbr.capability.context import Device
-from lbr.drivers.uxa90 import KIND
-from lbr.drivers.uxa90.capability import Uxa90
-from lbr.drivers.uxa90.packets import position_rad
-from lbr.drivers.uxa90.plausibility import TOLERANCE
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
+from lbr.robots.uxa90.driver import KIND
+from lbr.robots.uxa90.driver.capability import Uxa90
+from lbr.robots.uxa90.driver.packets import position_rad
+from lbr.robots.uxa90.driver.plausibility import TOLERANCE
 from lbr.testing.driver import RealTimeContext
 from tests.fuzzing.uxa90_answers import Fuzzer, wrong
 from tests.support import programs

@@ -30,7 +30,12 @@ class Component:
     - `faces`: faces of the HTTP server, by name; `ports` is the `FacePorts` of the face of that name.
     - `robots`: a `Robot`, by its name.
     - `twins`: a `DeviceTwin`, by the type that device rows name.
-    - `messages`: modules of message types that other components may import.
+    - `checks`: what `lbr doctor` looks at for each robot, by name: a function of the robot's name and its capability
+      rows that yields `lbr.commands.finding.Finding`.
+    - `messages`: modules of message types that other components may import; `public`: modules and packages of the same
+      sort that are no messages.
+    - `needs`: components of which some of its parts import that. What needs one that is not there does not load, and the
+      sentence that tells so names it.
     """
 
     kinds: Mapping[str, str] = field(default_factory=dict)
@@ -39,4 +44,7 @@ class Component:
     ports: Mapping[str, str] = field(default_factory=dict)
     robots: Mapping[str, str] = field(default_factory=dict)
     twins: Mapping[str, str] = field(default_factory=dict)
+    checks: Mapping[str, str] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
+    public: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()

@@ -30,10 +30,6 @@ from lbr.commands.rows import planned
 from lbr.database import store
 from lbr.database.rows import RobotRows
 from lbr.errors import InputError
-from lbr.lockstep.faults import NONE
-from lbr.lockstep.instruments import Instruments
-from lbr.lockstep.places import free, starts
-from lbr.lockstep.trial import COMPASS_DEG, NOISY, rows_of
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.dock import DockSignal
@@ -41,6 +37,10 @@ from lbr.messages.drive import TwistCommand
 from lbr.messages.sensing import Ranges
 from lbr.simulation.engine import Engine, body_of
 from lbr.simulation.settings import StartPose, Ultrasonic, WorldSettings
+from lbr.simulation.trials.faults import NONE
+from lbr.simulation.trials.instruments import Instruments
+from lbr.simulation.trials.places import free, starts
+from lbr.simulation.trials.trial import COMPASS_DEG, NOISY, rows_of
 
 ID = "lbr/Room-v0"
 USUAL = "lbr"

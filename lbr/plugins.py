@@ -27,8 +27,8 @@ CORE = "lbr"
 """The package lbr, and its component `core`, whose commands come first."""
 GROUP = "lbr.components"
 LONGEST_TEXT = 300
-Field = Literal["kinds", "commands", "faces", "ports", "robots", "twins"]
-FIELDS: tuple[Field, ...] = ("kinds", "commands", "faces", "ports", "robots", "twins")
+Field = Literal["kinds", "commands", "faces", "ports", "robots", "twins", "checks"]
+FIELDS: tuple[Field, ...] = ("kinds", "commands", "faces", "ports", "robots", "twins", "checks")
 _CHECKOUT = Path(__file__).resolve().parent.parent / "pyproject.toml"
 _INFO = (".dist-info", ".egg-info")
 _ENTRY = re.compile(r"[\w.]+:[\w.]+")
@@ -92,7 +92,7 @@ class Plugin:
             raise PluginError(self, why)
         found, err = _imported(self.value, self.entry)
         if err is not None:
-            raise PluginError(self, f"it does not load: {told(err)}") from err
+            raise PluginError(self, f"it does not load: {told(err)}{_lacking(self.entry)}") from err
         return found
 
     def checked(self, found: object, wanted: type[T], name: str = "name") -> T:
@@ -240,6 +240,14 @@ def _settled(one: Plugin, claims: list[Plugin]) -> Plugin:
         return replace(one, refusal=f"packages {' and '.join(packages)} bring it: uninstall all but one")
     components = " and ".join(f"'{each.entry.name}'" for each in claims)
     return replace(one, refusal=f"components {components} of it bring it: it may have one of that name")
+
+
+def _lacking(entry: Entry) -> str:
+    """Return which of the components that one needs are not there, as the end of a sentence."""
+    component, _ = _component(entry)
+    there = {one.name for one in entries() if _component(one)[0] is not None}
+    lacking = sorted(set(component.needs) - there) if component is not None else []
+    return f"; it needs {', '.join(lacking)}, which is not here" if lacking else ""
 
 
 @cache

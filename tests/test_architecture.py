@@ -36,8 +36,8 @@ AROUND = [
 
 GROUND = {"errors", "messages", "names"}
 BUS = GROUND | {"bus"}
-CAPABILITY = BUS | {"capability", "component", "ownership", "plugins"}
-ROBOTS = GROUND | {"component", "plugins", "resources", "robots"}
+CAPABILITY = BUS | {"capability", "component", "leases", "ownership", "plugins"}
+ROBOT = GROUND | {"component", "plugins", "resources", "robot"}
 FLOORS = {
     "errors": {"messages"},
     "messages": {"messages"},
@@ -49,26 +49,46 @@ FLOORS = {
     "resources": {"errors"},
     "names": set(),
     "qr": set(),
-    "robots": ROBOTS,
-    "bodies": ROBOTS | {"bodies"},
-    "recording": GROUND | {"recording"},
+    "robot": ROBOT,
     "bus": BUS,
+    "leases": BUS | {"leases"},
     "capability": CAPABILITY,
     "drivers": CAPABILITY | {"drivers"},
     "operations": CAPABILITY | {"operations"},
-    "apps": CAPABILITY | {"apps", "bodies", "home", "qr", "recording"},
-    "testing": CAPABILITY | {"database", "simulation", "testing"},
-    "simulation": CAPABILITY | ROBOTS | {"simulation"},
-    "lockstep": CAPABILITY | {"lockstep", "simulation"},
-    "database": GROUND | ROBOTS | {"database", "ownership"},
-    "client": BUS | {"client", "console", "home"},
-    "console": BUS | {"console", "database", "home", "ownership"},
+    "database": GROUND | ROBOT | {"database", "ownership"},
+    "client": BUS | {"client", "console", "home", "leases"},
+    "console": BUS | {"console", "database", "home", "leases", "ownership"},
     "why": GROUND | {"why"},
-    "rerun": CAPABILITY | {"database", "drivers", "home", "recording", "rerun", "simulation"},
-    "executive": CAPABILITY | ROBOTS | {"executive", "console", "database", "home", "qr", "why"},
+    "executive": CAPABILITY | ROBOT | {"executive", "console", "database", "home", "qr", "why"},
+    "apps": CAPABILITY | ROBOT | {"apps", "bodies", "home", "qr", "recording"},
+    "robots": ROBOT | {"robots"},
+    "simulation": CAPABILITY | ROBOT | {"simulation"},
+    "bodies": ROBOT | {"bodies"},
+    "recording": GROUND | {"recording"},
+    "rerun": CAPABILITY | {"apps", "database", "drivers", "home", "recording", "rerun", "simulation"},
+    "testing": CAPABILITY | {"database", "simulation", "testing"},
 }
 TOP = {"cli", "commands", "gym", "start"}
 """What people start: may import everything below."""
+CORE = set(FLOORS) - {"apps", "robots", "simulation", "bodies", "recording", "rerun", "testing"} | {"cli", "start"}
+"""Floors that stand without a component, `commands` in their own folder among them."""
+ROOMS = {
+    "lbr.apps.bodies": "bodies",
+    "lbr.apps.recorder.recording": "recording",
+    "lbr.apps.recorder.rerun": "rerun",
+    "lbr.robots.lbr.beacon": "operations",
+    "lbr.robots.lbr.original": "apps",
+    "lbr.robots.uxa90.driver": "drivers",
+    "lbr.robots.uxa90.rest": "apps",
+    "lbr.robots.uxa90.twin": "simulation",
+}
+"""Rooms of components that keep the rules of a floor of the core, or of a lower one than their folder's."""
+LIBRARIES = {"lbr.apps.bodies", "lbr.apps.http", "lbr.apps.program", "lbr.apps.retry", "lbr.apps.sound"}
+"""What several components are built on, and no component itself."""
+OUTSIDE = {"lbr.gym": "lbr.simulation", "lbr.testing": "lbr.simulation"}
+"""Doors for programs of others, by whose rights they import."""
+PROGRAMS = {"lbr.apps.autodock": (), "lbr.apps.docksignal": (), "lbr.apps.navcam": ("web",)}
+"""Programs that rows of `external_command` start, and the components that they need: no other part of lbr names them."""
 
 OWNERS = {
     "zenoh": {"bus"},
@@ -76,7 +96,7 @@ OWNERS = {
     "cryptography": {"bus"},
     "sqlalchemy": {"database"},
     "alembic": {"database"},
-    "mcap": {"recording"},
+    "mcap": {"apps", "recording"},
     "zstandard": {"recording"},
     "lz4": {"recording"},
     "sqlite3": {"database", "testing"},
@@ -141,8 +161,6 @@ HEAVY = (
 )
 NUMERIC = ("lbr.operations.attitude",)
 """Families of operations that compute with arrays; no driver is among them."""
-SHARED = {"lbr.operations.leasing"}
-"""Packages that belong to no family: all of their floor may import them."""
 FAMILIES = {"wheels": {"roboteq"}, "servos": {"dynamixel", "uxa90"}}
 """What drivers of one sort have in common, and the drivers of that sort: they alone may import it."""
 
@@ -225,13 +243,95 @@ def components() -> dict[str, Component]:
     return {name: import_module(name).COMPONENT for name in modules}
 
 
+def within(module: str, place: str) -> bool:
+    """Say whether a module is a package, or below it."""
+    return f"{module}.".startswith(f"{place}.")
+
+
 def floor(module: str) -> str:
     """The floor of `lbr.drivers.roboteq.protocol` is `drivers`; messages that a component declares are for all."""
     parts = module.split(".")
-    declared = {tuple(name.split(".")) for one in components().values() for name in one.messages}
-    if any(tuple(parts[: len(name)]) == name for name in declared):
+    if any(within(module, name) for one in components().values() for name in one.messages):
         return "messages"
+    if room := next((room for place, room in ROOMS.items() if within(module, place)), ""):
+        return room
+    if parts[1:2] != ["commands"] and "commands" in parts[3 if parts[1:2] != ["simulation"] else 2 :]:
+        return "commands"
     return parts[1] if len(parts) > 1 else ""
+
+
+def component_of(module: str) -> str:
+    """Return the package of the component that a module is part of; empty for the core and for libraries of all."""
+    place = ".".join(module.split(".")[: 2 if within(module, "lbr.simulation") else 3])
+    for door, whose in OUTSIDE.items():
+        place = whose if within(module, door) else place
+    return place if within(place, "lbr.simulation") or re.match(r"lbr\.(apps|robots)\.", place) else ""
+
+
+def abroad(source: str, module: str, *, package: bool = False) -> list[str]:
+    """Return what a module imports of components that it must not: of any in the core, in one of those that it does not need,
+    and of these what they do not show."""
+    here, declared = component_of(module), components()
+    needs = declared[here].needs if here in declared else PROGRAMS.get(here, ())
+    named = {name: place for place, name in component_names().items()}
+    shown = [name for one in needs for name in (*declared[named[one]].public, *declared[named[one]].messages)]
+    wrong = []
+    for name in sorted(imports(source, module, package=package)):
+        there = component_of(name)
+        if not there or there == here or (here and any(within(name, place) for place in LIBRARIES)):
+            continue
+        if not any(within(name, place) for place in shown):
+            wrong.append(name)
+    return wrong
+
+
+@cache
+def component_names() -> dict[str, str]:
+    """Return the names of lbr's components by the packages that declare them."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    return {where.partition(":")[0]: name for name, where in project["entry-points"][GROUP].items()}
+
+
+@pytest.mark.parametrize("paths", by_package(MODULES))
+def test_the_core_imports_no_component_and_components_of_each_other_what_is_shown(paths):
+    wrong = [
+        f"{dotted(path)} must not import {name}"
+        for path in paths
+        for name in abroad(text(path), dotted(path), package=path.name == "__init__.py")
+    ]
+    assert not wrong, "; ".join(wrong)
+
+
+@pytest.mark.parametrize(
+    ("module", "source"),
+    [
+        ("lbr.capability.runtime", "from lbr.apps.web import face"),
+        ("lbr.commands.run", "def f():\n    from lbr.simulation import port"),
+        ("lbr.apps.speech.capability", "from lbr.apps.web import face"),
+        ("lbr.apps.foxglove.socket", "from lbr.apps.web import pairing"),
+        ("lbr.apps.http.names", "from lbr.apps.web import face"),
+        ("lbr.robots.uxa90.rest.service", "from lbr.robots.bioloid import mtn"),
+    ],
+)
+def test_the_check_sees_what_crosses_the_border(module, source):
+    assert abroad(source, module)
+
+
+def test_the_check_lets_pass_what_a_component_needs_and_another_shows():
+    assert not abroad("from lbr.apps.web import face\nfrom lbr.apps.http import rates", "lbr.apps.foxglove.socket")
+
+
+def test_each_folder_of_components_is_one_or_a_library_and_says_what_it_is():
+    folders = [
+        path.parent
+        for part in ("apps", "robots")
+        for path in sorted((PACKAGE / part).glob("*/__init__.py"))
+        if dotted(path.parent / "x").rpartition(".")[0] not in PROGRAMS
+    ]
+    places = {dotted(folder / "x").rpartition(".")[0] for folder in (*folders, PACKAGE / "simulation")}
+    declared = {name for name in component_names() if component_of(name)}
+    assert places - LIBRARIES == declared
+    assert not [str(folder) for folder in folders if not (folder / "README.md").is_file()]
 
 
 def forbidden(source: str, module: str, *, package: bool = False) -> list[str]:
@@ -273,8 +373,8 @@ def test_imports_go_down_only_and_each_library_has_one_owner(paths):
     ("module", "source"),
     [
         ("lbr.messages.drive", "from lbr.bus import keys"),
-        ("lbr.drivers.uxa90.messages", "from lbr.drivers.uxa90 import packets"),
-        ("lbr.apps.web.uxa90.service", "from lbr.drivers.uxa90 import packets"),
+        ("lbr.robots.uxa90.driver.messages", "from lbr.robots.uxa90.driver import packets"),
+        ("lbr.robots.uxa90.rest.service", "from lbr.robots.uxa90.driver import packets"),
         ("lbr.bus.wire", "import lbr.capability.kind"),
         ("lbr.drivers.roboteq.capability", "from lbr.operations.drive import KIND"),
         ("lbr.drivers.roboteq.capability", "from lbr.executive.planning import plan"),
@@ -307,20 +407,20 @@ def test_an_import_is_seen_wherever_it_stands(around):
 
 
 def test_the_check_lets_pass_what_goes_down():
-    assert not forbidden("from lbr.drivers.uxa90.messages import COUNT_RAD", "lbr.apps.web.uxa90.counts")
+    assert not forbidden("from lbr.robots.uxa90.driver.messages import COUNT_RAD", "lbr.robots.uxa90.rest.counts")
     source = "from lbr.bus import keys\nfrom lbr.capability import Kind\nimport json\nfrom . import protocol"
     assert not forbidden(source, "lbr.drivers.roboteq.capability")
 
 
 def of_another_family(path: Path) -> list[str]:
     """Return what a driver or an operation imports of its floor that is neither its family's nor for all."""
-    place = dotted(path).split(".")
-    shared = {dotted(other) for other in (PACKAGE / place[1]).glob("*.py")} | SHARED
+    place, sort = dotted(path).split("."), floor(dotted(path))
+    shared = {dotted(other) for other in (PACKAGE / sort).glob("*.py")}
     wrong = []
     for name in sorted(of(path)):
         parts = name.split(".")
-        if parts[:2] == place[:2] and len(parts) > 2:
-            own = len(place) > 2 and (parts[2] == place[2] or place[2] in FAMILIES.get(parts[2], ()))
+        if parts[1:2] == [sort] and len(parts) > 2:
+            own = len(place) > 2 and (parts[1:3] == place[1:3] or place[2] in FAMILIES.get(parts[2], ()))
             if not own and ".".join(parts[:3]) not in shared:
                 wrong.append(name)
     return wrong
@@ -334,8 +434,8 @@ def test_families_of_devices_and_operations_do_not_import_one_another(paths):
 
 ROBOT_NAMES = re.compile(r"uxa_?-?90|bioloid|lbr_sim|roboteq|ax-?12", re.IGNORECASE)
 """Particular robots, and products that they are built of."""
-OF_PRODUCTS = ("lbr.robots", "lbr.drivers", "lbr.simulation.devices", "lbr.apps.web")
-"""Where a package may be one robot's or one product's: its declaration, its driver, what emulates it, its face."""
+OF_PRODUCTS = ("lbr.robots", "lbr.drivers", "lbr.simulation.devices")
+"""Where a package may be one robot's or one product's: its own, its driver, what emulates it."""
 
 
 def is_general(module: str) -> bool:
@@ -379,9 +479,14 @@ def test_the_check_sees_a_robot_on_a_general_floor(module, source):
 
 
 def test_packages_of_one_robot_are_no_general_floor():
-    assert not any(map(is_general, ("lbr.drivers.uxa90.bus", "lbr.apps.web.uxa90.service", "lbr.robots.bioloid")))
+    assert not any(
+        map(is_general, ("lbr.robots.uxa90.driver.bus", "lbr.robots.uxa90.rest.service", "lbr.robots.bioloid"))
+    )
     assert all(
-        map(is_general, ("lbr.drivers.servos.targets", "lbr.apps.web.face", "lbr.drivers.mover", "lbr.robots.robot"))
+        map(
+            is_general,
+            ("lbr.drivers.servos.targets", "lbr.apps.web.face", "lbr.drivers.mover", "lbr.robot.declaration"),
+        )
     )
 
 
@@ -580,7 +685,8 @@ def misplaced(source: str, module: str, *, package: bool = False) -> list[str]:
         elif parts[0] == "tests" and (shared or place == "benchmarks") and parts[1] not in seen:
             wrong.append(f"{name}: what is shared imports only {', '.join(seen)}")
         elif (
-            is_module(".".join([*module.split(".")[:-1], parts[0]]))
+            parts[0] != "lbr"
+            and is_module(".".join([*module.split(".")[:-1], parts[0]]))
             and len(module.split(".")) > 1
             and parts[0] not in OWNERS
         ):

@@ -11,7 +11,7 @@ from itertools import count
 from pathlib import Path
 
 from lbr.capability.context import Device
-from lbr.simulation.devices.uxa90.twin import Uxa90Twin
+from lbr.robots.uxa90.twin.twin import Uxa90Twin
 from lbr.simulation.twins.base import Surroundings
 from tests.fuzzing.uxa90_answers import KINDS, Fuzzer
 

@@ -3,11 +3,11 @@
 A capability of your own needs no more than this package: `Kind` to declare it, `Capability` to subclass.
 """
 
-from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Device, PendingReply, Received
 from lbr.capability.kind import Command, Kind, NoSettings, Rows, names
 from lbr.capability.word import Word
+from lbr.leases.client import LeaseClient, LeaseTarget
 from lbr.messages.rows import Row
 
 __all__ = [

@@ -11,10 +11,10 @@ from typing import Any, Protocol, Self
 import msgspec
 
 from lbr.bus import wire
-from lbr.bus.lease_client import ANSWER_S, LeaseClient, LeaseTarget
-from lbr.bus.over_session import OverSession
 from lbr.bus.session import FORKED, Session
 from lbr.errors import BusError, InputError, LbrError
+from lbr.leases.client import ANSWER_S, LeaseClient, LeaseTarget
+from lbr.leases.over_session import OverSession
 from lbr.messages.drive import GoalResult
 from lbr.messages.unreadable import UNREADABLE
 

@@ -37,12 +37,6 @@ COMPONENT = Component(
             entry="lbr.commands.topic:command", help="List, describe, print, measure and publish streams."
         ),
         "graph": CliCommand(entry="lbr.commands.graph:command", help="Show who feeds whom."),
-        "logs": CliCommand(
-            entry="lbr.commands.logs:command", help="Print what a part has written to its log, and go on with it."
-        ),
-        "motion": CliCommand(
-            entry="lbr.commands.motion:command", help="Take motions from files, and write them to files."
-        ),
         "import": CliCommand(
             entry="lbr.commands.importing:command",
             help="Take what a robot's former programs kept: databases, tables, motions.",

@@ -12,15 +12,15 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
-from lbr import home, ownership
+from lbr import home, ownership, plugins
 from lbr.bus import wire
-from lbr.commands import device_checks, power_checks, service_checks, web_checks
+from lbr.commands import device_checks, power_checks, service_checks
 from lbr.commands.finding import Finding
 from lbr.commands.rows import opened
 from lbr.console import target
 from lbr.errors import LbrError
 from lbr.executive.planning import joining
-from lbr.robots import registry
+from lbr.robot import registry
 
 EXTRAS = {
     "sim": (("mujoco", "PIL"), "simulated robots need it"),
@@ -148,7 +148,8 @@ def _database() -> Iterator[Finding]:
                 yield device_checks.device(name, device)
                 yield from device_checks.numbered(device)
                 yield from device_checks.latency(device)
-            yield from web_checks.ports(name, loaded.capabilities)
+            for brought in plugins.every("checks"):
+                yield from brought.load()(name, loaded.capabilities)
 
 
 def _bus() -> Iterator[Finding]:

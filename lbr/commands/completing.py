@@ -20,7 +20,7 @@ def complete_topic(context: click.Context, _parameter: click.Parameter, begun: s
     with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
         from lbr.console import topics  # noqa: PLC0415 - kept out of its `--help`
 
-        return _items(begun, ((one.name, one.message) for one in topics.catalogue(bus, robot, source)))
+        return items(begun, ((one.name, one.message) for one in topics.catalogue(bus, robot, source)))
     return []
 
 
@@ -30,7 +30,7 @@ def complete_field(context: click.Context, _parameter: click.Parameter, begun: s
         from lbr.console import topics  # noqa: PLC0415
 
         streams = [one for one in topics.catalogue(bus, robot, source) if one.role != "command"]
-        return _items(
+        return items(
             begun,
             (
                 (f"{one.name}.{field.name}", str(field.schema.get("description", "")))
@@ -69,7 +69,7 @@ def of_rows(table: str, name: str, text: str = "") -> Complete:
         from lbr.database import glance  # noqa: PLC0415
 
         with suppress(LbrError):
-            return _items(
+            return items(
                 begun, glance.column(context.params.get("database") or home.default_database(), table, name, text)
             )
         return []
@@ -100,21 +100,7 @@ def complete_setting(context: click.Context, _parameter: click.Parameter, begun:
             return [CompletionItem(f"{name}.", help=kind) for name, kind in parts.items()]
         ((name, kind),) = parts.items()
         fields = msgspec.structs.fields(registry.find(kind, home.home()).settings)
-        return _items(begun, ((f"{name}.{field.encode_name}", "") for field in fields))
-    return []
-
-
-def complete_recording(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return what the box kept, and what was recorded on purpose."""
-    from lbr import home  # noqa: PLC0415
-
-    with suppress(LbrError, OSError):
-        from lbr.recording import shelf  # noqa: PLC0415
-
-        shelves = [shelf.Shelf(home.home(), robot) for robot in shelf.robots(home.home())]
-        kept = [(one.path.name, one.why.text if one.why else "") for here in shelves for one in here.kept()]
-        made = [(path.stem, "a recording") for here in shelves for path in here.recordings()]
-        return _items(begun, kept + made)
+        return items(begun, ((f"{name}.{field.encode_name}", "") for field in fields))
     return []
 
 
@@ -127,5 +113,6 @@ def _bus(context: click.Context) -> "Iterator[tuple[Session, str, str]]":
         yield bus, found.robot, target.source("completion")
 
 
-def _items(begun: str, found: Iterable[Any]) -> list[CompletionItem]:
+def items(begun: str, found: Iterable[Any]) -> list[CompletionItem]:
+    """Return what begins like that, of pairs of a name and its help."""
     return [CompletionItem(name, help=text or None) for name, text in found if name.startswith(begun)]

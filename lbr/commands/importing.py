@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from lbr.database.store import Database
     from lbr.database.taking import Here, Taken
     from lbr.messages.joints import Motion
-    from lbr.robots.old_data import Choice, Note, Want
+    from lbr.robot.old_data import Choice, Note, Want
 
 _SHOWN = {"added": "added", "changed": "changed", "clamped": "clamped", "no_place": "no place"}
 
@@ -64,7 +64,7 @@ def command(
     """
     from lbr.database import old_files  # noqa: PLC0415
     from lbr.database.edits import Edit  # noqa: PLC0415
-    from lbr.robots.old_data import Choice  # noqa: PLC0415
+    from lbr.robot.old_data import Choice  # noqa: PLC0415
 
     with opened(database) as rows:
         if wanted is not None and wanted not in (known := old_files.formats()):
@@ -96,7 +96,7 @@ def command(
 def _given(path: Path, wanted: str | None) -> "tuple[list[Given], list[Note]]":
     """Return what is in a file, or in each file of a folder, and which of those are not known."""
     from lbr.database import given_files, old_files  # noqa: PLC0415
-    from lbr.robots.old_data import Note  # noqa: PLC0415
+    from lbr.robot.old_data import Note  # noqa: PLC0415
 
     if not path.is_dir():
         found = old_files.understood(path, wanted)
@@ -218,7 +218,7 @@ def _acceptable(rows: "Database", robot: str, plan: "Taken", revision: int) -> "
 
 
 def _tell(robot: str, given: "Sequence[Given]", plan: "Taken", notes: "Sequence[Note]", *, dry_run: bool) -> None:
-    from lbr.robots.old_data import merged  # noqa: PLC0415
+    from lbr.robot.old_data import merged  # noqa: PLC0415
 
     names = ", ".join(f"{one.path.name} ({one.format})" for one in given[:10])
     took = "would take" if dry_run else "took"

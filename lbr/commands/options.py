@@ -108,7 +108,7 @@ def complete_running(_context: click.Context, _parameter: click.Parameter, begun
 
 def complete_robot(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the robots that there are, to complete a command line by."""
-    from lbr.robots import registry  # noqa: PLC0415 - kept out of its `--help`
+    from lbr.robot import registry  # noqa: PLC0415 - kept out of its `--help`
 
     return [
         CompletionItem(found.name, help=found.robot.summary)

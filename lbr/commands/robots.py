@@ -14,7 +14,7 @@ def command(as_json: bool) -> int:
     """
     from lbr import plugins  # noqa: PLC0415 - kept out of its `--help`
     from lbr.executive.planning import joining, profile  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.robots import registry  # noqa: PLC0415
+    from lbr.robot import registry  # noqa: PLC0415
 
     found = [(one, joining.fault(one)) for one in registry.every()]
     if as_json:

@@ -13,7 +13,7 @@ class RunCommand(click.Command):
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
         """Write which profiles there are."""
         from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of what runs a robot
-        from lbr.robots import registry  # noqa: PLC0415
+        from lbr.robot import registry  # noqa: PLC0415
 
         with formatter.section("Profiles"):
             formatter.write_dl(

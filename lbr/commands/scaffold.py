@@ -20,8 +20,8 @@ from lbr.capability.kind import KindError
 from lbr.database import builtin
 from lbr.errors import InputError
 from lbr.plugins import Field
-from lbr.robots import registry as robots
-from lbr.robots.registry import plain
+from lbr.robot import registry as robots
+from lbr.robot.registry import plain
 
 What = Literal["robot", "driver", "servos", "wheels", "silent_wheels", "capability"]
 BASES: dict[What, What] = {"silent_wheels": "wheels"}

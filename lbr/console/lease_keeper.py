@@ -9,11 +9,11 @@ import msgspec
 
 from lbr.bus import wire
 from lbr.bus.codec import Decoder
-from lbr.bus.lease_client import LeaseClient, LeaseTarget
-from lbr.bus.over_session import OverSession
 from lbr.bus.session import Session
 from lbr.console.ear import Ear
 from lbr.errors import BusError, MalformedError
+from lbr.leases.client import LeaseClient, LeaseTarget
+from lbr.leases.over_session import OverSession
 from lbr.messages.codes import Code
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply, StopCommand

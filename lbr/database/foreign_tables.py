@@ -12,7 +12,7 @@ from typing import Any
 from lbr.database.connection import quoted
 from lbr.errors import InputError
 from lbr.messages.rows import shown
-from lbr.robots.old_data import ForeignTables
+from lbr.robot.old_data import ForeignTables
 
 MOST_ROWS = 100_000
 COMPUTED_S = 5.0

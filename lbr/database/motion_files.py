@@ -11,9 +11,9 @@ from msgspec.structs import replace
 from lbr.errors import InputError
 from lbr.messages.joints import MAX_FRAMES, Joint, KeyFrame, Motion
 from lbr.messages.unreadable import UNREADABLE
-from lbr.robots import registry
-from lbr.robots.motion_file import LARGEST_BYTES, MakersMotion, ReadMotion, RobotRows, WriteMotion
-from lbr.robots.old_data import Note
+from lbr.robot import registry
+from lbr.robot.motion_file import LARGEST_BYTES, MakersMotion, ReadMotion, RobotRows, WriteMotion
+from lbr.robot.old_data import Note
 
 
 class MotionFile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="format", tag="lbr-motion"):

@@ -10,9 +10,9 @@ from lbr.database import foreign_tables, given_files, identity, motion_files
 from lbr.database.columns import json_strictly
 from lbr.database.motion_files import MotionFile
 from lbr.errors import InputError
-from lbr.robots import registry
-from lbr.robots.motion_file import MakersMotion
-from lbr.robots.old_data import ForeignTables, OldData, Source
+from lbr.robot import registry
+from lbr.robot.motion_file import MakersMotion
+from lbr.robot.old_data import ForeignTables, OldData, Source
 
 LARGEST_BYTES = 16 << 20
 """Of one file: a hundred times what any of these programs kept."""

@@ -20,8 +20,8 @@ from lbr.database.tables import Schema, read_tables
 from lbr.errors import RowError
 from lbr.messages.rows import shown
 from lbr.resources import robot_db_sql
-from lbr.robots import registry
-from lbr.robots.registry import Found
+from lbr.robot import registry
+from lbr.robot.registry import Found
 
 Judge = Callable[[RobotRows], Iterable[str]]
 """Returns what a start would find wrong with a robot's rows."""

@@ -14,7 +14,7 @@ from lbr.database.store import Database
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError
 from lbr.resources import robot_db_sql
-from lbr.robots import registry
+from lbr.robot import registry
 
 
 def shipped(sql: Path | None = None) -> tuple[RawTables, Schema]:

@@ -17,7 +17,7 @@ from lbr.messages.calibration import CalibrationValue
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
 from lbr.messages.rows import Row, shown
-from lbr.robots.old_data import Note, Want
+from lbr.robot.old_data import Note, Want
 
 TABLES: Mapping[str, type[Row]] = {
     one.TABLE: one for one in (RobotRow, CapabilityRow, DeviceRow, ExternalCommandRow, CalibrationValue, Motor, Button)

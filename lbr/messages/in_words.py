@@ -1,7 +1,6 @@
 """What a text may be, in words: who sends another is told that, not the regular expression."""
 
-from lbr.messages.box import FILE_STEM, FILE_STEM_PATTERN
-from lbr.messages.units import A_NAME, NAME_OR_NONE_PATTERN, NAME_PATTERN
+from lbr.messages.units import A_NAME, FILE_STEM, FILE_STEM_PATTERN, NAME_OR_NONE_PATTERN, NAME_PATTERN
 
 MEANT = {
     FILE_STEM_PATTERN: f"a file's name ({FILE_STEM})",

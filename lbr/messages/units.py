@@ -20,6 +20,10 @@ A_NAME = {"meant": "a name (small letters, digits, underscores; at most 40)"}
 Name = Annotated[str, Meta(pattern=NAME_PATTERN, max_length=40, extra=A_NAME)]
 NameOrNone = Annotated[str, Meta(pattern=NAME_OR_NONE_PATTERN, max_length=40, extra=A_NAME)]
 """A name, or empty for none."""
+FILE_STEM_PATTERN = r"^$(?!\n)|^[A-Za-z0-9][A-Za-z0-9_.-]*$(?!\n)"
+FileStem = Annotated[str, Meta(pattern=FILE_STEM_PATTERN, max_length=60)]
+FILE_STEM = "letters, digits, '.', '_' and '-', the first a letter or a digit, 60 at most"
+"""What a `FileStem` is, in words."""
 StepNumber = Annotated[int, Meta(ge=1, le=10_000)]
 """The place of a row among those of one motion or dance, from 1."""
 Vector = tuple[float, float, float]

@@ -6,7 +6,6 @@ COMPONENT = Component(
     kinds={
         "attitude": "lbr.operations.attitude:KIND",
         "battery": "lbr.operations.battery:KIND",
-        "beacon": "lbr.operations.beacon:KIND",
         "drive": "lbr.operations.drive:KIND",
         "joints": "lbr.operations.joints:KIND",
         "motions": "lbr.operations.motions:KIND",

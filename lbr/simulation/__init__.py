@@ -9,7 +9,8 @@ COMPONENT = Component(
     },
     commands={
         "view": CliCommand(
-            entry="lbr.commands.view:command", help="Watch a simulated robot: its room from above, or its joints."
+            entry="lbr.simulation.commands.view:command",
+            help="Watch a simulated robot: its room from above, or its joints.",
         ),
     },
     twins={
@@ -25,4 +26,18 @@ COMPONENT = Component(
         "roboteq": "lbr.simulation.devices.roboteq:TWIN",
         "ultrasonic_ring": "lbr.simulation.devices.ultrasonic_ring:TWIN",
     },
+    public=(
+        "lbr.simulation.faults",
+        "lbr.simulation.humanoid",
+        "lbr.simulation.i2c",
+        "lbr.simulation.measured",
+        "lbr.simulation.port",
+        "lbr.simulation.socket_port",
+        "lbr.simulation.trace",
+        "lbr.simulation.trials",
+        "lbr.simulation.turning",
+        "lbr.simulation.twins",
+        "lbr.simulation.wire",
+    ),
+    messages=("lbr.simulation.messages",),
 )

@@ -8,7 +8,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
-from lbr.messages.simulation import WorldBox
+from lbr.simulation.messages import WorldBox
 from lbr.simulation.requests import BallReply, BallRequest
 from lbr.simulation.room import Colour, Place
 

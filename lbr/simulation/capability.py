@@ -8,8 +8,8 @@ import msgspec
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.sensing import Ranges, RangeStatus, ranges
-from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.engine import Engine, body_of
+from lbr.simulation.messages import WorldBox, WorldPose, WorldScene
 from lbr.simulation.requests import (
     BallRequest,
     PictureRequest,

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from lbr.messages.simulation import WorldDock
 from lbr.simulation.measured import Beam
+from lbr.simulation.messages import WorldDock
 from lbr.simulation.model import STANDING
 from lbr.simulation.settings import Body, Dock
 

@@ -10,13 +10,13 @@ from msgspec.structs import replace
 
 from lbr.messages.kinematics import HOLONOMIC, TWO, Kinematics, Wheel
 from lbr.messages.sensing import RangeSensor, ring
-from lbr.messages.simulation import WorldBox, WorldPose, WorldScene, WorldSensor
 from lbr.simulation.balls import Balls
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
 from lbr.simulation.docking import DockSense, world_dock
 from lbr.simulation.inertial import InertialUnit
 from lbr.simulation.measured import Beam, ImuReading, MotorSensed, Sensed
+from lbr.simulation.messages import WorldBox, WorldPose, WorldScene, WorldSensor
 from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml, two_wheels
 from lbr.simulation.physics import mujoco, packed
 from lbr.simulation.placing import Placed

@@ -5,7 +5,7 @@ from lbr.capability.word import Word
 from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.leases import CommandReply
 from lbr.messages.sensing import RangeSensor
-from lbr.messages.simulation import WorldPose, WorldScene
+from lbr.simulation.messages import WorldPose, WorldScene
 from lbr.simulation.requests import (
     BallReply,
     BallRequest,

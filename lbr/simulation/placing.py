@@ -4,7 +4,7 @@ from math import cos, hypot, sin
 from typing import Any
 
 from lbr.errors import InputError
-from lbr.messages.simulation import WorldBox
+from lbr.simulation.messages import WorldBox
 from lbr.simulation.model import PARKED_M, PLACEABLE
 
 _PARKED = ((0.0, 0.0, PARKED_M), (1.0, 0.0, 0.0, 0.0), (0.1, 0.1, 0.1))

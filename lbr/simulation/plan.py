@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import cos, sin, tau
 
 from lbr.messages.sensing import Ranges, RangeSensor, ring
-from lbr.messages.simulation import WorldBox, WorldDock, WorldPose, WorldScene
+from lbr.simulation.messages import WorldBox, WorldDock, WorldPose, WorldScene
 
 Point = tuple[float, float]
 

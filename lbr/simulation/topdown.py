@@ -6,8 +6,8 @@ from math import degrees, pi
 from typing import TYPE_CHECKING
 
 from lbr.messages.sensing import Ranges
-from lbr.messages.simulation import WorldBox, WorldPose, WorldScene
 from lbr.simulation.braille import Canvas
+from lbr.simulation.messages import WorldBox, WorldPose, WorldScene
 from lbr.simulation.plan import (
     Point,
     below,

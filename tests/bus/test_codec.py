@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lbr.apps.recorder.messages import RecordCommand
 from lbr.bus import codec, pictures
 from lbr.errors import MalformedError
-from lbr.messages.box import RecordCommand
 from lbr.messages.drive import DriveCommand
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.tracking import LookCommand

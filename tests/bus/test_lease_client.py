@@ -2,7 +2,7 @@
 
 import pytest
 
-from lbr.bus.lease_client import ANSWER_S, RENEW_S, SILENT_S, LeaseClient, LeaseTarget
+from lbr.leases.client import ANSWER_S, RENEW_S, SILENT_S, LeaseClient, LeaseTarget
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, GoalResult
 from lbr.messages.leases import CommandReply, StopCommand, refused

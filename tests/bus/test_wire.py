@@ -5,9 +5,10 @@ import threading
 
 import pytest
 
-from lbr.bus import access, inflow, keys, links, over_session, probe, session, stamp, wire
+from lbr.bus import access, inflow, keys, links, probe, session, stamp, wire
 from lbr.bus.access import Credentials, Rights
 from lbr.errors import BusError
+from lbr.leases import over_session
 from lbr.messages.leases import CommandReply
 from tests.support.waiting import until
 

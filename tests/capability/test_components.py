@@ -10,7 +10,7 @@ import pytest
 from lbr import cli, plugins
 from lbr.capability import registry, twins
 from lbr.capability.kind import KindError
-from lbr.robots import registry as robots
+from lbr.robot import registry as robots
 from tests.support import programs
 from tests.support.packages import imported_from, metadata, on_path, package
 from tests.support.robot import LBR, environment

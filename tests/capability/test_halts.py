@@ -5,7 +5,7 @@ from math import inf
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.capability.halts import Halts
+from lbr.leases.halts import Halts
 
 SOURCES = ("", "phone", "console", "script")
 STOPS = st.lists(st.tuples(st.integers(0, 12), st.sampled_from(SOURCES)), max_size=12)

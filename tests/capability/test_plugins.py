@@ -9,7 +9,7 @@ from lbr import plugins
 from lbr.apps.web import faces
 from lbr.capability import registry, twins
 from lbr.errors import LbrError
-from lbr.robots import registry as robots
+from lbr.robot import registry as robots
 from tests.support import programs
 from tests.support.packages import imported_from, package
 

@@ -165,8 +165,8 @@ def test_the_distribution_drives_without_lbr_and_the_wheels_stand_when_its_progr
 
 def test_the_distribution_holds_what_lbr_has_and_needs_two_libraries(wheel):
     collected = wheel / "lbr_client"
-    same = (collected / "bus" / "lease_client.py").read_text()
-    assert same.replace("lbr_client.", "lbr.") == (ROOT / "lbr" / "bus" / "lease_client.py").read_text()
+    same = (collected / "leases" / "client.py").read_text()
+    assert same.replace("lbr_client.", "lbr.") == (ROOT / "lbr" / "leases" / "client.py").read_text()
     assert not [path for path in collected.rglob("*.py") if "import lbr." in path.read_text()]
     metadata = next(wheel.glob("*.dist-info")) / "METADATA"
     needs = [

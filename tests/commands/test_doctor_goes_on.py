@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr import cli, home
+from lbr.apps.web.commands import checks as web_checks
 from lbr.bus import keys, session, wire
-from lbr.commands import checks, web_checks
+from lbr.commands import checks
 from lbr.commands.finding import Finding
 from lbr.database.rows import CapabilityRow
 from lbr.errors import BusError

@@ -9,7 +9,6 @@ from prompt_toolkit.document import Document
 from lbr.console.completion import LineCompleter
 from lbr.console.confirmation import Confirmation
 from lbr.console.joint_status import joints, power
-from lbr.console.joint_table import lines
 from lbr.console.operator import Telemetry
 from lbr.console.toolbar import toolbar
 from lbr.console.verbs import VerbCall, Vocabulary
@@ -20,6 +19,7 @@ from lbr.messages.system import ConsoleResult
 from lbr.operations.joints import KIND as JOINTS
 from lbr.operations.motions import KIND as MOTIONS
 from lbr.operations.power import KIND as POWER
+from lbr.simulation.commands.joint_table import lines
 from tests.support.words import as_shipped
 
 ROWS = as_shipped("bioloid")

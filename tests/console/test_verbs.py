@@ -3,12 +3,12 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from lbr.apps.recorder.messages import RecordCommand
 from lbr.console.fields import Message
 from lbr.console.verbs import ExternalCall, ExternalStop, PythonLine, VerbCall, Vocabulary
 from lbr.database import builtin
 from lbr.database.rows import ExternalCommandRow, VerbRow
 from lbr.errors import InputError
-from lbr.messages.box import RecordCommand
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import StopCommand
 

@@ -1,7 +1,7 @@
 from lbr.bus import wire
-from lbr.commands.view import _frames
 from lbr.messages.joints import JointsState, JointState
-from lbr.messages.simulation import HumanoidPose, WorldBox, WorldPose, WorldScene
+from lbr.simulation.commands.view import _frames
+from lbr.simulation.messages import HumanoidPose, WorldBox, WorldPose, WorldScene
 from tests.console.fake_robot import ROBOT
 from tests.support.waiting import until
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lbr.apps.dance.messages import DanceStep
 from lbr.database.checks import check as check_rows
 from lbr.database.rows import RobotRow
 from lbr.database.shipped import shipped as shipped_tables
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.messages.calibration import CalibrationValue
-from lbr.messages.dance import DanceStep
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, MotionRow, MotionStep
 from lbr.messages.kinematics import Kinematics, Wheel

@@ -13,7 +13,7 @@ from lbr.database.checks import check
 from lbr.database.shipped import shipped
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionStep
-from lbr.robots.motion_file import LARGEST_BYTES
+from lbr.robot.motion_file import LARGEST_BYTES
 from lbr.robots.uxa90 import motion_file, rbm
 from tests.support import databases
 

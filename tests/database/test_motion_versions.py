@@ -2,8 +2,8 @@
 
 from msgspec.structs import replace
 
+from lbr.apps.motions.commands.versions import MOST, TOGETHER_S, versions
 from lbr.database.edits import Edit
-from lbr.database.motion_versions import MOST, TOGETHER_S, versions
 from lbr.messages.joints import KeyFrame, Motion, MotionRow, MotionStep, motions_of
 
 ROBOT = "bioloid"

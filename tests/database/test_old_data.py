@@ -11,9 +11,9 @@ from lbr.database import foreign_tables, given_files, taking
 from lbr.database.columns import columns, raw
 from lbr.database.shipped import shipped
 from lbr.errors import InputError
+from lbr.robot.old_data import Choice, Source
 from lbr.robots.lbr.old_cameras import OldCameras
 from lbr.robots.lbr.old_database import OldDatabase
-from lbr.robots.old_data import Choice, Source
 from lbr.robots.uxa90 import old_tables
 from tests.support.old_data import ROWS, old_database, old_sql
 

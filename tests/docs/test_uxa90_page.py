@@ -8,9 +8,9 @@ from lbr.console.fields import Message
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS
 from lbr.database.store import Database
-from lbr.drivers.uxa90.messages import InquireCommand
 from lbr.executive.service.completion_values import REPORTS
 from lbr.messages.joints import MotionRow
+from lbr.robots.uxa90.driver.messages import InquireCommand
 from tests.docs.pages import ROOT, said
 from tests.support import databases
 from tests.support.words import with_words

@@ -16,11 +16,11 @@ from typing import Literal
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.messages.simulation import WorldBox
 from lbr.operations.drive.mixing import mix
 from lbr.operations.drive.settings import DriveSettings
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.engine import Engine
+from lbr.simulation.messages import WorldBox
 from lbr.simulation.model import TIMESTEP_S
 from lbr.simulation.settings import BoxSettings, Ultrasonic, WorldSettings
 from tests.models.lockstep import Lockstep, box_corners, corners, gap_m

@@ -14,6 +14,7 @@ from typing import Any
 import msgspec
 from msgspec.structs import replace
 
+from lbr.leases.lease import Setpoint, Stop
 from lbr.messages.joints import (
     Joint,
     JointsCommand,
@@ -30,8 +31,7 @@ from lbr.operations.joints.body import body
 from lbr.operations.joints.kernel import decide
 from lbr.operations.joints.settings import JointsSettings
 from lbr.operations.joints.state import Command, ServosSeen, Tick, Torque, first_state
-from lbr.operations.leasing.lease import Setpoint, Stop
-from lbr.simulation.devices.uxa90.board import MainBoard
+from lbr.robots.uxa90.twin.board import MainBoard
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.measured import ServoDrive

@@ -14,16 +14,16 @@ from msgspec.structs import replace
 
 from lbr.drivers.ultrasonic import UltrasonicSettings
 from lbr.drivers.ultrasonic.protocol import Frame, LineParser, to_ranges
+from lbr.leases.lease import Reply, Result, Setpoint
 from lbr.messages.drive import DriveCommand, GoalResult
 from lbr.messages.motors import MotorsState
-from lbr.messages.simulation import WorldBox
 from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Command, Event, MotorsSeen, RangesSeen, Tick
-from lbr.operations.leasing.lease import Reply, Result, Setpoint
 from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults
 from lbr.simulation.devices.ultrasonic_ring.device import UltrasonicBoard
 from lbr.simulation.engine import Engine
+from lbr.simulation.messages import WorldBox
 from lbr.simulation.model import TIMESTEP_S
 from lbr.simulation.settings import WorldSettings
 

@@ -8,14 +8,14 @@ from lbr.apps.behaviours.kernel import DONE, Run
 from lbr.apps.behaviours.keys import Look
 from lbr.apps.behaviours.outputs import Halt
 from lbr.apps.behaviours.table import Table, compile_table
-from lbr.capability.mover import Outcome
+from lbr.leases.mover import Outcome
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import BehaviourTable
 from lbr.messages.codes import Reason
 from lbr.messages.speech import SayCommand
-from lbr.operations.beacon import BeaconSettings
-from lbr.operations.beacon.manoeuvres import Memory, script
-from lbr.operations.beacon.view import STAND, Action, Ending, Script, View
+from lbr.robots.lbr.beacon import BeaconSettings
+from lbr.robots.lbr.beacon.manoeuvres import Memory, script
+from lbr.robots.lbr.beacon.view import STAND, Action, Ending, Script, View
 
 
 def dock_table() -> Table:

@@ -12,8 +12,8 @@ from lbr.apps.behaviours.kernel import DONE, Run
 from lbr.apps.behaviours.keys import Key
 from lbr.apps.behaviours.outputs import Wait
 from lbr.apps.behaviours.table import Parts, Table, compile_table, linked
-from lbr.capability.mover import Outcome
 from lbr.database.shipped import shipped
+from lbr.leases.mover import Outcome
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.messages.codes import Reason
 from lbr.messages.joints import PlayCommand

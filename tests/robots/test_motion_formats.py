@@ -4,12 +4,12 @@ import pytest
 
 from lbr.database import motion_files
 from lbr.errors import InputError
-from lbr.robots import registry
+from lbr.robot import registry
 from tests.support.packages import DECLARED, imported_from, robot_package
 
 READER = """
 from lbr.messages.joints import KeyFrame, Motion
-from lbr.robots.motion_file import MotionFormat
+from lbr.robot.motion_file import MotionFormat
 
 class Dance:
     def __init__(self, content):

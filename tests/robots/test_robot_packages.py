@@ -167,7 +167,7 @@ DECLARATIONS = {
     "declares nothing": ("", "does not load: AttributeError"),
     "declares something else": ("ROBOT = 3", "is no Robot(…)"),
     "calls itself otherwise": (DECLARED.replace('"{name}"', '"other"'), "it calls itself 'other'"),
-    "brings no rows": ("from lbr.robots import Robot\nROBOT = Robot(name='{name}', summary='')", "'rows' is missing"),
+    "brings no rows": ("from lbr.robot import Robot\nROBOT = Robot(name='{name}', summary='')", "'rows' is missing"),
     "names a file that is not there": (DECLARED.replace("rows.sql", "none.sql"), "which is not there"),
     "names no path": (DECLARED.replace('HERE / "rows.sql"', '"rows.sql"'), "must be a pathlib.Path"),
 }

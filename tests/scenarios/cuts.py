@@ -12,8 +12,8 @@ from typing import NamedTuple
 import psutil
 from msgspec import Struct
 
-from lbr.recording import selection
-from lbr.recording.shelf import Shelf
+from lbr.apps.recorder.recording import selection
+from lbr.apps.recorder.recording.shelf import Shelf
 from lbr.testing.robot import NoAnswerError
 from tests.support.bench import Bench, let_go, processes_of
 from tests.support.cut_disk import CutDisk, cut_disk

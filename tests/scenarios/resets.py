@@ -11,7 +11,7 @@ from typing import Any
 from lbr.bus import session, wire
 from lbr.bus.session import Session
 from lbr.errors import BusError
-from lbr.operations.leasing.rules import PERSISTENT_S
+from lbr.leases.rules import PERSISTENT_S
 from tests.support.bench import ANGLES, Bench, bench
 from tests.support.figures import Results
 from tests.support.mover import accepted

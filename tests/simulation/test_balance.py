@@ -10,12 +10,12 @@ from tests.support import needs
 
 needs.modules("mujoco")
 
-from lbr.commands.motion_work import done  # noqa: E402
+from lbr.apps.motions.commands.work import done  # noqa: E402
 from lbr.errors import InputError  # noqa: E402
 from lbr.messages.joints import KeyFrame  # noqa: E402
 from lbr.messages.motion_work import Checked, CheckJob  # noqa: E402
 from lbr.simulation.humanoid.balance import FALLEN_RAD, hull, margin  # noqa: E402
-from tests.web.jointed_robot import JointedRobot  # noqa: E402
+from tests.apps.web.jointed_robot import JointedRobot  # noqa: E402
 
 SIT = {"left_hip_pitch": 1.78, "left_knee": -2.4, "left_ankle_pitch": 0.9}
 SIT |= {name.replace("left", "right"): angle for name, angle in SIT.items()}

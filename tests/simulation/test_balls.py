@@ -2,12 +2,12 @@
 
 import pytest
 
-from lbr.messages.simulation import WorldBox
 from lbr.simulation.balls import Ball
 from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.engine import Engine
+from lbr.simulation.messages import WorldBox
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import BallRequest
 from lbr.simulation.settings import WorldSettings

@@ -11,7 +11,6 @@ import pytest
 
 from lbr.capability.context import Device
 from lbr.errors import InputError, LbrError
-from lbr.messages.simulation import WorldBox
 from lbr.simulation.cameras import studio as studios
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.cameras.orders import Drawing
@@ -19,6 +18,7 @@ from lbr.simulation.cameras.studio import Studio
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.engine import Engine
+from lbr.simulation.messages import WorldBox
 from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import PlaceRequest, RemoveRequest
 from lbr.simulation.settings import WorldSettings

@@ -4,8 +4,8 @@ from math import cos, pi
 
 import pytest
 
-from lbr.messages.simulation import WorldBox
 from lbr.simulation.engine import Engine
+from lbr.simulation.messages import WorldBox
 from lbr.simulation.settings import Battery, BoxSettings, StartPose, Ultrasonic, WorldSettings
 
 WALL = BoxSettings(name="wall", x_m=2.0, y_m=0.0, length_m=0.1, width_m=8.0)

@@ -10,7 +10,8 @@ from tests.support import needs
 
 needs.modules("mujoco")
 
-from lbr.commands import motion, motion_standing  # noqa: E402
+from lbr.apps.motions.commands import motion  # noqa: E402
+from lbr.apps.motions.commands import standing as motion_standing  # noqa: E402
 from lbr.messages.joints import KeyFrame  # noqa: E402
 from tests.models import feet  # noqa: E402
 from tests.support import databases  # noqa: E402

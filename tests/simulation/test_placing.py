@@ -3,8 +3,8 @@
 import pytest
 
 from lbr.errors import InputError
-from lbr.messages.simulation import WorldBox
 from lbr.simulation.engine import Engine
+from lbr.simulation.messages import WorldBox
 from lbr.simulation.room import BoxSettings, on_legs, post
 from lbr.simulation.settings import StartPose, Ultrasonic, WorldSettings
 

@@ -7,7 +7,7 @@ import msgspec
 import pytest
 
 from lbr.messages.sensing import Ranges
-from lbr.messages.simulation import WorldBox, WorldDock, WorldPose, WorldScene, WorldSensor
+from lbr.simulation.messages import WorldBox, WorldDock, WorldPose, WorldScene, WorldSensor
 from lbr.simulation.plan import below, box_corners, cones, dock_beams, dock_corners, fit
 from lbr.simulation.topdown import arrow, image, legend_lines, power_bar, text
 

@@ -32,7 +32,7 @@ INSERT INTO phrase (name, language, text) VALUES ('crawler_hello', 'en', 'I craw
 """A robot of rows alone."""
 DECLARED = """
 from pathlib import Path
-from lbr.robots import Robot
+from lbr.robot import Robot
 
 HERE = Path(__file__).parent
 ROBOT = Robot(name="{name}", summary="a robot on tracks", rows=HERE / "rows.sql", profiles=HERE / "profiles")

@@ -1,7 +1,7 @@
 """The SQL that makes a new database: the schema with the robot lbr, and the rows that packages of lbr's bring."""
 
 from lbr.resources import robot_db_sql
-from lbr.robots import registry
+from lbr.robot import registry
 
 
 def sql() -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lbr.drivers.servos.protocol1 import packet
-from lbr.drivers.uxa90 import frames
+from lbr.robots.uxa90.driver import frames
 from lbr.simulation.i2c import RequestReader
 from lbr.testing.device import Plugged, plugged
 

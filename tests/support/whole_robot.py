@@ -28,8 +28,14 @@ from lbr.simulation.loop import WorldLoop
 
 BUS_S = 0.7 * ROUND_S
 """So much of each round a bus's thread works; its last transaction may take longer."""
-PORTS = ("roboteq", "ultrasonic_ring", "dynamixel", "uxa90", "infrared")
-LINES = ("roboteq.capability", "ultrasonic.capability", "servos.line", "uxa90.session")
+PORTS = (
+    *(f"lbr.simulation.devices.{name}" for name in ("roboteq", "ultrasonic_ring", "dynamixel", "infrared")),
+    "lbr.robots.uxa90.twin",
+)
+LINES = (
+    *(f"lbr.drivers.{name}" for name in ("roboteq.capability", "ultrasonic.capability", "servos.line")),
+    "lbr.robots.uxa90.driver.session",
+)
 WORLDS = frozenset({"world", "humanoid_world"})
 
 
@@ -239,10 +245,10 @@ class WholeRobot:
         patch.setattr(BusThread, "start", lambda thread: self.threads.append((self.opens, thread)))
         patch.setattr("lbr.simulation.twins.i2c.SocketPort", MemorySocket)
         for device in PORTS:
-            patch.setattr(f"lbr.simulation.devices.{device}.twin.PtyPort", MemoryPort)
+            patch.setattr(f"{device}.twin.PtyPort", MemoryPort)
         for module in LINES:
-            patch.setattr(f"lbr.drivers.{module}.open_line", partial(Line, self))
+            patch.setattr(f"{module}.open_line", partial(Line, self))
         patch.setattr("lbr.drivers.dynamixel.capability.open_servo_line", partial(Line, self))
-        patch.setattr("lbr.drivers.uxa90.session.Wire", lambda *_, line: line)
+        patch.setattr("lbr.robots.uxa90.driver.session.Wire", lambda *_, line: line)
         patch.setattr("lbr.drivers.mpu9150.capability.open_bus", lambda device, at: (MemoryBus(self, device), at))
         patch.setattr("lbr.drivers.mpu9150.capability.InertialUnit", lambda bus, *of: InertialUnit(bus, *of, bus.wait))

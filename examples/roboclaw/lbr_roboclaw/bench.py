@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lbr.robots import Robot
+from lbr.robot import Robot
 
 HERE = Path(__file__).parent
 ROBOT = Robot(

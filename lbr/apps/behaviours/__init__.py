@@ -10,7 +10,9 @@ COMPONENT = Component(
     kinds={"behaviour": "lbr.apps.behaviours.kind:KIND"},
     commands={
         "behaviour": CliCommand(
-            entry="lbr.commands.behaviour:command", help="Write state tables, check and take them, and run them."
+            entry="lbr.apps.behaviours.commands.behaviour:command",
+            help="Write state tables, check and take them, and run them.",
         ),
     },
+    needs=("simulation",),
 )

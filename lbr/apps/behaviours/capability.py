@@ -12,12 +12,12 @@ from lbr.apps.behaviours.library import Library
 from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LowBattery
 from lbr.apps.behaviours.outputs import Aside, Halt, Motion
 from lbr.apps.behaviours.senses import Senses
-from lbr.bus.lease_client import LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, PendingReply, Received
-from lbr.capability.halts import Halts
-from lbr.capability.mover import DRIVE, GONE, RESULT_S, Mover
 from lbr.errors import InputError
+from lbr.leases.client import LeaseTarget
+from lbr.leases.halts import Halts
+from lbr.leases.mover import DRIVE, GONE, RESULT_S, Mover
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import (
     BehaviourChecked,

@@ -4,4 +4,8 @@ from lbr.component import Component
 
 COMPONENT = Component(
     kinds={"call": "lbr.apps.call.kind:KIND"},
+    faces={"call": "lbr.apps.call.face:face"},
+    ports={"call": "lbr.apps.call.face:PORTS"},
+    needs=("web",),
+    messages=("lbr.apps.call.messages",),
 )

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 from lbr.apps.call.desk import Connect, Desk
 from lbr.apps.call.kind import CallSettings
+from lbr.apps.call.messages import CallState, Hears, KeepCommand, RingCommand, RingReply
 from lbr.capability.base import Capability
 from lbr.capability.context import Call as Asked
 from lbr.capability.context import Context, Received
-from lbr.messages.call import CallState, Hears, KeepCommand, RingCommand, RingReply
 from lbr.messages.camera import CameraState
 from lbr.messages.codes import Code, Reason
 from lbr.messages.leases import CommandReply, refused

@@ -9,7 +9,7 @@ from math import inf
 from secrets import token_urlsafe
 
 from lbr.apps.call.kind import CallSettings
-from lbr.messages.call import CallPhase, Purpose, RingCommand, RingReply
+from lbr.apps.call.messages import CallPhase, Purpose, RingCommand, RingReply
 from lbr.messages.codes import Reason
 from lbr.messages.system import RANKS, Role
 

@@ -4,9 +4,9 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.apps.call.messages import CallState, CallWord, KeepCommand, RingCommand, RingReply
 from lbr.capability.kind import Kind
 from lbr.capability.word import Word
-from lbr.messages.call import CallState, CallWord, KeepCommand, RingCommand, RingReply
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import Role

@@ -19,9 +19,9 @@ from aiortc import RTCConfiguration, RTCPeerConnection, RTCSessionDescription
 from aiortc.rtcrtpsender import RTCRtpSender
 
 from lbr.apps.call.desk import without_names
+from lbr.apps.call.messages import Hears, Purpose
 from lbr.apps.call.sound import Source
 from lbr.apps.call.tracks import CameraTrack, Fan, Pictures, SoundTrack
-from lbr.messages.call import Hears, Purpose
 
 CLOSE_S = 3.0
 SPOKEN = {"video/VP8", "video/rtx"}

@@ -10,8 +10,8 @@ from collections import deque
 from collections.abc import Callable
 from itertools import chain, repeat
 
+from lbr.apps.call.messages import Hears
 from lbr.capability.die_with_parent import dying_with_parent
-from lbr.messages.call import Hears
 
 RATE_HZ = 48_000
 SAMPLES = RATE_HZ // 50

@@ -4,4 +4,5 @@ from lbr.component import Component
 
 COMPONENT = Component(
     kinds={"dance": "lbr.apps.dance.kind:KIND"},
+    messages=("lbr.apps.dance.messages",),
 )

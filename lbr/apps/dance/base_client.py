@@ -1,7 +1,7 @@
 """Moving the base by a lease: taken at rest, changed at once, and given up whenever it is lost."""
 
 from lbr.apps.dance.choreography import REST, Move
-from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
+from lbr.leases.client import LeaseClient, LeaseTarget, Transport
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
 

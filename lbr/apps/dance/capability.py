@@ -7,13 +7,13 @@ from lbr.apps.dance import metronome, songs
 from lbr.apps.dance.base_client import BaseClient
 from lbr.apps.dance.choreography import Choreography, beat_at, choose
 from lbr.apps.dance.kind import DanceSettings
+from lbr.apps.dance.messages import DanceCommand, DanceState, DanceStep
 from lbr.apps.dance.music import Music
 from lbr.apps.dance.songs import Song
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.codes import Reason
-from lbr.messages.dance import DanceCommand, DanceState, DanceStep
 from lbr.messages.leases import CommandReply, StopCommand
 
 DANCING_HZ, IDLE_HZ = 50.0, 5.0

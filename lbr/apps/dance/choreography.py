@@ -6,8 +6,8 @@ from itertools import chain, repeat
 
 from msgspec import Struct
 
+from lbr.apps.dance.messages import DanceStep
 from lbr.errors import InputError
-from lbr.messages.dance import DanceStep
 from lbr.names import did_you_mean
 
 

@@ -4,9 +4,9 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.apps.dance.messages import DanceCommand, DanceState, DanceStep
 from lbr.capability.kind import Command, Kind, Known, names
 from lbr.capability.word import Word
-from lbr.messages.dance import DanceCommand, DanceState, DanceStep
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.speech import HushCommand, PlayReply, SongCommand, SpeechState

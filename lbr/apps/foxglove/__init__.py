@@ -9,4 +9,6 @@ from lbr.component import Component
 
 COMPONENT = Component(
     kinds={"foxglove": "lbr.apps.foxglove.kind:KIND"},
+    needs=("web",),
+    messages=("lbr.apps.foxglove.messages",),
 )

@@ -14,11 +14,13 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from lbr import home
+from lbr.apps.bodies.model import body_file, model
 from lbr.apps.foxglove import channels, protocol
 from lbr.apps.foxglove import services as words
 from lbr.apps.foxglove.channels import Source
 from lbr.apps.foxglove.kind import FoxgloveSettings
 from lbr.apps.foxglove.layout import layout
+from lbr.apps.foxglove.messages import FoxgloveState
 from lbr.apps.foxglove.pictures import Pictures
 from lbr.apps.foxglove.services import ESTOP, STOP, Service
 from lbr.apps.foxglove.socket import Viewer
@@ -40,14 +42,12 @@ from lbr.apps.web.robot import Robot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.viewing import shown_token, who
-from lbr.bodies.model import body_file, model
 from lbr.bus.codec import Decoder
 from lbr.bus.door import LanUser
-from lbr.bus.lease_client import RENEW_S, LeaseClient, LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
 from lbr.errors import BusError, DeviceError, InputError, LbrError, MalformedError
-from lbr.messages.foxglove import FoxgloveState
+from lbr.leases.client import RENEW_S, LeaseClient, LeaseTarget
 from lbr.messages.joints import Joint
 from lbr.messages.kinematics import Wheel
 from lbr.messages.leases import CommandReply

@@ -9,15 +9,15 @@ from typing import Any
 import msgspec
 from msgspec import Struct
 
+from lbr.apps.bodies.parts import RobotModel
 from lbr.apps.foxglove import protocol, scene, shown
-from lbr.bodies.parts import RobotModel
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.description import RobotDescription, Schema
 from lbr.messages.joints import JointsState
 from lbr.messages.odometry import OdometryState
+from lbr.messages.schema import flat_schema
 from lbr.messages.sensing import Ranges, RangeSensor, Scan
 from lbr.messages.system import Event, Status
-from lbr.recording.chunks import flat_schema
 
 EVENT, STATUS = "@event", "@status"
 MODEL, TRANSFORMS, LOG = "@model", "@tf", "@events"

@@ -5,9 +5,9 @@ from typing import Annotated, ClassVar
 
 from msgspec import Meta, Struct
 
+from lbr.apps.foxglove.messages import FoxgloveState
 from lbr.bus.door import LanUser
 from lbr.capability.kind import Kind
-from lbr.messages.foxglove import FoxgloveState
 from lbr.messages.joints import Joint
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor

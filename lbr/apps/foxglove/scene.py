@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from lbr.bodies import turning
-from lbr.bodies.parts import Link, RobotModel, Shape
-from lbr.bodies.turning import Place, Turn
+from lbr.apps.bodies import turning
+from lbr.apps.bodies.parts import Link, RobotModel, Shape
+from lbr.apps.bodies.turning import Place, Turn
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.odometry import OdometryState
 

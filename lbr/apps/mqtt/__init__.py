@@ -9,4 +9,5 @@ from lbr.component import Component
 
 COMPONENT = Component(
     kinds={"mqtt": "lbr.apps.mqtt.kind:KIND"},
+    messages=("lbr.apps.mqtt.messages",),
 )

@@ -14,21 +14,21 @@ import msgspec
 from lbr.apps.mqtt import discovery, report, words
 from lbr.apps.mqtt.echo import Echo
 from lbr.apps.mqtt.kind import MqttSettings
+from lbr.apps.mqtt.messages import MqttState
 from lbr.apps.mqtt.session import Broker, Incoming, Outgoing, Session, secret, secured
 from lbr.apps.mqtt.shadow import Asked, ShadowState
 from lbr.apps.mqtt.words import Ask, Motion, Order, StopWord
 from lbr.bus.door import TokenRight
-from lbr.bus.lease_client import LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Context, PendingReply
-from lbr.capability.mover import DRIVE, GONE, RESULT_S, Mover
 from lbr.errors import DeviceError, InputError
+from lbr.leases.client import LeaseTarget
+from lbr.leases.mover import DRIVE, GONE, RESULT_S, Mover
 from lbr.messages.behaviour import RunBehaviour
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import HeadingCommand
 from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.mqtt import MqttState
 from lbr.messages.plain import one_line
 from lbr.messages.speech import SayCommand
 from lbr.messages.system import Role

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.apps.mqtt.messages import MqttState
 from lbr.apps.mqtt.words import Word
 from lbr.bus.door import TokenRight
 from lbr.capability.kind import Kind, Rows, Wire
@@ -17,7 +18,6 @@ from lbr.messages.drive import DriveCommand, DriveState, GoalResult, HeadingComm
 from lbr.messages.joints import JointsState, MotionsState, PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.motors import MotorsState
-from lbr.messages.mqtt import MqttState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.speech import SayCommand
 from lbr.messages.units import Name

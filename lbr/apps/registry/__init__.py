@@ -10,8 +10,9 @@ COMPONENT = Component(
     kinds={"registrar": "lbr.apps.registry.kind:KIND"},
     commands={
         "registry": CliCommand(
-            entry="lbr.commands.registry:command",
+            entry="lbr.apps.registry.commands.registry:command",
             help="List which robots are up and how to reach them, or run the service that does.",
         ),
     },
+    messages=("lbr.apps.registry.messages",),
 )

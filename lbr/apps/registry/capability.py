@@ -15,13 +15,13 @@ from lbr.apps.http import names
 from lbr.apps.registry import asking
 from lbr.apps.registry.book import Entry
 from lbr.apps.registry.kind import RegistrarSettings
+from lbr.apps.registry.messages import RegistrarState
 from lbr.apps.retry import wait_s
 from lbr.bus import tokens
 from lbr.bus.tokens import Token
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
 from lbr.errors import DeviceError, InputError, LbrError
-from lbr.messages.registry import RegistrarState
 from lbr.messages.web import WebState
 
 TELL_S = 1.0

@@ -6,8 +6,8 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.apps.registry.book import Endpoint
+from lbr.apps.registry.messages import RegistrarState
 from lbr.capability.kind import Kind, Wire
-from lbr.messages.registry import RegistrarState
 from lbr.messages.web import WebState
 
 PORT = 9147

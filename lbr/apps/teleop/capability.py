@@ -5,11 +5,11 @@ from math import inf
 from lbr.apps.teleop.hand import REST, Hand, Twist, presses
 from lbr.apps.teleop.kind import TeleopSettings
 from lbr.apps.teleop.lines import Lines
-from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Context, PendingReply
-from lbr.capability.mover import FINAL, GONE
 from lbr.errors import DeviceError
+from lbr.leases.client import LeaseClient, LeaseTarget
+from lbr.leases.mover import FINAL, GONE
 from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult, TwistCommand
 from lbr.messages.gamepad import GamepadState, TeleopState

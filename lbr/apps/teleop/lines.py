@@ -2,9 +2,9 @@
 
 from typing import Any, NamedTuple
 
-from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.capability.context import Context, PendingReply
-from lbr.capability.mover import GONE, RESULT_S
+from lbr.leases.client import LeaseClient, LeaseTarget
+from lbr.leases.mover import GONE, RESULT_S
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply

@@ -10,7 +10,7 @@ from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from lbr.apps.vision import VisionSettings
+from lbr.apps.vision.settings import VisionSettings
 from lbr.bus import pictures
 from lbr.errors import InputError
 from lbr.messages.tracking import Seen, Target

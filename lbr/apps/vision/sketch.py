@@ -6,8 +6,8 @@ Needs OpenCV, as `finding` does.
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from lbr.apps.vision import VisionSettings
 from lbr.apps.vision.finding import decode, finder
+from lbr.apps.vision.settings import VisionSettings
 from lbr.errors import InputError
 from lbr.messages.tracking import Seen, Target
 

@@ -5,14 +5,30 @@ from lbr.component import Component
 COMPONENT = Component(
     kinds={"web": "lbr.apps.web.kind:KIND"},
     faces={
-        "call": "lbr.apps.web.call:face",
         "cameras": "lbr.apps.web.cameras:face",
         "model": "lbr.apps.web.model:face",
         "page": "lbr.apps.web.page:face",
     },
     ports={
-        "call": "lbr.apps.web.call:PORTS",
         "cameras": "lbr.apps.web.cameras:PORTS",
         "model": "lbr.apps.web.model:PORTS",
     },
+    checks={"web": "lbr.apps.web.commands.checks:ports"},
+    public=(
+        "lbr.apps.web.access",
+        "lbr.apps.web.advertised_address",
+        "lbr.apps.web.api",
+        "lbr.apps.web.application",
+        "lbr.apps.web.bridge",
+        "lbr.apps.web.cameras",
+        "lbr.apps.web.face",
+        "lbr.apps.web.guards",
+        "lbr.apps.web.login",
+        "lbr.apps.web.ports",
+        "lbr.apps.web.robot",
+        "lbr.apps.web.serving",
+        "lbr.apps.web.sessions",
+        "lbr.apps.web.viewing",
+    ),
+    needs=("motions",),
 )

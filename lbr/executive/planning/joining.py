@@ -11,8 +11,8 @@ from lbr.errors import RowError
 from lbr.executive.planning import planner, profile
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
-from lbr.robots import registry
-from lbr.robots.registry import Found
+from lbr.robot import registry
+from lbr.robot.registry import Found
 
 
 def judge(rows: RobotRows) -> Iterator[str]:

@@ -13,8 +13,8 @@ from lbr.database import given_files
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
 from lbr.names import did_you_mean
-from lbr.robots import registry
-from lbr.robots.registry import Found
+from lbr.robot import registry
+from lbr.robot.registry import Found
 
 LARGEST_BYTES = 1_000_000
 

@@ -13,8 +13,8 @@ from msgspec.structs import replace
 
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder
-from lbr.capability.halts import Halts
 from lbr.errors import LbrError, MalformedError
+from lbr.leases.halts import Halts
 from lbr.messages.codes import Reason
 from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.system import EstopAcknowledgement, EstopRelease, EstopRequest, EstopState
@@ -133,6 +133,7 @@ class Emergency:
             return Reason("stopped_since", f"{STOPPED_SINCE}by {who}")
         time.sleep(max(0.0, min(SHORTEST_S, self._latched_at + SHORTEST_S - time.monotonic())))
         with self._changed:
+            self._announce()
             self._releasing += 1  # a repetition now would latch again what has just been released
         try:
             why_not = self._release(source)

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
+from lbr.leases.client import LeaseClient, LeaseTarget, Transport
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
 

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from math import isfinite
 
+from lbr.leases import rules
+from lbr.leases.lease import LATE_S, LeaseRequest, confirmed
 from lbr.messages.codes import Code, Reason
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand, TwistCommand
 from lbr.operations.drive import distance_goal, turn_goal
@@ -12,8 +14,6 @@ from lbr.operations.drive.limits import limit
 from lbr.operations.drive.rules import Limit
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Command, State, motors_trouble
-from lbr.operations.leasing import rules
-from lbr.operations.leasing.lease import LATE_S, LeaseRequest, confirmed
 
 Link = Callable[[State, Command, LeaseRequest, float], Reason | None]
 

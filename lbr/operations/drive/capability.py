@@ -29,7 +29,7 @@ from lbr.operations.drive.state import (
     Tick,
     motors_trouble,
 )
-from lbr.operations.leasing.process import Answers, LeasingCapability, new_goal, said_by
+from lbr.operations.lender import Answers, LeasingCapability, new_goal, said_by
 
 STATE_PERIOD_S = 0.1
 MOTIONS = frozenset({"command", "turn", "heading", "twist"})

@@ -4,13 +4,13 @@ from math import isnan
 
 from msgspec.structs import replace
 
+from lbr.leases import ending
+from lbr.leases.lease import Ended, Ending, Happened, Lease, LeaseTable, Result, Setpoint
 from lbr.messages.codes import Reason
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals
 from lbr.operations.drive.state import ActiveMotion, Outputs, State, motors_trouble
 from lbr.operations.drive.wheels import next_wheels
-from lbr.operations.leasing import ending
-from lbr.operations.leasing.lease import Ended, Ending, Happened, Lease, LeaseTable, Result, Setpoint
 
 Decision = tuple[State, Outputs]
 ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0))

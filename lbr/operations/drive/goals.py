@@ -6,6 +6,7 @@ from typing import TypeGuard
 
 from msgspec.structs import replace
 
+from lbr.leases.lease import Ending
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand, TwistCommand
 from lbr.messages.sensing import Ranges
@@ -18,7 +19,6 @@ from lbr.operations.drive.rules import USUAL, View, measured_m, towards
 from lbr.operations.drive.sensors import Sensors, sees_along
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import Goal, State
-from lbr.operations.leasing.lease import Ending
 
 FARTHEST_CM = 768.0
 LOST_AFTER_S = 0.3

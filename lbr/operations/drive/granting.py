@@ -4,6 +4,8 @@ from math import copysign
 
 from msgspec.structs import replace
 
+from lbr.leases import decide
+from lbr.leases.lease import Lease, LeaseRequest, Reply, Setpoint, Stop, confirmed
 from lbr.messages.drive import TwistCommand
 from lbr.operations.drive import goals
 from lbr.operations.drive.acceptance import asks, notes, refusal
@@ -11,8 +13,6 @@ from lbr.operations.drive.command import fitting_sides, moves, power_of, towards
 from lbr.operations.drive.ending import Decision, apply, halt
 from lbr.operations.drive.state import ActiveMotion, Command, State
 from lbr.operations.drive.wheels import next_wheels, setpoint_of, tell
-from lbr.operations.leasing import decide
-from lbr.operations.leasing.lease import Lease, LeaseRequest, Reply, Setpoint, Stop, confirmed
 
 
 def command(state: State, event: Command, now: float) -> Decision:

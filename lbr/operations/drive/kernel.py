@@ -5,6 +5,9 @@ from math import inf, isfinite, isnan, nan
 
 from msgspec.structs import replace
 
+from lbr.leases import decide as leasing
+from lbr.leases import ending
+from lbr.leases.lease import EstopChanged, Happened, Phrasing, Stop, first
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveState, LoopStatistics
 from lbr.messages.kinematics import Base, differential
@@ -37,9 +40,6 @@ from lbr.operations.drive.state import (
     Tick,
     motors_trouble,
 )
-from lbr.operations.leasing import decide as leasing
-from lbr.operations.leasing import ending
-from lbr.operations.leasing.lease import EstopChanged, Happened, Phrasing, Stop, first
 
 BACK = Reason("clock", "the clock went back")
 PHRASING = Phrasing(

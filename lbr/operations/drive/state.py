@@ -5,6 +5,7 @@ from math import inf, nan
 
 from msgspec import Struct
 
+from lbr.leases.lease import EstopChanged, Happened, Lease, LeaseTable, Reply, Result, Setpoint, Stop
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import Reason
 from lbr.messages.drive import CheckVerdict
@@ -23,7 +24,6 @@ from lbr.operations.drive.rules import FREE, Limit, Odometer, View
 from lbr.operations.drive.sensors import Sensors
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.turn_goal import TurnGoal
-from lbr.operations.leasing.lease import EstopChanged, Happened, Lease, LeaseTable, Reply, Result, Setpoint, Stop
 
 
 class Command(Struct, frozen=True, kw_only=True):

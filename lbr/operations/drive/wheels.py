@@ -4,14 +4,14 @@ from math import isnan, nan
 
 from msgspec.structs import replace
 
+from lbr.leases.decide import with_motion
+from lbr.leases.lease import Happened, Level
 from lbr.messages.motors import MotorSetpoint
 from lbr.operations.drive import goals, obstacle_memory
 from lbr.operations.drive.command import Sides, times
 from lbr.operations.drive.limits import limit
 from lbr.operations.drive.rules import FREE, Limit
 from lbr.operations.drive.state import Outputs, State
-from lbr.operations.leasing.decide import with_motion
-from lbr.operations.leasing.lease import Happened, Level
 
 LONGEST_STEP_S = 0.1
 """Setpoints older than this move nothing, so no longer step counts."""

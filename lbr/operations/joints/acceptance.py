@@ -6,13 +6,13 @@ from math import isfinite
 
 from msgspec.structs import replace
 
+from lbr.leases import rules
+from lbr.leases.lease import LeaseRequest, quoted
 from lbr.messages.codes import Reason
 from lbr.messages.joints import MAX_FRAMES, JointsCommand, StoredMotion
 from lbr.operations.joints import planning, stored, torque
 from lbr.operations.joints.request import JointsRequest, asked, empty, named, strengths
 from lbr.operations.joints.state import NOT_ADOPTED, Command, State, joint_trouble, servos_trouble
-from lbr.operations.leasing import rules
-from lbr.operations.leasing.lease import LeaseRequest, quoted
 
 MOST_TOLD = 3
 LONGEST_S = 60.0

@@ -30,7 +30,7 @@ from lbr.operations.joints.state import (
     servos_trouble,
 )
 from lbr.operations.joints.view import joints_state
-from lbr.operations.leasing.process import Answers, LeasingCapability, marked, new_goal, said_by
+from lbr.operations.lender import Answers, LeasingCapability, marked, new_goal, said_by
 from lbr.operations.statistics import Beat
 
 STATE_PERIOD_S = 0.1

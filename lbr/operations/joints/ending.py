@@ -2,12 +2,12 @@
 
 from msgspec.structs import replace
 
+from lbr.leases import ending
+from lbr.leases.lease import Ended, Happened, LeaseTable, Result, Stop
 from lbr.messages.drive import GoalResult
 from lbr.operations.joints import feet, moving, stored
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import Outputs, State, servos_trouble
-from lbr.operations.leasing import ending
-from lbr.operations.leasing.lease import Ended, Happened, LeaseTable, Result, Stop
 
 Decision = tuple[State, Outputs]
 Decided = tuple[LeaseTable[Move], ending.Said[Move]]

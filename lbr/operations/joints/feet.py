@@ -8,6 +8,7 @@ from math import ceil
 
 from msgspec.structs import replace
 
+from lbr.leases.lease import Reply, Stop
 from lbr.messages.codes import Reason
 from lbr.messages.joints import KeyFrame
 from lbr.messages.leases import CommandReply
@@ -16,7 +17,6 @@ from lbr.operations.joints.move import Move, ToFeet
 from lbr.operations.joints.moving import freeze
 from lbr.operations.joints.state import State, age_s, joint_trouble, position_rad, servos_trouble, waits
 from lbr.operations.joints.trajectory import Trajectory
-from lbr.operations.leasing.lease import Reply, Stop
 
 LONGEST_S = 0.8
 """A robot is to stand this long after a stop; it is promised."""

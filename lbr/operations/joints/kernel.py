@@ -4,6 +4,9 @@ from math import nan
 
 from msgspec.structs import replace
 
+from lbr.leases import decide as leasing
+from lbr.leases import ending
+from lbr.leases.lease import Ended, EstopChanged, LeaseRequest, Reply, Stop, confirmed
 from lbr.messages.codes import Reason
 from lbr.operations.joints import feet, moving, planning, servos, stored, torque
 from lbr.operations.joints.acceptance import asks, command_of, refusal
@@ -21,9 +24,6 @@ from lbr.operations.joints.state import (
     Torque,
     waits,
 )
-from lbr.operations.leasing import decide as leasing
-from lbr.operations.leasing import ending
-from lbr.operations.leasing.lease import Ended, EstopChanged, LeaseRequest, Reply, Stop, confirmed
 
 BACK = Reason("clock", "the clock went back")
 

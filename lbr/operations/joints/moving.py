@@ -4,12 +4,12 @@ from math import inf, isnan
 
 from msgspec.structs import replace
 
+from lbr.leases.lease import Ending, Setpoint
 from lbr.messages.codes import Reason
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 from lbr.operations.joints import stored
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import REST_S, State, age_s, joint_trouble, position_rad, unmeasured, waits
-from lbr.operations.leasing.lease import Ending, Setpoint
 
 LONGEST_STEP_S = 0.05
 """A loop that was held up goes on from where it was, it does not jump."""

@@ -4,11 +4,11 @@ from math import nan
 
 from msgspec.structs import replace
 
+from lbr.leases.lease import Happened
 from lbr.messages.servos import ServoState
 from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over
 from lbr.operations.joints.state import Outputs, ServosLost, ServosSeen, State, joint_trouble, waits
-from lbr.operations.leasing.lease import Happened
 
 UNREAD_S = 3.0
 """A driver that has not said by then whether a servo has torque never does."""

@@ -5,13 +5,7 @@ from math import inf, nan
 
 from msgspec import Struct
 
-from lbr.messages.codes import Reason
-from lbr.messages.joints import JointsCommand, TorqueCommand
-from lbr.messages.servos import ServosState, ServoState
-from lbr.operations.joints.body import Body
-from lbr.operations.joints.move import Move, ToFeet
-from lbr.operations.joints.settings import JointsSettings
-from lbr.operations.leasing.lease import (
+from lbr.leases.lease import (
     EstopChanged,
     Happened,
     LeaseTable,
@@ -22,6 +16,12 @@ from lbr.operations.leasing.lease import (
     Stop,
     first,
 )
+from lbr.messages.codes import Reason
+from lbr.messages.joints import JointsCommand, TorqueCommand
+from lbr.messages.servos import ServosState, ServoState
+from lbr.operations.joints.body import Body
+from lbr.operations.joints.move import Move, ToFeet
+from lbr.operations.joints.settings import JointsSettings
 
 LAPSE_AHEAD_ROUNDS = 1.5
 """A lapse is noticed by the loop, up to a round late."""

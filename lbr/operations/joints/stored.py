@@ -4,13 +4,13 @@ from math import isnan
 
 from msgspec.structs import replace
 
+from lbr.leases.decide import with_motion
+from lbr.leases.lease import Ending
 from lbr.messages.codes import Reason
 from lbr.messages.joints import StoredMotion
 from lbr.messages.servos import StoredPlay, StoredState
 from lbr.operations.joints.move import Move, Stored
 from lbr.operations.joints.state import State, age_s, position_rad
-from lbr.operations.leasing.decide import with_motion
-from lbr.operations.leasing.lease import Ending
 
 TAKEN_S = 1.0
 """The driver says within this time that it knows of it."""

@@ -4,13 +4,13 @@ from collections.abc import Iterable, Mapping
 
 from msgspec.structs import replace
 
+from lbr.leases.lease import LATE_S, Happened, Reply
+from lbr.leases.rules import STOP_CAME, latched, not_live
 from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply, refused
 from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint
 from lbr.operations.joints.state import NOT_ADOPTED, State, Torque, joint_trouble, position_rad, servos_trouble
-from lbr.operations.leasing.lease import LATE_S, Happened, Reply
-from lbr.operations.leasing.rules import STOP_CAME, latched, not_live
 
 MOST_TOLD = 3
 

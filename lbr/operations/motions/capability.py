@@ -6,6 +6,7 @@ from msgspec.structs import replace
 
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
+from lbr.leases.lease import LeaseRequest
 from lbr.messages.codes import Reason
 from lbr.messages.joints import (
     MAX_FRAMES,
@@ -22,8 +23,7 @@ from lbr.messages.joints import (
     motions_of,
 )
 from lbr.messages.leases import CommandReply
-from lbr.operations.leasing.lease import LeaseRequest
-from lbr.operations.leasing.process import LeasingCapability, new_goal, said_by
+from lbr.operations.lender import LeasingCapability, new_goal, said_by
 from lbr.operations.motions import MotionsSettings, fall
 from lbr.operations.motions.joints_client import JointsClient
 from lbr.operations.motions.kernel import decide

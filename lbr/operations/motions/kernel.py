@@ -4,13 +4,13 @@ from math import inf
 
 from msgspec.structs import replace
 
+from lbr.leases import decide as leasing
+from lbr.leases import ending, rules
+from lbr.leases.lease import Ended, Ending, EstopChanged, Happened, Lease, Result, Stop, confirmed
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import MAX_FRAMES
 from lbr.messages.leases import refused
-from lbr.operations.leasing import decide as leasing
-from lbr.operations.leasing import ending, rules
-from lbr.operations.leasing.lease import Ended, Ending, EstopChanged, Happened, Lease, Result, Stop, confirmed
 from lbr.operations.motions.state import (
     Abandon,
     Accepted,

@@ -4,11 +4,7 @@ from math import inf
 
 from msgspec import Struct
 
-from lbr.messages.codes import Reason
-from lbr.messages.drive import GoalResult
-from lbr.messages.joints import KeyFrame, StoredMotion
-from lbr.messages.leases import CommandReply
-from lbr.operations.leasing.lease import (
+from lbr.leases.lease import (
     EstopChanged,
     Happened,
     Lease,
@@ -20,6 +16,10 @@ from lbr.operations.leasing.lease import (
     Stop,
     first,
 )
+from lbr.messages.codes import Reason
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import KeyFrame, StoredMotion
+from lbr.messages.leases import CommandReply
 from lbr.operations.motions.programme import Programme
 
 PHRASING = Phrasing(noun="the motions", rest="stop, or pause, before playing again", idle="nothing was played yet")

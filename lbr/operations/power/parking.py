@@ -2,8 +2,8 @@
 
 from typing import Protocol
 
-from lbr.bus.lease_client import ANSWER_S, LeaseClient, LeaseTarget, Transport
 from lbr.capability.context import PendingReply, Received
+from lbr.leases.client import ANSWER_S, LeaseClient, LeaseTarget, Transport
 from lbr.messages.joints import PlayCommand, TorqueCommand
 from lbr.messages.leases import CommandReply
 from lbr.operations.power import PowerSettings

@@ -8,10 +8,10 @@ from lbr.errors import InputError
 from lbr.messages.faces import Motor
 from lbr.messages.joints import MAX_FRAMES, Joint, KeyFrame, Motion
 from lbr.names import LONGEST, name_from
+from lbr.robot.motion_file import DIGITS, LONGEST_S, SHORTEST_S, RobotRows, sparse, split
+from lbr.robot.old_data import Note
 from lbr.robots.bioloid import mtn
 from lbr.robots.bioloid.mtn import MtnFile, Page, Step
-from lbr.robots.motion_file import DIGITS, LONGEST_S, SHORTEST_S, RobotRows, sparse, split
-from lbr.robots.old_data import Note
 
 COUNT_RAD, MIDDLE, MOST = radians(300.0 / 1023.0), 512, 1023
 """Of an AX-12A, which is motor type 0."""

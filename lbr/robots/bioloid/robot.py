@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from lbr.robots.motion_file import MotionFormat
-from lbr.robots.robot import Robot
+from lbr.robot.declaration import Robot
+from lbr.robot.motion_file import MotionFormat
 
 _HERE = Path(__file__).parent
 ROBOT = Robot(

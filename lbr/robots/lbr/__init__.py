@@ -4,6 +4,8 @@ from lbr.component import Component
 
 COMPONENT = Component(
     robots={"lbr": "lbr.robots.lbr.robot:ROBOT"},
-    faces={"lbr_original": "lbr.apps.web.lbr_original:face"},
-    ports={"lbr_original": "lbr.apps.web.lbr_original:PORTS"},
+    kinds={"beacon": "lbr.robots.lbr.beacon:KIND"},
+    faces={"lbr_original": "lbr.robots.lbr.original:face"},
+    ports={"lbr_original": "lbr.robots.lbr.original:PORTS"},
+    needs=("web",),
 )

@@ -6,7 +6,7 @@ from json import loads
 from typing import Any, NamedTuple
 
 from lbr.messages.rows import shown
-from lbr.robots.old_data import Choice, Here, Note, OldData, Source, Want
+from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want
 
 _CONTROL = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}", re.ASCII)
 _GROUPS = ("user", "camera")

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from lbr.errors import InputError
 from lbr.messages.rows import shown
 from lbr.names import name_from
-from lbr.robots.old_data import Choice, ForeignTables, Here, Note, OldData, Source, Want
+from lbr.robot.old_data import Choice, ForeignTables, Here, Note, OldData, Source, Want
 
 _SAME = {"robot_process", "channel", "extcmd", "calibration", "move_config"}
 """Of these tables it has most; other programs have tables `robot`, too."""

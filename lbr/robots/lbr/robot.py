@@ -1,8 +1,8 @@
 """The robot lbr, telepresence on two driven wheels: its rows stand with the schema in robot.db.sql."""
 
 from lbr.resources import launch_profiles
-from lbr.robots.old_data import OldFormat
-from lbr.robots.robot import Robot
+from lbr.robot.declaration import Robot
+from lbr.robot.old_data import OldFormat
 
 ROBOT = Robot(
     name="lbr",

@@ -4,9 +4,10 @@ from lbr.component import Component
 
 COMPONENT = Component(
     robots={"uxa90": "lbr.robots.uxa90.robot:ROBOT"},
-    kinds={"uxa90": "lbr.drivers.uxa90:KIND"},
-    faces={"uxa90": "lbr.apps.web.uxa90:face"},
-    ports={"uxa90": "lbr.apps.web.uxa90:PORTS"},
-    twins={"uxa90": "lbr.simulation.devices.uxa90:TWIN"},
-    messages=("lbr.drivers.uxa90.messages",),
+    kinds={"uxa90": "lbr.robots.uxa90.driver:KIND"},
+    faces={"uxa90": "lbr.robots.uxa90.rest:face"},
+    ports={"uxa90": "lbr.robots.uxa90.rest:PORTS"},
+    twins={"uxa90": "lbr.robots.uxa90.twin:TWIN"},
+    needs=("simulation", "web"),
+    messages=("lbr.robots.uxa90.driver.messages",),
 )

@@ -3,14 +3,14 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from lbr.drivers.uxa90.messages import COUNT_RAD
 from lbr.errors import InputError
 from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion
 from lbr.names import name_from
-from lbr.robots.motion_file import DIGITS, SHORTEST_S, RobotRows, sparse, split
-from lbr.robots.old_data import Note
+from lbr.robot.motion_file import DIGITS, SHORTEST_S, RobotRows, sparse, split
+from lbr.robot.old_data import Note
 from lbr.robots.uxa90 import rbm
+from lbr.robots.uxa90.driver.messages import COUNT_RAD
 from lbr.robots.uxa90.rbm import MOST_COUNTS, RbmFile, Scene, ServoMove
 
 FACTORY = "factory"

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from lbr.messages.rows import shown
 from lbr.names import name_from
-from lbr.robots.old_data import Choice, Here, Note, OldData, Source, Want
+from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want
 
 LAYER = "original"
 """Of the table `motor`: what the shipped layers say stays beside it."""

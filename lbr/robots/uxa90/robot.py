@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from lbr.robots.motion_file import MotionFormat
-from lbr.robots.old_data import OldFormat
-from lbr.robots.robot import Robot
+from lbr.robot.declaration import Robot
+from lbr.robot.motion_file import MotionFormat
+from lbr.robot.old_data import OldFormat
 
 _HERE = Path(__file__).parent
 ROBOT = Robot(

@@ -4,8 +4,8 @@ from lbr.capability.kind import Command, Kind, names
 from lbr.capability.word import Word
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
-from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
+from lbr.simulation.messages import HumanoidPose
 from lbr.simulation.requests import (
     BallReply,
     BallRequest,

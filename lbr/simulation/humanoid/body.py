@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.messages.units import Vector
-from lbr.robots import registry
+from lbr.robot import registry
 from lbr.simulation.balls import BALL, Ball, first_place
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.physics import mujoco

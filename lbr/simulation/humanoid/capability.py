@@ -7,11 +7,11 @@ from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
-from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.moved import HumanoidPhysics
 from lbr.simulation.humanoid.portrait import portrait
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
+from lbr.simulation.messages import HumanoidPose
 from lbr.simulation.requests import (
     BallRequest,
     HandRequest,

@@ -9,7 +9,6 @@ from msgspec.structs import replace
 
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
-from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.balls import Balls
 from lbr.simulation.battery import BatteryState
 from lbr.simulation.cameras.view import view_of
@@ -19,6 +18,7 @@ from lbr.simulation.humanoid.servos import Floats, Servo, Servos
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.inertial import InertialUnit
 from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
+from lbr.simulation.messages import HumanoidPose
 from lbr.simulation.physics import mujoco, packed
 
 _UPRIGHT = cos(radians(45.0))

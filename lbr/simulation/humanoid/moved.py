@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.humanoid.body import TIMESTEP_S
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.servos import servo
 from lbr.simulation.measured import ImuReading, Sensed, ServoFelt
+from lbr.simulation.messages import HumanoidPose
 from lbr.simulation.twins import PowerSwitch, ServoBus, Twin
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lbr.messages.simulation import HumanoidPose
 from lbr.simulation.humanoid.body import Body, heading_rad
 from lbr.simulation.humanoid.servos import Floats
+from lbr.simulation.messages import HumanoidPose
 from lbr.simulation.physics import mujoco
 
 if TYPE_CHECKING:

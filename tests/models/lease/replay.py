@@ -7,6 +7,7 @@ from math import inf, nan
 from lbr.capability.send_times import SendTimes
 from lbr.drivers.wheels import arming
 from lbr.drivers.wheels.arming import Arming, Inhibit
+from lbr.leases.lease import EstopChanged, Reply, Setpoint, Stop
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
@@ -14,7 +15,6 @@ from lbr.messages.sensing import Ranges
 from lbr.messages.system import Stamp
 from lbr.operations.drive import kernel
 from lbr.operations.drive.state import Command, Event, MotorsLost, MotorsSeen, Outputs, RangesSeen, State, Tick
-from lbr.operations.leasing.lease import EstopChanged, Reply, Setpoint, Stop
 from tests.models.lease.spin import DRIVE, ROBOTEQ
 
 Decide = Callable[[State, Event, float], tuple[State, Outputs]]

@@ -9,10 +9,10 @@ from math import ceil, floor
 from pathlib import Path
 
 from lbr.drivers.roboteq import RoboteqSettings
+from lbr.leases.lease import LATE_S
+from lbr.leases.rules import PERSISTENT_S
 from lbr.operations.drive.kernel import first_state
 from lbr.operations.drive.settings import DriveSettings
-from lbr.operations.leasing.lease import LATE_S
-from lbr.operations.leasing.rules import PERSISTENT_S
 from tests.support import programs
 
 MODEL = Path(__file__).with_name("lease.pml")

@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Callable
 from math import inf, isfinite, isnan, nan
 
+from lbr.leases.lease import EstopChanged, Happened, Reply, Setpoint, Stop
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import MEANINGS
 from lbr.messages.drive import GoalResult
@@ -24,7 +25,6 @@ from lbr.operations.drive.state import (
     State,
     Tick,
 )
-from lbr.operations.leasing.lease import EstopChanged, Happened, Reply, Setpoint, Stop
 from tests.models.motion.message import Message, command_event, to_ranges
 from tests.models.motion.reference import (
     ACCEL_PER_S,

@@ -5,6 +5,8 @@ from math import inf, isfinite
 
 from msgspec.structs import replace
 
+from lbr.leases.decide import with_motion
+from lbr.leases.lease import EstopChanged, Stop
 from lbr.messages.drive import HeadingCommand
 from lbr.operations.drive import kernel
 from lbr.operations.drive.state import (
@@ -17,8 +19,6 @@ from lbr.operations.drive.state import (
     State,
     Tick,
 )
-from lbr.operations.leasing.decide import with_motion
-from lbr.operations.leasing.lease import EstopChanged, Stop
 from tests.models.motion.arena import Decide
 
 Decision = tuple[State, Outputs]

@@ -7,6 +7,7 @@ from random import Random
 import numpy as np
 from msgspec.structs import replace
 
+from lbr.leases.lease import Result
 from lbr.messages.drive import GoalResult, HeadingCommand, TurnCommand
 from lbr.messages.imu import ImuSample
 from lbr.messages.motors import MotorsState
@@ -17,7 +18,6 @@ from lbr.operations.attitude.settings import AttitudeSettings
 from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import AttitudeSeen, Command, Event, MotorsSeen, RangesSeen, Tick
-from lbr.operations.leasing.lease import Result
 from lbr.simulation.engine import Engine
 from lbr.simulation.settings import Imu, WorldSettings
 

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from lbr.simulation.devices.uxa90 import firmware
-from lbr.simulation.devices.uxa90.firmware import Frame, Programme
+from lbr.robots.uxa90.twin import firmware
+from lbr.robots.uxa90.twin.firmware import Frame, Programme
 from tests.models.uxa90.gait import Gait, ahead, aside, turned
 from tests.models.uxa90.posture import ARMS, BASIC, SITTING, STRAIGHT, Point, Pose, frame, legs
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import cos, pi, sin
 
-from lbr.simulation.devices.uxa90.firmware import Frame
+from lbr.robots.uxa90.twin.firmware import Frame
 from tests.models.uxa90.posture import (
     ARMS,
     BASIC,

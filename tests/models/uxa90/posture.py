@@ -4,8 +4,8 @@ from functools import cache
 from math import acos, atan2, cos, hypot, sin
 from typing import Any
 
-from lbr.simulation.devices.uxa90.firmware import Frame
-from lbr.simulation.devices.uxa90.servo import as_counts, as_rad
+from lbr.robots.uxa90.twin.firmware import Frame
+from lbr.robots.uxa90.twin.servo import as_counts, as_rad
 from lbr.simulation.physics import mujoco
 from tests.models.uxa90.robot import humanoid, joints, settings
 

@@ -7,10 +7,10 @@ from typing import Any
 import msgspec
 
 from lbr.messages.joints import Joint
-from lbr.messages.simulation import HumanoidPose
-from lbr.simulation.devices.uxa90.board import MainBoard
+from lbr.robots.uxa90.twin.board import MainBoard
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
+from lbr.simulation.messages import HumanoidPose
 from tests.support import shipped
 
 TICK_S = 0.008

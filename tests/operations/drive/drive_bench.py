@@ -2,6 +2,7 @@
 
 from math import nan
 
+from lbr.leases.lease import EstopChanged, Happened, Reply, Result, Setpoint, Stop
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import MEANINGS
 from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand
@@ -12,7 +13,6 @@ from lbr.messages.sensing import Ranges
 from lbr.operations.drive.kernel import decide, first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import AttitudeSeen, Command, MotorsLost, MotorsSeen, OdometrySeen, RangesSeen, Tick
-from lbr.operations.leasing.lease import EstopChanged, Happened, Reply, Result, Setpoint, Stop
 
 SENSORS = ("forward", "back", "left", "right", "bottom")
 

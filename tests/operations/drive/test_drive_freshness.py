@@ -4,9 +4,9 @@ from math import inf, nan
 
 import pytest
 
+from lbr.leases.lease import Stop
 from lbr.operations.drive.kernel import drive_state
 from lbr.operations.drive.state import MotorsSeen, RangesSeen
-from lbr.operations.leasing.lease import Stop
 from tests.operations.drive.drive_bench import Bench, motors
 
 STILL = (0.0, 0.0)

@@ -4,6 +4,7 @@ from math import nan
 
 from msgspec.structs import replace
 
+from lbr.leases.lease import EstopChanged, Happened, Reply, Result, Setpoint, Stop
 from lbr.messages.codes import MEANINGS
 from lbr.messages.joints import Joint, JointsCommand, KeyFrame, TorqueCommand
 from lbr.messages.servos import ServosState, ServoState, StoredState
@@ -11,7 +12,6 @@ from lbr.operations.joints.body import body
 from lbr.operations.joints.kernel import decide
 from lbr.operations.joints.settings import JointsSettings
 from lbr.operations.joints.state import Command, HolderGone, ServosLost, ServosSeen, Tick, Torque, first_state
-from lbr.operations.leasing.lease import EstopChanged, Happened, Reply, Result, Setpoint, Stop
 
 
 def pair(name, first_id, sign, zero_rad, lower_rad, upper_rad, speed_rps=2.0):

@@ -2,10 +2,10 @@
 
 import pytest
 
+from lbr.leases.lease import Stop
 from lbr.messages.joints import KeyFrame, StoredMotion
 from lbr.operations.joints.feet import LONGEST_S
 from lbr.operations.joints.view import joints_state
-from lbr.operations.leasing.lease import Stop
 from tests.operations.joints.joints_bench import Bench, frame
 
 STEP = tuple(

@@ -2,11 +2,11 @@
 
 import pytest
 
+from lbr.leases.lease import Stop
 from lbr.messages.joints import MAX_FRAMES, TorqueCommand
 from lbr.messages.servos import ServosState
 from lbr.operations.joints.state import Tick, Torque
 from lbr.operations.joints.view import joints_state
-from lbr.operations.leasing.lease import Stop
 from tests.operations.joints.joints_bench import BODY, DT, NAMES, START, Bench, frame
 
 SLOW = {"left_knee": -1.0}

@@ -3,10 +3,10 @@
 import pytest
 
 from lbr.drivers.servos.gate import first, receive, tick
-from lbr.drivers.uxa90 import stored_motions
 from lbr.messages.joints import StoredMotion
 from lbr.operations.joints.state import Tick
 from lbr.operations.joints.view import joints_state
+from lbr.robots.uxa90.driver import stored_motions
 from tests.operations.joints.joints_bench import NAMES, Bench
 
 WALK = StoredMotion(slot=4, duration_s=2.0, pose={"left_knee": -0.4})

@@ -6,10 +6,10 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from lbr.leases.lease import EstopChanged, LeaseRequest, Reply, Result, Stop
 from lbr.messages.codes import MEANINGS, Reason
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand
-from lbr.operations.leasing.lease import EstopChanged, LeaseRequest, Reply, Result, Stop
 from lbr.operations.motions.kernel import decide
 from lbr.operations.motions.programme import programme
 from lbr.operations.motions.state import (

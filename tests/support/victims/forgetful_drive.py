@@ -2,9 +2,9 @@
 
 import dataclasses
 
+from lbr.leases import rules
 from lbr.operations import drive
 from lbr.operations.drive.capability import Drive
-from lbr.operations.leasing import rules
 
 
 class ForgetfulDrive(Drive):

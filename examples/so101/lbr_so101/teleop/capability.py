@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 from math import inf, isfinite
 
-from lbr.bus.lease_client import LeaseClient, LeaseTarget
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
+from lbr.leases.client import LeaseClient, LeaseTarget
 from lbr.messages.codes import Reason
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.joints import Joint, JointsCommand

@@ -19,9 +19,9 @@ from msgspec.structs import replace
 
 from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.patience import SILENT_S
-from lbr.bus.lease_client import LeaseClient, LeaseTarget, Transport
 from lbr.bus.stamp import Origin
 from lbr.errors import BusError
+from lbr.leases.client import LeaseClient, LeaseTarget, Transport
 from lbr.messages.codes import Reason
 
 OLDEST_S = 0.5

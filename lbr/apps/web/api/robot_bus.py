@@ -4,12 +4,12 @@ from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from lbr.bus import wire
-from lbr.bus.lease_client import Transport
-from lbr.bus.over_session import OverSession
 from lbr.bus.stamp import Origin
 from lbr.bus.wire import RawMessage
 from lbr.capability import way_in
 from lbr.capability.config import ProcessConfig
+from lbr.leases.client import Transport
+from lbr.leases.over_session import OverSession
 
 
 class Feed(Protocol):

@@ -21,10 +21,10 @@ from lbr.apps.web.face import Client, Refused, Route
 from lbr.apps.web.robot import Robot
 from lbr.bus import keys
 from lbr.bus.codec import Decoder
-from lbr.bus.lease_client import Transport
 from lbr.bus.stamp import Origin
 from lbr.capability.kind import STOP
 from lbr.errors import BusError, MalformedError
+from lbr.leases.client import Transport
 from lbr.messages.codes import Reason
 from lbr.messages.description import RobotDescription
 from lbr.messages.system import CapabilityStatus, EstopState, Role, Status

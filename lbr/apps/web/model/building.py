@@ -10,13 +10,13 @@ from msgspec import Meta, Struct
 from starlette.responses import Response
 
 from lbr import home
+from lbr.apps.bodies import motion_forms
 from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Client, Refused, Request, Route, json
 from lbr.apps.web.model.uploads import MOST_PACKED, Uploads
 from lbr.apps.web.model.work import BUSY, SHORT_S, Work, Works
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.routing import decoded
-from lbr.bodies import motion_forms
 from lbr.errors import LbrError
 from lbr.messages.codes import Code
 from lbr.messages.joints import JointRad, Motion

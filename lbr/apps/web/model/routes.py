@@ -9,12 +9,12 @@ from msgspec import Meta, Struct
 from msgspec.structs import replace
 from starlette.responses import Response
 
+from lbr.apps.bodies.model import body_file, model
+from lbr.apps.bodies.parts import RobotModel
 from lbr.apps.web.face import Face, Message, Refused, Request, Route, encoded, json
 from lbr.apps.web.model.building import Building, MotionGiven, UploadName
 from lbr.apps.web.model.poses import key_pose
 from lbr.apps.web.robot import EDIT_S, Robot
-from lbr.bodies.model import body_file, model
-from lbr.bodies.parts import RobotModel
 from lbr.messages.codes import heard
 from lbr.messages.joints import MAX_FRAMES, KeyFrame, Motion
 from lbr.messages.kinematics import Wheel

@@ -1,6 +1,6 @@
 """Work with motions that is too long, or too hostile, for the server's loop: done by a process of its own, which is bounded.
 
-loop ── job, as a file ──► python -m lbr.commands.motion_work ── lines of JSON ──► step: how far · the result
+loop ── job, as a file ──► python -m lbr.apps.motions.commands.work ── lines of JSON ──► step: how far · the result
   ends it: cancelled, too late, the server ends; it dies with the server
 """
 
@@ -16,7 +16,7 @@ from lbr.capability.die_with_parent import dying_with_parent
 from lbr.messages.motion_work import CheckJob, Job, NotDone, Progress, Said
 from lbr.messages.unreadable import UNREADABLE
 
-PROGRAM = "lbr.commands.motion_work"
+PROGRAM = "lbr.apps.motions.commands.work"
 MOST_AT_ONCE = 2
 """Beside what moves the robot, on a small machine."""
 CHECK_S, SHORT_S = 90.0, 20.0

@@ -1,0 +1,1 @@
+"""`lbr behaviour`, and the trials of a table."""

@@ -1,0 +1,64 @@
+"""Which body a robot has: one of its owner's own, its package's, or what its rows of wheels tell."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from lbr.apps.bodies import mjcf, wheeled
+from lbr.apps.bodies.parts import Body, JointRange, RobotModel
+from lbr.errors import InputError
+from lbr.messages.joints import Joint
+from lbr.messages.kinematics import Wheel
+from lbr.messages.sensing import RangeSensor
+from lbr.robot import registry
+
+
+def body_file(robot: str, home: Path) -> Path | None:
+    """Return the description of a robot's body: its owner's own, or else the one that its package brings."""
+    own = home / "models" / f"{robot}.xml"
+    if own.is_file():
+        return own
+    brought = registry.find(robot)
+    return brought.robot.body if brought is not None and brought.robot is not None else None
+
+
+def model(
+    robot: str, file: Path | None, joints: Sequence[Joint], wheels: Sequence[Wheel], sensors: Sequence[RangeSensor]
+) -> RobotModel:
+    """Return a robot's body with the limits of its rows; without one, why."""
+    found, reason = Body(), ""
+    if file is not None:
+        try:
+            found = mjcf.read(file)
+        except InputError as err:
+            reason = str(err)
+    elif not joints:
+        found = wheeled.body(wheels, sensors)
+    else:
+        reason = (
+            f"no package brings a body for '{robot}': put one, as MJCF, into models/{robot}.xml of the robot's home"
+        )
+    return RobotModel(
+        robot=robot,
+        links=found.links,
+        joints=_ranges(found, joints),
+        sensors=found.sensors,
+        left_out=found.left_out,
+        reason=reason,
+    )
+
+
+def _ranges(found: Body, rows: Iterable[Joint]) -> dict[str, JointRange]:
+    """Return each joint of a row, and each wheel; joints of the body that no row names stay at 0."""
+    ranges = {
+        row.name: JointRange(
+            lower=row.lower_rad,
+            upper=row.upper_rad,
+            kind=found.joints.get(row.name, "hinge"),
+            side=row.side,
+            speed_rps=row.speed_rps,
+            drawn=row.name in found.joints,
+        )
+        for row in rows
+    }
+    wheels = {name: JointRange(kind="wheel") for name, kind in found.joints.items() if kind == "wheel"}
+    return {**wheels, **ranges}

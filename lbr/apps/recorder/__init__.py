@@ -1,0 +1,37 @@
+"""What was: the black box that runs beside the robot, recordings on purpose, and the commands that look at both.
+
+`box` writes, `recording` reads and writes the files, `rerun` checks a recording against capabilities that run now.
+"""
+
+from lbr.component import CliCommand, Component
+
+COMPONENT = Component(
+    kinds={"box": "lbr.apps.recorder.box.kind:KIND"},
+    commands={
+        "box": CliCommand(
+            entry="lbr.apps.recorder.commands.box:command",
+            help="Look at what the black box holds, take it along, and delete it.",
+        ),
+        "at": CliCommand(
+            entry="lbr.apps.recorder.commands.at:command",
+            help="Answer as then: why, status and rows of a moment that is past.",
+        ),
+        "record": CliCommand(
+            entry="lbr.apps.recorder.commands.record:command", help="Record all that is said, on purpose."
+        ),
+        "replay": CliCommand(
+            entry="lbr.apps.recorder.commands.replay:command",
+            help="Publish what was recorded under another robot's name, to look at.",
+        ),
+        "logs": CliCommand(
+            entry="lbr.apps.recorder.commands.logs:command",
+            help="Print what a part has written to its log, and go on with it.",
+        ),
+        "plot": CliCommand(
+            entry="lbr.apps.recorder.commands.plot:command",
+            help="Plot numbers of streams in the terminal, live or out of the black box.",
+        ),
+    },
+    needs=("simulation",),
+    messages=("lbr.apps.recorder.messages", "lbr.apps.recorder.recording.recorded"),
+)

@@ -1,0 +1,430 @@
+"""The box as a process: once a round it takes what was heard, dates it, and hands it to the disk's thread."""
+
+import fnmatch
+import time
+from collections import deque
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from msgspec import Raw, Struct
+
+from lbr.apps.recorder.box.clock import Clock
+from lbr.apps.recorder.box.disk import Bounds, Chunk, Disk
+from lbr.apps.recorder.box.ear import ALL_ROWS, EVENT, LINES, STATUS, Ear, Heard, line
+from lbr.apps.recorder.box.keeping import MARK, Keeping
+from lbr.apps.recorder.box.kind import BoxSettings
+from lbr.apps.recorder.box.logs import Logs
+from lbr.apps.recorder.messages import BoxReply, BoxState, EndRecording, MarkCommand, RecordCommand
+from lbr.apps.recorder.recording import chunks
+from lbr.apps.recorder.recording.chunks import Channels
+from lbr.apps.recorder.recording.recorded import RecordedRows, RecordedStreams
+from lbr.apps.recorder.recording.shelf import SUFFIX, Shelf
+from lbr.bus import keys, stamp, wire
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.errors import BusError, DeviceError
+from lbr.messages.system import Event
+from lbr.messages.unreadable import UNREADABLE
+
+SEGMENT_S = 60.0
+ASK_S = 2.0
+AGAIN_S = 1.0
+TELL_S = 5.0
+FORMAT = "1"
+TAPED = "@taped/"
+EVENTS = 50
+"""As many as the executive has when it is asked why something stands still."""
+MB = 1_000_000
+
+
+class _Answer(Struct):
+    """As much of a console's answer as is needed."""
+
+    code: int
+    text: str = ""
+    data: Raw = Raw(b"null")
+
+
+class _Revision(Struct):
+    revision: int = 0
+
+
+_answers = msgspec.json.Decoder(_Answer)
+_revisions = msgspec.json.Decoder(_Revision)
+_events = msgspec.json.Decoder(Event)
+
+
+class Tape:
+    """What of a round goes into one file, and when a new one is due."""
+
+    def __init__(self, disk: Disk, segment_s: float | None) -> None:
+        self.disk = disk
+        self._segment_s = segment_s
+        self._begun = -1e9
+        self._parts: list[bytes] = []
+        self._numbers: set[int] = set()
+        self._bytes = self._first_ns = self._last_ns = 0
+
+    def is_due(self, now: float) -> bool:
+        """Say whether another file is to begin."""
+        return self.disk.broken or (self._segment_s is not None and now - self._begun >= self._segment_s)
+
+    def add(self, number: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> None:
+        """Add a message."""
+        record = chunks.message(number, sequence, log_ns, publish_ns, data)
+        self._parts.append(record)
+        self._numbers.add(number)
+        self._bytes += len(record)
+        self._first_ns = min(self._first_ns or log_ns, log_ns)
+        self._last_ns = max(self._last_ns, log_ns)
+
+    def flush(self, channels: Channels, now: float, begin: dict[str, str] | None, declared: bytes) -> None:
+        """Hand over what there is; `declared` are schemas that no file had before, all of them where one begins."""
+        if not self._parts:
+            return
+        head = [declared, channels.of(sorted(self._numbers))]
+        chunk = Chunk([*head, *self._parts], len(self._parts), self._bytes, self._first_ns, self._last_ns, begin)
+        if self.disk.put(chunk) and begin is not None:
+            self._begun = now
+            self.disk.broken = False
+        self._parts, self._numbers = [], set()
+        self._bytes = self._first_ns = self._last_ns = 0
+
+
+class Box(Capability[BoxSettings]):
+    """Raises DeviceError where it has no home to write to, or no bus."""
+
+    rate_hz = 1.25
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[BoxSettings]) -> None:
+        super().__init__(ctx)
+        self._channels = Channels()
+        self._clock = Clock(stamp.boot_id(), time.monotonic_ns, time.time_ns)
+        settings = ctx.settings
+        self._keeping = Keeping(settings.before_s, settings.after_s)
+        self._shelf = Shelf(Path(ctx.home), ctx.robot)
+        self._library = f"lbr {version('lbr')}"
+        self._latest: dict[str, Heard] = {}
+        self._events: deque[Heard] = deque(maxlen=EVENTS)
+        self._streams: RecordedStreams | None = None
+        self._rows = b""
+        self._rows_revision = self._revision = -1
+        self._schemas = b""
+        self._questions: dict[str, wire.PendingQuery] = {}
+        self._ask_at = self._picture_at = self._tell_at = self._room_at = 0.0
+        self._told: BoxState | None = None
+        self._warned = ""
+        self._ear: Ear | None = None
+        self._tape: Tape | None = None
+        self._made: Tape | None = None
+        self._made_until = self._made_since = 0.0
+        self._jumped = ""
+
+    def open(self) -> None:
+        """Begin to hear, and to write."""
+        bus = getattr(self.ctx, "bus", None)
+        if not self.ctx.home or bus is None:
+            raise DeviceError("the black box writes where the robot's home is: leave it on the robot's own host")
+        self._bus = bus
+        self._ear = Ear(bus, self.ctx.robot, self.ctx.name, self._channels, self._clock)
+        self._logs = Logs(Path(self.ctx.home) / "logs", self.ctx.robot)
+        settings = self.ctx.settings
+        self._bounds = Bounds(
+            bytes=settings.mb * MB,
+            seconds=settings.hours * 3600,
+            kept_bytes=settings.kept_mb * MB,
+            kept_seconds=settings.kept_days * 86400,
+            free_bytes=settings.free_mb * MB,
+        )
+        self._tape = Tape(Disk(self._shelf.next_file, self._library, shelf=self._shelf, bounds=self._bounds), SEGMENT_S)
+
+    def step(self) -> None:
+        """Take what came, and hand it over; once a round, and not at every beat of the process."""
+        if not self.ctx.on_tick or self._ear is None or self._tape is None:
+            return
+        now = self.ctx.clock()
+        if jump_ns := self._clock.look():
+            self._jumped = f"{jump_ns / 1e9:+.3f}"
+            self.ctx.event("clock_jumped", f"the clock was set by {jump_ns / 1e9:+.1f} s; another file is begun")
+            self._tape.disk.broken = True
+        self._tape.disk.steady = self._clock.is_steady
+        self._describe(now)
+        self._round(now)
+        if self._made is not None and now >= self._made_until:
+            self._end("its time is over")
+        elif self._made is not None and now >= self._room_at:
+            self._room_at = now + TELL_S
+            if lacks := self._bounds.lacks_room(self._shelf.recordings_folder):
+                self._end(lacks)
+        self._tell(now)
+
+    def command(self, call: Call) -> None:
+        """Keep what led here, or record on purpose."""
+        message = call.message
+        if isinstance(message, MarkCommand):
+            call.reply(self._mark(message.text or f"marked by {call.source}"))
+        elif isinstance(message, RecordCommand):
+            call.reply(self._record(message))
+        elif isinstance(message, EndRecording):
+            call.reply(self._end("it was ended"))
+        else:
+            super().command(call)
+
+    def close(self) -> None:
+        """Write what was heard until now, and end the files in order."""
+        tape, self._tape = self._tape, None
+        if tape is None or self._ear is None:
+            return
+        self._clock.look()
+        self._tape = tape
+        self._round(self.ctx.clock())
+        self._tape = None
+        self._ear.close()
+        for one in (self._made, tape):
+            if one is not None:
+                one.disk.close()
+        self._made = self._ear = None
+
+    # -- one round ------------------------------------------------------------------------------------------------------
+
+    def _round(self, now: float) -> None:
+        ear, tape = self._ear, self._tape
+        assert ear is not None
+        assert tape is not None
+        tapes = [one for one in (tape, self._made) if one is not None]
+        new = [one.is_due(now) for one in tapes]
+        for one, begins in zip(tapes, new, strict=True):
+            if begins:
+                self._say_again(one)
+        hz = self.ctx.settings.cameras_hz
+        if hz > 0 and now >= self._picture_at:
+            self._picture_at = now + 1 / hz
+            ear.ask_for_pictures()
+        for heard in ear.take():
+            self._put(tapes, heard)
+        for who, text in self._logs.take(self._streams.programs if self._streams is not None else ()):
+            at_ns = self._clock.dated(self._clock.now_ns)
+            number = self._channels.number(LINES)
+            for one in tapes:
+                one.add(number, 0, at_ns, at_ns, line(who, text, at_ns))
+        schemas = self._channels.schemas
+        fresh, self._schemas = schemas[len(self._schemas) :], schemas
+        for one, begins in zip(tapes, new, strict=True):
+            one.flush(self._channels, now, self._about() if begins else None, schemas if begins else fresh)
+
+    def _put(self, tapes: list[Tape], heard: Heard) -> None:
+        if heard.topic == EVENT:
+            self._happened(heard.data)
+        elif heard.topic == STATUS:
+            self._revise(heard.data)
+        if heard.topic == EVENT:
+            self._events.append(heard)
+        elif not heard.picture and not heard.topic.startswith(TAPED):
+            self._latest[heard.topic] = heard
+        for tape in tapes:
+            if tape is self._made or not heard.topic.startswith(TAPED):
+                self._add(tape, heard)
+
+    def _add(self, tape: Tape, heard: Heard) -> None:
+        log_ns = self._clock.dated(heard.mono_ns)
+        tape.add(heard.number, heard.sequence, log_ns, heard.publish_ns, heard.data)
+
+    def _say_again(self, tape: Tape) -> None:
+        """Let a new file begin with the rows, and with what each stream said last: it is to be understood by itself."""
+        if self._rows:
+            at_ns = self._clock.dated(self._clock.now_ns)
+            tape.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
+        for heard in (*self._latest.values(), *self._events):
+            self._add(tape, heard)
+
+    def _about(self) -> dict[str, str]:
+        found = {
+            "robot": self.ctx.robot,
+            "lbr": version("lbr"),
+            "format": FORMAT,
+            "boot": stamp.boot_id(),
+            "offset_ns": str(self._clock.offset_ns),
+            "revision": str(self._rows_revision),
+        }
+        if self._jumped:
+            found["clock_jumped_s"], self._jumped = self._jumped, ""
+        return found
+
+    def _happened(self, payload: bytes) -> None:
+        try:
+            event = _events.decode(payload)
+        except UNREADABLE:
+            return
+        if event.subject == self.ctx.name:
+            return
+        keep = self._keeping.event(event, self.ctx.clock(), time.time_ns())
+        if keep is not None and self._tape is not None:
+            self._tape.disk.keep(keep)
+
+    def _revise(self, payload: bytes) -> None:
+        try:
+            self._revision = _revisions.decode(payload).revision
+        except UNREADABLE:
+            return
+
+    # -- what there is to hear ------------------------------------------------------------------------------------------
+
+    def _describe(self, now: float) -> None:
+        """Ask what there is to hear, and for the rows: at first, and whenever they are of another revision."""
+        known = self._streams.revision if self._streams is not None else -1
+        if not self._questions and now >= self._ask_at and (known < 0 or self._revision not in {-1, known}):
+            self._ask_at = now + AGAIN_S
+            try:
+                self._questions = {name: self._question(f"/report/{name}") for name in ("streams", "rows")}
+            except BusError:
+                return
+        if self._questions and all(one.done for one in self._questions.values()):
+            answered, self._questions = self._questions, {}
+            found = {name: _answer(one) for name, one in answered.items()}
+            self._take_rows(found["rows"])
+            self._take_streams(found["streams"])
+
+    def _question(self, text: str) -> wire.PendingQuery:
+        key = keys.console(self.ctx.robot, "view")
+        return wire.PendingQuery(self._bus, key, text.encode(), timeout_s=ASK_S, source=self.ctx.name)
+
+    def _take_rows(self, data: Raw | None) -> None:
+        rows = _decoded(data, RecordedRows)
+        if rows is None or data is None or rows.revision == self._rows_revision:
+            return
+        self._rows, self._rows_revision = bytes(data), rows.revision
+        at_ns = self._clock.dated(self._clock.now_ns)
+        for one in (self._tape, self._made):
+            if one is not None:
+                one.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
+
+    def _take_streams(self, data: Raw | None) -> None:
+        streams = _decoded(data, RecordedStreams)
+        if streams is None:
+            return
+        self._streams = streams
+        self._follow()
+
+    def _follow(self) -> None:
+        if self._ear is None or self._streams is None:
+            return
+        settings, made = self.ctx.settings, self._made
+        everything = made is not None
+
+        def wanted(topic: str) -> bool:
+            if any(fnmatch.fnmatchcase(topic, one) for one in settings.leave_out) and not everything:
+                return False
+            return everything or any(fnmatch.fnmatchcase(topic, one) for one in settings.streams)
+
+        self._ear.follow(self._streams.streams, wanted, pictures=made is not None and self._with_cameras)
+
+    # -- what people ask for --------------------------------------------------------------------------------------------
+
+    _with_cameras = False
+
+    def _mark(self, text: str) -> BoxReply:
+        if self._tape is None:
+            return BoxReply(accepted=False, reason="the black box does not write yet", code="not_ready")
+        keep = self._keeping.incident(MARK, "", text, self.ctx.clock(), time.time_ns())
+        assert keep is not None
+        self.ctx.event(MARK, text)
+        self._tape.disk.keep(keep)
+        settings = self.ctx.settings
+        told = f"the last {settings.before_s:g} s are kept, and the next {settings.after_s:g} s, as {keep.name}"
+        return BoxReply(accepted=True, reason=told, path=str(self._shelf.kept_folder / keep.name))
+
+    def _record(self, asked: RecordCommand) -> BoxReply:
+        if self._made is not None:
+            reason = f"{self._name(self._made)} is being recorded: end it first (/record/end)"
+            return BoxReply(accepted=False, reason=reason, code="busy")
+        name = asked.name.removesuffix(SUFFIX) or time.strftime("%Y%m%d-%H%M%S")
+        path = self._shelf.recordings_folder / f"{name}{SUFFIX}"
+        try:
+            self._shelf.make()
+        except OSError as err:
+            reason = f"{path} cannot be written ({err.strerror}): check the disk"
+            return BoxReply(accepted=False, reason=reason, code="failed")
+        if path.exists():
+            return BoxReply(accepted=False, reason=f"{path} is there already: choose another name", code="bad_value")
+        now = self.ctx.clock()
+        self._made = Tape(Disk(lambda: path, self._library), None)
+        self._made_since = now
+        self._made_until = now + asked.seconds if asked.seconds else float("inf")
+        self._with_cameras = asked.cameras
+        if self._ear is not None:
+            self._ear.hear_lines(on=asked.lines)
+        self._follow()
+        self._tell_at = 0.0
+        self._tell(now)
+        how = f"for {asked.seconds:g} s" if asked.seconds else "until it is ended (/record/end)"
+        return BoxReply(accepted=True, reason=f"records {how}, into {path}", path=str(path))
+
+    def _end(self, why: str) -> BoxReply:
+        if self._made is None:
+            return BoxReply(accepted=False, reason="nothing is recorded on purpose now", code="not_possible")
+        self._clock.look()
+        self._round(self.ctx.clock())
+        made, self._made = self._made, None
+        made.disk.close(2.0)
+        path = made.disk.path
+        self._with_cameras = False
+        if self._ear is not None:
+            self._ear.hear_lines(on=False)
+        self._follow()
+        self._tell_at = 0.0
+        self._tell(self.ctx.clock())
+        lost = f"; {made.disk.lost} messages are missing: {made.disk.trouble}" if made.disk.lost else ""
+        text = f"recorded {made.disk.size / MB:.1f} MB into {path}: {why}{lost}"
+        self.ctx.event("recorded", text, level="warning" if lost else "info")
+        return BoxReply(accepted=True, reason=text, path=str(path or ""))
+
+    # -- what it tells --------------------------------------------------------------------------------------------------
+
+    def _tell(self, now: float) -> None:
+        tape = self._tape
+        if tape is None or self._ear is None:
+            return
+        disk, made = tape.disk, self._made
+        trouble = disk.trouble or (made.disk.trouble if made is not None else "")
+        if trouble != self._warned:
+            self._warned = trouble
+            if trouble:
+                self.ctx.warn(f"{trouble} ({disk.lost} messages so far)", "failed")
+            else:
+                self.ctx.ready()
+        if now < self._tell_at and self._told is not None and self._told.trouble == trouble:
+            return
+        self._tell_at = now + TELL_S
+        self._told = BoxState(
+            messages=disk.messages,
+            lost=disk.lost + self._ear.lost,
+            disk_mb=round(disk.used_bytes / MB, 2),
+            kept_mb=round(disk.kept_bytes / MB, 2),
+            kept=disk.kept_count,
+            recording=self._name(made) if made is not None else "",
+            recording_s=round(now - self._made_since, 1) if made is not None else 0.0,
+            recording_mb=round(made.disk.size / MB, 2) if made is not None else 0.0,
+            trouble=trouble,
+        )
+        self.ctx.publish("state", self._told)
+
+    def _name(self, tape: Tape) -> str:
+        return tape.disk.path.name if tape.disk.path is not None else "a recording"
+
+
+def _answer(query: wire.PendingQuery) -> Raw | None:
+    try:
+        found = _answers.decode(query.replies[0].payload) if query.replies else None
+    except UNREADABLE:
+        return None
+    return found.data if found is not None and found.code == 0 else None
+
+
+def _decoded(data: Raw | None, kind: type[Any]) -> Any:
+    try:
+        return msgspec.json.decode(data, type=kind) if data is not None else None
+    except UNREADABLE:
+        return None

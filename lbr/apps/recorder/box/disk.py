@@ -1,0 +1,230 @@
+"""Writes chunks in a thread of its own, so that a slow disk holds up nothing; what it cannot take in time is dropped, and counted."""
+
+import calendar
+import errno
+import os
+import queue
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from msgspec import Struct
+
+from lbr.apps.recorder.box.keeping import Keep
+from lbr.apps.recorder.recording import chunks
+from lbr.apps.recorder.recording.segments import Segment
+from lbr.apps.recorder.recording.shelf import Shelf, size_of
+
+MOST_WAITING_BYTES = 16_000_000
+LARGEST_BYTES = 64_000_000
+"""Of one file of the box: with cameras it may be full before its time."""
+PRUNE_S = 10.0
+MOST_LINKED = 40
+SLOW_S = 2.0
+CLOSE_S = 0.4
+FULL = frozenset([errno.ENOSPC, errno.EDQUOT])
+"""What there would be room for if an old file went; whatever else fails, they stay."""
+
+
+class Chunk(Struct):
+    """What one round has to write; `begin` is what a new file says of itself, and has it begun."""
+
+    parts: list[bytes]
+    messages: int
+    bytes: int
+    start_ns: int
+    end_ns: int
+    begin: dict[str, str] | None = None
+
+
+class Bounds(Struct, frozen=True, kw_only=True):
+    """How much may be there, and how long it may stay."""
+
+    bytes: int
+    seconds: float
+    kept_bytes: int
+    kept_seconds: float
+    free_bytes: int
+
+    def lacks_room(self, folder: Path) -> str:
+        """Return why others have too little room on a folder's disk, or that it is gone; empty while they have enough."""
+        try:
+            found = os.statvfs(folder)
+        except OSError as err:
+            return f"{folder} cannot be looked at ({err.strerror})"
+        free = found.f_bavail * found.f_frsize
+        wanted = min(self.free_bytes, found.f_blocks * found.f_frsize // 20)
+        return (
+            "" if free >= wanted else f"{free // 1_000_000} MB are free, and {wanted // 1_000_000} are left to others"
+        )
+
+
+class Disk:
+    """Writes one file after the other, where `place` says. What it tells may be read from any thread.
+
+    With `shelf` and `bounds` it is the box: old files go, and what is kept is linked. `trouble` is what is wrong, in one
+    line. After a failure it takes nothing until a chunk begins another file (`broken`). Without a shelf there is one
+    file alone, which then goes on.
+    """
+
+    def __init__(
+        self, place: Callable[[], Path], library: str, *, shelf: Shelf | None = None, bounds: Bounds | None = None
+    ) -> None:
+        self.messages = self.lost = self.written = self.size = 0
+        self.trouble = ""
+        self.broken = True
+        self.steady = False
+        self.path: Path | None = None
+        self.used_bytes = self.kept_bytes = self.kept_count = 0
+        self._place = place
+        self._library = library
+        self._shelf = shelf
+        self._bounds = bounds
+        self._segment: Segment | None = None
+        self._keeps: dict[str, Keep] = {}
+        self._waiting_bytes = 0
+        self._prune_at = 0.0
+        self._jobs: queue.SimpleQueue[Chunk | Keep | None] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="disk", daemon=True)
+        self._thread.start()
+
+    def put(self, chunk: Chunk) -> bool:
+        """Have a chunk written soon; False: it was dropped, because the disk is too slow."""
+        if self._waiting_bytes + chunk.bytes > MOST_WAITING_BYTES and self._waiting_bytes:
+            self.lost += chunk.messages
+            self.trouble = "the disk is too slow: what it does not take in time is not recorded"
+            return False
+        self._waiting_bytes += chunk.bytes
+        self._jobs.put(chunk)
+        return True
+
+    def keep(self, one: Keep) -> None:
+        """Have what led here kept."""
+        self._jobs.put(one)
+
+    def close(self, within_s: float = CLOSE_S) -> None:
+        """Write what waits, end the file, and stop; what a disk does not take in time is lost."""
+        self._jobs.put(None)
+        self._thread.join(within_s)
+
+    def _run(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            if isinstance(job, Keep):
+                self._keep(job)
+                continue
+            self._waiting_bytes -= job.bytes
+            try:
+                self._write(job)
+            except OSError as err:
+                self._fail(
+                    job, f"the disk takes nothing ({err.strerror}): nothing is recorded until it does", err.errno
+                )
+        if self._segment is not None:
+            self._segment.finish()
+            self._segment = None
+
+    def _write(self, job: Chunk) -> None:
+        began = time.monotonic()
+        if job.begin is not None:
+            self._begin(job.begin)
+        if self._segment is None:
+            self.lost += job.messages
+            return
+        self._segment.write(chunks.chunk(job.parts, job.start_ns, job.end_ns))
+        self.messages += job.messages
+        self.written += self._segment.size - self.size
+        self.size = self._segment.size
+        if self.size > LARGEST_BYTES and self._shelf is not None:
+            self.broken = True
+        late = time.monotonic() - began > SLOW_S
+        self.trouble = "the disk is slow: it took a second's worth for more than two" if late else ""
+        if self._shelf is not None and time.monotonic() >= self._prune_at:
+            self._prune_at = time.monotonic() + PRUNE_S
+            self._prune()
+
+    def _begin(self, about: dict[str, str]) -> None:
+        if self._segment is not None and self._shelf is None:
+            self.broken = False
+            return
+        if self._segment is not None:
+            self._segment.finish()
+            self._segment = None
+        if self._shelf is not None:
+            self._shelf.make()
+            self._leave_room()
+        self.path, self.size = self._place(), 0
+        self._segment = Segment(self.path, self._library, about)
+        self.broken = False
+        now = time.monotonic()
+        self._keeps = {name: one for name, one in self._keeps.items() if now <= one.until + 1.0}
+        for one in self._keeps.values():
+            self._link(one, [self.path])
+
+    def _leave_room(self) -> None:
+        """Delete old files while others have too little room on the disk; OSError if that does not help."""
+        assert self._shelf is not None
+        assert self._bounds is not None
+        while lacks := self._bounds.lacks_room(self._shelf.box):
+            if len(self._shelf.files()) < 2 or not self._shelf.drop_oldest():
+                raise OSError(errno.EIO, lacks)
+
+    def _prune(self) -> None:
+        assert self._shelf is not None
+        assert self._bounds is not None
+        now = time.time() if self.steady else 0.0
+        self._shelf.prune(self._bounds.bytes, self._bounds.seconds, now)
+        self._shelf.prune_kept(self._bounds.kept_bytes, self._bounds.kept_seconds, now)
+        self._count()
+
+    def _count(self) -> None:
+        assert self._shelf is not None
+        kept = self._shelf.kept()
+        self.used_bytes = size_of(self._shelf.files())
+        self.kept_bytes = size_of({path for one in kept for path in one.files})
+        self.kept_count = len(kept)
+
+    def _keep(self, one: Keep) -> None:
+        if self._shelf is None:
+            return
+        known = one.name in self._keeps
+        self._keeps[one.name] = one
+        self._link(one, [] if known else self._before(one))
+
+    def _before(self, one: Keep) -> list[Path]:
+        """Return the newest files, up to as long ago as what led to an incident; by their numbers, whatever the clock says."""
+        assert self._shelf is not None
+        files, chosen, seconds = self._shelf.files(), [], 0.0
+        for path in reversed(files[-MOST_LINKED:]):
+            chosen.append(path)
+            if seconds >= one.before_s:
+                break
+            seconds += _length_s(path)
+        return chosen
+
+    def _link(self, one: Keep, files: list[Path]) -> None:
+        assert self._shelf is not None
+        try:
+            self._shelf.keep(one.name, one.why, files)
+            self._count()
+        except OSError as err:
+            self.trouble = f"what led to '{one.why.kind}' cannot be kept: {err.strerror}"
+
+    def _fail(self, job: Chunk, why: str, code: int | None) -> None:
+        self.lost += job.messages
+        self.trouble = why
+        self.broken = True
+        if self._segment is not None and self._shelf is not None:
+            self._segment.close()
+            self._segment = None
+        if code in FULL and self._shelf is not None and len(self._shelf.files()) > 1:
+            self._shelf.drop_oldest()
+
+
+def _length_s(path: Path) -> float:
+    """Return about how long a file is, by the times of its name and of its last change."""
+    try:
+        begun = calendar.timegm(time.strptime(path.name[9:25], "%Y%m%dT%H%M%SZ"))
+        return min(3600.0, max(0.0, path.stat().st_mtime - begun))
+    except (OSError, ValueError):
+        return 0.0

@@ -1,0 +1,236 @@
+"""Hears the bus without being woken by it: the bus library keeps what comes, and once in a while all of it is taken."""
+
+import base64
+import functools
+from collections.abc import Callable, Collection, Iterator
+from typing import Any, NamedTuple
+
+import msgspec
+from msgspec import Struct
+
+from lbr.apps.recorder.box.clock import MOST_NS, Clock
+from lbr.apps.recorder.recording.chunks import Channel, Channels
+from lbr.apps.recorder.recording.recorded import RecordedStream
+from lbr.bus import keys, pictures, wire
+from lbr.bus.session import Session
+from lbr.errors import BusError
+from lbr.messages.schema import flat_schema
+from lbr.messages.system import Event, Status
+from lbr.messages.taped import Taped
+from lbr.messages.unreadable import UNREADABLE
+
+DEPTH = 512
+"""Of a stream of 100 Hz five seconds, should the machine be too busy to let us take them."""
+EVENTS_DEPTH = 2048
+PICTURES_DEPTH = 64
+TAPED_DEPTH = 4096
+PICTURE_S = 2.0
+STATUS, EVENT, ROWS, LOG = "@status", "@event", "@rows", "@log"
+_TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
+_IMAGE = {
+    "title": "foxglove.CompressedImage",
+    "type": "object",
+    "properties": {
+        "timestamp": _TIME,
+        "frame_id": {"type": "string"},
+        "data": {"type": "string", "contentEncoding": "base64"},
+        "format": {"type": "string"},
+    },
+}
+_LOG = {
+    "title": "foxglove.Log",
+    "type": "object",
+    "properties": {
+        "timestamp": _TIME,
+        "level": {"type": "integer"},
+        "message": {"type": "string"},
+        "name": {"type": "string"},
+    },
+}
+PICTURE_SCHEMA = msgspec.json.encode(_IMAGE)
+LINES = Channel(LOG, "json", "foxglove.Log", msgspec.json.encode(_LOG))
+ALL_ROWS = Channel(ROWS, "json", "Rows", b'{"type":"object"}')
+
+
+class _Stamp(Struct, gc=False):
+    """As much of a stamp as dates a message."""
+
+    seq: int = 0
+    mono_ns: int = 0
+    wall_ns: int = 0
+    boot: str = ""
+
+
+_stamps = msgspec.json.Decoder(_Stamp)
+_NO_STAMP = _Stamp()
+
+
+class Heard(NamedTuple):
+    """A message as it is recorded; `mono_ns` is when it was sent by our clock."""
+
+    topic: str
+    number: int
+    sequence: int
+    mono_ns: int
+    publish_ns: int
+    data: bytes
+    picture: bool = False
+
+
+class _Feed:
+    """A stream that is heard."""
+
+    def __init__(self, subscription: wire.PolledSubscription, topic: str, number: int, *, picture: bool) -> None:
+        self.subscription = subscription
+        self.topic = topic
+        self.number = number
+        self.picture = picture
+        self.counts = not topic.startswith("@")
+        """Events have many senders, each with numbers of its own."""
+        self.last = 0
+
+
+class Ear:
+    """Hears the streams of a robot, its events and its status. One thread uses it."""
+
+    def __init__(self, bus: Session, robot: str, source: str, channels: Channels, clock: Clock) -> None:
+        self.lost = 0
+        self._bus = bus
+        self._robot = robot
+        self._source = source
+        self._channels = channels
+        self._clock = clock
+        self._feeds: dict[str, _Feed] = {}
+        self._taped: wire.PolledSubscription | None = None
+        self._cameras: dict[str, RecordedStream] = {}
+        self._asked: list[tuple[RecordedStream, wire.PendingQuery]] = []
+        self._seen: dict[str, tuple[int, int]] = {}
+        self._hear(keys.event(robot), EVENT, _channel(EVENT, Event), EVENTS_DEPTH)
+        self._hear(keys.status(robot), STATUS, _channel(STATUS, Status), 64)
+
+    def follow(self, streams: Collection[RecordedStream], wanted: Callable[[str], bool], *, pictures: bool) -> None:
+        """Hear these streams, and no others; every picture only if so asked."""
+        there = {one.key: one for one in streams if wanted(self._topic(one.key))}
+        self._cameras = {key: one for key, one in there.items() if one.picture}
+        plain = {key: one for key, one in there.items() if pictures or not one.picture}
+        system = {keys.event(self._robot), keys.status(self._robot)}
+        for key in [key for key in self._feeds if key not in plain and key not in system]:
+            self._feeds.pop(key).subscription.close()
+        for key, one in plain.items():
+            channel = self._channel_of(one)
+            number = self._channels.number(channel)
+            if key in self._feeds:
+                self._feeds[key].number = number
+            else:
+                self._hear(key, channel.topic, channel, PICTURES_DEPTH if one.picture else DEPTH, picture=one.picture)
+
+    def hear_lines(self, *, on: bool) -> None:
+        """Hear the bytes of lines, and commands, of every capability, or no longer: only while they are heard they are told."""
+        if on and self._taped is None:
+            self._taped = wire.PolledSubscription(self._bus, keys.taped(self._robot, "*"), depth=TAPED_DEPTH)
+        elif not on and self._taped is not None:
+            self._taped.close()
+            self._taped = None
+
+    def ask_for_pictures(self) -> None:
+        """Ask each camera for its newest picture; it comes with a later round."""
+        for key, one in self._cameras.items():
+            if key not in self._feeds:
+                try:
+                    query = wire.PendingQuery(self._bus, key, b"", timeout_s=PICTURE_S, source=self._source)
+                except BusError:
+                    continue
+                self._asked.append((one, query))
+
+    def take(self) -> Iterator[Heard]:
+        """Yield what came since the last call, stream by stream."""
+        for feed in self._feeds.values():
+            for raw in feed.subscription.take():
+                stamp = _stamp_of(raw.attachment)
+                if feed.counts and 0 < feed.last < stamp.seq - 1:
+                    self.lost += stamp.seq - feed.last - 1
+                feed.last = stamp.seq
+                yield self._heard(feed.topic, feed.number, stamp, raw.payload, picture=feed.picture)
+        for raw in self._taped.take() if self._taped is not None else ():
+            topic = self._topic(raw.key)
+            number = self._channels.number(_channel(topic, Taped))
+            yield self._heard(topic, number, _stamp_of(raw.attachment), raw.payload, picture=False)
+        yield from self._pictures()
+
+    def close(self) -> None:
+        """Hear no more."""
+        self.hear_lines(on=False)
+        for feed in self._feeds.values():
+            feed.subscription.close()
+
+    def _pictures(self) -> Iterator[Heard]:
+        waiting = []
+        for one, query in self._asked:
+            if not query.done:
+                waiting.append((one, query))
+            for raw in query.replies[:1] if query.done else ():
+                stamp = _stamp_of(raw.attachment)
+                if self._seen.get(one.key) != (stamp.seq, stamp.mono_ns):
+                    self._seen[one.key] = stamp.seq, stamp.mono_ns
+                    channel = self._channel_of(one)
+                    yield self._heard(channel.topic, self._channels.number(channel), stamp, raw.payload, picture=True)
+        self._asked = waiting
+
+    def _heard(self, topic: str, number: int, stamp: _Stamp, payload: bytes, *, picture: bool) -> Heard:
+        mono_ns = self._clock.sent_ns(stamp.boot, stamp.mono_ns)
+        publish_ns = stamp.wall_ns if 0 < stamp.wall_ns < MOST_NS else self._clock.dated(mono_ns)
+        if picture:
+            payload = image(payload, topic.partition("/")[0], self._clock.dated(mono_ns))
+        return Heard(topic, number, stamp.seq, mono_ns, publish_ns, payload, picture)
+
+    def _hear(self, key: str, topic: str, channel: Channel, depth: int, *, picture: bool = False) -> None:
+        subscription = wire.PolledSubscription(self._bus, key, depth=depth)
+        self._feeds[key] = _Feed(subscription, topic, self._channels.number(channel), picture=picture)
+
+    def _channel_of(self, one: RecordedStream) -> Channel:
+        topic = self._topic(one.key)
+        if one.picture:
+            return Channel(topic, "json", "foxglove.CompressedImage", PICTURE_SCHEMA)
+        schema = msgspec.json.decode(one.schema) if bytes(one.schema) else None
+        if not isinstance(schema, dict) or not schema:
+            return Channel(topic, "json")
+        return Channel(topic, "json", one.message, flat_schema(schema))
+
+    def _topic(self, key: str) -> str:
+        return key.removeprefix(f"{self._robot}/")
+
+
+def image(data: bytes, frame: str, at_ns: int) -> bytes:
+    """Return a picture as viewers of recordings know one."""
+    return msgspec.json.encode(
+        {
+            "timestamp": {"sec": at_ns // 1_000_000_000, "nsec": at_ns % 1_000_000_000},
+            "frame_id": frame,
+            "format": "jpeg" if pictures.is_whole(data) else "broken",
+            "data": base64.b64encode(data).decode(),
+        }
+    )
+
+
+def line(who: str, text: str, at_ns: int) -> bytes:
+    """Return a line of a log as viewers of recordings know one."""
+    return msgspec.json.encode(
+        {
+            "timestamp": {"sec": at_ns // 1_000_000_000, "nsec": at_ns % 1_000_000_000},
+            "level": 2,
+            "message": text,
+            "name": who,
+        }
+    )
+
+
+def _stamp_of(attachment: bytes) -> _Stamp:
+    try:
+        return _stamps.decode(attachment)
+    except UNREADABLE:
+        return _NO_STAMP
+
+
+@functools.cache
+def _channel(topic: str, message: type[Any]) -> Channel:
+    return Channel(topic, "json", message.__name__, flat_schema(msgspec.json.schema(message)))

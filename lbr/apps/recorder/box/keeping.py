@@ -1,0 +1,80 @@
+"""Decides what is kept for longer: what led to an emergency stop, a crash, a fault, a fall or a mark. Pure."""
+
+import time
+from collections import deque
+
+from msgspec import Struct
+
+from lbr.apps.recorder.recording.shelf import Incident
+from lbr.messages.system import Event
+
+KINDS = frozenset(
+    [
+        "estop",
+        "crashed",
+        "hung",
+        "failed",
+        "fault",
+        "trip",
+        "fallen",
+        "mover_lost",
+        "tilted",
+        "overload",
+        "servo_latched",
+    ]
+)
+MARK = "mark"
+MOST_OF_ONE, WITHIN_S = 6, 3600.0
+"""What happens again and again does not push out what happened once."""
+
+
+class Keep(Struct):
+    """Something that is kept, under its name, for as long as what comes belongs to it."""
+
+    name: str
+    why: Incident
+    until: float
+    before_s: float = 60.0
+
+
+class Keeping:
+    """What is being kept; `before_s` and `after_s` an incident, which others within that time join."""
+
+    def __init__(self, before_s: float, after_s: float) -> None:
+        self._before_s = before_s
+        self._after_s = after_s
+        self._now: dict[tuple[str, str], Keep] = {}
+        self._times: dict[tuple[str, str], deque[float]] = {}
+
+    def event(self, event: Event, now: float, wall_ns: int) -> Keep | None:
+        """Return what is to be kept because of an event, None if nothing is."""
+        if event.kind not in KINDS or event.data.get("latched_before"):
+            return None
+        return self.incident(event.kind, event.subject, event.text, now, wall_ns)
+
+    def incident(self, kind: str, subject: str, text: str, now: float, wall_ns: int) -> Keep | None:
+        """Return what is to be kept because of an incident, None if it is one too many of its sort."""
+        key = kind, subject
+        found = self._now.get(key)
+        if found is not None and now < found.until + self._before_s:
+            found.why.again += 1
+            found.until = max(found.until, now + self._after_s)
+            return found
+        times = self._times.setdefault(key, deque(maxlen=MOST_OF_ONE))
+        if kind != MARK and len(times) == MOST_OF_ONE and now - times[0] < WITHIN_S:
+            return None
+        times.append(now)
+        if len(self._times) > 256:
+            self._times.clear()
+        self._now = {one: kept for one, kept in self._now.items() if now < kept.until + self._before_s}
+        why = Incident(kind=kind, subject=subject, text=text[:500], wall_ns=wall_ns)
+        keep = self._now[key] = Keep(
+            name=_name(kind, subject, wall_ns), why=why, until=now + self._after_s, before_s=self._before_s
+        )
+        return keep
+
+
+def _name(kind: str, subject: str, wall_ns: int) -> str:
+    at = time.strftime("%Y%m%d-%H%M%S", time.localtime(wall_ns / 1e9))
+    what = "-".join(part for part in (kind, subject) if part and part != "executive")
+    return f"{at}-{''.join(one if one.isalnum() or one in '-_' else '_' for one in what)[:60]}"

@@ -1,0 +1,1 @@
+"""`lbr box`, `record`, `replay`, `at`, `plot` and `logs`."""

@@ -1,0 +1,197 @@
+"""`lbr at`: the answers of then."""
+
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lbr.commands.options import FileName, json_option, print_json
+from lbr.commands.rows import opened
+from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
+
+if TYPE_CHECKING:
+    from lbr.apps.recorder.recording.moment import Moment
+    from lbr.apps.recorder.recording.recorded import RecordedRows
+    from lbr.database.reading import RawTables
+    from lbr.why.snapshot import Snapshot
+
+Tables = dict[str, list[dict[str, Any]]]
+SURE = "capability"
+"""The table by which it is told whether rows are the same."""
+SILENT_S = 3.0
+"""A robot that runs says something each second."""
+
+
+@click.command("at")
+@click.argument("when", metavar="TIME")
+@click.argument("what", type=click.Choice(["why", "status", "rows"]))
+@click.argument("part", required=False, default="")
+@click.option("--robot", metavar="NAME", help="Whose; the only one with recordings if left out.")
+@click.option("--in", "place", default="", metavar="WHAT", help="Out of this recording or file: see lbr box list.")
+@click.option("--db", "database", type=FileName(), metavar="FILE", help="The rows whose past is looked at, for rows.")
+@json_option
+def command(
+    when: str, what: str, part: str, robot: str | None, place: str, database: Path | None, as_json: bool
+) -> int:
+    """Answer as then: why something stood still, how each process was, or what the rows were.
+
+    TIME is 10m (ago), 14:02, 'yesterday 9:30'. PART is what `why` is asked about, or a table of the rows. The answers are out of
+    the black box; rows are out of the past that the rows have themselves, and out of the box if that is of other rows.
+    """
+    from lbr.apps.recorder.recording import times  # noqa: PLC0415 - kept out of its `--help`
+
+    now = time.time_ns()
+    at_ns = times.moment_ns(when, now)
+    if at_ns > now:
+        raise InputError(f"{times.shown(at_ns, now)} is still to come")
+    if what == "rows":
+        return _rows(at_ns, part, robot, place, database, as_json=as_json)
+    found = _moment(at_ns, robot, place)
+    if found.late_s > SILENT_S:
+        said = f"nothing was recorded for {times.length(found.late_s)} until then; this is how it was before"
+        click.echo(f"lbr: {said}", err=True)
+    return _why(found, part, as_json=as_json) if what == "why" else _status(found, as_json=as_json)
+
+
+def snapshot(found: "Moment") -> "Snapshot":
+    """Return a moment as `why` explains one; InputError if its rows were not recorded."""
+    import msgspec  # noqa: PLC0415
+
+    from lbr.why.snapshot import Facts, Said, Snapshot  # noqa: PLC0415
+
+    if found.rows is None:
+        raise InputError("the rows of then are not in the recording, and without them nothing can be explained")
+    try:
+        facts = msgspec.json.decode(found.rows.facts, type=Facts)
+    except UNREADABLE as err:
+        raise InputError(f"the rows of then are of another version: {err}") from None
+    return Snapshot(
+        facts=facts,
+        executive="up" if found.late_s <= SILENT_S else "down",
+        status=found.status,
+        said={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in found.said.items()},
+        events=found.events,
+        wall_ns=found.at_ns,
+    )
+
+
+def _moment(at_ns: int, robot: str | None, place: str) -> "Moment":
+    from lbr.apps.recorder.commands import box  # noqa: PLC0415
+    from lbr.apps.recorder.recording.moment import moment  # noqa: PLC0415
+
+    chosen, _start, _end = box.selected(place, robot, None, None, None)
+    return moment(chosen.files, at_ns)
+
+
+def _why(found: "Moment", part: str, *, as_json: bool) -> int:
+    from lbr.messages.plain import one_line  # noqa: PLC0415
+    from lbr.why import telling  # noqa: PLC0415
+    from lbr.why.chain import explain  # noqa: PLC0415
+
+    answer = explain(snapshot(found), part)
+    if as_json:
+        print_json(answer)
+        return 0
+    for line in telling.lines(answer):
+        click.echo(one_line(line))
+    return 0
+
+
+def _status(found: "Moment", *, as_json: bool) -> int:
+    from lbr.commands.status import show  # noqa: PLC0415
+
+    if found.status is None:
+        raise InputError("the status of then is not in the recording")
+    if as_json:
+        print_json(found.status)
+    else:
+        show(found.status)
+    return 0
+
+
+def _rows(at_ns: int, table: str, robot: str | None, place: str, database: Path | None, *, as_json: bool) -> int:
+    revision, tables, source = _tables(at_ns, robot, place, database)
+    if table and table not in tables:
+        raise InputError(f"there was no table '{table}'; there was {', '.join(tables)}", "unknown_name")
+    wanted = {name: rows for name, rows in tables.items() if not table or name == table}
+    if as_json:
+        print_json({"revision": revision, "source": source, "tables": wanted})
+        return 0
+    import msgspec  # noqa: PLC0415
+
+    from lbr.messages.plain import one_line  # noqa: PLC0415
+
+    click.echo(f"revision {revision}, by {source}")
+    for name, rows in wanted.items():
+        click.echo(f"{name}: {len(rows)} rows")
+        for row in rows:
+            click.echo(one_line(f"  {msgspec.json.encode(row).decode()}"))
+    return 0
+
+
+def _tables(at_ns: int, robot: str | None, place: str, database: Path | None) -> tuple[int, Tables, str]:
+    """Return the revision of then, the rows, and where they are from: their own past, or a recording.
+
+    Their own past has each edit at its moment; a recording has it once the executive has taken it in. But the recorded rows may
+    have been replaced since.
+    """
+    from lbr import home  # noqa: PLC0415
+
+    path = database or home.default_database()
+    recorded, name = (None, robot) if database else _recorded(at_ns, robot, place)
+    if recorded is not None and (place or not _goes_back_to(path, recorded, name)):
+        return recorded.revision, recorded.tables, "the black box" if not place else f"the recording {place}"
+    if not path.exists():
+        raise InputError(f"neither the black box nor {path} has the rows of then")
+    return *_past(path, at_ns, name), f"the past of {path}"
+
+
+def _recorded(at_ns: int, robot: str | None, place: str) -> "tuple[RecordedRows | None, str | None]":
+    """Return the rows of then as they were recorded, if they were, and whose they are."""
+    try:
+        found = _moment(at_ns, robot, place)
+    except InputError:
+        if place:
+            raise
+        return None, robot
+    name = found.status.robot if found.status is not None else robot
+    return (found.rows if place or found.late_s <= SILENT_S else None), name
+
+
+def _goes_back_to(path: Path, recorded: "RecordedRows", robot: str | None) -> bool:
+    """Say whether a database had these rows: it was not replaced by another one."""
+    if not path.exists():
+        return False
+    with opened(path) as rows:
+        try:
+            then = rows.tables_at(recorded.revision)
+        except InputError:
+            return False
+    return _of(then, robot).get(SURE, []) == recorded.tables.get(SURE)
+
+
+def _past(path: Path, at_ns: int, robot: str | None) -> tuple[int, Tables]:
+    with opened(path) as rows:
+        until = [one.id for one in rows.touched(0) if _ns(one.changed_at) <= at_ns]
+        revision = until[-1] if until else 0
+        return revision, _of(rows.tables_at(revision), robot)
+
+
+def _of(tables: "RawTables", robot: str | None) -> Tables:
+    """Return the rows of one robot, without tokens; of all if none is named."""
+    return {
+        name: [dict(row) for row in found if robot is None or row.get("robot", row.get("name", robot)) == robot]
+        for name, found in tables.items()
+        if name != "user_token"
+    }
+
+
+def _ns(text: str) -> int:
+    try:
+        at = datetime.fromisoformat(text)
+    except ValueError:
+        return 0
+    return int((at if at.tzinfo else at.replace(tzinfo=UTC)).timestamp() * 1e9)

@@ -1,0 +1,294 @@
+"""`lbr box`: what the black box holds, whether a robot runs or not."""
+
+import time
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lbr.apps.recorder.commands.completing import complete_recording
+from lbr.commands.options import FileName, json_option, print_json
+from lbr.errors import InputError
+
+if TYPE_CHECKING:
+    from lbr.apps.recorder.recording.chunks import Message
+    from lbr.apps.recorder.recording.selection import Chosen, Damage
+    from lbr.apps.recorder.recording.shelf import Shelf
+
+AROUND_S = 10.0
+SHOWN_EVENTS = 20
+MB = 1_000_000
+
+
+def which_robot(function: Any) -> Any:
+    """Add --robot; the command gets it as `robot`."""
+    return click.option("--robot", metavar="NAME", help="Whose; the only one with recordings if left out.")(function)
+
+
+def span_options(function: Any) -> Any:
+    """Add --from, --to and --at."""
+    function = click.option(
+        "--from", "begin", metavar="TIME", help="From then on: 10m (ago), 14:02, 'yesterday 9:30'."
+    )(function)
+    function = click.option("--to", "end", metavar="TIME", help="Until then; now if left out.")(function)
+    return click.option("--at", "around", metavar="TIME", help=f"{AROUND_S:g} s before and after.")(function)
+
+
+@click.group("box")
+def command() -> None:
+    """Look at what the black box holds, take it along, and delete it. WHAT is box, what it kept, a recording or a file."""
+
+
+@command.command("list")
+@which_robot
+@json_option
+def list_box(robot: str | None, as_json: bool) -> int:
+    """List what there is: the box itself, what it kept and why, and what was recorded on purpose."""
+    from lbr.apps.recorder.recording import selection, shelf, times  # noqa: PLC0415 - kept out of its `--help`
+
+    name, place = of_robot(robot)
+    files, now = place.files(), time.time_ns()
+    begin_ns, end_ns = selection.span_ns([*files[:1], *files[-1:]])
+    kept, made = place.kept(), place.recordings()
+    if as_json:
+        print_json(
+            {
+                "robot": name,
+                "box": {"files": len(files), "bytes": shelf.size_of(files), "from_ns": begin_ns, "to_ns": end_ns},
+                "kept": [{"name": one.path.name, "bytes": one.bytes, "why": one.why} for one in kept],
+                "recordings": [{"name": path.name, "path": str(path), "bytes": shelf.size_of([path])} for path in made],
+            }
+        )
+        return 0
+    if files:
+        span = f"{times.shown(begin_ns, now)} to {times.shown(end_ns, now)} ({times.length((end_ns - begin_ns) / 1e9)})"
+        click.echo(f"box of {name}: {span}, {shelf.size_of(files) / MB:.1f} MB in {len(files)} files")
+    else:
+        click.echo(f"box of {name}: empty")
+    for one in kept:
+        why = "why is not readable" if one.why is None else str(one.why)
+        again = f" (and {one.why.again} more)" if one.why is not None and one.why.again else ""
+        click.echo(_line(f"kept       {one.path.name}  {one.bytes / MB:.1f} MB  {why}{again}"))
+    for path in made:
+        click.echo(_line(f"recording  {path.name}  {shelf.size_of([path]) / MB:.1f} MB"))
+    return 0
+
+
+@command.command("show")
+@click.argument("what", required=False, default="", shell_complete=complete_recording)
+@which_robot
+@span_options
+@json_option
+def show(what: str, robot: str | None, begin: str | None, end: str | None, around: str | None, as_json: bool) -> int:
+    """Show what is in WHAT: topics with how many messages, and what happened. Without WHAT it is the box."""
+    from lbr.apps.recorder.recording import times  # noqa: PLC0415
+
+    chosen, start_ns, end_ns = selected(what, robot, begin, end, around)
+    found = _counted(chosen, start_ns, end_ns)
+    if as_json:
+        print_json({"name": chosen.name, "why": chosen.why, **found})
+        return 0
+    now = time.time_ns()
+    if chosen.why is not None:
+        click.echo(_line(str(chosen.why)))
+    if not found["topics"]:
+        click.echo("nothing was recorded in that time")
+        _tell_damage(found["damage"])
+        return 1
+    seconds = max(1e-9, (found["to_ns"] - found["from_ns"]) / 1e9)
+    span = f"{times.shown(found['from_ns'], now)} to {times.shown(found['to_ns'], now)}"
+    click.echo(f"{chosen.name}: {span} ({times.length(seconds)})")
+    width = max(map(len, found["topics"]))
+    for topic, one in sorted(found["topics"].items()):
+        click.echo(
+            _line(f"{topic:<{width}}  {one['messages']:>8}  {one['messages'] / seconds:7.1f} Hz  {one['message']}")
+        )
+    for event in found["events"][-SHOWN_EVENTS:]:
+        click.echo(_line(f"{times.shown(event['wall_ns'], now)} {event['subject']}: {event['text']}"))
+    _tell_damage(found["damage"])
+    return 0
+
+
+@command.command("export")
+@click.argument("what", required=False, default="", shell_complete=complete_recording)
+@which_robot
+@span_options
+@click.option(
+    "--topic", "topics", multiple=True, metavar="PATTERN", help="Only these: drive/state, motors/*. Repeatable."
+)
+@click.option("--mcap", type=FileName(), metavar="FILE", help="Into one MCAP file, for Foxglove and others.")
+@click.option("--csv", "folder", type=FileName(), metavar="FOLDER", help="Into a table for each topic, and pictures.")
+@click.option("--force", is_flag=True, help="Take the place of what is there.")
+def export(
+    *,
+    what: str,
+    robot: str | None,
+    begin: str | None,
+    end: str | None,
+    around: str | None,
+    topics: tuple[str, ...],
+    mcap: Path | None,
+    folder: Path | None,
+    force: bool,
+) -> int:
+    """Write WHAT into files for other programs. Without WHAT it is the box; a time says which part of it."""
+    from fnmatch import fnmatchcase  # noqa: PLC0415
+
+    from lbr.apps.recorder.recording import export as exports  # noqa: PLC0415
+    from lbr.apps.recorder.recording import selection  # noqa: PLC0415
+
+    if (mcap is None) == (folder is None):
+        raise InputError("say where to: --mcap FILE, or --csv FOLDER")
+    target = mcap or folder
+    assert target is not None
+    if folder is not None and target.exists() and not target.is_dir():
+        raise InputError(f"{target} is no folder: --csv writes a table for each topic into one")
+    if mcap is not None and target.is_dir():
+        raise InputError(f"{target} is a folder: --mcap writes one file")
+    if target.exists() and not force and (mcap is not None or any(target.iterdir())):
+        raise InputError(f"{target} is there already; --force takes its place")
+    chosen, start_ns, end_ns = selected(what, robot, begin, end, around)
+    damage = selection.Damage()
+
+    def wanted(*, count: bool = False) -> "Any":
+        there = selection.messages(chosen.files, start_ns, end_ns, damage=damage if count else None)
+        return (one for one in there if not topics or any(fnmatchcase(one.topic, pattern) for pattern in topics))
+
+    if mcap is not None:
+        count = exports.to_mcap(mcap, wanted(count=True), f"lbr {metadata.version('lbr')}")
+    else:
+        count = sum(exports.to_csv(target, wanted).values())
+    if not count:
+        _tell_damage(damage)
+        raise InputError("nothing was recorded in that time, or of these topics")
+    click.echo(f"{count} messages into {target}")
+    _tell_damage(damage)
+    return 0
+
+
+@command.command("delete")
+@click.argument("what", nargs=-1, required=True, shell_complete=complete_recording)
+@which_robot
+def delete(what: tuple[str, ...], robot: str | None) -> int:
+    """Delete WHAT: what the box kept or a recording, by name; box for all of its own files but the one it writes."""
+    from lbr.apps.recorder.recording import selection  # noqa: PLC0415
+    from lbr.apps.recorder.recording.segments import in_use  # noqa: PLC0415
+
+    _name, place = of_robot(robot)
+    if "" in what:  # as an unset variable of a shell is: it means the box where something is shown
+        raise InputError("nothing is named that is to be deleted; 'lbr box list' shows what there is")
+    chosen = [(one, selection.choose(place, one)) for one in what]
+    folders = {one.path.name: one.path for one in place.kept()}
+    code = 0
+    for name, one in chosen:
+        own = [folders[name]] if name in folders else list(one.files)
+        if any(place.box not in path.parents and place.recordings_folder not in path.parents for path in own):
+            raise InputError(f"'{name}' is a file of another; delete it yourself")
+        left = [path for path in own if not place.delete(path)]
+        written = [path for path in left if path.is_file() and in_use(path)]
+        for path in left:
+            why = (
+                "is being written, and stays"
+                if path in written
+                else "cannot be deleted: look at the disk and its rights"
+            )
+            click.echo(f"{path.name} {why}", err=True)
+        code = code or (1 if left and (one.name != selection.BOX or left != written) else 0)
+        if len(left) < len(own) or not own:
+            click.echo(f"deleted {one.name}")
+        elif left == written:
+            click.echo(f"{one.name}: nothing to delete")
+    return code
+
+
+def of_robot(robot: str | None) -> "tuple[str, Shelf]":
+    """Return whose recordings are meant, and where they are; InputError says which there are."""
+    from lbr import home  # noqa: PLC0415
+    from lbr.apps.recorder.recording import shelf  # noqa: PLC0415
+
+    place = home.home()
+    there = shelf.robots(place)
+    if robot is None:
+        running = [one.robot for one in home.running()]
+        usual = running if len(running) == 1 else there
+        if len(usual) != 1:
+            names = ", ".join(there)
+            raise InputError(
+                f"there are recordings of {names}; say whose with --robot NAME"
+                if there
+                else f"nothing was recorded in {place}"
+            )
+        robot = usual[0]
+    if robot not in there:
+        raise InputError(f"there are no recordings of '{robot}' in {place}", "unknown_name")
+    return robot, shelf.Shelf(place, robot)
+
+
+def selected(
+    what: str, robot: str | None, begin: str | None, end: str | None, around: str | None
+) -> "tuple[Chosen, int, int]":
+    """Return what is meant, and from when to when; InputError says what there is."""
+    from lbr import home  # noqa: PLC0415
+    from lbr.apps.recorder.recording import selection, shelf  # noqa: PLC0415
+
+    start_ns, end_ns = span(begin, end, around)
+    if what and Path(what).is_file():
+        return selection.choose(shelf.Shelf(home.home(), "none"), what), start_ns, end_ns
+    return selection.choose(of_robot(robot)[1], what), start_ns, end_ns
+
+
+def span(begin: str | None, end: str | None, around: str | None) -> tuple[int, int]:
+    """Return the times that are meant; InputError for what is no time, or ends before it begins."""
+    from lbr.apps.recorder.recording import selection, times  # noqa: PLC0415
+
+    now = time.time_ns()
+    if around is not None:
+        if begin is not None or end is not None:
+            raise InputError("--at is a moment: leave out --from and --to")
+        at = times.moment_ns(around, now)
+        return at - int(AROUND_S * 1e9), at + int(AROUND_S * 1e9)
+    start_ns = times.moment_ns(begin, now) if begin is not None else 0
+    end_ns = times.moment_ns(end, now) if end is not None else selection.LAST_NS
+    if end_ns <= start_ns:
+        raise InputError("--to is before --from: a time of day is the last one that is past")
+    return start_ns, end_ns
+
+
+def _counted(chosen: "Chosen", start_ns: int, end_ns: int) -> dict[str, Any]:
+    from lbr.apps.recorder.recording import export as exports  # noqa: PLC0415
+    from lbr.apps.recorder.recording import selection  # noqa: PLC0415
+
+    damage = selection.Damage()
+    topics: dict[str, dict[str, Any]] = {}
+    events: list[dict[str, Any]] = []
+    first = last = 0
+
+    def note(one: "Message") -> None:
+        nonlocal first, last
+        first, last = min(first or one.log_ns, one.log_ns), max(last, one.log_ns)
+        known = topics.setdefault(one.topic, {"messages": 0, "bytes": 0, "message": one.channel.schema_name})
+        known["messages"] += 1
+        known["bytes"] += len(one.data)
+        if one.topic == "@event" and isinstance(said := exports.decoded(one), dict):
+            events.append(
+                {"wall_ns": one.log_ns, "subject": str(said.get("subject", "")), "text": str(said.get("text", ""))}
+            )
+
+    for one in selection.messages(chosen.files, start_ns, end_ns, damage=damage):
+        note(one)
+    return {"from_ns": first, "to_ns": last, "topics": topics, "events": events, "damage": damage}
+
+
+def _tell_damage(damage: "Damage") -> None:
+    for text in damage.files:
+        click.echo(_line(text), err=True)
+    if damage.places:
+        what = "1 damaged place was" if damage.places == 1 else f"{damage.places} damaged places were"
+        click.echo(f"{what} passed over ({damage.bytes} bytes)", err=True)
+
+
+def _line(text: str) -> str:
+    from lbr.messages.plain import one_line  # noqa: PLC0415
+
+    return one_line(text)

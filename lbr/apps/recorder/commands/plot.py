@@ -1,0 +1,229 @@
+"""`lbr plot`: numbers over time in the terminal, as they come or out of a recording."""
+
+import shutil
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from lbr.commands.completing import complete_field
+from lbr.commands.options import Number, Whom, robot_options
+from lbr.errors import BusError, InputError
+
+if TYPE_CHECKING:
+    from lbr.bus.session import Session
+
+FRAME_S = 0.2
+WAIT_S = 5.0
+MOST_POINTS = 4000
+MOST_COLUMNS, MOST_LINES = 1000, 300
+COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue", "white")
+EDGE = 16
+"""Columns and lines that axes and legend take."""
+
+
+class Series(NamedTuple):
+    """A field of a topic, and its values: when (seconds), and how much."""
+
+    name: str
+    topic: str
+    path: tuple[str, ...]
+    points: deque[tuple[float, float]]
+
+
+@click.command("plot")
+@click.argument("fields", nargs=-1, required=True, metavar="TOPIC.FIELD...", shell_complete=complete_field)
+@robot_options
+@click.option(
+    "--seconds", type=Number(0.5, 86400), default=20.0, show_default=True, help="How much of the past is shown."
+)
+@click.option(
+    "--once", is_flag=True, help="Watch for that long, print one plot and leave; so does what is no terminal."
+)
+@click.option("--from", "begin", metavar="TIME", help="Out of the black box: from 10m (ago), 14:02 ... on.")
+@click.option("--to", "end", metavar="TIME", help="Until then; now if left out.")
+@click.option(
+    "--in", "what", default="", metavar="WHAT", help="Out of this recording or file instead: see lbr box list."
+)
+def command(
+    fields: tuple[str, ...],
+    whom: Whom,
+    seconds: float,
+    once: bool,
+    begin: str | None,
+    end: str | None,
+    what: str,
+) -> int:
+    """Plot numbers of streams, such as drive/state.power motors/state.left; live until Ctrl-C, or out of the black box.
+
+    Fields within others and places of lists stand behind a dot: drive/state.loop.rate_hz. True is 1, false 0.
+    """
+    series = [_series(text) for text in fields]
+    if begin is not None or end is not None or what:
+        return _recorded(series, whom.robot, begin, end, what)
+    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
+
+    found = target.find(*whom)
+    with target.connected(found) as bus:
+        take = _taker(bus, found.robot, series)
+        _wait(take, series)
+        if once or not sys.stdout.isatty():
+            until = time.monotonic() + seconds
+            while time.monotonic() < until:
+                time.sleep(FRAME_S)
+                take()
+            click.echo(_drawn(series, time.monotonic(), seconds, *size(), colours=sys.stdout.isatty()))
+            return 0
+        return _live(take, series, seconds)
+
+
+def _series(text: str) -> Series:
+    topic, _, path = text.partition(".")
+    if "/" not in topic or not path or "*" in topic:
+        raise InputError(f"'{text[:60]}' is no field of a stream; say it as drive/state.power")
+    return Series(text, topic, tuple(path.split(".")), deque(maxlen=100_000))
+
+
+def value_of(message: Any, path: Iterable[str]) -> float | None:
+    """Return the number at a path in decoded JSON; None where there is none."""
+    for part in path:
+        if isinstance(message, dict):
+            message = message.get(part)
+        elif isinstance(message, list) and part.isdigit() and int(part) < len(message):
+            message = message[int(part)]
+        else:
+            return None
+    return float(message) if isinstance(message, bool | int | float) else None
+
+
+def _taker(bus: "Session", robot: str, series: list[Series]) -> Callable[[], dict[str, Any]]:
+    """Return what takes in news, and returns the newest message of each topic that was heard."""
+    from lbr.bus import wire  # noqa: PLC0415
+    from lbr.bus.codec import decode  # noqa: PLC0415
+    from lbr.console import topics  # noqa: PLC0415
+    from lbr.errors import MalformedError  # noqa: PLC0415
+
+    feeds = {one.topic: wire.Subscription(bus, topics.key_of(robot, one.topic), depth=2000) for one in series}
+    newest: dict[str, Any] = {}
+
+    def take() -> dict[str, Any]:
+        for topic, feed in feeds.items():
+            for raw in feed.take():
+                try:
+                    newest[topic] = message = decode(raw.payload)
+                except MalformedError:
+                    continue
+                for one in series:
+                    if one.topic == topic and (value := value_of(message, one.path)) is not None:
+                        one.points.append((raw.arrived, value))
+        return newest
+
+    return take
+
+
+def _wait(take: Callable[[], dict[str, Any]], series: list[Series]) -> None:
+    """Wait for the first message of each topic; InputError for a field that is no number there."""
+    until = time.monotonic() + WAIT_S
+    while missing := sorted({one.topic for one in series} - (newest := take()).keys()):
+        if time.monotonic() > until:
+            raise BusError(f"nothing comes on {', '.join(missing)} ('lbr topic list' shows what there is)")
+        time.sleep(FRAME_S / 4)
+    for one in series:
+        if not one.points:
+            _refuse(one, newest[one.topic])
+
+
+def _refuse(one: Series, message: Any) -> None:
+    """Raise InputError for a field that is not there, or never a number; one that is null now may become one."""
+    from lbr.apps.recorder.recording.export import fields  # noqa: PLC0415
+
+    there = dict(fields(message))
+    path = ".".join(one.path)
+    if path in there and there[path] is None:
+        return
+    numbers = [name for name, value in there.items() if isinstance(value, bool | int | float)]
+    what = "is text" if path in there else "is not there"
+    raise InputError(f"'{path}' {what} in {one.topic}; numbers are {', '.join(numbers[:20]) or 'none'}", "unknown_name")
+
+
+def _live(take: Callable[[], Any], series: list[Series], seconds: float) -> int:
+    from rich.live import Live  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    from lbr.console.outlet import unhurried  # noqa: PLC0415
+
+    with unhurried() as outlet, Live(Text(""), screen=True, auto_refresh=False) as live:
+        while True:
+            take()
+            text = _drawn(series, time.monotonic(), seconds, *size(), colours=True)
+            if not outlet.waiting:  # else the terminal is not read, and would only fall behind
+                live.update(Text.from_ansi(text, no_wrap=True), refresh=True)
+            time.sleep(FRAME_S)
+
+
+def _recorded(series: list[Series], robot: str | None, begin: str | None, end: str | None, what: str) -> int:
+    from lbr.apps.recorder.commands import box  # noqa: PLC0415
+    from lbr.apps.recorder.recording import export, selection, times  # noqa: PLC0415
+
+    chosen, start_ns, end_ns = box.selected(what, robot, begin, end, None)
+    last: dict[str, Any] = {}
+    for message in selection.messages(chosen.files, start_ns, end_ns):
+        of_topic = [one for one in series if one.topic == message.topic]
+        if of_topic:
+            last[message.topic] = value = export.decoded(message)
+            for one in of_topic:
+                if (number := value_of(value, one.path)) is not None:
+                    one.points.append((message.log_ns / 1e9, number))
+    for one in series:
+        if one.topic not in last:
+            raise InputError(f"nothing of {one.topic} was recorded in that time ('lbr box show' shows what was)")
+        if not one.points:
+            _refuse(one, last[one.topic])
+    points = [at for one in series for at, _value in one.points]
+    if not points:
+        raise InputError("there was no number in that time")
+    now = time.time_ns()
+    click.echo(f"{times.shown(int(min(points) * 1e9), now)} to {times.shown(int(max(points) * 1e9), now)}")
+    length = max(0.001, max(points) - min(points))
+    click.echo(_drawn(series, max(points), length, *size(), colours=sys.stdout.isatty()))
+    return 0
+
+
+def size() -> tuple[int, int]:
+    """Return how wide and high to draw; a terminal may be said to be as large as a number gets."""
+    found = shutil.get_terminal_size()
+    return min(found.columns, MOST_COLUMNS), min(found.lines, MOST_LINES)
+
+
+def _drawn(series: list[Series], now: float, seconds: float, width: int, height: int, *, colours: bool) -> str:
+    """Return a plot of the last `seconds` before `now`, the newest at the right."""
+    import plotille  # noqa: PLC0415
+
+    figure = plotille.Figure()
+    figure.width = max(20, width - EDGE)
+    figure.height = max(5, height - 8 - len(series))
+    figure.color_mode = "names"
+    figure.with_colors = colours
+    figure.x_label, figure.y_label = "s", "value"
+    figure.register_label_formatter(float, _label)
+    figure.set_x_limits(-seconds, 0)
+    shown = 0
+    for index, one in enumerate(series):
+        points = [(at - now, value) for at, value in one.points if now - at <= seconds]
+        points = points[:: 1 + len(points) // MOST_POINTS]
+        if points:
+            shown += 1
+            times, values = [at for at, _ in points], [value for _, value in points]
+            label = f"{one.name}  {values[-1]:.6g}"
+            figure.plot(times, values, lc=COLOURS[index % len(COLOURS)] if colours else None, label=label)
+    if not shown:
+        return "no number yet: the fields are null"
+    return str(figure.show(legend=True))
+
+
+def _label(val: Any, chars: int, delta: Any, left: bool = False) -> str:  # noqa: ARG001 - as plotille calls it
+    text = f"{float(val):.4g}"
+    return text.ljust(chars) if left else text.rjust(chars)

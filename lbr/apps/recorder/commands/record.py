@@ -1,0 +1,119 @@
+"""`lbr record`."""
+
+import signal
+import time
+from typing import TYPE_CHECKING
+
+import click
+
+from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
+from lbr.errors import BusError, InputError
+
+if TYPE_CHECKING:
+    from msgspec import Struct
+
+    from lbr.apps.recorder.messages import BoxReply
+    from lbr.bus.session import Session
+    from lbr.console.target import Target
+
+ASK_S = 10.0
+GONE_S = 20.0
+"""It runs when all others leave it time."""
+LOOK_S = 0.5
+
+
+@click.command("record")
+@robot_options
+@click.option("--seconds", type=Number(0.1, 86400.0), help="For how long; until Ctrl-C if left out.")
+@click.option("--with", "also", multiple=True, type=click.Choice(["cameras"]), help="Every picture, too.")
+@click.option("--lines", is_flag=True, help="The bytes of the devices' lines, and commands, too: for `replay --check`.")
+@click.option("--name", default="", metavar="NAME", help="The file's; made of the time if left out.")
+@json_option
+def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: bool, name: str, as_json: bool) -> int:
+    """Record on purpose, into a file of its own below the robot's home: all streams, events and lines of logs.
+
+    Ctrl-C, SIGTERM and a terminal that is closed end it. The black box writes it, so it goes on after a SIGKILL;
+    `/record/end` ends it then.
+    """
+    from lbr.apps.recorder.messages import EndRecording, RecordCommand  # noqa: PLC0415
+    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
+    from lbr.console.interrupt import told_to_leave  # noqa: PLC0415
+    from lbr.messages.units import FILE_STEM  # noqa: PLC0415
+
+    found, left = target.find(*whom), list[bool]()
+    target.need(found, "operate")
+    with target.connected(found) as bus:
+        box = _box_of(bus, found)
+        try:
+            import msgspec  # noqa: PLC0415
+
+            asked = msgspec.convert(
+                {"seconds": seconds or 0.0, "cameras": "cameras" in also, "lines": lines, "name": name}, RecordCommand
+            )
+        except msgspec.ValidationError:
+            raise InputError(f"--name: {name[:80]!r} cannot be a file's name here: {FILE_STEM}") from None
+        with told_to_leave(lambda: left.append(True), signal.SIGINT):
+            begun = _ask(bus, found, f"{box}/record", asked)
+            try:
+                if not as_json:
+                    click.echo(begun.reason, err=True)
+                if not begun.accepted:
+                    return 1
+                _wait(bus, found, box, seconds, left)
+            finally:
+                if begun.accepted:
+                    ended = _ask(bus, found, f"{box}/end", EndRecording())
+    if as_json:
+        print_json({"path": begun.path, "text": ended.reason if ended.accepted else begun.reason})
+    else:
+        click.echo(ended.reason if ended.accepted else begun.path)
+    return 0
+
+
+def _wait(bus: "Session", found: "Target", box: str, seconds: float | None, left: list[bool]) -> None:
+    """Wait until it is over, or this command is told to leave; a box that is gone ends it as well."""
+    from lbr.bus import keys, latest  # noqa: PLC0415
+
+    end = time.monotonic() + seconds + 2.0 if seconds else float("inf")
+    heard = time.monotonic()
+    while time.monotonic() < end and not left:
+        time.sleep(LOOK_S)
+        said = latest.ask(bus, [keys.port(found.robot, box, "state")], source="lbr record", timeout_s=2.0)
+        state = said.get(f"{box}/state")
+        if state is None and time.monotonic() - heard > GONE_S:
+            raise BusError("the black box does not answer any more")
+        if state is None:
+            continue
+        heard = time.monotonic()
+        if not state.message.get("recording"):
+            return
+
+
+def _box_of(bus: "Session", found: "Target") -> str:
+    import msgspec  # noqa: PLC0415
+
+    from lbr.bus import keys, wire  # noqa: PLC0415
+    from lbr.messages.system import Status  # noqa: PLC0415
+
+    answers = wire.ask(bus, keys.status(found.robot), None, source="lbr record", timeout_s=ASK_S)
+    if not answers:
+        raise BusError(f"'{found.robot}' does not answer")
+    status = msgspec.json.decode(answers[0].payload, type=Status)
+    name = next((one.name for one in status.capabilities if one.kind == "box"), "")
+    if not name:
+        raise BusError(f"'{found.robot}' has no black box that runs: switch on the row 'box'")
+    return name
+
+
+def _ask(bus: "Session", found: "Target", command: str, message: "Struct") -> "BoxReply":
+    import msgspec  # noqa: PLC0415
+
+    from lbr.apps.recorder.messages import BoxReply  # noqa: PLC0415
+    from lbr.bus import wire  # noqa: PLC0415
+    from lbr.console import target  # noqa: PLC0415
+
+    key = f"{found.robot}/{command}"
+    answers = wire.ask(bus, key, message, source=target.source("lbr record"), timeout_s=ASK_S)
+    if not answers:
+        raise BusError(f"{key} does not answer")
+    return msgspec.json.decode(answers[0].payload, type=BoxReply)

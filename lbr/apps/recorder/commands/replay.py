@@ -1,0 +1,289 @@
+"""`lbr replay`: what was recorded as streams of a robot of another name, to look at."""
+
+import contextlib
+import os
+import re
+import secrets
+import select
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from lbr.apps.recorder.commands import box
+from lbr.apps.recorder.commands.completing import complete_recording
+from lbr.apps.recorder.recording import lines
+from lbr.commands.options import Number, json_option
+from lbr.errors import BusError, InputError
+from lbr.messages.unreadable import UNREADABLE
+
+if TYPE_CHECKING:
+    from lbr.apps.recorder.recording.chunks import Channel, Message
+    from lbr.apps.recorder.recording.player import Player
+    from lbr.bus.session import Session
+
+NOT_ON_A_BUS = frozenset({"@rows", "@log"})
+SHOWN_S = 0.5
+JUMP_NS = 10_000_000_000
+KEYS = "space pauses, left and right jump 10 s, up and down change the speed, q ends"
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_ARROWS = {b"\x1b[A": "faster", b"\x1b[B": "slower", b"\x1b[C": "on", b"\x1b[D": "back"}
+_LETTERS = {b" ": "pause", b"q": "end", b"+": "faster", b"-": "slower", b"\x04": "end"}
+
+
+@click.command("replay")
+@click.argument("what", required=False, default="", shell_complete=complete_recording)
+@box.which_robot
+@box.span_options
+@click.option(
+    "--as", "name", default="replay", show_default=True, metavar="NAME", help="The robot that it is looked at as."
+)
+@click.option("--speed", type=Number(0.05, 100.0), default=1.0, show_default=True, help="So many times as fast.")
+@click.option("--loop", is_flag=True, help="Begin again at the end.")
+@click.option(
+    "--check",
+    is_flag=True,
+    help="Run the robot's own processes on the recorded bytes and commands, and compare; exit 1 if it does otherwise.",
+)
+@click.option(
+    "--tries",
+    type=click.IntRange(1, 20),
+    default=3,
+    show_default=True,
+    help="With --check: so many runs at most, until one is as recorded.",
+)
+@json_option
+def command(
+    *,
+    what: str,
+    robot: str | None,
+    begin: str | None,
+    end: str | None,
+    around: str | None,
+    name: str,
+    speed: float,
+    loop: bool,
+    check: bool,
+    tries: int,
+    as_json: bool,
+) -> int:
+    """Publish what was recorded under another robot's name, with its schemas, at the pace of then. Nothing moves by it.
+
+    With --check a recording by 'lbr record --lines' goes through the real drivers and operations instead, in a home of
+    its own. What chance did on the way falls otherwise each time, what a change does does not: so it is tried again.
+
+    WHAT is the box (if left out), what it kept, a recording or a file. Meanwhile `lbr topic`, `lbr plot` and `lbr status` with
+    --robot replay look at it. In a terminal space pauses, the arrows jump and change the speed, q ends.
+    """
+    from lbr.apps.recorder.recording import selection  # noqa: PLC0415 - kept out of its `--help`
+    from lbr.apps.recorder.recording.player import Player  # noqa: PLC0415
+
+    if not _NAME.fullmatch(name):
+        raise InputError(f"'{name[:60]}' is not a robot's name: small letters, digits and _")
+    chosen, start_ns, end_ns = box.selected(what, robot, begin, end, around)
+    if check:
+        from lbr.apps.recorder.commands import replay_check  # noqa: PLC0415
+
+        return replay_check.check(chosen, start_ns, end_ns, tries, as_json=as_json)
+    if as_json:
+        raise InputError("--json goes with --check")
+    first, last = selection.span_ns(chosen.files)
+    start_ns, end_ns = max(start_ns, first), min(end_ns, last)
+    if not last or end_ns < start_ns:
+        raise InputError("nothing was recorded in that time ('lbr box list' shows what there is)")
+    with _robot(name) as bus, contextlib.suppress(KeyboardInterrupt), _typed() as keys:
+        stage = Stage(bus, name)
+        player = Player(start_ns, end_ns, speed, time.monotonic())
+        click.echo(f"replays {chosen.name} as the robot '{name}': lbr topic list --robot {name}", err=True)
+        while _play(stage, player, chosen.files, keys):
+            if not loop:
+                break
+            player.seek(start_ns, time.monotonic())
+    return 0
+
+
+class Stage:
+    """Publishes what was said then, as if it were said now."""
+
+    def __init__(self, bus: "Session", robot: str) -> None:
+        from lbr.bus import wire  # noqa: PLC0415
+
+        self._wire = wire
+        self._bus = bus
+        self._robot = robot
+        self._publishers: dict[str, wire.Publisher] = {}
+        self._schemas: dict[str, wire.StaticReply] = {}
+
+    def say(self, one: "Message") -> None:
+        """Publish a message."""
+        from msgspec import Raw  # noqa: PLC0415
+
+        from lbr.apps.recorder.recording.export import PICTURES, picture_in  # noqa: PLC0415
+
+        if one.topic in NOT_ON_A_BUS or one.topic.startswith(lines.TAPED):
+            return
+        picture = one.channel.schema_name == PICTURES
+        if one.topic not in self._publishers:
+            key = f"{self._robot}/{one.topic}"
+            try:
+                self._publishers[one.topic] = self._wire.Publisher(self._bus, key, "replay", pictures=picture)
+            except Exception as err:  # the bus library's own, for a name that no key may have
+                raise BusError(f"'{one.topic[:60]}' cannot be published: {err}") from err
+            self._describe(one.channel)
+        publisher = self._publishers[one.topic]
+        if not picture:
+            publisher.put(Raw(self._own(one)))
+        elif (data := picture_in(one)) is not None:
+            from lbr.messages.camera import JpegFrame  # noqa: PLC0415
+
+            publisher.put(JpegFrame(data))
+
+    def _own(self, one: "Message") -> bytes:
+        """Return a message's bytes; the status tells the name that the robot has here."""
+        import msgspec  # noqa: PLC0415
+
+        if one.topic != "@status":
+            return one.data
+        try:
+            said = msgspec.json.decode(one.data)
+            return msgspec.json.encode(said | {"robot": self._robot})
+        except (TypeError, *UNREADABLE):
+            return one.data
+
+    def _describe(self, channel: "Channel") -> None:
+        from msgspec import Raw  # noqa: PLC0415
+
+        from lbr.bus import keys  # noqa: PLC0415
+
+        capability, _, port = channel.topic.partition("/")
+        if channel.schema and port and not channel.topic.startswith("@"):
+            key = keys.schema(self._robot, capability, port)
+            self._schemas[channel.topic] = self._wire.StaticReply(self._bus, key, lambda: Raw(channel.schema))
+
+
+def _play(stage: Stage, player: "Player", files: tuple[Path, ...], keys: Callable[[float], str]) -> bool:
+    """Play to the end; False if that was asked for earlier."""
+    shown_at = 0.0
+    while True:
+        found = _from(stage, player.at_ns(time.monotonic()), files, player.end_ns)
+        for one in found:
+            while (wait_s := player.wait_s(one.log_ns, time.monotonic())) > 0:
+                asked = keys(min(wait_s, SHOWN_S))
+                if asked == "end":
+                    return False
+                if _obeyed(player, asked):
+                    break
+                shown_at = _show(player, shown_at)
+            else:
+                stage.say(one)
+                continue
+            break  # it jumped: what comes is from there on
+        else:
+            return True
+
+
+def _obeyed(player: "Player", asked: str) -> bool:
+    """Do what was asked for; say whether it was a jump."""
+    now = time.monotonic()
+    if asked == "pause":
+        player.pause(now, paused=not player.paused)
+    elif asked in {"faster", "slower"}:
+        player.faster(now, 2.0 if asked == "faster" else 0.5)
+    elif asked in {"on", "back"}:
+        player.seek(player.at_ns(now) + (JUMP_NS if asked == "on" else -JUMP_NS), now)
+        return True
+    return False
+
+
+def _from(stage: Stage, at_ns: int, files: tuple[Path, ...], end_ns: int) -> "Iterator[Message]":
+    """Say what each stream had said last by then, and return what comes after."""
+    from lbr.apps.recorder.recording import selection  # noqa: PLC0415
+
+    path = selection.file_at(files, at_ns)
+    if path is not None:
+        newest = {one.topic: one for one in selection.messages([path], 0, at_ns) if one.topic != selection.EVENT}
+        for one in newest.values():
+            stage.say(one)
+    return selection.messages(files, at_ns + 1, end_ns)
+
+
+def _show(player: "Player", shown_at: float) -> float:
+    """Show where it is, in a terminal and now and then."""
+    from lbr.apps.recorder.recording import times  # noqa: PLC0415
+
+    now = time.monotonic()
+    if now < shown_at or not sys.stderr.isatty():
+        return shown_at
+    at_ns = player.at_ns(now)
+    gone, whole = (at_ns - player.start_ns) / 1e9, (player.end_ns - player.start_ns) / 1e9
+    how = "paused" if player.paused else f"x{player.speed:g}"
+    text = f"{times.shown(at_ns, time.time_ns())}  {gone:.0f} of {whole:.0f} s  {how}  ({KEYS})"
+    print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+    return now + SHOWN_S
+
+
+@contextlib.contextmanager
+def _robot(name: str) -> "Iterator[Session]":
+    """Be a robot of that name on this machine, as far as looking goes, for the time of a `with`."""
+    from lbr import home  # noqa: PLC0415
+    from lbr.bus import access, session  # noqa: PLC0415
+
+    lock = home.RunLock(name)
+    try:
+        endpoint, password = f"unixsock-stream/{home.socket_path(name)}", secrets.token_hex(16)
+        router = session.Router(
+            listen=(endpoint,),
+            robot=name,
+            users={access.TOOLS: password},
+            rights={access.TOOLS: access.Rights(trusted=True)},
+            never_waiting=access.everything(name),
+        )
+        with contextlib.closing(session.open_router(router)) as bus:
+            lock.publish(
+                home.Running(
+                    robot=name,
+                    pid=os.getpid(),
+                    endpoints=(endpoint,),
+                    profile="replay",
+                    database=str(home.default_database()),
+                    core=endpoint,
+                    password=password,
+                )
+            )
+            yield bus
+    finally:
+        lock.release()
+
+
+def _sleep(wait_s: float) -> str:
+    time.sleep(wait_s)
+    return ""
+
+
+@contextlib.contextmanager
+def _typed() -> "Iterator[Callable[[float], str]]":
+    """Give what waits for so long for a key that means something, and returns what; nothing without a terminal."""
+    if not sys.stdin.isatty():
+        yield _sleep
+        return
+    import termios  # noqa: PLC0415
+    import tty  # noqa: PLC0415
+
+    fd = sys.stdin.fileno()
+    before = termios.tcgetattr(fd)
+
+    def wait(wait_s: float) -> str:
+        if not select.select([fd], [], [], wait_s)[0]:
+            return ""
+        typed = os.read(fd, 16)
+        return "end" if not typed else _ARROWS.get(typed[:3], _LETTERS.get(typed[:1], ""))
+
+    try:
+        tty.setcbreak(fd)
+        yield wait
+    finally:
+        termios.tcsetattr(fd, termios.TCSADRAIN, before)
+        print(file=sys.stderr)

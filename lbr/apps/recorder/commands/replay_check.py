@@ -1,0 +1,158 @@
+"""`lbr replay --check`: a recording goes through the real drivers and operations, and what they do is compared."""
+
+import math
+import sys
+import time
+from typing import TYPE_CHECKING
+
+import click
+
+from lbr.commands.options import print_json
+
+if TYPE_CHECKING:
+    from lbr.apps.recorder.recording.selection import Chosen
+    from lbr.apps.recorder.rerun.check import Outcome, Recorded
+
+SHOWN = 5
+
+
+def check(chosen: "Chosen", start_ns: int, end_ns: int, tries: int, *, as_json: bool) -> int:
+    """Run a recording again, up to `tries` times until it does the same, and say where it did otherwise; 1 if it did."""
+    from lbr.apps.recorder.rerun import check as checks  # noqa: PLC0415 - kept out of its `--help`
+
+    recorded = checks.read(chosen.files, start_ns, end_ns)
+    if not as_json:
+        devices = ", ".join(f"{name} ({len(line.exchanges)})" for name, line in sorted(recorded.taken.lines.items()))
+        seconds = (recorded.end_ns - recorded.start_ns) / 1e9
+        click.echo(
+            f"{chosen.name}: {seconds:.1f} s of '{recorded.robot}', exchanges of {devices}; {len(recorded.taken.commands)} commands"
+        )
+    for number in range(1, tries + 1):
+        outcome = checks.run(recorded, _progress if not as_json else lambda _text: None)
+        _clear()
+        if not as_json:
+            _tell(outcome, recorded)
+        if outcome.same or number == tries:
+            break
+        if not as_json:
+            why = "as this machine was busy" if outcome.late else "in case it was chance"
+            click.echo(f"once more, {why}: run {number + 1} of {tries}")
+    if as_json:
+        print_json(_plain(outcome, recorded, number))
+    return 0 if outcome.same else 1
+
+
+def _progress(text: str) -> None:
+    if sys.stderr.isatty():
+        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+
+
+def _clear() -> None:
+    if sys.stderr.isatty():
+        print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+def _tell(outcome: "Outcome", recorded: "Recorded") -> None:
+    for name, why in sorted(outcome.left_out.items()):
+        click.echo(f"  without {name}: {why}", err=True)
+    for topic, count in outcome.setpoints.items():
+        found = outcome.differences[topic]
+        some = f" but {len({one.at_ns for one in found})}" if found and not outcome.differs(topic) else ""
+        verdict = (
+            f"all{some} as recorded" if not outcome.differs(topic) else _verdict(len({one.at_ns for one in found}))
+        )
+        click.echo(f"{topic:<28} {count} samples, {verdict}")
+        for one in found[:SHOWN] if outcome.differs(topic) else ():
+            click.echo(
+                f"    {_at(one.at_ns, recorded)} {one.field}: {_value(one.recorded)} then, {_value(one.now)} now"
+            )
+    click.echo(f"{'commands':<28} {outcome.said}, {_verdict(len(outcome.answered_otherwise))}")
+    for said in outcome.answered_otherwise[:SHOWN]:
+        asked = said.command
+        then, now = _answer(asked.reply), _answer(said.reply) if said.reply is not None else "no answer"
+        click.echo(
+            f"    {_at(asked.at_ns, recorded)} {asked.to}/{asked.name} by {asked.source}: {then} then, {now} now"
+        )
+    if outcome.begun_before:
+        click.echo(f"    {outcome.begun_before} went by a lease from before the recording, and were left out")
+    click.echo(f"{'reasons':<28} {outcome.reasons}, {_verdict(len(outcome.missing) + len(outcome.new))}")
+    for text, events in (("then alone", outcome.missing), ("now alone", outcome.new)):
+        for happened in events[:SHOWN]:
+            what = f"{happened.subject} {happened.kind} [{happened.code}]"
+            click.echo(f"    {_at(happened.at_ns, recorded)} {what}: {text}")
+    for device, sent in sorted(outcome.asked.items()):
+        if sent.unlike:
+            example = repr(sent.unlike[0][:24])[1:]
+            click.echo(f"  {device} was sent {sent.times} times, also what it was not sent then: {example}", err=True)
+    click.echo(_judgement(outcome))
+
+
+def _plain(outcome: "Outcome", recorded: "Recorded", tries: int) -> dict[str, object]:
+    return {
+        "robot": recorded.robot,
+        "recorded_at": time.strftime("%Y-%m-%dT%H:%M:%S", time.localtime(recorded.start_ns / 1e9)),
+        "seconds": round(outcome.seconds, 3),
+        "same": outcome.same,
+        "tries": tries,
+        "runs": outcome.runs,
+        "left_out": outcome.left_out,
+        "setpoints": {
+            topic: {
+                "samples": count,
+                "differences": [
+                    {
+                        "at_s": (one.at_ns - recorded.start_ns) / 1e9,
+                        "field": one.field,
+                        "then": None if math.isnan(one.recorded) else one.recorded,
+                        "now": None if math.isnan(one.now) else one.now,
+                    }
+                    for one in outcome.differences[topic]
+                ],
+            }
+            for topic, count in outcome.setpoints.items()
+        },
+        "commands": {
+            "said": outcome.said,
+            "begun_before": outcome.begun_before,
+            "otherwise": [
+                {
+                    "at_s": (said.command.at_ns - recorded.start_ns) / 1e9,
+                    "command": f"{said.command.to}/{said.command.name}",
+                    "then": said.command.reply,
+                    "now": said.reply,
+                }
+                for said in outcome.answered_otherwise
+            ],
+        },
+        "reasons": {
+            "told": outcome.reasons,
+            "then_alone": [list(one.what) for one in outcome.missing],
+            "now_alone": [list(one.what) for one in outcome.new],
+        },
+        "late_s": outcome.late_s,
+    }
+
+
+def _judgement(outcome: "Outcome") -> str:
+    if outcome.late:
+        late = f"what was said then came up to {outcome.late_s:.1f} s late"
+        return f"nothing is shown by this run: {late}, as this machine is too busy; run it when it has time"
+    return "as recorded" if outcome.same else "otherwise than recorded"
+
+
+def _verdict(differences: int) -> str:
+    return "all as recorded" if not differences else f"{differences} otherwise"
+
+
+def _at(at_ns: int, recorded: "Recorded") -> str:
+    return f"at {(at_ns - recorded.start_ns) / 1e9:.2f} s"
+
+
+def _value(value: float) -> str:
+    return "nothing" if math.isnan(value) else f"{value:g}"
+
+
+def _answer(reply: object) -> str:
+    found = reply if isinstance(reply, dict) else {}
+    code = f" ({found['code']})" if found.get("code") else ""
+    return ("accepted" if found.get("accepted", True) else "refused") + code

@@ -1,0 +1,62 @@
+"""Messages on `box/*`: the robot's black box."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.messages.codes import ReasonCode
+from lbr.messages.units import FileStem
+
+Text = Annotated[str, Meta(max_length=200)]
+
+
+class MarkCommand(Struct, frozen=True, kw_only=True):
+    """Keep what led here, and a while after: something was noticed, which `text` says."""
+
+    text: Text = ""
+
+
+class RecordCommand(Struct, frozen=True, kw_only=True):
+    """Record on purpose, into a file of its own: `seconds` long, or until it is ended (0).
+
+    `cameras`: every picture that they take. `lines`: the bytes of the devices' lines, and all commands with their
+    answers, too. `name` is the file's; it is made of the time if there is none.
+    """
+
+    seconds: Annotated[float, Meta(ge=0.0, le=86400.0)] = 0.0
+    cameras: bool = False
+    lines: bool = False
+    name: FileStem = ""
+
+
+class EndRecording(Struct, frozen=True, kw_only=True):
+    """End the recording that was begun on purpose."""
+
+
+class BoxReply(Struct, frozen=True, kw_only=True):
+    """What became of it; `path` is the file, or the folder of what is kept."""
+
+    accepted: bool
+    reason: str = ""
+    code: ReasonCode = ""
+    path: str = ""
+
+
+class BoxState(Struct, frozen=True, kw_only=True):
+    """How the box is: what it has written since it started, what it could not, and what it holds.
+
+    `messages` were written, `lost` could not be: the disk was slow or full, or they came faster than they were taken.
+    `disk_mb` is what the box's own files take, `kept_mb` what is kept for longer, `kept` how many times something was.
+    `recording` is the file of a recording on purpose, empty if there is none, `recording_s` for how long it goes on and
+    `recording_mb` how large it is. `trouble` is what is wrong, in one line.
+    """
+
+    messages: int = 0
+    lost: int = 0
+    disk_mb: float = 0.0
+    kept_mb: float = 0.0
+    kept: int = 0
+    recording: str = ""
+    recording_s: float = 0.0
+    recording_mb: float = 0.0
+    trouble: str = ""

@@ -1,0 +1,170 @@
+"""Writes what was recorded into files for other programs: one MCAP file with its index, or a table for each topic."""
+
+import base64
+import csv
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import IO, Any
+
+import msgspec
+from mcap.writer import CompressionType, Writer
+
+from lbr.apps.recorder.recording.chunks import Channel, Message
+from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
+from lbr.names import first_free
+
+Again = Callable[[], Iterable[Message]]
+"""Begins anew: tables are read twice, first for their columns."""
+PICTURES = "foxglove.CompressedImage"
+LONGEST_LIST = 16
+TIME, SECONDS = "time", "time_s"
+
+
+def to_mcap(path: Path, found: Iterable[Message], library: str) -> int:
+    """Write one MCAP file, whole or not at all; return how many messages it has. InputError says why it cannot be."""
+    new = path.with_name(f"{path.name}.new")
+    try:
+        with new.open("wb") as file:
+            written = _write_mcap(file, found, library)
+        new.replace(path)
+    except OSError as err:
+        new.unlink(missing_ok=True)
+        raise InputError(f"{path} cannot be written: {err.strerror}") from err
+    return written
+
+
+def _write_mcap(file: IO[bytes], found: Iterable[Message], library: str) -> int:
+    writer = Writer(file, compression=CompressionType.ZSTD)
+    writer.start(profile="lbr", library=library)
+    schemas: dict[tuple[str, bytes], int] = {}
+    channels: dict[Channel, int] = {}
+    written = 0
+    for one in found:
+        channel = one.channel
+        if channel not in channels:
+            key = channel.schema_name, channel.schema
+            if channel.schema and key not in schemas:
+                schemas[key] = writer.register_schema(channel.schema_name, "jsonschema", channel.schema)
+            channels[channel] = writer.register_channel(channel.topic, channel.encoding, schemas.get(key, 0))
+        writer.add_message(channels[channel], one.log_ns, one.data, one.publish_ns, one.sequence)
+        written += 1
+    writer.finish()
+    return written
+
+
+def to_csv(folder: Path, again: Again) -> dict[str, int]:
+    """Write a table for each topic into a folder, and pictures as files beside them; return the rows of each.
+
+    InputError says why it cannot be. Columns are the fields, those within others behind a dot; `time` and `time_s` are the
+    recording's, and a message's own of these names `message.time` and `message.time_s`.
+    """
+    columns: dict[str, dict[str, None]] = {}
+    for one in again():
+        columns.setdefault(one.topic, {}).update(dict.fromkeys(_fields(one)))
+    counts: dict[str, int] = {}
+    called = file_names(columns)
+    files: dict[str, IO[str]] = {}
+    tables: dict[str, Any] = {}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for topic, names in columns.items():
+            files[topic] = (folder / f"{called[topic]}.csv").open("w", newline="", encoding="utf-8")
+            tables[topic] = csv.DictWriter(files[topic], [TIME, SECONDS, *names], extrasaction="ignore")
+            tables[topic].writeheader()
+        for one in again():
+            if one.topic in tables:
+                tables[one.topic].writerow(_row(one, folder, called[one.topic]))
+                counts[one.topic] = counts.get(one.topic, 0) + 1
+        for file in files.values():
+            file.flush()
+    except OSError as err:
+        raise InputError(f"{folder} cannot be written: {err.strerror}") from err
+    finally:
+        for file in files.values():
+            file.close()
+    return counts
+
+
+def file_names(topics: Iterable[str]) -> dict[str, str]:
+    """Return what each topic's file is called; one whose name another has already gets a number."""
+    found: dict[str, str] = {}
+    for topic in topics:
+        name = re.sub(r"[^A-Za-z0-9_.-]+", "_", topic).strip("_.") or "topic"
+        found[topic] = first_free(name, lambda one: one in found.values(), "-")
+    return found
+
+
+def fields(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the plain values within decoded JSON, each with its path; long lists stay JSON."""
+    if isinstance(value, dict) and value:
+        for key, part in value.items():
+            yield from fields(part, f"{name}.{key}" if name else str(key))
+    elif isinstance(value, list) and 0 < len(value) <= LONGEST_LIST and not _nested(value):
+        for index, part in enumerate(value):
+            yield f"{name}.{index}", part
+    elif isinstance(value, dict | list):
+        yield name or "value", msgspec.json.encode(value).decode()
+    else:
+        yield name or "value", value
+
+
+def _nested(values: list[Any]) -> bool:
+    return any(isinstance(one, dict | list) for one in values)
+
+
+def decoded(one: Message) -> Any:
+    """Return a message as plain data; what is no JSON as a text."""
+    try:
+        return msgspec.json.decode(one.data)
+    except UNREADABLE:
+        return one.data.decode(errors="replace")
+
+
+def _fields(one: Message) -> list[str]:
+    if one.channel.schema_name == PICTURES:
+        return ["file"]
+    return [name for name, _value in _columns(one)]
+
+
+def _columns(one: Message) -> Iterator[tuple[str, Any]]:
+    """Yield the plain values of a message by the names of their columns."""
+    for name, value in fields(decoded(one)):
+        yield (f"message.{name}" if name in {TIME, SECONDS} else name), value
+
+
+def _row(one: Message, folder: Path, called: str) -> dict[str, Any]:
+    at = datetime.fromtimestamp(one.log_ns / 1e9, UTC)
+    row: dict[str, Any] = {TIME: at.isoformat(timespec="microseconds"), SECONDS: f"{one.log_ns / 1e9:.6f}"}
+    if one.channel.schema_name == PICTURES:
+        return row | {"file": _picture(one, folder, called, at)}
+    return row | {name: _cell(value) for name, value in _columns(one)}
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float) and not math.isfinite(value):
+        return ""
+    return value
+
+
+def picture_in(one: Message) -> bytes | None:
+    """Return the bytes of the picture that a message is, None if it is none."""
+    said = decoded(one)
+    try:
+        return base64.b64decode(said["data"], validate=True)
+    except (KeyError, TypeError, ValueError):
+        return None
+
+
+def _picture(one: Message, folder: Path, called: str, at: datetime) -> str:
+    data = picture_in(one)
+    if data is None:
+        return ""
+    name = f"{called}-{at:%Y%m%dT%H%M%S.%f}.jpg"
+    (folder / name).write_bytes(data)
+    return name

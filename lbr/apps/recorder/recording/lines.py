@@ -1,0 +1,253 @@
+"""What a recording with lines has of a robot's devices and commands, and what a device would answer by it. Pure.
+
+A line is taken for questions and answers: what came within `ANSWER_NS` of what was sent answers it, unless more was sent
+since. What came without a question has its time alone.
+"""
+
+import bisect
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import msgspec
+from msgspec import Struct
+
+from lbr.apps.recorder.recording.chunks import Message
+from lbr.messages.taped import LineBytes, Taped, TapedCommand
+from lbr.messages.unreadable import UNREADABLE
+
+TAPED = "@taped/"
+ANSWER_NS = 100_000_000
+SHORTEST = 3
+"""Bytes that a question has at least in common with the one whose answer it gets: to the servo's number, or the command."""
+SURE = 3
+"""Bytes of a question by which its beginning is known among others."""
+LATE_NS = 150_000_000
+"""What was sent but once has a meaning of its own: what is answered after it may be because of it. So much earlier or later
+than then it may come."""
+OFTEN_NS = 50_000_000
+_taped = msgspec.json.Decoder(Taped)
+
+
+class Answer(NamedTuple):
+    """Bytes that came so long after what was sent."""
+
+    after_ns: int
+    data: bytes
+
+
+class Exchange(NamedTuple):
+    """What was sent at once, when, and what came back."""
+
+    at_ns: int
+    sent: bytes
+    answers: tuple[Answer, ...]
+
+
+class Command(Struct, frozen=True, kw_only=True):
+    """A command of the recording: to whom, from whom, when it was sent and answered, its bytes and its answer."""
+
+    at_ns: int
+    answered_ns: int
+    to: str
+    name: str
+    source: str
+    payload: bytes
+    reply: dict[str, Any]
+    answerable: bool
+
+
+class RecordedLine:
+    """A device's line of a recording; times are the recording's."""
+
+    def __init__(self, device: str, pieces: Iterable[LineBytes], lost: int = 0) -> None:
+        self.device = device
+        self.lost = lost
+        self.exchanges: list[Exchange] = []
+        self.unasked: list[tuple[int, bytes]] = []
+        self._by_question: dict[bytes, list[Exchange]] = {}
+        self._last: dict[bytes, int] = {}
+        self._passed = 0
+        self._at_ns = 0
+        self._take(pieces)
+        self._single = sorted((all_[0].at_ns, sent) for sent, all_ in self._by_question.items() if len(all_) == 1)
+        self._once = {sent for _, sent in self._single}
+        self.longest = max((len(one) for one in self._by_question), default=0)
+
+    def known(self, sent: bytes) -> bool:
+        """Say whether exactly this was sent."""
+        return sent in self._by_question
+
+    def question(self, data: bytes) -> tuple[bytes, bool]:
+        """Return the question with which these bytes begin, and whether it may have an end that is not here yet.
+
+        What was sent in two pieces may come as one; what was never sent ends where something begins that was.
+        """
+        if data in self._by_question:
+            return data, False
+        if first := self._first(data):
+            return first, False
+        if any(one.startswith(data) for one in self._by_question):
+            return data, True
+        for end in range(1, len(data) - SURE + 1):
+            if len(self._first(data[end:])) >= SURE:
+                return data[:end], False
+        return data, False
+
+    def _next(self, sent: bytes, at_ns: int) -> Exchange:
+        """Return the exchange of about that time which has the same single questions before it and after it.
+
+        Who asks often, but not at the same moments as then, gets each answer once: the one after the last.
+        """
+        found = self._by_question[sent]
+        begin_ns, end_ns = self._between(sent, at_ns)
+        first = bisect.bisect_left(found, begin_ns, key=lambda one: one.at_ns)
+        last = bisect.bisect_right(found, end_ns, key=lambda one: one.at_ns)
+        if first >= last:
+            first, last = (first if first < len(found) else 0), len(found)
+        at = min(max(bisect.bisect_left(found, at_ns, key=lambda one: one.at_ns), first), last)
+        near = min(range(max(first, at - 1), min(last, at + 1)), key=lambda one: abs(found[one].at_ns - at_ns))
+        following = self._last.get(sent, -2) + 1
+        if (
+            first <= following < last
+            and abs(following - near) == 1
+            and abs(found[following].at_ns - found[near].at_ns) < OFTEN_NS
+        ):
+            near = following
+        self._last[sent] = near
+        return found[near]
+
+    def _between(self, sent: bytes, at_ns: int) -> tuple[int, int]:
+        """Return from when to when an answer may be: after the last single question that came, and before the next one.
+
+        One that does not come is not waited for.
+        """
+        if at_ns < self._at_ns:
+            self._passed = 0  # the time was set back
+        self._at_ns = at_ns
+        if sent in self._once:
+            first = bisect.bisect_left(self._single, (at_ns - LATE_NS, b""))
+            last = bisect.bisect_right(self._single, (at_ns + LATE_NS, b""))
+            same = [one for one in range(first, last) if self._single[one][1] == sent]
+            if same:
+                here = min(same, key=lambda one: abs(self._single[one][0] - at_ns))
+                self._passed = max(self._passed, here + 1)
+        while self._passed < len(self._single) and self._single[self._passed][0] < at_ns - LATE_NS:
+            self._passed += 1
+        begin_ns = self._single[self._passed - 1][0] if self._passed else 0
+        end_ns = self._single[self._passed][0] if self._passed < len(self._single) else 1 << 63
+        return begin_ns, end_ns
+
+    def _first(self, data: bytes) -> bytes:
+        for length in range(min(len(data), self.longest), 0, -1):
+            if data[:length] in self._by_question:
+                return data[:length]
+        return b""
+
+    def answers(self, sent: bytes, at_ns: int) -> tuple[Answer, ...]:
+        """Return what was answered to this at about that time; to what was never sent, what its like was answered."""
+        if sent in self._by_question:
+            return self._next(sent, at_ns).answers
+        alike = max(self._by_question, key=lambda one: (_common(one, sent), -abs(len(one) - len(sent))), default=b"")
+        if _common(alike, sent) < SHORTEST:
+            return ()
+        return self._next(alike, at_ns).answers
+
+    def came(self, after_ns: int, until_ns: int) -> list[bytes]:
+        """Return what came by itself in that time."""
+        first = bisect.bisect_right(self.unasked, after_ns, key=lambda one: one[0])
+        last = bisect.bisect_right(self.unasked, until_ns, key=lambda one: one[0])
+        return [data for _, data in self.unasked[first:last]]
+
+    def next_ns(self, after_ns: int) -> int | None:
+        """Return when the next thing came by itself."""
+        at = bisect.bisect_right(self.unasked, after_ns, key=lambda one: one[0])
+        return self.unasked[at][0] if at < len(self.unasked) else None
+
+    def _take(self, pieces: Iterable[LineBytes]) -> None:
+        sent: LineBytes | None = None
+        answers: list[Answer] = []
+        now_ns = 0
+        for one in pieces:
+            now_ns = max(now_ns, one.at_ns)  # the messages that brought them may be dated a hair apart
+            if one.sent:
+                self._close(sent, answers)
+                sent, answers = LineBytes(now_ns, one.sent, one.data), []
+            elif sent is not None and now_ns - sent.at_ns <= ANSWER_NS:
+                answers.append(Answer(now_ns - sent.at_ns, one.data))
+            else:
+                self.unasked.append((now_ns, one.data))
+        self._close(sent, answers)
+
+    def _close(self, sent: LineBytes | None, answers: list[Answer]) -> None:
+        if sent is not None:
+            exchange = Exchange(sent.at_ns, sent.data, tuple(answers))
+            self.exchanges.append(exchange)
+            self._by_question.setdefault(sent.data, []).append(exchange)
+
+
+class Taken(Struct, kw_only=True):
+    """All that a recording with lines has: lines by device, and commands in order."""
+
+    lines: dict[str, RecordedLine] = {}
+    commands: tuple[Command, ...] = ()
+
+
+def taken(messages: Iterable[Message]) -> Taken:
+    """Return what the messages of a recording have of lines and commands; what is malformed is passed over."""
+    pieces: dict[str, list[LineBytes]] = {}
+    lost: dict[str, int] = {}
+    commands = []
+    for one in messages:
+        if not one.topic.startswith(TAPED) or (taped := _decoded(one)) is None:
+            continue
+        later_ns = one.log_ns - taped.now_ns
+        for line in taped.lines:
+            own = pieces.setdefault(line.device, [])
+            own += [LineBytes(piece.at_ns + later_ns, piece.sent, piece.data) for piece in line.pieces]
+            lost[line.device] = lost.get(line.device, 0) + line.lost
+        commands += [
+            found
+            for each in taped.commands
+            if (found := _command(one.topic.removeprefix(TAPED), each, later_ns)) is not None
+        ]
+    return Taken(
+        lines={device: RecordedLine(device, found, lost[device]) for device, found in pieces.items()},
+        commands=tuple(sorted(commands, key=lambda one: one.at_ns)),
+    )
+
+
+def is_opening(message: Message) -> bool:
+    """Say whether a message has how lines were opened, before the recording."""
+    return any(line.opening for line in found.lines) if (found := _decoded(message)) is not None else False
+
+
+def _decoded(message: Message) -> Taped | None:
+    try:
+        return _taped.decode(message.data)
+    except UNREADABLE:
+        return None
+
+
+def _command(to: str, one: TapedCommand, later_ns: int) -> Command | None:
+    try:
+        reply = msgspec.json.decode(one.reply, type=dict[str, Any])
+    except UNREADABLE:
+        return None
+    return Command(
+        at_ns=one.at_ns + later_ns,
+        answered_ns=one.answered_ns + later_ns,
+        to=to,
+        name=one.name,
+        source=one.source,
+        payload=one.payload,
+        reply=reply,
+        answerable=one.answerable,
+    )
+
+
+def _common(one: bytes, other: bytes) -> int:
+    """Return how many bytes two have in common from their beginning."""
+    for at, (left, right) in enumerate(zip(one, other, strict=False)):
+        if left != right:
+            return at
+    return min(len(one), len(other))

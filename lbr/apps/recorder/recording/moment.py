@@ -1,0 +1,66 @@
+"""A robot as it was at a moment: its rows, its status, what each stream had said last, and what had happened until then."""
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+
+from lbr.apps.recorder.recording import selection
+from lbr.apps.recorder.recording.chunks import Message
+from lbr.apps.recorder.recording.recorded import RecordedRows
+from lbr.errors import InputError
+from lbr.messages.system import Event, Status
+from lbr.messages.unreadable import UNREADABLE
+
+MOST_EVENTS = 50
+_SYSTEM = ("@rows", "@status", "@event", "@log")
+
+
+class Moment(Struct, frozen=True, kw_only=True):
+    """What was known then; `said` are the newest messages by topic with their ages, `events` oldest first.
+
+    `late_s` is how long before the moment anything was recorded last: a box that was off is told by it.
+    """
+
+    at_ns: int
+    late_s: float
+    rows: RecordedRows | None = None
+    status: Status | None = None
+    said: dict[str, tuple[dict[str, Any], float]] = {}
+    events: tuple[Event, ...] = ()
+
+
+def moment(files: tuple[Path, ...], at_ns: int) -> Moment:
+    """Return a moment out of files, oldest first; InputError if nothing was recorded until then."""
+    path = selection.file_at(files, at_ns)
+    if path is None:
+        raise InputError("nothing was recorded until then ('lbr box list' shows from when on)")
+    newest: dict[str, Message] = {}
+    events: list[Event] = []
+    for one in selection.messages([path], 0, at_ns):
+        if one.topic == selection.EVENT:
+            events += [event for event in [_decoded(one, Event)] if event is not None]
+        newest[one.topic] = one
+    last_ns = max((one.log_ns for one in newest.values()), default=0)
+    if not last_ns:
+        raise InputError("nothing that can be read was recorded until then")
+    return Moment(
+        at_ns=at_ns,
+        late_s=max(0.0, (at_ns - last_ns) / 1e9),
+        rows=_decoded(newest.get("@rows"), RecordedRows),
+        status=_decoded(newest.get("@status"), Status),
+        said={
+            topic: (value, max(0.0, (at_ns - one.log_ns) / 1e9))
+            for topic, one in newest.items()
+            if topic not in _SYSTEM and isinstance(value := _decoded(one, Any), dict)
+        },
+        events=tuple(events[-MOST_EVENTS:]),
+    )
+
+
+def _decoded(one: Message | None, kind: Any) -> Any:
+    try:
+        return msgspec.json.decode(one.data, type=kind) if one is not None else None
+    except UNREADABLE:
+        return None

@@ -1,0 +1,96 @@
+"""Writes a recording to the disk: whole chunks, synced; what could not be written as a whole is taken back."""
+
+import contextlib
+import fcntl
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Self
+
+from lbr.apps.recorder.recording import chunks
+
+PRIVATE = 0o600
+
+
+class Segment:
+    """A file under way. It is locked while it is written, so that another process knows it is in use.
+
+    OSError out of any method but `close`: the disk is full or gone.
+    """
+
+    def __init__(self, path: Path, library: str, about: Mapping[str, str]) -> None:
+        self.path = path
+        self.size = 0
+        self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, PRIVATE)
+        try:
+            with contextlib.suppress(OSError):  # a file system that cannot lock
+                fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._append(chunks.beginning(library, about))
+            os.fsync(self._fd)
+            sync_folder(path.parent)
+        except OSError:
+            self.close()
+            with contextlib.suppress(OSError):
+                path.unlink()  # what has no beginning is no recording, and in the way of the next try
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        self.finish()
+
+    def write(self, chunk: bytes) -> None:
+        """Write a chunk, and return once it is on the disk; OSError if it is not."""
+        self._append(chunk)
+        os.fdatasync(self._fd)
+
+    def finish(self) -> None:
+        """End the file as whole recordings end, if the disk lets us, and close it."""
+        with contextlib.suppress(OSError):
+            self._append(chunks.ending())
+            os.fdatasync(self._fd)
+        self.close()
+
+    def close(self) -> None:
+        """Close the file as it is."""
+        fd, self._fd = self._fd, -1
+        if fd >= 0:
+            with contextlib.suppress(OSError):
+                os.close(fd)
+
+    def _append(self, data: bytes) -> None:
+        begun, left = self.size, memoryview(data)
+        try:
+            while left:
+                left = left[os.pwrite(self._fd, left, self.size) :]
+                self.size = begun + len(data) - len(left)
+        except OSError:
+            self.size = begun
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._fd, begun)
+            raise
+
+
+def sync_folder(path: Path) -> None:
+    """Have the names in a folder on the disk."""
+    fd = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)
+
+
+def in_use(path: Path) -> bool:
+    """Say whether a process writes a file at this moment."""
+    try:
+        fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe without a writer would be waited for
+    except OSError:
+        return False
+    try:
+        fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:
+        return True
+    finally:
+        os.close(fd)
+    return False

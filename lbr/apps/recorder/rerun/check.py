@@ -1,0 +1,332 @@
+"""Runs a recording through the robot's own processes, and says where they did something else than then."""
+
+import contextlib
+import os
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+
+from lbr import home
+from lbr.apps.recorder.recording import lines, selection
+from lbr.apps.recorder.recording.chunks import Message
+from lbr.apps.recorder.recording.recorded import RecordedRows
+from lbr.apps.recorder.rerun import alike, rows
+from lbr.apps.recorder.rerun.ends import Asked, Clock, Ends
+from lbr.apps.recorder.rerun.feed import Feed, Said
+from lbr.bus import access, keys, session, wire
+from lbr.bus import stamp as stamps
+from lbr.bus.session import Session
+from lbr.errors import BusError, InputError
+from lbr.messages.system import Event
+from lbr.messages.unreadable import UNREADABLE
+
+READY_S = 60.0
+STOP_S = 10.0
+ROUND_S = 0.002
+SAMPLES, EVENTS = 100_000, 10_000
+"""More than a recording of minutes has of a stream."""
+REASON_NS = 1_000_000_000
+"""So far apart the same event may be: a state that is told once a second."""
+RENEWED_NS = 300_000_000
+"""A goal that ends so much earlier or later ends as it did: leases are renewed ten times a second."""
+SETTLED_NS = 200_000_000
+LATE_S = 0.5
+"""What was said later than this is compared with so much around it that nothing would be found otherwise."""
+EXECUTIVE = "executive"
+ONE_IN = 50
+"""Samples of which one may be another: a pulse of a turn's last, creeping steps."""
+RESULT = "/result"
+ESTOP, RESET = "estop", "estop_reset"
+
+Tell = Callable[[str], None]
+
+
+class Recorded(Struct, kw_only=True):
+    """What of a recording is run again."""
+
+    robot: str
+    rows: RecordedRows
+    taken: lines.Taken
+    start_ns: int
+    end_ns: int
+    streams: dict[str, list[tuple[int, dict[str, Any]]]] = {}
+    events: tuple[tuple[int, Event], ...] = ()
+    ended: dict[str, int] = {}
+    """When each goal ended."""
+
+    def holds(self, at_ns: int, margin_ns: int = 0) -> bool:
+        """Say whether a time is in it, and not within so much of its ends."""
+        return self.start_ns + margin_ns <= at_ns <= self.end_ns - margin_ns
+
+
+class Outcome(Struct, kw_only=True):
+    """What came of it. `setpoints` has the samples of each stream, `differences` where they were others."""
+
+    seconds: float
+    runs: tuple[str, ...]
+    left_out: Mapping[str, str]
+    setpoints: dict[str, int]
+    differences: dict[str, list[alike.Difference]]
+    said: int
+    answered_otherwise: list[Said]
+    begun_before: int
+    reasons: int
+    missing: list[alike.Happened]
+    new: list[alike.Happened]
+    late_s: float
+    asked: dict[str, Asked] = {}
+
+    @property
+    def late(self) -> bool:
+        """Say whether this machine was too busy to say everything in its time: then nothing is shown."""
+        return self.late_s > LATE_S
+
+    @property
+    def same(self) -> bool:
+        """Say whether setpoints, answers and reasons were as recorded."""
+        return not (
+            self.late or any(map(self.differs, self.setpoints)) or self.answered_otherwise or self.missing or self.new
+        )
+
+    def differs(self, topic: str) -> bool:
+        """Say whether a stream of setpoints was another, but for a sample in `ONE_IN`."""
+        return len({one.at_ns for one in self.differences[topic]}) * ONE_IN > self.setpoints[topic]
+
+
+class _Reader:
+    """Sorts the messages of a recording."""
+
+    def __init__(self) -> None:
+        self.rows: RecordedRows | None = None
+        self.edited = False
+        self.robot = ""
+        self.taped: list[Message] = []
+        self.streams: dict[str, list[tuple[int, dict[str, Any]]]] = {}
+        self.events: list[tuple[int, Event]] = []
+        self.ended: dict[str, int] = {}
+
+    def take(self, one: Message) -> None:
+        """Take a message."""
+        if one.topic.startswith(lines.TAPED):
+            self.taped.append(one)
+        elif one.topic == selection.EVENT:
+            event = _decoded(one.data, Event)
+            if event is not None:
+                self.events.append((one.log_ns, event))
+        elif one.topic == "@rows":
+            found = _decoded(one.data, RecordedRows)
+            self.edited |= self.rows is not None and found is not None and found.revision != self.rows.revision
+            self.rows = found or self.rows
+        elif one.topic == "@status":
+            self.robot = str((_decoded(one.data, dict[str, Any]) or {}).get("robot", self.robot))
+        elif one.topic.endswith(RESULT):
+            message = _decoded(one.data, dict[str, Any])
+            if message is not None:
+                self.ended.setdefault(str(message.get("goal", "")), one.log_ns)
+        elif one.topic.endswith("/setpoint"):
+            message = _decoded(one.data, dict[str, Any])
+            if message is not None:
+                self.streams.setdefault(one.topic, []).append((one.log_ns, message))
+
+
+def read(files: tuple[Path, ...], start_ns: int, end_ns: int) -> Recorded:
+    """Take what is needed out of a recording; InputError says what it lacks."""
+    found, damage = _Reader(), selection.Damage()
+    for one in selection.messages(files, 0, end_ns, damage=damage):
+        found.take(one)
+    if not found.taped:
+        lost = "".join(f"; {one}" for one in damage.files)
+        if damage.places:
+            lost += f", or they were in the {damage.bytes} bytes of it that are damaged or cut"
+        raise InputError(
+            f"the recording has no bytes of lines: it was made without 'lbr record --lines'{lost}", "bad_value"
+        )
+    if found.rows is None or not found.robot:
+        raise InputError("the recording has no rows: it is cut, or was made by another program", "bad_value")
+    if found.edited:
+        raise InputError("rows were edited while it was recorded: say which part with --from and --to", "not_possible")
+    opened_ns = max((one.log_ns for one in found.taped if lines.is_opening(one)), default=0)
+    begin, last_ns = max(opened_ns + SETTLED_NS, start_ns), found.taped[-1].log_ns
+    if begin >= last_ns:
+        raise InputError("nothing was recorded in that time", "bad_value")
+    return Recorded(
+        robot=found.robot,
+        rows=found.rows,
+        taken=lines.taken(found.taped),
+        start_ns=begin,
+        end_ns=last_ns,
+        streams=found.streams,
+        events=tuple(found.events),
+        ended=found.ended,
+    )
+
+
+def run(recorded: Recorded, tell: Tell) -> Outcome:
+    """Run it; InputError if it cannot run here, BusError if it does not come up."""
+    with tempfile.TemporaryDirectory(prefix="lbr-replay-") as folder:
+        place = Path(folder)
+        place.chmod(0o700)
+        made = rows.prepare(place, recorded.robot, recorded.rows, recorded.taken.lines)
+        if not made.devices:
+            raise InputError("none of the recorded lines belongs to a capability that can run here", "not_possible")
+        clock = Clock(recorded.start_ns, recorded.end_ns)
+        ends = Ends(clock, {address: recorded.taken.lines[device] for device, address in made.devices.items()})
+        try:
+            with _running(made, recorded.robot) as bus:
+                tell("up, on the recorded bytes")
+                witness, feed = _Witness(bus, recorded, made, clock), _feed(bus, recorded, made)
+                _play(feed, clock, recorded, tell)
+                outcome = witness.outcome(feed, made)
+        finally:
+            asked = ends.close()
+        outcome.asked = {device: asked[address] for device, address in made.devices.items() if address in asked}
+        return outcome
+
+
+def _feed(bus: Session, recorded: Recorded, made: rows.Place) -> Feed:
+    """Return what was said to the robot from outside, in the recording's time."""
+    own = {*made.runs, EXECUTIVE}
+    said = [one for one in recorded.taken.commands if one.source not in own and one.to in made.runs]
+    stops = [(at, event.kind == ESTOP) for at, event in recorded.events if event.kind in {ESTOP, RESET}]
+    return Feed(
+        bus,
+        recorded.robot,
+        [one for one in said if recorded.holds(one.at_ns)],
+        [one for one in stops if recorded.holds(one[0])],
+        recorded.ended,
+        [f"{name}{RESULT}" for name, kind in made.runs.items() if RESULT[1:] in kind.outputs],
+    )
+
+
+def _play(feed: Feed, clock: Clock, recorded: Recorded, tell: Tell) -> None:
+    """Say everything in its time, and wait for the last answers."""
+    rest, told_s = threading.Event(), 0.0
+    clock.start()
+    while (now_ns := clock.now_ns()) < recorded.end_ns:
+        feed.step(now_ns)
+        rest.wait(ROUND_S)
+        if time.monotonic() - told_s > 1.0:
+            told_s = time.monotonic()
+            tell(f"{(now_ns - recorded.start_ns) / 1e9:.0f} of {(recorded.end_ns - recorded.start_ns) / 1e9:.0f} s")
+    until = time.monotonic() + STOP_S
+    while not feed.finish(recorded.end_ns) and time.monotonic() < until:
+        rest.wait(ROUND_S)
+
+
+class _Witness:
+    """Hears what the robot does: its setpoints, and what happens."""
+
+    def __init__(self, bus: Session, recorded: Recorded, made: rows.Place, clock: Clock) -> None:
+        topics = [f"{name}/{port}" for name, kind in made.runs.items() for port in kind.setpoints]
+        self._setpoints = {one: wire.Subscription(bus, f"{recorded.robot}/{one}", depth=SAMPLES) for one in topics}
+        self._events = wire.Subscription(bus, keys.event(recorded.robot), depth=EVENTS)
+        self._recorded, self._runs, self._clock = recorded, made.runs, clock
+
+    def outcome(self, feed: Feed, made: rows.Place) -> Outcome:
+        """Return where it was otherwise than recorded; at both ends there is too little to compare by."""
+        recorded, window_ns = self._recorded, alike.WINDOW_NS + feed.late_ns
+        counts, differences = {}, {}
+        for topic, heard in self._setpoints.items():
+            then = [(at, alike.numbers(message)) for at, message in recorded.streams.get(topic, [])]
+            found = alike.differences(then, self._samples(heard), window_ns)
+            counts[topic] = sum(recorded.holds(at, window_ns) for at, _ in then)
+            differences[topic] = [one for one in found if recorded.holds(one.at_ns, window_ns)]
+        reason_ns = REASON_NS + window_ns
+        happened = self._coded(recorded.events)
+        missing, new = alike.unmatched(happened, self._coded(self._heard()), reason_ns)
+        return Outcome(
+            seconds=(recorded.end_ns - recorded.start_ns) / 1e9,
+            runs=tuple(made.runs),
+            left_out=made.left_out,
+            setpoints=counts,
+            differences=differences,
+            said=len(feed.said),
+            answered_otherwise=feed.otherwise(window_ns + RENEWED_NS),
+            begun_before=feed.begun_before,
+            reasons=len(happened),
+            missing=[one for one in missing if recorded.holds(one.at_ns, reason_ns)],
+            new=[one for one in new if recorded.holds(one.at_ns, reason_ns)],
+            late_s=feed.late_ns / 1e9,
+        )
+
+    def _dated(self, mono_ns: int) -> int:
+        return mono_ns - self._clock.began_ns + self._recorded.start_ns
+
+    def _samples(self, heard: wire.Subscription) -> list[tuple[int, dict[str, float]]]:
+        found = []
+        for raw in heard.take():
+            message, stamp = _decoded(raw.payload, dict[str, Any]), stamps.read(raw.attachment)
+            if message is not None:
+                at_ns = stamp.mono_ns if stamp is not None and stamp.mono_ns else int(raw.arrived * 1e9)
+                found.append((self._dated(at_ns), alike.numbers(message)))
+        return sorted(found, key=lambda one: one[0])
+
+    def _heard(self) -> Iterator[tuple[int, Event]]:
+        for raw in self._events.take():
+            event = _decoded(raw.payload, Event)
+            if event is not None:
+                yield self._dated(int(raw.arrived * 1e9)), event
+
+    def _coded(self, events: Iterable[tuple[int, Event]]) -> list[alike.Happened]:
+        return [
+            alike.Happened(at, event.subject, event.kind, event.code)
+            for at, event in events
+            if event.code and event.subject in self._runs and self._recorded.holds(at)
+        ]
+
+
+@contextlib.contextmanager
+def _running(made: rows.Place, robot: str) -> Iterator[Session]:
+    """Run the robot for the time of a `with`; raise BusError with its own words if it does not come up."""
+    environment = os.environ | {"LBR_HOME": str(made.home)}
+    command = [sys.executable, "-m", "lbr.start", "run", str(made.profile), "--db", str(made.home / "robot.db")]
+    with (made.home / "said.txt").open("w+b") as said:
+        process = subprocess.Popen([*command, "--no-console"], env=environment, stdout=said, stderr=said)
+        try:
+            found = _up(process, made, robot, Path(said.name))
+            credentials = access.Credentials(user=access.TOOLS, password=found.password)
+            with contextlib.closing(session.open_client((found.core,), credentials)) as bus:
+                yield bus
+        finally:
+            process.terminate()
+            try:
+                process.wait(STOP_S)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+def _up(process: "subprocess.Popen[bytes]", made: rows.Place, robot: str, said: Path) -> home.Running:
+    rest = threading.Event()
+    until = time.monotonic() + READY_S
+    while time.monotonic() < until:
+        if process.poll() is not None:
+            raise BusError(f"the robot did not start: {said.read_text(errors='replace').strip()[-800:]}")
+        for line in said.read_bytes().splitlines():
+            if line.startswith(b"{"):
+                told = _decoded(line, dict) or {}
+                if not told.get("ready"):
+                    raise BusError(f"the robot did not come up on the recorded bytes: {told.get('reason', told)}")
+                return _record(made, robot)
+        rest.wait(0.02)
+    raise BusError(f"the robot did not come up within {READY_S:g} s: {said.read_text(errors='replace').strip()[-800:]}")
+
+
+def _record(made: rows.Place, robot: str) -> home.Running:
+    """Return how to reach the robot of that home."""
+    return msgspec.json.decode((made.home / "run" / f"{robot}.json").read_bytes(), type=home.Running)
+
+
+def _decoded(data: bytes, kind: Any) -> Any:
+    try:
+        return msgspec.json.decode(data, type=kind)
+    except UNREADABLE:
+        return None

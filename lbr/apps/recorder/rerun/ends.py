@@ -1,0 +1,284 @@
+"""Emulated ends of lines that say what a recording has: to each question its answer of about that time, the rest by the clock.
+
+They are served by a process of their own: some drivers wait for an answer for a millisecond.
+"""
+
+import gc
+import heapq
+import multiprocessing
+import select
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from multiprocessing.sharedctypes import Synchronized
+from typing import NamedTuple, Protocol
+
+from lbr.apps.recorder.recording.lines import RecordedLine
+from lbr.drivers.i2c_socket import Read, Write, encode_transaction
+from lbr.errors import BusError, DeviceError
+from lbr.simulation.i2c import FramingError, RequestReader, refusal
+from lbr.simulation.port import PtyPort
+from lbr.simulation.socket_port import SocketPort
+
+ROUND_S = 0.005
+SHARE = 0.5
+"""Of the delay that a driver measured: its own and the kernel's share in it come here once more."""
+WHOLE_S = 0.002
+"""So long the rest of a question may take."""
+LEAD_NS = 1_000_000_000
+"""The first second is there again and again until all processes are up: what stands still then is learnt in it."""
+KEPT = 20
+UP_S = 10.0
+
+
+class Asked(NamedTuple):
+    """How often a device was asked, and the first questions that were never asked in the recording."""
+
+    times: int
+    unlike: tuple[bytes, ...]
+
+
+class Clock:
+    """Which time of the recording it is, in ns; it goes on from its beginning once `start` is called, in any process."""
+
+    def __init__(self, start_ns: int, end_ns: int) -> None:
+        self.start_ns, self.end_ns = start_ns, end_ns
+        self._made_ns = time.monotonic_ns()
+        self._began_ns: Synchronized[int] = multiprocessing.get_context("fork").Value("q", 0)
+
+    def start(self) -> None:
+        """Have the recording's time go on from now."""
+        self._began_ns.value = time.monotonic_ns()
+
+    @property
+    def began_ns(self) -> int:
+        """When it was started, by the monotonic clock; 0: not yet."""
+        return self._began_ns.value
+
+    def now_ns(self) -> int:
+        """Return the time of the recording: its first second over and over until it starts, and its end in the end."""
+        began_ns = self._began_ns.value
+        if not began_ns:
+            return self.start_ns + (time.monotonic_ns() - self._made_ns) % LEAD_NS
+        return min(self.end_ns, self.start_ns + time.monotonic_ns() - began_ns)
+
+
+class _End(Protocol):
+    """One device's end."""
+
+    unlike: list[bytes]
+    asked: int
+
+    def fileno(self) -> int:
+        """Return what to wait for."""
+
+    def service(self) -> float:
+        """Do what is due, and return in how many seconds the next thing is."""
+
+    def close(self) -> None:
+        """Take the device away."""
+
+
+class _Spoken:
+    """What comes by itself, as the clock goes on, and goes back."""
+
+    def __init__(self, line: RecordedLine, clock: Clock) -> None:
+        self._line, self._clock = line, clock
+        self._at_ns = clock.now_ns()
+
+    def due(self) -> list[bytes]:
+        """Return what has come since the last call."""
+        before, self._at_ns = self._at_ns, self._clock.now_ns()
+        if self._at_ns < before:
+            before = self._clock.start_ns
+        return self._line.came(before, self._at_ns)
+
+
+class _TtyEnd:
+    """A device at a pseudo-terminal."""
+
+    def __init__(self, line: RecordedLine, path: str, clock: Clock) -> None:
+        self.unlike: list[bytes] = []
+        self.asked = 0
+        self._line, self._clock = line, clock
+        self._spoken = _Spoken(line, clock)
+        self._port = PtyPort(path)
+        self._port.plug()
+        self._waiting: list[tuple[int, int, bytes]] = []
+        self._number = 0
+        self._buffer = b""
+        self._since = 0.0
+
+    def fileno(self) -> int:
+        """Return what to wait for."""
+        return self._port.fileno()
+
+    def service(self) -> float:
+        """Take questions, and say what is due."""
+        if data := self._port.read():
+            self._buffer += data
+            self._since = time.monotonic()
+        while self._buffer:
+            question, unfinished = self._line.question(self._buffer)
+            if unfinished and time.monotonic() - self._since < WHOLE_S:
+                break
+            self._buffer = self._buffer[len(question) :]
+            self._answer(question)
+        for data in self._spoken.due():
+            self._port.write(data)
+        while self._waiting and self._waiting[0][0] <= time.monotonic_ns():
+            self._port.write(heapq.heappop(self._waiting)[2])
+        if self._waiting:
+            return max(0.0, (self._waiting[0][0] - time.monotonic_ns()) / 1e9)
+        return WHOLE_S if self._buffer else ROUND_S
+
+    def close(self) -> None:
+        """Take the device away."""
+        with suppress(DeviceError, OSError):
+            self._port.unplug()
+
+    def _answer(self, question: bytes) -> None:
+        self.asked += 1
+        if not self._line.known(question) and len(self.unlike) < KEPT:
+            self.unlike.append(question)
+        now_ns = time.monotonic_ns()
+        for answer in self._line.answers(question, self._clock.now_ns()):
+            self._number += 1
+            heapq.heappush(self._waiting, (now_ns + int(SHARE * answer.after_ns), self._number, answer.data))
+
+
+class _I2cEnd:
+    """Devices on an i2c bus at a socket."""
+
+    def __init__(self, line: RecordedLine, path: str, clock: Clock) -> None:
+        self.unlike: list[bytes] = []
+        self.asked = 0
+        self._line, self._clock = line, clock
+        self._port = SocketPort(path)
+        self._port.plug()
+        self._requests: dict[int, RequestReader] = {}
+
+    def fileno(self) -> int:
+        """Return what to wait for."""
+        return self._port.fileno()
+
+    def service(self) -> float:
+        """Answer every transaction that came."""
+        for client, data in self._port.receive():
+            if not data:
+                self._requests.pop(client, None)
+                continue
+            try:
+                transactions = self._requests.setdefault(client, RequestReader()).feed(data)
+            except FramingError:
+                self._port.drop(client)
+                continue
+            for messages in transactions:
+                asked = [
+                    Read(one.address, one.read) if one.read is not None else Write(one.address, one.write)
+                    for one in messages
+                ]
+                answer = self._answered(encode_transaction(asked), sum(one.read or 0 for one in messages))
+                if self._port.send(client, answer) < len(answer):
+                    self._port.drop(client)
+        return ROUND_S
+
+    def close(self) -> None:
+        """Take the bus away."""
+        with suppress(DeviceError, OSError):
+            self._port.unplug()
+
+    def _answered(self, question: bytes, due: int) -> bytes:
+        self.asked += 1
+        if not self._line.known(question) and len(self.unlike) < KEPT:
+            self.unlike.append(question)
+        answer = b"".join(one.data for one in self._line.answers(question, self._clock.now_ns()))
+        if answer[:1] == b"\0" and len(answer) != due + 1:
+            return refusal() if due else b"\0"
+        return answer or refusal()
+
+
+class _TalkingEnd:
+    """A device at a socket that talks by itself; what it is told changes nothing."""
+
+    def __init__(self, line: RecordedLine, path: str, clock: Clock) -> None:
+        self.unlike: list[bytes] = []
+        self.asked = 0
+        self._spoken = _Spoken(line, clock)
+        self._port = SocketPort(path)
+        self._port.plug()
+
+    def fileno(self) -> int:
+        """Return what to wait for."""
+        return self._port.fileno()
+
+    def service(self) -> float:
+        """Say what is due."""
+        self._port.receive()
+        for data in self._spoken.due():
+            for client in self._port.clients:
+                self._port.send(client, data)
+        return ROUND_S
+
+    def close(self) -> None:
+        """Take the device away."""
+        with suppress(DeviceError, OSError):
+            self._port.unplug()
+
+
+class Ends:
+    """The devices of a robot: lines by the address of their device. Open them before any thread is there: a process forks."""
+
+    def __init__(self, clock: Clock, lines: Mapping[str, RecordedLine]) -> None:
+        context = multiprocessing.get_context("fork")
+        self._ours, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(clock, lines, theirs), daemon=True)
+        self._process.start()
+        theirs.close()
+        said = self._ours.recv() if self._ours.poll(UP_S) else "no answer"
+        if said:
+            raise BusError(f"the recorded devices cannot be emulated: {said}")
+
+    def close(self) -> dict[str, Asked]:
+        """Take all devices away; return what each was asked, by the address of its device."""
+        found: dict[str, Asked] = {}
+        with suppress(OSError, EOFError):
+            self._ours.send(None)
+            if self._ours.poll(UP_S):
+                found = self._ours.recv()
+        self._process.join(1.0)
+        self._process.kill()
+        self._process.join()
+        return found
+
+
+def _end(line: RecordedLine, address: str, clock: Clock) -> _End:
+    path = address.removeprefix("unix:")
+    if path == address:
+        return _TtyEnd(line, path, clock)
+    return _I2cEnd(line, path, clock) if line.exchanges else _TalkingEnd(line, path, clock)
+
+
+def _serve(clock: Clock, lines: Mapping[str, RecordedLine], told: Connection) -> None:
+    ends: dict[str, _End] = {}
+    try:
+        for address, line in lines.items():
+            ends[address] = _end(line, address, clock)
+    except (DeviceError, OSError) as err:
+        told.send(str(err))
+        return
+    told.send("")
+    gc.freeze()
+    gc.disable()  # for the minutes that a recording lasts
+    waited_for = [told.fileno(), *(end.fileno() for end in ends.values())]
+    try:
+        wait_s = 0.0
+        while told.fileno() not in select.select(waited_for, [], [], wait_s)[0]:
+            wait_s = min((end.service() for end in ends.values()), default=ROUND_S)
+        told.send({address: Asked(end.asked, tuple(end.unlike)) for address, end in ends.items()})
+    except (OSError, KeyboardInterrupt):
+        pass
+    finally:
+        for end in ends.values():
+            end.close()

@@ -1,7 +1,0 @@
-"""Sighting: tells where a coloured thing or a face is that a camera sees, while that is asked for; it moves nothing."""
-
-from lbr.component import Component
-
-COMPONENT = Component(
-    kinds={"sighting": "lbr.apps.sighting.kind:KIND"},
-)

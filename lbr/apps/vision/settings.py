@@ -1,0 +1,34 @@
+"""What is looked for in a picture and through what, and the words for a look."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.capability.word import Word
+
+Degrees = Annotated[float, Meta(ge=0.0, le=360.0)]
+Percent = Annotated[float, Meta(ge=0.0, le=100.0)]
+
+
+class VisionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is looked for and through what; the colour is that of an orange ball, as hue, saturation and value.
+
+    A hue from 350 to 10 goes over red.
+    """
+
+    hue_deg: tuple[Degrees, Degrees] = (6.0, 32.0)
+    saturation_percent: tuple[Percent, Percent] = (60.0, 100.0)
+    value_percent: tuple[Percent, Percent] = (40.0, 100.0)
+    field_deg: Annotated[float, Meta(gt=1.0, le=170.0, description="how wide the camera sees")] = 60.0
+    max_age_s: Annotated[float, Meta(gt=0.0, le=5.0, description="an older picture does not count")] = 0.5
+    face_model: Annotated[str, Meta(description="a file with a YuNet model (ONNX); empty: colours only")] = ""
+
+
+LOOK_WORDS = (
+    Word(
+        "look",
+        "look",
+        "Save what the camera sees with the coloured thing marked, and say which colour the middle of the picture has",
+    ),
+    Word("/look/{target}", "look", "Save what the camera sees with that marked: colour or face"),
+)

@@ -1,0 +1,128 @@
+"""How the head stood at a time past: what its joints told lately. Pure.
+
+A joint that is not measured is taken to be where it was last told to be, and then to lag behind that.
+"""
+
+from bisect import bisect_left
+from math import inf, isfinite
+from typing import NamedTuple
+
+from lbr.apps.vision.direction import Angles
+from lbr.apps.vision.tracking.control import Pose
+from lbr.messages.joints import JointState
+
+KEPT_S = 3.0
+SLACK_S = 0.1
+"""So much the time of a picture and that of a measurement may be apart although they are said to be the same."""
+LAG_S = 0.3
+"""So much a joint may be behind what it is told."""
+CURRENT_S = 0.5
+"""What was measured longer before a picture says nothing about it."""
+SETTLED_S = 0.6
+MOST_BESIDE_RAD = 0.3
+REST_RAD = 0.03
+"""A measurement may go to and fro between two counts."""
+
+
+class Line:
+    """A value over time; between two moments it went straight."""
+
+    def __init__(self) -> None:
+        self._times: list[float] = []
+        self._values: list[float] = []
+
+    @property
+    def newest_s(self) -> float:
+        """Return when it was told last; minus infinity before the first."""
+        return self._times[-1] if self._times else -inf
+
+    def add(self, at_s: float, value: float) -> None:
+        """Take a value in; one that is not newer than the last is none."""
+        if not (isfinite(at_s) and isfinite(value) and at_s > self.newest_s):
+            return
+        self._times.append(at_s)
+        self._values.append(value)
+        old = bisect_left(self._times, at_s - KEPT_S)
+        del self._times[:old], self._values[:old]
+
+    def at(self, at_s: float) -> float:
+        """Return the value at a time; before the first and after the last as then. There must be one."""
+        after = bisect_left(self._times, at_s)
+        if after == 0:
+            return self._values[0]
+        if after == len(self._times):
+            return self._values[-1]
+        share = (at_s - self._times[after - 1]) / (self._times[after] - self._times[after - 1])
+        return self._values[after - 1] + share * (self._values[after] - self._values[after - 1])
+
+    def spread(self, from_s: float, to_s: float) -> float:
+        """Return how far the value went between two moments."""
+        if not self._times:
+            return 0.0
+        inner = self._values[bisect_left(self._times, from_s) : bisect_left(self._times, to_s)]
+        values = (self.at(from_s), *inner, self.at(to_s))
+        return max(values) - min(values)
+
+
+class _Where(NamedTuple):
+    """One joint at a time."""
+
+    rad: float
+    unsure_rad: float
+    beside_rad: float
+
+
+class JointPast:
+    """What one joint told lately: where it was measured, and where it was told to be."""
+
+    def __init__(self) -> None:
+        self._measured, self._told = Line(), Line()
+        self._beside_rad = 0.0
+
+    def hear(self, state: JointState, sent_s: float) -> None:
+        """Take in what was sent then."""
+        if state.position_rad is not None:
+            self._measured.add(sent_s - (state.age_s or 0.0), state.position_rad)
+        if state.goal_rad is not None:
+            self._told.add(sent_s, state.goal_rad)
+
+    def at(self, taken_s: float) -> _Where | None:
+        """Return where it was; None if unknown."""
+        told, measured = self._told, self._measured
+        if taken_s - measured.newest_s < CURRENT_S:
+            unsure = measured.spread(taken_s - SLACK_S, taken_s + SLACK_S)
+            if measured.newest_s < taken_s + SLACK_S:
+                unsure += told.spread(measured.newest_s - SLACK_S, taken_s + SLACK_S)
+            self._rest(taken_s, unsure)
+            return _Where(measured.at(taken_s), unsure, self._beside_rad)
+        if told.newest_s == -inf:
+            return None
+        return _Where(told.at(taken_s), told.spread(taken_s - LAG_S, taken_s + SLACK_S), 0.0)
+
+    def _rest(self, taken_s: float, unsure_rad: float) -> None:
+        """Learn how far beside its goal the joint comes to rest, such as by the weight of the head."""
+        told = self._told.spread(taken_s - SETTLED_S, taken_s + SLACK_S)
+        if unsure_rad < REST_RAD and told < REST_RAD and self._told.newest_s > -inf:
+            beside = self._measured.at(taken_s) - self._told.at(taken_s)
+            self._beside_rad = min(max(beside, -MOST_BESIDE_RAD), MOST_BESIDE_RAD)
+
+
+class Gaze:
+    """The head's two joints."""
+
+    def __init__(self) -> None:
+        self._yaw, self._pitch = JointPast(), JointPast()
+
+    def hear(self, yaw: JointState | None, pitch: JointState | None, sent_s: float) -> None:
+        """Take in what was told of them then."""
+        for past, state in ((self._yaw, yaw), (self._pitch, pitch)):
+            if state is not None:
+                past.hear(state, sent_s)
+
+    def at(self, taken_s: float) -> Pose | None:
+        """Return how the head stood; None if unknown."""
+        yaw, pitch = self._yaw.at(taken_s), self._pitch.at(taken_s)
+        if yaw is None or pitch is None:
+            return None
+        beside = Angles(yaw.beside_rad, pitch.beside_rad)
+        return Pose(Angles(yaw.rad, pitch.rad), yaw.unsure_rad + pitch.unsure_rad, beside)

@@ -1,0 +1,71 @@
+"""Moving the head: the joints are borrowed from the first look to the end, also while it rests on its target."""
+
+from typing import NamedTuple
+
+from msgspec.structs import replace
+
+from lbr.apps.vision.direction import Angles
+from lbr.leases.client import LeaseClient, LeaseTarget, Transport
+from lbr.messages.codes import Reason
+from lbr.messages.joints import JointsCommand
+
+JOINTS = LeaseTarget("move", "halt", "joints operation", "joints operation does not answer; the head holds by itself")
+TTL_S = 1.0
+"""Longer than others need: looking at pictures comes last on a busy machine, and a head does not go beyond its goal."""
+RENEWAL = JointsCommand(ttl_s=TTL_S)
+EVERY_S = 1.0 / 15.0
+
+
+class Neck(NamedTuple):
+    """The names of the two joints, how fast they may turn, and how strong they are meanwhile."""
+
+    yaw: str
+    pitch: str
+    speed_rps: float
+    torque: float
+
+
+class HeadClient:
+    """Holds the joints for one following, which was asked for at `asked_s`; looking at `first` gives them their
+    strength."""
+
+    def __init__(self, ctx: Transport, neck: Neck, first: Angles, asked_s: float) -> None:
+        self._ctx = ctx
+        self._neck = neck
+        self._sent, self._sent_at = first, ctx.clock()
+        self._lease = LeaseClient(ctx, JOINTS, replace(self._command(first), torque=neck.torque, asked_s=asked_s))
+
+    @property
+    def ended(self) -> Reason | None:
+        """Return why the head is not ours to move any more, if it is not."""
+        return self._lease.ended
+
+    @property
+    def holds(self) -> bool:
+        """Return whether it is."""
+        return self._lease.holds
+
+    def look(self, wanted: Angles) -> None:
+        """Read the answers; look there from now on, or renew the lease."""
+        self._lease.step()
+        if not self.holds:
+            return
+        now = self._ctx.clock()
+        if wanted != self._sent and now - self._sent_at >= EVERY_S:
+            if self._lease.send(self._command(wanted)) is not None:
+                self._sent, self._sent_at = wanted, now
+        elif self._lease.renewal_due:
+            self._lease.send(RENEWAL)
+
+    def release(self, why: str) -> None:
+        """Have the joints hold, if they are still ours or may become so."""
+        self._lease.release(why)
+
+    def _command(self, wanted: Angles) -> JointsCommand:
+        return JointsCommand(
+            positions={self._neck.yaw: wanted.yaw_rad, self._neck.pitch: wanted.pitch_rad},
+            join=True,
+            stay=True,
+            speed_rps=self._neck.speed_rps,
+            ttl_s=TTL_S,
+        )

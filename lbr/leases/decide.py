@@ -1,0 +1,192 @@
+"""The decision about a command: refused, or it renews, changes, begins or is offered a lease to confirm; and stops."""
+
+from collections.abc import Callable
+from math import inf, isnan
+from typing import Literal
+
+from msgspec.structs import replace
+
+from lbr.leases.ending import Decision, Said, drop_offers, end, end_all, tell_holder
+from lbr.leases.lease import (
+    IDLE,
+    Ended,
+    EstopChanged,
+    Lease,
+    LeaseRequest,
+    LeaseTable,
+    M,
+    Reply,
+    Stop,
+    confirmed,
+    offered,
+    quoted,
+    streams,
+)
+from lbr.leases.rules import Intent, dated, forget_persistent, intent, note_persistent, offset_s, persists
+from lbr.messages.codes import Reason
+from lbr.messages.leases import CommandReply, refused
+
+Verdict = Intent | Literal["refused"]
+MOST_OFFERS = 8
+ANOTHER = Reason("superseded", "another command came")
+STOPPED = Reply(message=CommandReply(accepted=True, reason="stopped"))
+
+
+def judge(
+    leases: LeaseTable[M], ask: LeaseRequest, refusal: Callable[[Intent], Reason | None], now: float
+) -> tuple[Verdict, LeaseTable[M], tuple[Reply, ...]]:
+    """Return what becomes of a command, having refused or renewed it if that is all; else `stop` or `grant` follows.
+
+    `refusal` is the kernel's chain for what the command wants. A sender that goes on when it should not is remembered.
+    """
+    wanted = intent(leases, ask)
+    if wanted == "stop":
+        return wanted, leases, ()
+    if why := refusal(wanted):
+        if ask.moves and (how := _persists(leases, ask, now)):
+            leases = note_persistent(leases, ask.source, how, now)
+        return "refused", leases, (Reply(message=refused(why), late=bool(ask.lease)),)
+    if wanted == "renewal":
+        assert leases.live is not None
+        kept = replace(_quoting(leases, leases.live, ask), ttl_s=_ttl_s(leases, ask))
+        return wanted, _keep(leases, kept, now), ()
+    return wanted, leases, ()
+
+
+def grant(leases: LeaseTable[M], ask: LeaseRequest, verdict: Verdict, motion: M, now: float) -> Decision[M]:
+    """Have a motion begin, go on under the same lease instead of another, or wait for its lease to be quoted."""
+    steps = {"change": _change, "offer": _offer, "begin": _begin}
+    return steps[verdict](leases, ask, motion, now)
+
+
+def lent(leases: LeaseTable[M], verdict: Verdict) -> Lease[M]:
+    """Return the lease that the answer to an accepted command is about."""
+    found = leases.offers[-1] if verdict == "offer" else leases.live
+    assert found is not None
+    return found
+
+
+def accepted(lease: Lease[M], note: Reason | None = None, goal: str = "") -> Reply:
+    """Answer with a lease or an offer, what its holder should know, and the name of its goal."""
+    reason, code = (note.text, note.code) if note else ("", "")
+    message = CommandReply(accepted=True, reason=reason, code=code, lease=lease.id, ttl_s=lease.ttl_s, goal=goal)
+    return Reply(message=message)
+
+
+def _change(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> Decision[M]:
+    """Go on under the same lease with another motion; the one before is superseded, but the lease goes on."""
+    held = leases.live
+    assert held is not None
+    lease = replace(_new_lease(leases, ask, motion, now), id=held.id, source=held.source)
+    lease = replace(lease, said=max(held.said, lease.said))
+    ended = Ended(lease=held, how="superseded", why=ANOTHER, held=False)
+    return _keep(leases, _quoting(leases, lease, ask), now), (ended,)
+
+
+def _begin(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> Decision[M]:
+    """Hold it from now on; the previous holder loses it."""
+    before, offer = leases.live, offered(leases, ask.lease)
+    source = offer.source if offer else ask.source
+    why = Reason("taken_over", f"taken over by {source}") if before else None
+    lease = _new_lease(leases, ask, motion, now)
+    replaced: Said[M] = ()
+    if offer is not None:
+        lease = _quoting(leases, replace(lease, id=offer.id, source=offer.source), ask)
+        if confirmed(leases, ask) is None:
+            replaced = (Ended(lease=offer, how="superseded", why=ANOTHER, held=False),)
+        leases = replace(leases, offers=tuple(one for one in leases.offers if one is not offer))
+    leases, ended = end(leases, "superseded", why, now, heir=source) if why else (leases, ())
+    leases = _keep(replace(leases, begun=max(leases.begun, lease.said)), lease, now)
+    leases, told = tell_holder(leases, now, took=source, lost=before.source if before else "", why=why)
+    return leases, ended + replaced + told
+
+
+def _offer(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> Decision[M]:
+    """Promise a lease that moves nothing until it is quoted: only that proves that the command was not held back.
+
+    The newest of the offers is the one that was made.
+    """
+    own = tuple(offer for offer in leases.offers if offer.source == ask.source)
+    oldest = leases.offers[:1] if len(leases.offers) >= MOST_OFFERS else ()
+    leases, dropped = drop_offers(leases, own or oldest, "superseded", ANOTHER)
+    made = _new_lease(leases, ask, motion, now)
+    made = replace(made, expires=now + made.ttl_s, offset_s=offset_s(ask, None))
+    return replace(leases, offers=(*leases.offers, made)), dropped
+
+
+def stop(leases: LeaseTable[M], event: Stop, now: float) -> Decision[M]:
+    """Stand still, whichever sender says so; a command that was sent before it begins nothing."""
+    sent = min(now, event.received)  # this way round, NaN means now
+    own = event.own or (leases.live is not None and leases.live.source == event.source)
+    if event.whole or not own:
+        leases = replace(leases, halts=leases.halts.heard(sent, event.by or event.source))
+    if sent >= leases.stopped:
+        leases = replace(leases, stopped=sent, stopped_by=event.source)
+    leases = forget_persistent(leases, event.source)
+    if event.lost and leases.live is not None and leases.live.source == event.source:
+        return end_all(
+            leases, "lapsed", Reason("holder_gone", event.reason or "the sender that wanted it is gone"), now
+        )
+    why = f"stopped by {event.source}" + (f": {event.reason}" if event.reason else "")
+    return end_all(leases, "stopped", Reason("stopped", why), now)
+
+
+def latch(leases: LeaseTable[M], event: EstopChanged, now: float) -> Decision[M]:
+    """Latch or release the emergency stop; what was sent before either begins nothing any more."""
+    stopped = max(leases.stopped, now)
+    leases = replace(leases, estop=event.engaged, estop_reason=event.reason, stopped=stopped, stopped_by="")
+    by = event.by or ("the emergency stop" if event.engaged else "the emergency stop's reset")
+    leases = replace(leases, halts=leases.halts.heard(now, by))
+    why = f"emergency stop: {event.reason or 'no reason given'}" if event.engaged else "the emergency stop was reset"
+    return end_all(leases, "fault", Reason("estop", why), now)
+
+
+def with_motion(leases: LeaseTable[M], motion: M) -> LeaseTable[M]:
+    """Return the leases with the holder's motion as far as it has come."""
+    assert leases.live is not None
+    return replace(leases, live=replace(leases.live, motion=motion))
+
+
+def _persists(leases: LeaseTable[M], ask: LeaseRequest, now: float) -> str:
+    """Return how a refused command goes on when it should not, or nothing.
+
+    A command that was under way as the emergency stop was latched does not: its sender did not know of it yet.
+    """
+    if leases.estop and not dated(leases, ask) < leases.stopped:  # this way round, NaN goes on
+        return "commands went on through the emergency stop"
+    if leases.live is not None and streams(leases.live, ask):
+        return "commands went on without quoting their lease"
+    return persists(leases, ask.source, now)
+
+
+def _keep(leases: LeaseTable[M], lease: Lease[M], now: float) -> LeaseTable[M]:
+    """A lease lives from when it was last quoted, or else accepted; it is over a little sooner than it says."""
+    since = now if isnan(lease.renewed) else lease.renewed
+    ahead_s = min(leases.ahead_s, lease.ttl_s / 5)
+    return replace(leases, live=replace(lease, expires=since + lease.ttl_s - ahead_s), reason=IDLE)
+
+
+def _quoting(leases: LeaseTable[M], lease: Lease[M], ask: LeaseRequest) -> Lease[M]:
+    """Return a lease that was quoted; it lives from when that was sent."""
+    known = quoted(leases, ask)
+    assert known is not None
+    renewed = max(dated(leases, ask), known.renewed)  # this way round, NaN is no renewal yet
+    own_s = offset_s(ask, known) if ask.source == known.source else inf
+    return replace(lease, renewed=renewed, offset_s=min(known.offset_s, own_s))
+
+
+def _new_lease(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> Lease[M]:
+    return Lease(
+        id=ask.new_lease,
+        source=ask.source,
+        what=ask.what,
+        motion=motion,
+        ttl_s=_ttl_s(leases, ask),
+        changed=now,
+        said=dated(leases, ask),
+        take_over=ask.take_over,
+    )
+
+
+def _ttl_s(leases: LeaseTable[M], ask: LeaseRequest) -> float:
+    return leases.ttl_s if ask.ttl_s is None else ask.ttl_s

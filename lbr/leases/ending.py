@@ -1,0 +1,119 @@
+"""The end of a lease: by itself, by a stop, by a fault; and the messages about it."""
+
+from msgspec.structs import replace
+
+from lbr.leases.halts import Halts
+from lbr.leases.lease import (
+    TELLINGS,
+    TELLINGS_PER_S,
+    Ended,
+    Ending,
+    Happened,
+    Lease,
+    LeaseTable,
+    Level,
+    M,
+    PersistentSender,
+    Tally,
+)
+from lbr.leases.rules import PERSISTENT_S
+from lbr.messages.codes import Reason
+
+Said = tuple[Ended[M] | Happened, ...]
+Decision = tuple[LeaseTable[M], Said[M]]
+
+REVOKED_KEPT = 32
+UNPLANNED = ("lapsed", "fault")
+
+
+def end(leases: LeaseTable[M], how: Ending, why: Reason, now: float, *, heir: str = "") -> Decision[M]:
+    """End the lease, if there is one; its holder is told why. `heir` takes it over."""
+    lease = leases.live
+    if lease is None:
+        return replace(leases, reason=why), ()
+    still = revoke(replace(leases, live=None, reason=why), lease.id, why)
+    ended = Ended(lease=lease, how=how, why=why)
+    if heir:
+        return still, (ended,)
+    still, told = tell_holder(still, now, lost=lease.source, why=why)
+    return still, (ended, *told)
+
+
+def end_all(leases: LeaseTable[M], how: Ending, why: Reason, now: float) -> Decision[M]:
+    """End the lease and every offer: nothing that was asked for earlier may move anything afterwards."""
+    leases, ended = end(leases, how, why, now)
+    leases, dropped = drop_offers(leases, leases.offers, how, why)
+    return leases, ended + dropped
+
+
+def lapse(leases: LeaseTable[M], now: float) -> Decision[M]:
+    """End what was not quoted or renewed in time; comparisons are such that NaN ends it."""
+    said: Said[M] = ()
+    lapsed = tuple(offer for offer in leases.offers if not now < offer.expires)
+    if lapsed:
+        why = Reason("lapsed", f"not confirmed within {lapsed[0].ttl_s:g} s")
+        leases, said = drop_offers(leases, lapsed, "lapsed", why)
+    lease = leases.live
+    if lease is None or now < lease.expires:
+        return leases, said
+    why = Reason("lapsed", f"it lapsed, not renewed within {lease.ttl_s:g} s")
+    leases, ended = end(leases, "lapsed", why, now)
+    return leases, said + ended
+
+
+def drop_offers(leases: LeaseTable[M], offers: tuple[Lease[M], ...], how: Ending, why: Reason) -> Decision[M]:
+    """Take offers back."""
+    said: Said[M] = ()
+    for offer in offers:
+        left = tuple(one for one in leases.offers if one is not offer)
+        leases = revoke(replace(leases, offers=left), offer.id, why)
+        said = (*said, Ended(lease=offer, how=how, why=why, held=False))
+    return leases, said
+
+
+def lose_time(leases: LeaseTable[M], why: Reason, clock: float, now: float) -> Decision[M]:
+    """End everything and forget every date: none of it means anything on a clock that went back from `clock`."""
+    recent = {name: found for name, found in leases.persistent.items() if not clock >= found.until}
+    persistent = {name: PersistentSender(until=now + PERSISTENT_S, how=found.how) for name, found in recent.items()}
+    forgotten = replace(leases, stopped=now, stopped_by="", begun=now, halts=Halts(at=now), persistent=persistent)
+    return end_all(forgotten, "fault", why, now)
+
+
+def happened(ended: Ended[M], kind: str = "") -> Happened:
+    """Return how people are told that a lease ended; its kind is how it did, unless given."""
+    level: Level = "warning" if ended.how in UNPLANNED else "info"
+    return Happened(
+        kind=kind or ended.how,
+        text=f"{ended.lease.source}: {ended.why}",
+        level=level,
+        code=ended.why.code,
+        about=ended.lease.source,
+    )
+
+
+def tell_holder(
+    leases: LeaseTable[M], now: float, *, took: str = "", lost: str = "", why: Reason | None = None
+) -> Decision[M]:
+    """Say who has it from now on and who has not; in a flood of changes, how many were not said."""
+    tally, noun = leases.tally, leases.phrasing.noun
+    refilled = tally.left + TELLINGS_PER_S * max(0.0, now - tally.at)  # this way round, NaN is no time
+    left = min(TELLINGS, refilled)
+    if left < 1.0:
+        return replace(leases, tally=Tally(left=left, at=now, untold=tally.untold + 1)), ()
+    text = f"{lost} lost {noun}: {why}" if not took else f"{took} took {noun}" + (f" from {lost}" if lost else "")
+    if tally.untold:
+        text += f" (and {tally.untold} changes of holder before that)"
+    data = {"took": took, "lost": lost, "why": str(why or "")}
+    told = Happened(
+        kind="holder",
+        text=text,
+        data={name: said for name, said in data.items() if said},
+        code=why.code if why else "",
+        about=lost or took,
+    )
+    return replace(leases, tally=Tally(left=left - 1.0, at=now)), (told,)
+
+
+def revoke(leases: LeaseTable[M], lease_id: str, why: Reason) -> LeaseTable[M]:
+    """Return the leases with this one revoked for ever."""
+    return replace(leases, revoked=(*leases.revoked, (lease_id, why))[-REVOKED_KEPT:])

@@ -1,0 +1,276 @@
+"""The process around a kernel that lends what moves: emergency stop, driver, holder, what waits, and what is told."""
+
+import hashlib
+import secrets
+from abc import abstractmethod
+from collections import deque
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from math import inf
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, PendingReply, Received
+from lbr.capability.kind import STOP
+from lbr.leases.lease import EstopChanged, Happened, LeaseTable, Reply, Result, Setpoint, Stop
+from lbr.leases.rules import latched
+from lbr.messages.codes import Reason
+from lbr.messages.drive import LoopStatistics
+from lbr.operations.statistics import Beat, LoopMeter
+
+Answers = Mapping[str, Any] | None
+MOST_WAITING = 16
+
+
+class LeasedState(Protocol):
+    """The part of a kernel's state that is needed here."""
+
+    @property
+    def leases(self) -> LeaseTable[Any]:
+        """Return who has what moves."""
+
+
+S = TypeVar("S", bound=Struct)
+L = TypeVar("L", bound=LeasedState)
+
+
+class WaitingCommand(NamedTuple):
+    """A command that waits for others to answer, and what follows; None is that they did not in time."""
+
+    call: Call
+    asked: PendingReply
+    until: float
+    then: Callable[[Answers], None]
+
+
+class LeasingCapability(Capability[S], Generic[S, L]):
+    """Subclass it around a kernel: every decision is the kernel's, every message passes here.
+
+    `ends` says that the process does, `driver` the input by which it hears what moves, `tick` the event of a round.
+    `feeds` are the inputs without which its first command would be refused.
+    """
+
+    ends: str
+    driver: str = ""
+    feeds: tuple[str, ...] = ()
+    tick: Any
+    _state: L
+    _loop: LoopStatistics | None = None
+
+    @abstractmethod
+    def first(self) -> L:
+        """Return the state in which nothing is lent."""
+
+    @abstractmethod
+    def decide(self, event: Any, now: float) -> tuple[L, tuple[Any, ...]]:
+        """Return the kernel's state after an event, and what it says."""
+
+    def lend(self, call: Call) -> None:
+        """Decide any command but a stop."""
+        super().command(call)
+
+    @abstractmethod
+    def not_at_rest(self) -> str:
+        """Return why the emergency stop is not acknowledged yet, or nothing."""
+
+    def trouble(self) -> Reason | None:
+        """Return why what moves would not follow, or nothing."""
+        return None
+
+    def lacks(self) -> Reason | None:
+        """Return why nothing would be lent now; what moves is armed by then, and what feeds the decision has come."""
+        leases = self._state.leases
+        return latched(leases) if leases.estop else self.awaited(*self.feeds) or self.trouble()
+
+    @abstractmethod
+    def report(self) -> None:
+        """Publish what the world may know, when it is due."""
+
+    def hear(self) -> None:
+        """Take in what came on other inputs than the driver's."""
+
+    def driver_seen(self, received: Received) -> Any:
+        """Return the event that the driver said how it is."""
+        del received
+        return self.tick
+
+    def driver_lost(self, names: str) -> Any:
+        """Return the event that the driver is gone."""
+        del names
+        return self.tick
+
+    def holder_gone(self, holder: str) -> Any:
+        """Return the event that the process of a holder is gone."""
+        why = f"the process of {holder} is gone"
+        return Stop(source=holder, received=self.ctx.clock(), reason=why, lost=True)
+
+    def begin(self) -> None:
+        """Begin with nothing lent."""
+        self._state = self.first()
+        self._beat, self._meter, self._loop = Beat(self.rate_hz), LoopMeter(self.rate_hz), None
+        self._waiting: deque[WaitingCommand] = deque()
+        self._driver_at, self._driver_alive = -inf, False
+        self._alive_holder = self._pressed_by = ""
+
+    def step(self) -> None:
+        """Take in what arrived; at the loop's rate have time go by."""
+        self.listen()
+        self.settle()
+        now = self.ctx.clock()
+        if self._beat.due(now):
+            self._loop = self._meter.round(now) or self._loop
+            self.happen(self.tick)
+        self.report()
+
+    def command(self, call: Call) -> None:
+        """Decide a command now, or once those have answered whom it needs.
+
+        By a name that comes from another machine nothing is lost, or passed on: that proves nothing.
+        """
+        self.listen()
+        if call.name == STOP:
+            said, lost = call.message, call.message.lost and not call.remote
+            stop = Stop(
+                source=call.source,
+                received=call.arrived,
+                reason=said.reason,
+                lost=lost,
+                whole=said.whole,
+                own=said.own,
+                by="" if call.remote else said.by,
+                at_once=said.at_once,
+            )
+            self.happen(stop, call)
+        else:
+            self.lend(call)
+        self.report()
+
+    def woke(self, slept_s: float) -> None:
+        """End what moved before the computer slept: no lease lapsed meanwhile, since its clock stood still."""
+        reason = f"this computer slept for {slept_s:.0f} s"
+        self.happen(Stop(source=self.ctx.name, received=self.ctx.clock(), reason=reason))
+
+    def close(self) -> None:
+        """Refuse what waits, and stop what goes on."""
+        while self._waiting:
+            self._waiting.popleft().call.refuse(self.ends, "shutting_down")
+        self.happen(Stop(source=self.ctx.name, received=self.ctx.clock(), reason=self.ends))
+        self.report()
+
+    def listen(self) -> None:
+        """Take in what arrived."""
+        estop = self.ctx.estop
+        if estop.engaged != self._state.leases.estop or (estop.engaged and estop.by != self._pressed_by):
+            self._pressed_by = estop.by
+            self.happen(EstopChanged(engaged=estop.engaged, reason=estop.reason, by=estop.by))
+        if self.driver:
+            self._watch_driver(self.driver)
+        self._watch_holder()
+        self.hear()
+        estop.follows = not self.trouble()
+        if estop.engaged:
+            why_not = self.not_at_rest()
+            estop.acknowledge(stopped=not why_not, reason=why_not)
+
+    def wait_for(
+        self, call: Call, whom: str, ask: Callable[[], PendingReply], timeout_s: float, then: Callable[[Answers], None]
+    ) -> None:
+        """Have a command wait until others have answered; commands go on in the order they came."""
+        if len(self._waiting) >= MOST_WAITING:
+            call.refuse(f"too many commands wait for {whom}; send fewer", "busy")
+            return
+        self._waiting.append(WaitingCommand(call, ask(), self.ctx.clock() + 2 * timeout_s, then))
+        self.settle()
+
+    def settle(self) -> None:
+        """Go on with commands whose questions are answered."""
+        while self._waiting:
+            waiting = self._waiting[0]
+            answers = waiting.asked.answers()
+            if answers is None and self.ctx.clock() < waiting.until:
+                return
+            self._waiting.popleft()
+            waiting.then(answers)
+
+    def happen(self, event: Any, call: Call | None = None) -> None:
+        """Have an event decided, and pass on what follows, setpoints before all that is told of them.
+
+        `call` is the command that this answers.
+        """
+        self._state, outputs = self.decide(event, self.ctx.clock())
+        live = self._state.leases.live
+        self.ctx.live_lease = live.id if live is not None else ""
+        for output in sorted(outputs, key=_is_told):
+            self.pass_on(output, call)
+
+    def pass_on(self, output: Any, call: Call | None) -> None:
+        """Publish, tell or answer."""
+        match output:
+            case Setpoint(message=message):
+                self.ctx.publish("setpoint", marked(message))
+            case Result(message=message):
+                self.ctx.publish("result", message)
+            case Happened(kind=kind, text=text, level=level, data=data, code=code, about=about):
+                self.ctx.event(kind, text, level=level, data=dict(data), code=code, about=about)
+            case Reply(message=reply, late=late):
+                if call is not None:
+                    call.reply(reply, quiet=late)
+
+    def _watch_driver(self, port: str) -> None:
+        sources = self.ctx.sources(port)
+        alive = any(self.ctx.alive(source) for source in sources)
+        if self._driver_alive and not alive:
+            self.happen(self.driver_lost(", ".join(sources)))
+        self._driver_alive = alive
+        newest = self.ctx.latest(port)
+        if newest is not None and newest.arrived > self._driver_at:
+            self._driver_at = newest.arrived
+            self.happen(self.driver_seen(newest))
+
+    def _watch_holder(self) -> None:
+        """End the motion of a capability whose process is gone; of others only the lease tells."""
+        lease = self._state.leases.live
+        holder = lease.source if lease is not None else ""
+        alive = bool(holder) and self.ctx.alive(holder)
+        if holder and holder == self._alive_holder and not alive:
+            self.happen(self.holder_gone(holder))
+        self._alive_holder = holder if alive else ""
+
+
+def _is_told(output: Any) -> bool:
+    return not isinstance(output, Setpoint)
+
+
+def said_by(call: Call) -> dict[str, Any]:
+    """Return what a kernel needs of a call for a motion: whose it is, how old, and a fresh lease for it."""
+    return {
+        "source": call.source,
+        "new_lease": secrets.token_hex(8),
+        "received": call.arrived,
+        "remote": call.remote,
+        "sender_s": call.sender_s,
+        "waited_s": call.waited_s,
+        "by": call.by,
+        "answerable": call.answerable,
+    }
+
+
+def marked(setpoint: Struct) -> Struct:
+    """Return a setpoint that tells leases apart by marks: many may hear it, and a lease is good for each that quotes
+    it."""
+    lease = getattr(setpoint, "lease", "")
+    return replace(setpoint, lease=mark(lease)) if lease else setpoint
+
+
+@lru_cache(maxsize=16)
+def mark(lease: str) -> str:
+    """Return what stands for a lease where it may be heard; nothing leads back from it."""
+    return hashlib.blake2b(lease.encode(errors="replace"), digest_size=8).hexdigest()
+
+
+def new_goal() -> str:
+    """Return a name for a goal."""
+    return f"goal-{secrets.token_hex(4)}"

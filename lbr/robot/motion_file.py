@@ -1,0 +1,94 @@
+"""Motions in files of a robot's maker: what a package declares to have them read."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from math import ceil
+from typing import Protocol, TypeVar
+
+from msgspec.structs import replace
+
+from lbr.messages.joints import KeyFrame, Motion
+from lbr.messages.rows import Row
+from lbr.robot.old_data import Note
+
+R = TypeVar("R", bound=Row)
+LARGEST_BYTES = 4 << 20
+"""More than any motion needs; a file that is larger is not read."""
+SHORTEST_S, LONGEST_S = 0.01, 60.0
+"""What one key frame may take; `KeyFrame` has the upper bound."""
+DIGITS = 4
+"""Of an angle: a tenth of a milliradian is less than a servo's step."""
+
+
+class RobotRows(Protocol):
+    """The rows of one robot."""
+
+    def of(self, row: type[R]) -> tuple[R, ...]:
+        """Return the rows of a table."""
+
+
+class MakersMotion(Protocol):
+    """The motions out of a file, before it is known for which robot."""
+
+    def fits(self, rows: RobotRows) -> bool:
+        """Say whether a robot has what the file speaks of."""
+
+    def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
+        """Return them in the angles of a robot's joints, and what people should know of them; InputError says why not."""
+
+
+class ReadMotion(Protocol):
+    """Reads the content of a file; InputError names what is wrong in it."""
+
+    def __call__(self, content: bytes) -> MakersMotion:
+        """Return the motions."""
+
+
+class WriteMotion(Protocol):
+    """Writes a motion as the content of a file; InputError says why it cannot be."""
+
+    def __call__(self, motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
+        """Return the content, and what people should know of it."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MotionFormat:
+    """A format of motion files: the `suffix` of their names, such as `.rbm`, a `summary`, and `module:function` that reads them.
+
+    `write` is the function that writes one, where that is possible.
+    """
+
+    suffix: str
+    summary: str
+    read: str
+    write: str = ""
+
+
+def split(frames: Iterable[KeyFrame], longest_s: float = LONGEST_S) -> Iterator[KeyFrame]:
+    """Yield key frames, those that take longer in parts."""
+    before: dict[str, float] = {}
+    for frame in frames:
+        parts = ceil(frame.duration_s / longest_s)
+        for part in range(1, parts + 1):
+            positions = {
+                name: angle
+                if part == parts
+                else round(before.get(name, angle) + (angle - before.get(name, angle)) * part / parts, DIGITS)
+                for name, angle in frame.positions.items()
+            }
+            yield KeyFrame(positions=positions, duration_s=frame.duration_s / parts)
+        before = {**before, **frame.positions}
+
+
+def sparse(frames: Iterable[KeyFrame]) -> Iterator[KeyFrame]:
+    """Yield key frames without the joints that stay where they are."""
+    at: dict[str, float] = {}
+    for frame in frames:
+        yield replace(
+            frame, positions={name: angle for name, angle in frame.positions.items() if at.get(name) != angle}
+        )
+        at.update(frame.positions)
+
+
+Formats = Mapping[str, MotionFormat]
+"""Formats of motion files by their suffix."""

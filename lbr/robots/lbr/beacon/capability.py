@@ -1,0 +1,153 @@
+"""The beacon as a capability: who may move is the kernel's decision, how is a manoeuvre's, every message passes here."""
+
+from math import inf
+from typing import Any
+
+from lbr.capability.context import Call, Context
+from lbr.leases.lease import LeaseRequest
+from lbr.messages.beacon import BeaconState, SeekCommand
+from lbr.messages.codes import Reason
+from lbr.operations.lender import LeasingCapability, new_goal, said_by
+from lbr.operations.statistics import Beat
+from lbr.robots.lbr.beacon import BeaconSettings
+from lbr.robots.lbr.beacon.kernel import Begin, Event, Halt, Outputs, Over, Seek, State, Tick, decide, first_state
+from lbr.robots.lbr.beacon.manoeuvres import Memory, script
+from lbr.robots.lbr.beacon.pilot import Pilot
+from lbr.robots.lbr.beacon.senses import BlindError
+from lbr.robots.lbr.beacon.view import Ending, Script
+
+LOOKS_HZ = 10.0
+PATIENCE_S = 5.0
+"""A robot that does not know how it lies, or what is in its way, stands so long before it gives up: a device that is plugged
+in again, or a process that starts over, is back by then."""
+STATE_EVERY_S = 0.5
+
+
+class Beacon(LeasingCapability[BeaconSettings, State]):
+    """Does one manoeuvre at a time, for the holder of its lease, by a lease of the drive."""
+
+    ends, tick = "the search for the dock is shutting down", Tick()
+    feeds = ("drive",)
+    rate_hz = 20.0
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[BeaconSettings]) -> None:
+        super().__init__(ctx)
+        self._pilot = Pilot(ctx)
+        self._memory = Memory(ctx.settings.side)
+        self._script: Script[Ending] | None = None
+        self._looks = Beat(LOOKS_HZ)
+        self._seen_s = -inf
+        self._before_v: float | None = None
+        self._told: BeaconState | None = None
+        self._told_at = -inf
+        self.begin()
+
+    def first(self) -> State:
+        """Return that nothing was asked for."""
+        return first_state(self.ctx.settings.ttl_s, self.ctx.clock())
+
+    def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
+        """Return what the kernel makes of an event."""
+        return decide(self._state, event, now)
+
+    def step(self) -> None:
+        """Take in what arrived, and go on with the manoeuvre."""
+        self.listen()
+        self.happen(Tick())
+        self._go_on()
+        self.report()
+
+    def lend(self, call: Call) -> None:
+        """Answer `seek`."""
+        command = call.message
+        if not isinstance(command, SeekCommand):
+            super().lend(call)
+            return
+        ask = LeaseRequest(
+            what=command.manoeuvre,
+            moves=True,
+            lease=command.lease,
+            take_over=command.take_over,
+            ttl_s=command.ttl_s,
+            **said_by(call),
+        )
+        self.happen(Seek(ask=ask, manoeuvre=command.manoeuvre, new_goal=new_goal(), trouble=self.trouble()), call)
+
+    def hear(self) -> None:
+        """Take in what the robot says of itself; a stop of others ends what goes on."""
+        self._pilot.listen()
+        lease, stopped = self._state.lease, self._pilot.stopped
+        if lease is not None and stopped is not None:
+            self.happen(Over(goal=lease.motion.goal, how="stopped", why=stopped))
+
+    def not_at_rest(self) -> str:
+        """Return nothing: what moves is the drive, and it acknowledges for itself."""
+        return ""
+
+    def trouble(self) -> Reason | None:
+        """Return why the drive would not follow, or nothing."""
+        names = self.ctx.targets("move")
+        if names and any(self.ctx.alive(name) for name in names):
+            return None
+        return Reason("unreachable", f"the drive ({', '.join(names) or 'none is wired'}) is not running")
+
+    def pass_on(self, output: Any, call: Call | None) -> None:
+        """Publish, tell, answer, or have the robot stand or move."""
+        match output:
+            case Begin(seeking=seeking):
+                lease = self._state.lease
+                self._pilot.halt("another manoeuvre begins")
+                self._pilot.begin(lease.source if lease is not None else "")
+                self._script = script(seeking.manoeuvre, self.ctx.settings, self._memory)
+                self._pilot.do(next(self._script))
+                self._seen_s = self.ctx.clock()
+                if seeking.manoeuvre == "follow":
+                    self._before_v = self._pilot.rest_voltage_v
+            case Halt(why=why):
+                self._script = None
+                self._pilot.halt(why)
+            case _:
+                super().pass_on(output, call)
+
+    def report(self) -> None:
+        """Tell what is done twice a second, and at once when it changed."""
+        state, now = self._described(), self.ctx.clock()
+        if state != self._told or not now - self._told_at < STATE_EVERY_S:
+            self._told, self._told_at = state, now
+            self.ctx.publish("state", state)
+
+    def _go_on(self) -> None:
+        lease, now = self._state.lease, self.ctx.clock()
+        if lease is None or self._script is None or not self._looks.due(now):
+            return
+        goal = lease.motion.goal
+        try:
+            view = self._pilot.look()
+        except BlindError as err:
+            self._pilot.break_off(str(err))
+            if now - self._seen_s > PATIENCE_S:
+                self.happen(Over(goal=goal, how="fault", why=Reason("stale_sensor", str(err))))
+            return
+        self._seen_s = now
+        try:
+            self._pilot.do(self._script.send(view))
+        except StopIteration as end:
+            ended: Ending = end.value
+            self._script = None
+            why = Reason(ended.code, ended.text)
+            self.happen(Over(goal=goal, how="reached" if ended.good else "fault", why=why))
+
+    def _described(self) -> BeaconState:
+        lease = self._state.lease
+        volts, before = self._pilot.rest_voltage_v, self._before_v
+        aside, why = self._memory.aside, self._state.why
+        return BeaconState(
+            manoeuvre=lease.motion.manoeuvre if lease is not None else "",
+            holder=lease.source if lease is not None else None,
+            goal=lease.motion.goal if lease is not None else None,
+            dock_side="" if not aside else "right" if aside > 0.0 else "left",
+            risen_v=None if volts is None or before is None else round(volts - before, 2),
+            reason=why.text if lease is None and why is not None else "",
+            code=why.code if lease is None and why is not None else "",
+        )

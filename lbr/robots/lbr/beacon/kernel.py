@@ -1,0 +1,181 @@
+"""Who has which manoeuvre done, and how that ended, as a pure function of what is known, what happened and when."""
+
+from math import inf
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from lbr.leases import decide as leasing
+from lbr.leases import ending, rules
+from lbr.leases.lease import (
+    Ended,
+    Ending,
+    EstopChanged,
+    Happened,
+    Lease,
+    LeaseRequest,
+    LeaseTable,
+    Phrasing,
+    Reply,
+    Result,
+    Stop,
+    confirmed,
+    first,
+)
+from lbr.messages.beacon import Manoeuvre
+from lbr.messages.codes import Reason
+from lbr.messages.drive import GoalResult
+
+PHRASING = Phrasing(
+    noun="the search for the dock", rest="stop, or pause, before going on", idle="nothing was looked for yet"
+)
+BACK = Reason("clock", "the clock went back")
+
+
+class Seeking(Struct, frozen=True, kw_only=True):
+    """A manoeuvre under way."""
+
+    goal: str
+    manoeuvre: Manoeuvre
+    started: float
+
+
+class Seek(Struct, frozen=True, kw_only=True):
+    """A sender wants a manoeuvre, or renews that. `trouble` is why the drive would not follow, or nothing."""
+
+    ask: LeaseRequest
+    manoeuvre: Manoeuvre
+    new_goal: str
+    trouble: Reason | None = None
+
+
+class Over(Struct, frozen=True, kw_only=True):
+    """A manoeuvre is over by itself, or cannot go on."""
+
+    goal: str
+    how: Ending
+    why: Reason
+
+
+class Tick(Struct, frozen=True, kw_only=True):
+    """Time goes by."""
+
+
+class Begin(Struct, frozen=True, kw_only=True):
+    """This manoeuvre is to be done from now on."""
+
+    seeking: Seeking
+
+
+class Halt(Struct, frozen=True, kw_only=True):
+    """The robot is to stand still; `lost`: who wanted the manoeuvre is gone; `by`: who said so."""
+
+    why: str
+    lost: bool = False
+    by: str = ""
+
+
+Event = Seek | Over | Stop | EstopChanged | Tick
+Output = Reply | Begin | Halt | Result | Happened
+Outputs = tuple[Output, ...]
+
+
+class State(Struct, frozen=True, kw_only=True):
+    """Everything the kernel remembers; `clock` is the time of the last event, `why` how the last manoeuvre ended."""
+
+    leases: LeaseTable[Seeking]
+    clock: float = -inf
+    why: Reason | None = None
+
+    @property
+    def lease(self) -> Lease[Seeking] | None:
+        """Return who has which manoeuvre done."""
+        return self.leases.live
+
+
+def first_state(ttl_s: float, began: float = -inf) -> State:
+    """Return that nothing was asked for since it `began`."""
+    return State(leases=first(PHRASING, ttl_s, began=began))
+
+
+def decide(state: State, event: Event, now: float) -> tuple[State, Outputs]:
+    """Return the state after an event and what is to be done; whatever is over by `now` ends before the event counts."""
+    if now >= state.clock:
+        held, said = ending.lapse(state.leases, now)
+    else:
+        held, said = ending.lose_time(state.leases, BACK, state.clock, now)
+    state, outputs = _told(replace(state, leases=held, clock=now), said, now)
+    state, more = _handle(state, event, now)
+    return state, outputs + more
+
+
+def _handle(state: State, event: Event, now: float) -> tuple[State, Outputs]:
+    match event:
+        case Seek():
+            return _seek(state, event, now)
+        case Stop():
+            held, said = leasing.stop(state.leases, event, now)
+            state, outputs = _told(replace(state, leases=held), said, now, by=event.by or event.source)
+            return state, (*outputs, leasing.STOPPED)
+        case EstopChanged():
+            held, said = leasing.latch(state.leases, event, now)
+            return _told(replace(state, leases=held), said, now)
+        case Over(goal=goal, how=how, why=why):
+            if state.lease is None or state.lease.motion.goal != goal:
+                return state, ()
+            held, said = ending.end(state.leases, how, why, now)
+            return _told(replace(state, leases=held), said, now)
+    return state, ()
+
+
+def _seek(state: State, event: Seek, now: float) -> tuple[State, Outputs]:
+    ask = event.ask
+
+    def refusal(_wanted: rules.Intent) -> Reason | None:
+        held = state.leases
+        return (
+            rules.form(held, ask, now) or rules.holder(held, ask, now) or rules.at_rest(held, ask, now, event.trouble)
+        )
+
+    verdict, held, refused = leasing.judge(state.leases, ask, refusal, now)
+    state = replace(state, leases=held)
+    if refused:
+        return state, refused
+    if verdict == "renewal":
+        lease = leasing.lent(held, verdict)
+        return state, (leasing.accepted(lease, goal=lease.motion.goal),)
+    offer = confirmed(held, ask)
+    goal = offer.motion.goal if offer is not None else event.new_goal
+    seeking = Seeking(goal=goal, manoeuvre=event.manoeuvre, started=now)
+    held, said = leasing.grant(held, ask, verdict, seeking, now)
+    state, outputs = _told(replace(state, leases=held), said, now)
+    begin: Outputs = () if verdict == "offer" else (Begin(seeking=seeking),)
+    return state, (*outputs, *begin, leasing.accepted(leasing.lent(held, verdict), goal=goal))
+
+
+def _told(state: State, said: ending.Said[Seeking], now: float, *, by: str = "") -> tuple[State, Outputs]:
+    """Return what follows from the end of leases."""
+    outputs: Outputs = ()
+    for one in said:
+        if isinstance(one, Happened):
+            outputs += (one,)
+            continue
+        if one.held:
+            state = replace(state, why=one.why)
+            outputs += (Halt(why=one.why.text, lost=one.how == "lapsed", by=by),)
+        outputs += (_result(one, now),)
+    return state, outputs
+
+
+def _result(ended: Ended[Seeking], now: float) -> Result:
+    why, seeking = ended.why, ended.lease.motion
+    message = GoalResult(
+        goal=seeking.goal,
+        result=ended.how,
+        reason=why.text,
+        code=why.code,
+        cause=why.cause,
+        note=why.note,
+        elapsed_s=round(max(0.0, now - seeking.started), 3),
+    )
+    return Result(message=message)

@@ -1,0 +1,114 @@
+"""The robot as a manoeuvre sees and moves it: by a lease of the drive, for as long as the manoeuvre lasts."""
+
+from collections.abc import Collection
+from math import inf
+
+from lbr.capability.context import Context
+from lbr.leases.mover import FINAL, Mover
+from lbr.messages.codes import Reason
+from lbr.messages.drive import DriveCommand, DriveState, TurnCommand
+from lbr.robots.lbr.beacon import BeaconSettings
+from lbr.robots.lbr.beacon.senses import BlindError, Senses
+from lbr.robots.lbr.beacon.view import Action, Back, Ending, Go, Turn, View
+
+BACK_DEG = 180.0
+DRIVE_S = 1.0
+"""The drive tells of itself ten times a second."""
+
+
+class Pilot:
+    """Told by `begin` of each manoeuvre; `stopped` says who stopped the robot since, also while it stood."""
+
+    def __init__(self, ctx: Context[BeaconSettings]) -> None:
+        self.stopped: Reason | None = None
+        self._ctx = ctx
+        self._senses = Senses(ctx, ctx.settings.heading_deg)
+        self._mover = Mover(ctx, ctx.settings.ttl_s)
+        self._steers = -1.0 if ctx.settings.reverse_steering == "travel" else 1.0
+        self._action: Action | None = None
+        self._broken: Ending | None = None
+        self._began_s = inf
+        self._own: Collection[str] = ()
+
+    @property
+    def rest_voltage_v(self) -> float | None:
+        """Return the battery's voltage without load, null if it is not known."""
+        battery = self._senses.battery()
+        return battery.rest_voltage_v if battery is not None else None
+
+    def begin(self, holder: str) -> None:
+        """Begin a manoeuvre for a holder, whose own stops are none of others'."""
+        self.stopped, self._action, self._broken = None, None, None
+        self._began_s, self._own = self._ctx.clock(), {"", self._ctx.name, holder}
+
+    def listen(self) -> None:
+        """Take in what came, and keep the motion up."""
+        self._senses.listen()
+        self._mover.step([received.message for received in self._ctx.take("results")])
+        for received in self._ctx.take("drive"):
+            state: DriveState = received.message
+            for at, who in ((state.stopped_s, state.stopped_by), (state.halted_s, state.halted_by)):
+                if self.stopped is None and at is not None and at > self._began_s and who not in self._own:
+                    named = state.code == "stopped" and who == state.stopped_by
+                    self.stopped = Reason("stopped", state.reason if named else f"stopped by {who}")
+
+    def look(self) -> View:
+        """Return what is seen now; raise BlindError if something is not known."""
+        drive, now = self._ctx.latest("drive"), self._ctx.clock()
+        if drive is None or not drive.age_s(now) <= DRIVE_S:
+            raise BlindError("the drive does not say whether the robot was stopped: it is silent")
+        battery = self._senses.battery()
+        return View(
+            time_s=now,
+            direction_deg=self._senses.direction_deg(),
+            forward_m=self._senses.metres("forward"),
+            back_m=self._senses.metres("back"),
+            beams=self._senses.beams(),
+            charging=battery.charging if battery else None,
+            ending=self._ending(),
+        )
+
+    def do(self, action: Action) -> None:
+        """Begin an action, or go on with it; to be called ten times a second."""
+        goes_on = action is self._action
+        self._action = action
+        if goes_on:
+            return
+        command = self._command(action)
+        if command is not None:
+            self._broken = None
+            self._mover.begin(command)
+        elif self._mover.motion is not None:
+            self.halt("it stands")
+
+    def break_off(self, why: str) -> None:
+        """Stand still; the manoeuvre is told why once it goes on."""
+        if self._mover.motion is not None:
+            self._broken = Ending(good=False, text=why, code="stale_sensor")
+            self.halt(why)
+
+    def halt(self, why: str) -> None:
+        """Stand still."""
+        self._mover.halt(why)
+
+    def _ending(self) -> Ending | None:
+        if self._broken is not None:
+            return self._broken
+        outcome = self._mover.outcome() if self._mover.motion is not None and self._mover.ended else None
+        if outcome is None:
+            return None
+        code = outcome.why.code
+        final = not outcome.good and (code in FINAL or code == "unreachable")
+        return Ending(good=outcome.good, text=outcome.why.text, code=code, final=final)
+
+    def _command(self, action: Action) -> DriveCommand | TurnCommand | None:
+        match action:
+            case Turn(angle_deg=angle_deg):
+                return TurnCommand(angle_deg=round(angle_deg, 1))
+            case Go(power=power, distance_m=distance_m):
+                angle_deg = 0.0 if distance_m >= 0.0 else BACK_DEG
+                distance_cm = max(1.0, round(abs(distance_m) * 100, 1))
+                return DriveCommand(power=power, angle_deg=angle_deg, distance_cm=distance_cm)
+            case Back(power=power, steer_deg=steer_deg):
+                return DriveCommand(power=power, angle_deg=BACK_DEG - self._steers * steer_deg)
+        return None

@@ -1,0 +1,94 @@
+"""What a manoeuvre knows of the robot: the newest of its streams, each for as long as it can be believed."""
+
+from math import inf
+from typing import Any, Protocol
+
+from lbr.capability.context import Received
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.battery import BatteryState
+from lbr.messages.dock import DockSignal
+from lbr.messages.sensing import Ranges
+from lbr.robots.lbr.beacon.moves import shortest
+from lbr.robots.lbr.beacon.view import Beam
+
+ATTITUDE_S, RANGES_S, SIGNAL_S, BATTERY_S = 0.7, 0.7, 1.5, 3.0
+SEEN_S = 0.45
+"""A beam comes nine times a second."""
+BEAMS: tuple[Beam, ...] = ("left", "right", "power")
+
+
+class BlindError(Exception):
+    """The robot does not know what a manoeuvre has to know; the text says what."""
+
+
+class Inputs(Protocol):
+    """The part of a context that is needed here."""
+
+    def clock(self) -> float:
+        """Monotonic seconds."""
+
+    def latest(self, port: str) -> Received | None:
+        """Return the newest message of an input."""
+
+    def take(self, port: str) -> list[Received]:
+        """Return what arrived on an input."""
+
+
+class Senses:
+    """What the robot says of itself. Directions count from `heading_deg`, or without a compass from the first look."""
+
+    def __init__(self, ctx: Inputs, heading_deg: float) -> None:
+        self._ctx = ctx
+        self._heading_deg = heading_deg
+        self._zero: tuple[str, float] | None = None
+        self._measured: dict[str, tuple[float | None, float]] = {}
+
+    def direction_deg(self) -> float:
+        """Return where the robot looks, clockwise from how it looks when docked; raise BlindError if that is not known."""
+        attitude: AttitudeState | None = self._newest("attitude", ATTITUDE_S)
+        if attitude is None:
+            raise BlindError("the robot does not say how it lies: the capability 'attitude' is silent")
+        if not attitude.valid or attitude.turned_deg is None:
+            raise BlindError(f"the robot does not know how it lies: {attitude.reason or 'no reason given'}")
+        turned_deg = attitude.turned_deg
+        if self._zero is None or self._zero[0] != attitude.epoch:
+            known = attitude.heading_deg is not None
+            if not known and self._zero is not None:
+                raise BlindError("the attitude started over, and without a compass the direction is lost")
+            looks_deg = shortest((attitude.heading_deg or 0.0) - self._heading_deg) if known else 0.0
+            self._zero = (attitude.epoch, turned_deg - looks_deg)
+        return shortest(turned_deg - self._zero[1])
+
+    def listen(self) -> None:
+        """Take in what the sensors measured."""
+        for received in self._ctx.take("ranges"):
+            message: Ranges = received.message
+            for sensor in ("forward", "back"):
+                if message.tells_of(sensor) and message.status.get(sensor, "ok") in {"ok", "over_range"}:
+                    self._measured[sensor] = (message.metres(sensor), received.arrived)
+
+    def metres(self, sensor: str) -> float | None:
+        """Return the distance that a sensor measures, null if nothing is within its reach; raise BlindError if it does not."""
+        metres, at = self._measured.get(sensor, (None, -inf))
+        if not self._ctx.clock() - at <= RANGES_S:
+            raise BlindError(f"the sensor '{sensor}' measures nothing: what stands in the way is not known")
+        return metres
+
+    def battery(self) -> BatteryState | None:
+        """Return how the battery is, null if that is not known."""
+        found: BatteryState | None = self._newest("battery", BATTERY_S)
+        return found if found is not None and found.valid else None
+
+    def beams(self) -> frozenset[Beam]:
+        """Return the dock's beams that are seen in this moment."""
+        received, now = self._ctx.latest("dock"), self._ctx.clock()
+        if received is None or not received.age_s(now) <= SIGNAL_S:
+            return frozenset()
+        signal: DockSignal = received.message
+        ages = {beam: getattr(signal, f"{beam}_age_s") for beam in BEAMS}
+        old_s = received.age_s(now)
+        return frozenset(beam for beam, seen_s in ages.items() if seen_s is not None and seen_s + old_s < SEEN_S)
+
+    def _newest(self, port: str, within_s: float) -> Any:
+        received = self._ctx.latest(port)
+        return received.message if received is not None and received.age_s(self._ctx.clock()) <= within_s else None

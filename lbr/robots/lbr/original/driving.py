@@ -1,0 +1,252 @@
+"""The base, moved for one client of the old API at a time: by a lease that is renewed while that client is heard.
+
+Everything here is in the capability's loop.
+"""
+
+from dataclasses import dataclass
+from math import inf
+
+from msgspec import structs
+
+from lbr.apps.http import names
+from lbr.apps.web.bridge import until
+from lbr.apps.web.face import Refused, Request
+from lbr.apps.web.robot import Robot
+from lbr.leases.client import RENEW_S, LeaseClient, LeaseTarget
+from lbr.messages.codes import Reason
+from lbr.messages.leases import CommandReply, StopCommand
+from lbr.robots.lbr.original.heartbeat import Heartbeat
+from lbr.robots.lbr.original.wishes import PORTS, Asked, Motion
+
+TTL_S = 0.5
+"""Two threads share this process's interpreter; the base stands so long after it dies."""
+STOP_S = 1.0
+REST_S = 1.0
+"""A client that another has stopped must be silent for so long, or stop, before it moves the base again."""
+STOPPED = frozenset({"stopped", "estop", "taken_over"})
+MOST_TRIES = 3
+TARGETS = {
+    port: LeaseTarget(
+        port, "halt", "drive", "the drive does not answer; the base has stopped by itself", TTL_S + RENEW_S
+    )
+    for port in PORTS.values()
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Who:
+    """A client: its address, the token it shows if it does, and by what its program calls itself."""
+
+    address: str
+    token: str
+    agent: str
+
+    @classmethod
+    def of(cls, request: Request) -> "Who":
+        """Return who asks."""
+        return cls(names.who(request.client.address), request.client.name, request.headers.get("user-agent", ""))
+
+    def is_heard_by(self, asker: "Who") -> bool:
+        """Say whether a request is a sign of life of this client: its own token, or none and the same program."""
+        if asker.address != self.address:
+            return False
+        return asker.token == self.token if asker.token else asker.agent == self.agent
+
+    def __str__(self) -> str:
+        return f"{self.token} at {self.address}" if self.token else self.address
+
+
+class Hold:
+    """What moves the base now, for whom, and when that client was heard."""
+
+    def __init__(self, who: Who, motion: Motion, lease: LeaseClient, heartbeat: Heartbeat) -> None:
+        self.who = who
+        self.motion = motion
+        self.lease = lease
+        self.heartbeat = heartbeat
+
+
+class Driver:
+    """Moves the base for who asks first, until that one stops, falls silent, or it is over."""
+
+    def __init__(self, robot: Robot, heartbeat_s: float, unattended_s: float) -> None:
+        self._robot = robot
+        self._heartbeat_s = heartbeat_s
+        self._unattended_s = unattended_s
+        self._hold: Hold | None = None
+        self._asking = False
+        self._given_up = (0, "")  # how often, and why
+        self._stopped_s = -inf
+        self._rests: tuple[Who, float] | None = None
+        self.begun = -inf
+        """When a motion was accepted last."""
+
+    @property
+    def holder(self) -> str:
+        """Return for whom the base moves; empty for nobody."""
+        return str(self._hold.who) if self._hold is not None else ""
+
+    def beat(self, who: Who) -> None:
+        """Take note that a client lives."""
+        if self._hold is not None and self._hold.who.is_heard_by(who):
+            self._hold.heartbeat.beat(self._robot.now())
+
+    async def move(self, who: Who, asked: Asked, came_s: float = inf) -> None:
+        """Move like this from now on; return once the drive has accepted it, else raise Refused with the reason.
+
+        What came before a stop, and is read only now, begins nothing; `came_s` is when it came.
+        """
+        assert asked.motion is not None
+        before = self._given_up
+        if came_s <= self._stopped_s:
+            raise Refused(409, before[1], code="stopped")
+        self._refuse_unrested(who)
+        await until(lambda: not self._asking or self._given_up != before)
+        self._refuse_given_up(before)
+        hold = self._hold
+        if hold is not None and not hold.who.is_heard_by(who):
+            raise Refused(409, f"held by {hold.who}; stop it first", code="held")
+        if hold is not None and hold.motion == asked.motion and hold.lease.holds:
+            hold.heartbeat.beat(self._robot.now())
+            return
+        self._asking = True
+        try:
+            await self._ask(who, asked.motion, self._heartbeat(bounded=asked.bounded), before)
+            self.begun = self._robot.now()
+        finally:
+            self._asking = False
+
+    async def stop(self, who: Who, why: str, came_s: float = inf) -> None:
+        """Stop whatever moves, whoever moves it; return once that was acknowledged, else raise Refused."""
+        if self._rests is not None and self._rests[0].is_heard_by(who):
+            self._rests = None
+        self.give_up(why, who, came_s)
+        asked = self._robot.ctx.ask("halt", StopCommand(reason=why[:200], whole=True), STOP_S)
+        await until(lambda: asked.answers() is not None)
+        answers = asked.answers() or {}
+        if not answers:
+            raise Refused(503, "'halt' is wired to nothing by channel rows", code="wiring")
+        for name, answer in answers.items():
+            if answer is None:
+                raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
+            if not answer.accepted:
+                raise Refused(409, answer.why)
+
+    def stop_own(self, who: Who, why: str) -> None:
+        """Stop what moves for a client."""
+        if self._hold is not None and self._hold.who.is_heard_by(who):
+            self.give_up(why, who)
+
+    def give_up(self, why: str, by: Who | None = None, came_s: float = inf) -> None:
+        """Move nothing any more, also not what was asked for and has not begun; `by` is the client that says so."""
+        self._given_up = (self._given_up[0] + 1, why)
+        self._stopped_s = max(self._stopped_s, min(came_s, self._robot.now()))
+        hold, self._hold = self._hold, None
+        if hold is None:
+            return
+        hold.lease.release(why)
+        if by is None or not hold.who.is_heard_by(by):
+            self._rests = hold.who, self._robot.now() + REST_S
+
+    def step(self, now: float) -> None:
+        """Read the answers, renew, and stop what nobody wants any more."""
+        hold = self._hold
+        if hold is None:
+            return
+        for result in self._robot.moved:
+            hold.lease.hear(result)
+        hold.lease.step()
+        ended = hold.lease.ended
+        if hold.heartbeat.is_lost(now):
+            self._lose(hold, now)
+        elif ended is not None and not self._asking:
+            self._hold = None
+            if ended.code in STOPPED:
+                self._rests = hold.who, now + REST_S
+        else:
+            hold.lease.keep(_timed(hold.motion))
+
+    def _lose(self, hold: Hold, now: float) -> None:
+        why = f"its client {hold.who} was silent for {hold.heartbeat.silent_s(now):.1f} s"
+        self._given_up = (self._given_up[0] + 1, why)
+        self._hold = None
+        if hold.lease.ended is None:
+            hold.lease.release(why, lost=True)
+            self._robot.ctx.event("client_lost", f"the base was stopped: {why}", level="warning", code="holder_gone")
+
+    async def _ask(self, who: Who, motion: Motion, heartbeat: Heartbeat, before: tuple[int, str]) -> None:
+        """Begin, or go on under the lease there is; what ended just then is begun again."""
+        why: Reason | None = None
+        for _ in range(MOST_TRIES):
+            hold = self._hold
+            changes = hold is not None and hold.lease.holds
+            why = await (self._change if changes else self._begin)(who, motion, heartbeat)
+            self._refuse_given_up(before)
+            if why is None or not (changes and why.code in {"dead_lease", "done"}):
+                break
+            self._hold = None
+        if why is not None and why.code != "done":  # what is there already needs no motion
+            raise Refused(503 if why.code in {"unreachable", "wiring"} else 409, why)
+
+    async def _begin(self, who: Who, motion: Motion, heartbeat: Heartbeat) -> Reason | None:
+        lease = LeaseClient(self._robot.ctx, TARGETS[PORTS[type(motion)]], _timed(motion))
+        hold = self._hold = Hold(who, motion, lease, heartbeat)
+        await until(lambda: self._hold is not hold or _answered(lease))
+        if lease.accepted is not None:
+            return None
+        if self._hold is hold:
+            self._hold = None
+        return lease.ended or Reason("cancelled", "it was given up")
+
+    async def _change(self, who: Who, motion: Motion, heartbeat: Heartbeat) -> Reason | None:
+        """Quote the lease for another motion; whatever is refused ends what moves."""
+        assert self._hold is not None
+        assert self._hold.lease.accepted is not None
+        held = structs.replace(self._hold.lease.accepted, goal="")
+        lease = LeaseClient(self._robot.ctx, TARGETS[PORTS[type(motion)]], given=held)
+        asked = lease.send(_timed(motion))
+        assert asked is not None
+        hold = self._hold = Hold(who, motion, lease, heartbeat)
+        await until(lambda: self._hold is not hold or asked.answers() is not None)
+        reply = next(iter((asked.answers() or {}).values()), None)
+        if self._hold is not hold:
+            return Reason("cancelled", "it was given up")
+        if not isinstance(reply, CommandReply):
+            return Reason("unreachable", "the drive does not answer")
+        if reply.accepted:
+            return None
+        if reply.code == "dead_lease" and reply.cause not in STOPPED:
+            return Reason("dead_lease", reply.why.text)
+        if reply.code == "dead_lease":
+            self._rests = who, self._robot.now() + REST_S
+        lease.step()  # it halts what is not wanted any more
+        self._hold = None
+        return reply.why
+
+    def _heartbeat(self, *, bounded: bool) -> Heartbeat:
+        return Heartbeat(self._robot.now(), self._heartbeat_s, self._unattended_s if bounded else 0.0)
+
+    def _refuse_given_up(self, before: tuple[int, str]) -> None:
+        if self._given_up != before:
+            raise Refused(409, self._given_up[1], code="stopped")
+
+    def _refuse_unrested(self, who: Who) -> None:
+        """Refuse to begin again for a client that goes on asking although another has stopped what it moved."""
+        if self._rests is None or not self._rests[0].is_heard_by(who):
+            return
+        now = self._robot.now()
+        if now >= self._rests[1]:
+            self._rests = None
+            return
+        self._rests = self._rests[0], now + REST_S
+        text = f"stopped by another meanwhile: send level 0, or nothing for {REST_S:g} s"
+        raise Refused(409, text, code="rest_first")
+
+
+def _timed(motion: Motion) -> Motion:
+    return structs.replace(motion, ttl_s=TTL_S)
+
+
+def _answered(lease: LeaseClient) -> bool:
+    lease.step()
+    return lease.accepted is not None or lease.ended is not None

@@ -1,0 +1,275 @@
+"""The old API as a face: its paths, and for each what it has always answered."""
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import msgspec
+from starlette.responses import Response
+
+from lbr.apps.http import names
+from lbr.apps.web import face as web
+from lbr.apps.web.bridge import until
+from lbr.apps.web.cameras.ports import Ports
+from lbr.apps.web.cameras.routes import CamerasFace
+from lbr.apps.web.face import Refused, Request, Route
+from lbr.apps.web.robot import Robot
+from lbr.errors import InputError
+from lbr.messages.camera import SelectCommand
+from lbr.messages.dock import DockHeard
+from lbr.messages.speech import SayCommand
+from lbr.messages.system import Role
+from lbr.robots.lbr.original import wishes
+from lbr.robots.lbr.original.driving import Driver, Who
+from lbr.robots.lbr.original.package import cameras, lasting, package, with_beams
+from lbr.robots.lbr.original.wishes import Asked, NotFiniteError
+
+LINE_END = "\r\n"
+NOT_FOUND = f"Service not available.{LINE_END}"
+VALID, INVALID = f"Validation succeeded.{LINE_END}", f"Validation failed.{LINE_END}"
+ALLOWED = {
+    "Access-Control-Allow-Credentials": "true",
+    "Access-Control-Allow-Methods": "GET, POST, OPTIONS",
+    "Access-Control-Allow-Headers": "X-Requested-With, Content-type, User, Authorization",
+}
+ASK_FOR_TOKEN = {"WWW-Authenticate": 'TOK realm="lbr"'}
+NO_TOKEN = "show a token: 'User: NAME' and 'Authorization: TOK:TOKEN'; 'lbr token add NAME --for web' makes one"  # noqa: S105 - a sentence
+ACT_S = 4.0
+"""A motion may have to be asked for again, and a text is said after that."""
+ASK_S, CATCH_UP_S = 1.0, 1.0
+
+
+class LbrOriginalFace(web.Face):
+    """What the clients of the robot lbr ask; pictures are as the face `cameras` shows them."""
+
+    name = "lbr_original"
+
+    def __init__(self, robot: Robot) -> None:
+        settings = robot.settings.old_api
+        self._robot = robot
+        self._settings = settings
+        self._driver = Driver(robot, settings.heartbeat_s, settings.unattended_s)
+        self._cameras = CamerasFace(Ports(robot))
+        self._seen: dict[str, float] = {}
+        self._told: dict[str, Any] = {}
+        self._told_at: float | None = None
+
+    def routes(self) -> Sequence[Route]:
+        """Return what it answers; what fits any path comes last."""
+        pictures = [route for route in self._cameras.routes() if route.path != "/cameras"]
+        return [*self._actions(), *self._readings(), *pictures, *self._others()]
+
+    def step(self, now: float) -> None:
+        """Go on with what moves, and take pictures in."""
+        self._cameras.step(now)
+        self._driver.step(now)
+        self._remember(now)
+
+    def knows(self) -> bool:
+        """Say whether every part of the telemetry that the robot has was told."""
+        latest = self._robot.ctx.latest("telemetry")
+        return latest is not None and latest.message.complete
+
+    def stopped(self, reason: str) -> None:
+        """Move nothing any more."""
+        self._driver.give_up(reason)
+
+    def close(self) -> None:
+        """End the streams."""
+        self._cameras.close()
+
+    def state(self) -> dict[str, Any]:
+        """Return for whom the base moves."""
+        return {"holder": self._driver.holder}
+
+    def _actions(self) -> list[Route]:
+        act: dict[str, Any] = {"method": "POST", "lenient": True, "bare": True, "role": None, "otherwise": _no_token}
+        refuses = {400: "It makes no sense.", 401: "A token is needed.", 409: "The robot refuses it now."}
+        return [
+            Route(
+                path="/", handle=self._act, summary="Move, turn, stop, speak; the answer is the telemetry",
+                description="One of heading, turn, or level with angle, and range, sensor, duration; speech besides. "
+                "Where something is refused, the answer has `refused` besides the telemetry.",
+                replies={200: dict[str, Any]}, within_s=ACT_S, refuses=refuses, **act,
+            ),
+            Route(path="/say", handle=self._say, summary="Say a text", replies={200: None}, refuses=refuses, **act),
+            Route(
+                path="/docksignal", handle=self._dock, summary="Tell that a beam of the dock is seen",
+                replies={204: None}, refuses=refuses, **act,
+            ),
+            Route(path="/wakeup", handle=self._wake, summary="Nothing: it is awake", replies={204: None}, **act),
+            Route(
+                path="/camera/{name}", handle=self._camera, summary="Switch a camera on and the others off, or all off",
+                replies={200: web.TEXT}, refuses=refuses | {404: "There is no such camera."}, **act,
+            ),
+        ]  # fmt: skip
+
+    def _readings(self) -> list[Route]:
+        found = []
+        for path, handle, summary, reply, role in (
+            ("/telemetry", self._telemetry, "All that is known, in the names of old", web.TEXT, "view"),
+            ("/cameras", self._states, "Which cameras there are, and which is on", dict[str, Any], "view"),
+            ("/validate", self._validate, "Say whether the token shown is valid", web.TEXT, None),
+        ):
+            route: dict[str, Any] = {"method": "GET", "handle": handle, "replies": {200: reply}, "role": role}
+            refuses = {401: "The token is not valid."}
+            found.append(Route(path=path, summary=summary, refuses=refuses, **route))
+            found.append(Route(path=path + "{more*}", summary="", hidden=True, **route))
+        return found
+
+    def _others(self) -> list[Route]:
+        other: dict[str, Any] = {"path": "/{path*}", "summary": "", "role": None, "hidden": True}
+        return [
+            Route(method="GET", handle=_nothing, replies={404: web.TEXT}, page=True, **other),
+            Route(method="POST", handle=_nothing, replies={404: web.TEXT}, lenient=True, **other),
+            Route(method="OPTIONS", handle=_options, replies={200: None}, **other),
+        ]
+
+    async def _act(self, request: Request) -> Response:
+        """Do what a body asks for; whatever becomes of it, the answer has the telemetry."""
+        who = Who.of(request)
+        if not _may_stop(request):
+            _require(request, "operate")
+        try:
+            asked = wishes.asked(request.body)
+        except InputError as err:
+            if isinstance(err, NotFiniteError):
+                self._driver.stop_own(who, str(err))
+            return self._answered(Refused(400, str(err), code=err.code))
+        if not asked.stop:
+            _require(request, "operate")
+        try:
+            await self._do(request, who, asked)
+        except Refused as err:
+            return self._answered(err)
+        return self._answered()
+
+    async def _do(self, request: Request, who: Who, asked: Asked) -> None:
+        if asked.stop:
+            await self._driver.stop(who, f"stopped by {who}", request.came_s)
+        elif asked.motion is not None:
+            await self._driver.move(who, asked, request.came_s)
+        else:
+            self._driver.beat(who)
+        if asked.speech:
+            _require(request, "operate")
+            await self._speak(asked.speech)
+
+    async def _say(self, request: Request) -> Response:
+        _require(request, "operate")
+        try:
+            text = wishes.speech(request.body)
+        except InputError as err:
+            raise Refused(400, str(err)) from None
+        await self._speak(text)
+        return Response(status_code=200)
+
+    async def _dock(self, request: Request) -> Response:
+        """Take note of a beam for as long as it counts, and tell the receiver, if the robot has one."""
+        _require(request, "operate")
+        try:
+            beams = wishes.beams(request.body)
+        except InputError as err:
+            raise Refused(400, str(err)) from None
+        for name, seen in beams.items():
+            self._seen.pop(name, None)
+            if seen:
+                self._seen[name] = self._robot.now()
+        if any(beams.values()) and self._robot.ctx.targets("dock_heard"):
+            await self._robot.ask_all("dock_heard", DockHeard(**beams), timeout_s=ASK_S)
+        return Response(status_code=204)
+
+    async def _wake(self, request: Request) -> Response:
+        _require(request, "view")
+        return Response(status_code=204)
+
+    async def _camera(self, request: Request) -> Response:
+        _require(request, "operate")
+        name = request.keys["name"]
+        try:
+            command = msgspec.convert({"name": name}, SelectCommand)
+        except msgspec.ValidationError:
+            raise Refused(404, f"there is no camera '{name[:40]}'") from None
+        reply = await self._robot.ask("select_camera", command, timeout_s=ASK_S)
+        if not reply.accepted:
+            raise Refused(404 if reply.code == "unknown_name" else 409, reply.why)
+        return web.text(f"{{}}{LINE_END}")
+
+    async def _speak(self, text: str) -> None:
+        reply = await self._robot.ask("say", SayCommand(text=text), timeout_s=ASK_S)
+        if not reply.accepted:
+            raise Refused(409, reply.why)
+
+    async def _telemetry(self, request: Request) -> Response:
+        if request.method == "GET":
+            self._driver.beat(Who.of(request))
+            await self._catch_up()
+        return web.text(msgspec.json.encode(self._package()).decode())
+
+    async def _catch_up(self) -> None:
+        """Wait for telemetry that is newer than the last motion: clients wait for one to end by its currents."""
+        latest, late = self._robot.ctx.latest, self._robot.now() + CATCH_UP_S
+
+        def is_new() -> bool:
+            last = latest("telemetry")
+            part = last.message.amperages if last is not None else None
+            return last is None or last.arrived - (part.age_s if part is not None else 0.0) > self._driver.begun
+
+        await until(lambda: is_new() or self._robot.now() >= late)
+
+    async def _states(self, _request: Request) -> Response:
+        return web.json(cameras(self._robot.ctx.latest("telemetry")))
+
+    def _validate(self, request: Request) -> Response:
+        valid = bool(request.client.name)
+        return web.text(VALID) if valid else Response(INVALID, 401, ASK_FOR_TOKEN, web.TEXT)
+
+    def _package(self) -> dict[str, Any]:
+        now, latest = self._robot.now(), self._robot.ctx.latest
+        wall = time.time()
+        newest = package(latest("telemetry"), latest("ranges"), now, wall, self._settings.over_range_cm)
+        found = lasting(self._told, newest)
+        self._seen = {name: at for name, at in self._seen.items() if now - at <= self._settings.dock_ttl_s}
+        return with_beams(found, {name: now - at for name, at in self._seen.items() if name != "power"}, wall)
+
+    def _remember(self, now: float) -> None:
+        """Keep what was told last: state machines compute with it, also while it is not known."""
+        newest = self._robot.ctx.latest("telemetry")
+        if newest is not None and newest.arrived != self._told_at:
+            self._told_at = newest.arrived
+            told = package(newest, None, now, time.time(), self._settings.over_range_cm)
+            self._told = lasting(self._told, told)
+
+    def _answered(self, err: Refused | None = None) -> Response:
+        """Return the telemetry, and what was refused of what was asked."""
+        if err is None:
+            return web.json(self._package())
+        refused = {"message": err.message, "code": err.code}
+        headers = {name.replace("-", "_"): value for name, value in err.headers.items()}
+        return web.json({**self._package(), "refused": refused}, err.status, Reason_Code=err.code, **headers)
+
+
+def _may_stop(request: Request) -> bool:
+    """Say whether a request may stop: everybody at this machine may, and every role from elsewhere."""
+    return names.is_loopback(request.client.address) or request.client.role is not None
+
+
+def _require(request: Request, role: Role) -> None:
+    """Raise Refused unless a token, or the setting `legacy`, lets a request do what needs a role."""
+    client = request.client
+    if not (client.name or client.legacy):
+        raise Refused(401, NO_TOKEN)
+    request.require(role)
+
+
+def _no_token() -> Response:
+    """Return the answer to who shows no token or a wrong one, which has no body, as it always had none."""
+    return Response(status_code=401, headers={"Reason-Code": "token", **ASK_FOR_TOKEN})
+
+
+def _nothing(_request: Request) -> Response:
+    return web.text(NOT_FOUND, 404)
+
+
+def _options(_request: Request) -> Response:
+    return Response(status_code=200, headers=ALLOWED)

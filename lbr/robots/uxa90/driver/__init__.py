@@ -1,0 +1,109 @@
+"""The serial line of a UXA-90: its main board (UIC) and the SAM servos behind it; its kind and its settings."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct, field
+
+from lbr.capability.word import Word
+from lbr.drivers.servos import ServosSettings, servos_kind
+from lbr.messages.imu import ImuSample
+from lbr.messages.leases import CommandReply
+from lbr.messages.system import AcknowledgeS
+from lbr.robots.uxa90.driver.messages import (
+    ConfigureCommand,
+    ControllerState,
+    InquireCommand,
+    InquireReply,
+    TakeControlCommand,
+)
+
+Slot = Annotated[int, Meta(ge=1, le=42)]
+
+
+class ImuSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the main board's inertial unit is asked, and what its six bytes mean, which nobody has verified on a robot."""
+
+    asked: Annotated[
+        Literal["never", "simulated", "always"],
+        Meta(description="whether it is asked all the time; `simulated`: not on hardware"),
+    ] = "never"
+    hz: Annotated[float, Meta(ge=1.0, le=20.0, description="how often, each time between two questions to servos")] = (
+        10.0
+    )
+    lsb_per_g: Annotated[
+        float, Meta(gt=0.0, le=1e6, description="what it counts at rest along the axis that is up")
+    ] = 256.0
+    gravity_sign: Annotated[
+        Literal[-1, 1], Meta(description="-1: it counts below zero along the axis that points up")
+    ] = 1
+    order: Annotated[Literal["big", "little"], Meta(description="which byte of a number comes first")] = "big"
+    sum: Annotated[
+        bool, Meta(description="whether the sum of its answer is right, and one with another is thrown away")
+    ] = True
+
+
+class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Settings of a row of kind `uxa90`."""
+
+    baud: Annotated[int, Meta(ge=4800, le=921_600)] = 115_200
+    sweep_hz: Annotated[float, Meta(ge=0.0, le=50.0, description="position sweeps per second; 0 reads none")] = 20.0
+    on_estop: Annotated[
+        Literal["hold", "break", "release"],
+        Meta(description="the emergency stop: hold still, short the motors (dynamic brake), or release at once"),
+    ] = "break"
+    acknowledge_s: AcknowledgeS = 3.0
+    """Until every servo was read to stand still: after a motion of the main board a second passes before any may be asked."""
+    reply_s: Annotated[float, Meta(ge=0.002, le=0.25, description="how long a servo's answer is waited for")] = 0.03
+    together: Annotated[int, Meta(ge=1, le=25, description="this many servos are asked in one write")] = 5
+    settle_s: Annotated[float, Meta(ge=0.0, le=5.0, description="from taking control to the first servo packet")] = 1.0
+    trust: Annotated[
+        Literal["never", "plausible", "always"],
+        Meta(description="whether positions that servos report are believed: they carry neither id nor checksum"),
+    ] = "plausible"
+    stored_by: Annotated[
+        Literal["remote", "direct"],
+        Meta(description="how the main board's motions are started: as its remote control does, or in PC control"),
+    ] = "remote"
+    slots: Annotated[
+        tuple[Slot, ...], Meta(description="motions that may be started; 33 and 34 switch the robot off and its mode")
+    ] = (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 21)
+    offsets: Annotated[
+        dict[int, Annotated[int, Meta(ge=-60, le=60)]], Meta(description="counts added to each position of a servo")
+    ] = field(default_factory=dict)
+    maintenance: Annotated[bool, Meta(description="whether servos' registers may be written")] = False
+    imu: ImuSettings = ImuSettings()
+
+    def doubts(self) -> tuple[str, ...]:
+        """Return what is allowed and mostly wrong: servos that are told where to go, and never asked where they are."""
+        if self.sweep_hz:
+            return ()
+        text = (
+            "sweep_hz is 0, so no servo is read: one that gets power late goes at once to where it was sent meanwhile"
+        )
+        return (f"{text}, with the torque that was asked for",)
+
+
+KIND = servos_kind(
+    "uxa90",
+    "the serial line of a UXA-90: its main board and the SAM servos behind it",
+    "lbr.robots.uxa90.driver.capability:Uxa90",
+    Uxa90Settings,
+    recognised="lbr.robots.uxa90.driver.recognition:HANDSHAKE",
+    outputs={"controller": ControllerState, "imu": ImuSample},
+    commands={"take_control": TakeControlCommand, "inquire": InquireCommand, "configure": ConfigureCommand},
+    replies={"take_control": CommandReply, "inquire": InquireReply, "configure": InquireReply},
+    roles={"configure": "admin", "inquire": "view"},
+    words=(
+        Word(
+            "pc",
+            "take_control",
+            "Take the main board over, so that it passes servo packets on; done by itself before the first move",
+        ),
+        Word("/inquire/{what}", "inquire", "Ask the main board: firmware, serial, zeros, imu or last_button"),
+        Word(
+            "/inquire/{what}/{id}",
+            "inquire",
+            "Ask a servo: position14, gains, integral_gain, speed, overload, boundary or digital_io",
+        ),
+    ),
+)

@@ -1,0 +1,237 @@
+"""The line of a UXA-90 as a capability: what its main board adds to servos that cannot say whether they have torque."""
+
+from math import inf
+
+from lbr.capability.context import Call, Context, Device
+from lbr.drivers.servos.capability import Servos
+from lbr.drivers.servos.gate import ended, receive
+from lbr.errors import DeviceError
+from lbr.messages.codes import Reason
+from lbr.messages.leases import CommandReply
+from lbr.messages.servos import RecoverServos, ServoPhase, ServoSetpoint, ServosState, StoredPlay
+from lbr.robots.uxa90.driver import Uxa90Settings
+from lbr.robots.uxa90.driver.commands import Commands
+from lbr.robots.uxa90.driver.estop import EmergencyStop
+from lbr.robots.uxa90.driver.messages import ControllerState, TakeControlCommand
+from lbr.robots.uxa90.driver.session import SILENT_S, Session
+from lbr.robots.uxa90.driver.stored_motions import StoredMotions
+from lbr.robots.uxa90.driver.view import MEASURED_S, servo_state, statistics
+
+RETAKE_S = 3.0
+BLIND_S = 1.5
+"""How long after PC control was taken it may take until it is known where the servos are."""
+CONTROLLER_S = 0.5
+LOOKED_FOR = "PC control is being taken, and the servos are looked for"
+CONTACT = "was out of reach: was it without power? Switch its torque off, then on"
+
+
+class Uxa90(Servos[Uxa90Settings, Session]):
+    """The servos behind a UXA-90's main board, and the motions that it keeps."""
+
+    warn_every_s = 2.0
+
+    def __init__(self, ctx: Context[Uxa90Settings]) -> None:
+        super().__init__(ctx)
+        self._plays = StoredMotions()
+        self._asked: StoredPlay | None = None
+        self._contact_lost = ""
+        self._estop = EmergencyStop(ctx, self._joints)
+        self._commands = Commands(ctx, self._joints)
+        self._passed_since = inf
+        self._known = self._unheard = False
+        self._halts = 0
+        self._retaken_at = self._controller_at = -inf
+
+    def connected(self, device: Device, servos: list[int]) -> Session:
+        """Open the line and take PC control, which moves nothing."""
+        self._asked = None
+        self._passed_since, self._known, self._unheard, self._retaken_at = inf, False, False, -inf
+        return Session(self.ctx, device, servos, self.tell, self._plays, self._contact_lost)
+
+    def hear(self, session: Session) -> None:
+        """Take in what the main board said; take control once it was asked who it is."""
+        session.step()
+
+    def act(self, session: Session, now: float) -> None:
+        """Have the main board and the servos told what follows."""
+        session.controller.step(self._gate, self._asked)
+        self._plays = session.controller.plays
+        self._estop.step(session, now)
+        if not session.controller.occupied:
+            session.targets.apply(self._gate, self._strength(now))
+        session.tell(urgent=not self._gate.follows or self._gate.halts != self._halts)
+        self._halts = self._gate.halts
+
+    def answer(self, session: Session) -> None:
+        """Answer the commands that waited for the line."""
+        self._commands.step(session)
+
+    def command(self, call: Call) -> None:
+        """Answer a command; what needs the line, when that has answered."""
+        session = self._session
+        if session is None:
+            call.refuse(f"device '{self.ctx.settings.device}' is away", "unreachable")
+        elif isinstance(call.message, RecoverServos):
+            call.reply(CommandReply(accepted=True, reason="these servos report no faults, so that none is latched"))
+        elif isinstance(call.message, TakeControlCommand):
+            self._commands.take_control(call, session)
+        else:
+            self._commands.ask(call, session, moving=self._gate.follows and bool(self._gate.lease))
+
+    def refuse_waiting(self, reason: str) -> None:
+        """Refuse the commands that wait for the line."""
+        self._commands.refuse(reason)
+
+    def closing(self, session: Session) -> None:
+        """Note that the servos were out of reach, if that ended the session."""
+        if session.failure is not None:
+            self._contact_lost = CONTACT
+
+    def closed(self, session: Session) -> None:
+        """Keep what became of the main board's motion."""
+        self._plays = session.controller.plays
+
+    def check(self, session: Session, now: float) -> None:
+        """Look whether any servo answers; raise that none does any more."""
+        device = self.ctx.settings.device
+        poller, controller = session.poller, session.controller
+        if not (controller.passes and poller.reading):
+            self._passed_since = inf
+            return
+        self._passed_since = min(self._passed_since, now)
+        waited = now - self._passed_since > BLIND_S or not self.ctx.settings.sweep_hz
+        self._known = self._known or (self.answers() and (poller.told_apart or waited))
+        heard = poller.heard > session.opened
+        if heard and self._unheard:
+            self._unheard = False
+            self._begin_anew(session, "servos were told unheard, and answer now")
+        silent_s = now - max(poller.heard, self._passed_since)
+        if not session.mute or silent_s < SILENT_S or now - self._retaken_at < RETAKE_S:
+            return
+        if not self.answers() or (heard and poller.heard <= self._retaken_at):
+            self._contact_lost = CONTACT
+            more = " any more" if heard else ""
+            raise DeviceError(
+                f"device '{device}': none of its {len(self._joints)} servos answers{more}; is the robot's power on? "
+                f"Check the cable, and the row's baud ({self.ctx.settings.baud})"
+            )
+        self._retaken_at, self._unheard = now, not heard
+        if heard:
+            self._begin_anew(session, "no servo answered; PC control was taken again")
+        controller.lost()
+
+    def _begin_anew(self, session: Session, why: str) -> None:
+        """End what moves: who has torque is held where it is, once that is read."""
+        self._gate = ended(self._gate, why)
+        session.targets.loose(self._gate.goals)
+
+    def answers(self) -> bool:
+        """Say whether the main board or a servo said anything; where the row reads no servos nothing is waited for."""
+        session = self._session
+        if session is None:
+            return False
+        return session.answered or session.poller.heard > session.opened or not self.ctx.settings.sweep_hz
+
+    def lacks(self) -> Reason | None:
+        """Return that the servos are still being looked for, or nothing."""
+        return None if self._known else Reason("not_ready", LOOKED_FOR)
+
+    def admit(self, setpoint: ServoSetpoint, arrived: float, now: float) -> None:
+        """Have the gate judge a setpoint; what began before the line was open does not go on."""
+        before = self._gate if self._gate.seen else self._gate.revoked(setpoint.lease)
+        self._gate = receive(before, setpoint, arrived, now, self.ctx.settings.setpoint_valid_s)
+        if self._gate is not before:
+            self._asked = setpoint.stored
+
+    def unusable(self, session: Session) -> str:
+        """Say which servos are not measured, or nothing."""
+        seen = session.poller.seen
+        away = [servo for servo, one in seen.items() if one.reason]
+        if self._unheard or len(away) == len(seen):
+            return "no servo answers, so that nothing is measured; is the robot's power on?"
+        return f"{self.named(away, 'not measured:')}; check cable and power" if away else ""
+
+    def phase(self, session: Session | None, now: float) -> ServoPhase:
+        """Return what the servos do; what was left with torque before may hold still, unless contact was lost."""
+        if session is not None and not self._gate.seen and session.targets.unknown and not self._contact_lost:
+            return "holding"
+        occupied = session is not None and session.controller.occupied
+        return self.energised_phase(now) if occupied else super().phase(session, now)
+
+    def _inhibited(self) -> str:
+        """Say why no setpoint would be applied, or nothing."""
+        if self._gate.estop or self._gone():
+            return self._gate.reason or self._gone()
+        return "" if self._known else LOOKED_FOR
+
+    def shown(self, session: Session, now: float) -> tuple[object, ...]:
+        """Return all that is to be published at once when it changes; the main board's mode first."""
+        gate, stored = self._gate, session.controller.plays.state()
+        seen = (session.poller.sweep, self.phase(session, now), gate.reason, gate.halt, stored, self._known)
+        return session.controller.mode.name, self.ctx.estop.engaged, *seen
+
+    def published(self, session: Session, before: tuple[object, ...], now: float) -> None:
+        """Publish the main board's state when its mode changes, and now and then."""
+        if not before or before[0] != self._shown[0] or now - self._controller_at >= CONTROLLER_S:
+            self._controller_at = now
+            self._publish_controller(session)
+
+    def publish_state(self, session: Session | None, now: float, away: str = "") -> None:
+        """Publish one coherent look at all servos, or that the line is away."""
+        if session is None:
+            self._publish_away(now, away)
+            return
+        poller, targets, inhibited = session.poller, session.targets, self._inhibited()
+        self.ctx.publish(
+            "state",
+            ServosState(
+                sweep=poller.sweep,
+                measured_s=poller.ended if poller.sweep else now,
+                armed=not inhibited,
+                phase=self.phase(session, now),
+                servos=tuple(servo_state(targets, out, poller.seen[out.id], now) for out in targets.servos.values()),
+                reason=inhibited or self._gate.reason,
+                stores=True,
+                stored=session.controller.plays.state(),
+                mode=session.controller.mode.name,
+                tells_torque=False,
+                bus=statistics(session.bus, poller),
+                **self.common_state(),
+            ),
+        )
+
+    def _publish_controller(self, session: Session) -> None:
+        seen, counts, trust = session.poller.seen.values(), session.bus.counts, self.ctx.settings.trust
+        trusted = sum(one.trusted and self.ctx.clock() - one.at < MEASURED_S for one in seen)
+        why = f"{trusted} of {len(self._joints)} servos are believed" if trusted < len(self._joints) else ""
+        self.ctx.publish(
+            "controller",
+            ControllerState(
+                mode=session.controller.mode.name,
+                firmware=session.identity.get("firmware", ""),
+                serial=session.identity.get("serial", ""),
+                trust=trusted == len(self._joints),
+                reason="positions are not believed by the row's setting trust" if trust == "never" else why,
+                replies=counts.replies,
+                missing=counts.missing,
+                implausible=sum(one.implausible for one in seen),
+                strays=counts.strays,
+            ),
+        )
+
+    def _publish_away(self, now: float, reason: str) -> None:
+        state = ServosState(
+            sweep=0,
+            measured_s=now,
+            armed=False,
+            phase="holding" if self._left_on else "released",
+            servos=(),
+            reason=reason,
+            stores=True,
+            stored=self._plays.state(),
+            mode="unknown",
+            tells_torque=False,
+            **self.common_state(),
+        )
+        self.ctx.publish("state", state)
+        self.ctx.publish("controller", ControllerState(mode="unknown", reason=reason))

@@ -1,0 +1,72 @@
+"""What the emergency stop does on the line, and when it is acknowledged: after the servos were read to stand still."""
+
+from collections.abc import Mapping
+from math import inf
+
+from lbr.capability.context import Context
+from lbr.robots.uxa90.driver import Uxa90Settings
+from lbr.robots.uxa90.driver.session import Session
+
+NAMED = 3
+AGAIN_S = 0.3
+RELEASED = "the emergency stop let it go; switch its torque off, then on"
+
+
+class EmergencyStop:
+    """`step` it in every round; nothing that it does is ended by releasing the stop."""
+
+    def __init__(self, ctx: Context[Uxa90Settings], joints: Mapping[int, str]) -> None:
+        self._ctx = ctx
+        self._joints = joints
+        self._engaged = False
+        self._since = inf
+        self._told_at = -inf
+        self._passed = False
+        self._done = self._rested = False
+
+    def step(self, session: Session, now: float) -> None:
+        """Do what the row says, until it is known to have worked; acknowledge that."""
+        estop = self._ctx.estop
+        if not estop.engaged:
+            if self._engaged:
+                self._engaged = False
+                estop.acknowledge(stopped=False, reason="released")
+            return
+        first = not self._engaged
+        if first:
+            self._engaged, self._since, self._told_at = True, now, -inf
+            self._done = self._rested = False
+            session.targets.watch_rest()
+            session.controller.take()
+        passes = session.controller.passes
+        newly_passes, self._passed = passes and not self._passed, passes
+        if not self._done and (first or newly_passes or now - self._told_at >= AGAIN_S):
+            self._told_at = now
+            self._act(session)
+        why = self._unconfirmed(session)
+        self._done = self._done or not why
+        estop.acknowledge(stopped=not why, reason=why)
+
+    def _act(self, session: Session) -> None:
+        how = self._ctx.settings.on_estop
+        if how == "break":
+            session.brake()
+        elif how == "release":
+            session.targets.release(RELEASED)
+
+    def _unconfirmed(self, session: Session) -> str:
+        """Say why it is not known that the servos stood still, or nothing.
+
+        What was read to stand still once, and is told nothing since, is moved by its weight or by hand.
+        """
+        if session.controller.occupied or not session.controller.passes:
+            self._rested = False
+            return "the main board is asked to pass servo packets on"
+        if self._ctx.settings.trust == "never" or not self._ctx.settings.sweep_hz:
+            return "the servos were told, and nothing confirms it: the row's settings trust or sweep_hz forbid that"
+        left = [] if self._rested else session.targets.unrested(self._since)
+        self._rested = not left
+        if not left:
+            return ""
+        some = ", ".join(f"{self._joints[servo]} (servo {servo})" for servo in left[:NAMED])
+        return f"not confirmed by {some}" + (f" and {len(left) - NAMED} more" if len(left) > NAMED else "")

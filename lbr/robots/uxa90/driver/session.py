@@ -1,0 +1,212 @@
+"""What lives as long as the line of a UXA-90 is open: the bus, its owner, the sweep, what was told, the guard."""
+
+from collections.abc import Mapping
+from concurrent.futures import Future
+from math import inf
+
+from lbr.capability.context import Context, Device
+from lbr.drivers.guard import Guard
+from lbr.drivers.serial_line import open_line
+from lbr.drivers.servos.bus_thread import READ, STOP, WRITE, BusThread
+from lbr.drivers.servos.contract import Tell
+from lbr.drivers.servos.guard import Guard as ServosGuard
+from lbr.drivers.servos.session import CLOSING_S, JUDGED_S, NOTABLE_BYTES, GuardPost
+from lbr.drivers.wire import Wire
+from lbr.messages.imu import ImuSample
+from lbr.robots.uxa90.driver import Uxa90Settings, frames
+from lbr.robots.uxa90.driver.bus import Bus
+from lbr.robots.uxa90.driver.controller import Controller
+from lbr.robots.uxa90.driver.frames import IMU, TAKE_CONTROL
+from lbr.robots.uxa90.driver.inertial_unit import InertialUnit
+from lbr.robots.uxa90.driver.poller import Poller
+from lbr.robots.uxa90.driver.stored_motions import StoredMotions
+from lbr.robots.uxa90.driver.targets import ServoTargets
+
+SILENT_S = 1.5
+IDENTITY = ("firmware", "serial")
+RELEASE = "lbr.robots.uxa90.driver.guard_release"
+
+
+class Session:
+    """All that lives as long as the line is open. `identity` is what the main board said of itself, once it was asked.
+
+    `answered`: whether it said anything at all.
+    """
+
+    def __init__(
+        self,
+        ctx: Context[Uxa90Settings],
+        device: Device,
+        servos: list[int],
+        tell: Tell,
+        known: StoredMotions,
+        blocked: str = "",
+    ) -> None:
+        settings = ctx.settings
+        line = open_line(device, settings.baud)
+        line.low_latency()
+        self._line = Wire(line.fileno(), f"'{device.name}' at {line.path}", settings.baud, line=line)
+        self._ctx, self._servos, self._tell = ctx, servos, tell
+        self.post = GuardPost(ctx, self._start_guard)
+        self.bus = Bus(
+            self._line,
+            settings.reply_s,
+            clock=ctx.clock,
+            stop_waits=self._stop_waits,
+            write_waits=self._write_waits,
+            unsummed=() if settings.imu.sum else (IMU,),
+        )
+        self.unit = InertialUnit(settings.imu, simulated=ctx.simulated)
+        period_s = 1.0 / settings.sweep_hz if settings.sweep_hz else 0.0
+        self.poller = Poller(
+            servos, ctx.clock, period_s, settings.trust, settings.together, moving=self._moving, told=tell
+        )
+        self.thread = BusThread(self.bus, self._turn)
+        seen = self.poller.seen
+        self.targets = ServoTargets(servos, seen, ctx.clock, self._line.wire_s, settings.offsets, blocked)
+        self.controller = Controller(self.thread, self.targets, settings, ctx.clock, known)
+        self.opened = self._judged = ctx.clock()
+        self._strays = 0
+        self.answered = False
+        self.identity: Mapping[str, str] = {}
+        if known.busy:  # the main board does not notice that its cable was out: it may play still
+            self.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
+        self._identified: Future[dict[str, str]] = self.thread.submit(_identify, READ)
+        self.thread.start()
+
+    def step(self) -> None:
+        """Take in what the main board said; take control once it was asked who it is."""
+        now = self._ctx.clock()
+        while self.bus.told:
+            frame = self.bus.told.popleft()
+            self.answered = True
+            self.controller.hear(frame)
+            self._publish(self.unit.hear(frame, now))
+        self._publish(self.unit.missed(now))
+        if self._identified.done() and self.controller.mode.name == "unknown":
+            if not self._identified.cancelled() and self._identified.exception() is None:
+                self.identity = self._identified.result()
+                self.answered = self.answered or bool(self.identity)
+            self.controller.take()
+
+    def tell(self, *, urgent: bool) -> None:
+        """Have the servos told what is due, and read while nothing forbids it."""
+        passes = self.controller.passes
+        if passes and not self.poller.reading:
+            self.thread.submit(lambda _bus: self.poller.afresh(), WRITE)
+        self.targets.open = self.poller.reading = passes
+        if self.targets.due and urgent:
+            self.thread.submit(self.targets.flush_now, STOP, "flush")
+        elif self.targets.due:
+            self.thread.submit(self.targets.flush, WRITE, "flush")
+
+    def brake(self) -> None:
+        """Short all motors, now and, if the main board has to be asked to pass that on first, once it does."""
+        if not self.controller.mode.pc:
+            self.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
+        self.targets.braked()
+        self.thread.submit(self.targets.brake, STOP, "brake")
+
+    @property
+    def guard(self) -> Guard | None:
+        """The guard, once there is one."""
+        return self.post.guard
+
+    @property
+    def turning(self) -> bool:
+        """Return whether any servo has torque by this driver, or the main board moves them."""
+        return self.targets.turning or self.controller.plays.busy
+
+    @property
+    def failure(self) -> Exception | None:
+        """Return what ended the line's thread."""
+        return self.thread.failure
+
+    def beat(self) -> None:
+        """Feed the guard, which is there as soon as a servo was heard, or may have torque."""
+        self.post.beat(needed=self.turning or self.poller.heard > self.opened, turning=self.turning)
+
+    def judge(self) -> None:
+        """Tell of a line that babbles, now and then."""
+        now = self._ctx.clock()
+        if now - self._judged < JUDGED_S:
+            return
+        came = self.bus.counts.strays - self._strays
+        self._strays, self._judged = self.bus.counts.strays, now
+        if came > NOTABLE_BYTES:
+            text = f"{came} bytes came unasked within {JUDGED_S:g} s; check the cable, and for a second sender"
+            self._tell("babble", text, "warning")
+
+    @property
+    def mute(self) -> bool:
+        """Return whether every servo was asked in vain, or some were for so long that all of them may be."""
+        long = bool(self._ctx.settings.sweep_hz) and self.bus.unheard_s >= SILENT_S
+        return long or self.poller.all_silent
+
+    def close(self, *, release: bool) -> None:
+        """Send the last commands, and close; what still has torque then is the guard's."""
+        turning, alive = self.turning, self.thread.failure is None
+        if alive:
+            self.controller.interrupt("the driver ended", {})
+            self.poller.reading = False
+        if alive and release and turning:
+            self.targets.release("the driver ended")
+            self.targets.open = True
+            self.thread.submit(self.targets.flush_now, STOP)
+        self.thread.join(CLOSING_S)
+        self.post.close(to_act=turning and alive and not release)
+        self.bus.close()
+
+    def _start_guard(self) -> Guard:
+        settings = self._ctx.settings
+        settle_s = settings.settle_s
+        return ServosGuard(
+            RELEASE,
+            self._line.fileno(),
+            settings,
+            self._servos,
+            self._ctx.clock,
+            words=(settle_s,),
+            settling_s=2.0 * settle_s,
+        )
+
+    def _turn(self, bus: Bus) -> float:
+        """Read on, unless the main board was given something to do just now."""
+        if not self.targets.open:
+            self.poller.reading = False
+        unit_s = inf
+        if self.unit.asked and self.controller.mode.name in {"pc", "normal"}:
+            unit_s = self.unit.turn(bus, self._ctx.clock())
+        return min(unit_s, self.poller.turn(bus))
+
+    def _publish(self, sample: ImuSample | None) -> None:
+        if sample is not None:
+            self._ctx.publish("imu", sample)
+
+    def _stop_waits(self) -> bool:
+        return self.thread.urgent()
+
+    def _write_waits(self) -> bool:
+        return self.thread.waiting(WRITE)
+
+    def _moving(self, servo: int) -> bool:
+        return self.targets.moving(servo)
+
+
+def _identify(bus: Bus) -> dict[str, str]:
+    """Ask the main board who it is; what it does not say stays unknown."""
+    said = {}
+    for what in IDENTITY:
+        answer = bus.inquire(frames.ask(what), *frames.QUESTIONS[what])
+        if answer is not None:
+            said[what] = words(what, answer.contents)
+    return said
+
+
+def words(what: str, contents: bytes) -> str:
+    """Return for people what the main board said."""
+    if what == "serial":
+        return contents.decode("ascii", "replace")
+    if what == "firmware":
+        return contents.hex(" ").upper()
+    return " ".join(map(str, contents))

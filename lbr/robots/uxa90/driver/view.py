@@ -1,0 +1,48 @@
+"""The state of the servos and of the main board as others see it."""
+
+from lbr.drivers.servos.view import measured_age
+from lbr.messages.servos import BusStatistics, ServoState
+from lbr.robots.uxa90.driver.bus import Bus
+from lbr.robots.uxa90.driver.packets import HEAD, level_torque
+from lbr.robots.uxa90.driver.plausibility import Seen
+from lbr.robots.uxa90.driver.poller import Poller
+from lbr.robots.uxa90.driver.target_state import TargetState
+from lbr.robots.uxa90.driver.targets import ServoTargets
+
+MEASURED_S = 0.6
+
+
+def servo_state(targets: ServoTargets, out: TargetState, seen: Seen, now: float) -> ServoState:
+    """Return one servo: what is not believed, or too old, is not measured."""
+    age_s = now - seen.at
+    believed = seen.trusted and age_s < MEASURED_S and seen.position is not None and seen.load is not None
+    heard = now - seen.raw_at < MEASURED_S
+    return ServoState(
+        id=out.id,
+        position_rad=targets.position_rad(out.id, seen.position) if believed and seen.position is not None else None,
+        load=round(seen.load / (HEAD - 1), 4) if believed and seen.load is not None else None,
+        goal_rad=targets.goal_rad(out),
+        torque=_torque(out),
+        raw=(seen.position if believed else seen.raw) if believed or heard else None,
+        trusted=True if believed else False if heard else None,
+        age_s=measured_age(age_s),
+        reason=seen.reason or out.trouble or out.blocked,
+    )
+
+
+def statistics(bus: Bus, poller: Poller) -> BusStatistics:
+    """Return the figures of the line."""
+    return BusStatistics(
+        sweeps_hz=round(poller.sweeps_hz, 1),
+        states_hz=round(poller.states_hz, 1),
+        sweep_ms=round(poller.sweep_s * 1000.0, 2),
+        timeouts=bus.counts.missing,
+        corrupt=sum(seen.implausible for seen in poller.seen.values()),
+        strays=bus.counts.strays,
+    )
+
+
+def _torque(out: TargetState) -> float | None:
+    if not out.known:
+        return None
+    return level_torque(out.level) if out.on else 0.0

@@ -1,0 +1,232 @@
+"""Making and changing motors and motions: from a request's body to rows, and from what became of them to an answer."""
+
+from collections.abc import Mapping
+from typing import NoReturn
+
+from lbr.apps.web.face import Refused, Request
+from lbr.apps.web.robot import Robot
+from lbr.messages.codes import heard
+from lbr.messages.faces import Button, EditCommand, EditReply, Motor
+from lbr.messages.joints import Joint, KeyFrame, Motion
+from lbr.messages.rows import Row
+from lbr.robots.uxa90.rest.bodies import (
+    Frame,
+    FrameBody,
+    MotionBody,
+    MotionRow,
+    MotionRowAnswer,
+    MotorBody,
+    MotorRow,
+    MotorRowAnswer,
+    NewMotorBody,
+)
+from lbr.robots.uxa90.rest.buttons import ButtonTable
+from lbr.robots.uxa90.rest.counts import joint_rad
+from lbr.robots.uxa90.rest.table import MotorTable
+
+FIRST_OWN_ID = 100
+LAST_ID = 9999
+REVISION_S = 2.0
+BUILT_IN = "is built in"
+SLACK_RAD = 1e-3
+
+
+class Editor:
+    """Writes rows by way of the executive, and keeps the tables of this face in step with them."""
+
+    def __init__(self, robot: Robot, motors: MotorTable, buttons: ButtonTable) -> None:
+        self._robot = robot
+        self._motors = motors
+        self._buttons = buttons
+        self._heard = 0
+
+    async def show_motor(self, key: str) -> MotorRowAnswer:
+        """Return a motor's row; 404 if there is none."""
+        return self._motor_answer(self._motor(key), await self._revision())
+
+    async def show_motion(self, key: str) -> MotionRowAnswer:
+        """Return a motion's row; 404 if there is none."""
+        return self._motion_answer(self._button(key), await self._revision())
+
+    async def add_motor(self, request: Request, body: NewMotorBody) -> MotorRowAnswer:
+        """Make a motor of the layer that is shown."""
+        if body.id in self._motors.motors:
+            raise Refused(409, f"Motor '{body.id}' exists already; PUT /motors/{body.id} changes it", code="exists")
+        return await self._write_motor(request, body, body.id, create=True)
+
+    async def change_motor(self, request: Request, key: str, body: MotorBody) -> MotorRowAnswer:
+        """Change a motor that is not built in."""
+        motor = self._motor(key)
+        if motor.builtin:
+            raise Refused(
+                403, f"Motor '{motor.id}' {BUILT_IN}: give the web server a layer of your own instead", code="read_only"
+            )
+        return await self._write_motor(request, body, motor.id, create=False)
+
+    async def add_motion(self, request: Request, body: MotionBody) -> MotionRowAnswer:
+        """Make a motion of key frames, and the number that it is called by."""
+        number = self._free() if body.id is None else body.id
+        if number in self._buttons.buttons:
+            raise Refused(409, f"Motion '{number}' exists already; PUT /motions/{number} changes it", code="exists")
+        if any(motion.name == body.name for motion in self._robot.motions):
+            raise Refused(409, f"A motion '{body.name}' exists already", code="exists")
+        return await self._write_motion(request, body, number, create=True)
+
+    async def change_motion(self, request: Request, key: str, body: MotionBody) -> MotionRowAnswer:
+        """Change a motion that is not built in; its name stays."""
+        button = self._button(key)
+        if button.builtin:
+            raise Refused(
+                403, f"Motion '{button.id}' {BUILT_IN}: make one of your own (POST /motions)", code="read_only"
+            )
+        if body.id not in {None, button.id}:
+            raise Refused(400, f"the body's id {body.id} is not that of the path, {button.id}")
+        if body.name != button.motion:
+            raise Refused(400, f"a motion keeps its name, '{button.motion}'; make another one (POST /motions)")
+        return await self._write_motion(request, body, button.id, create=False)
+
+    async def _write_motor(self, request: Request, body: MotorBody, number: int, *, create: bool) -> MotorRowAnswer:
+        if not body.lowest <= body.rest <= body.highest or body.lowest >= body.highest:
+            raise Refused(400, "min must be less than max, and default between them")
+        if number not in self._motors.joints:
+            raise Refused(400, f"no joint is turned by a servo {number}: there is no row of `joint` for it")
+        motor = Motor(
+            layer=self._robot.settings.layer,
+            id=number,
+            name=body.name,
+            description=body.description,
+            initial=body.rest if body.position is None else body.position,
+            lowest=body.lowest,
+            highest=body.highest,
+            rest=body.rest,
+            inverted=body.inverted,
+        )
+        reply = await self._write(request, (motor,), body.version, create=create)
+        self._motors.put(motor)
+        return self._motor_answer(motor, reply.revision)
+
+    async def _write_motion(self, request: Request, body: MotionBody, number: int, *, create: bool) -> MotionRowAnswer:
+        joints = {joint.name: joint for joint in self._robot.joints}
+        frames = tuple(_frame(frame, at, joints, self._motors.joints) for at, frame in enumerate(body.frames))
+        motion = Motion(name=body.name, frames=frames, help=body.help)
+        button = Button(id=number, name=body.name, button=body.button, motion=body.name)
+        reply = await self._write(request, (*motion.rows, button), body.version, create=create)
+        self._buttons.put(button)
+        return self._motion_answer(button, reply.revision)
+
+    async def _write(self, request: Request, rows: tuple[Row, ...], version: int | None, *, create: bool) -> EditReply:
+        quoted = _if_match(request.headers)
+        revision = version if quoted is None else quoted
+        reply = await self._robot.edit(rows, create=create, revision=revision, by=str(request.client)[:80])
+        self._heard = max(self._heard, reply.revision)
+        if not reply.accepted:
+            _refuse(reply)
+        return reply
+
+    async def _revision(self) -> int:
+        """Return the newest revision of the rows: an edit without rows is refused with it.
+
+        Without an answer it is one that was heard before: a client that quotes it may be refused, but overwrites
+        nothing.
+        """
+        try:
+            reply: EditReply = await self._robot.ask("edit", EditCommand(), timeout_s=REVISION_S)
+        except Refused:
+            return self._heard
+        self._heard = reply.revision
+        return reply.revision
+
+    def _motor(self, key: str) -> Motor:
+        motor = self._motors.motors.get(int(key)) if _is_id(key) else None
+        if motor is None:
+            raise Refused(404, f"Motor '{key[:40]}' doesn't exist")
+        return motor
+
+    def _button(self, key: str) -> Button:
+        button = self._buttons.buttons.get(int(key)) if _is_id(key) else None
+        if button is None:
+            raise Refused(404, f"Motion '{key[:40]}' doesn't exist")
+        return button
+
+    def _free(self) -> int:
+        found = next((n for n in range(FIRST_OWN_ID, LAST_ID + 1) if n not in self._buttons.buttons), None)
+        if found is None:
+            raise Refused(409, "all numbers for motions are taken", code="limit")
+        return found
+
+    def _motor_answer(self, motor: Motor, revision: int) -> MotorRowAnswer:
+        joint = self._motors.joints.get(motor.id)
+        row = MotorRow(
+            id=motor.id,
+            name=motor.name,
+            description=motor.description,
+            position=motor.initial,
+            min=motor.lowest,
+            max=motor.highest,
+            default=motor.rest,
+            inverted=motor.inverted,
+            layer=motor.layer,
+            builtin=motor.builtin,
+            joint=joint.name if joint is not None else None,
+        )
+        return MotorRowAnswer(row, revision)
+
+    def _motion_answer(self, button: Button, revision: int) -> MotionRowAnswer:
+        motion = next((each for each in self._robot.motions if each.name == button.motion), None)
+        frames = () if motion is None else motion.frames
+        slot_s = None if motion is None else motion.slot_s
+        row = MotionRow(
+            id=button.id,
+            name=button.name,
+            button=button.button,
+            motion=button.motion or "",
+            help=motion.help if motion is not None else "",
+            builtin=button.builtin or (motion is not None and motion.builtin),
+            slot=motion.slot if motion is not None else None,
+            duration_s=round(sum(frame.duration_s for frame in frames) if slot_s is None else slot_s, 3),
+            frames=[Frame(frame.duration_s, dict(frame.positions)) for frame in frames],
+        )
+        return MotionRowAnswer(row, revision)
+
+
+def _frame(frame: FrameBody, at: int, joints: Mapping[str, Joint], by_id: Mapping[int, Joint]) -> KeyFrame:
+    """Return a key frame in joint radians; refuse joints that there are not, and angles that they may not have."""
+    positions = dict(frame.positions)
+    for key, count in frame.counts.items():
+        joint = by_id.get(int(key)) if _is_id(key) else None
+        if joint is None:
+            raise Refused(400, f"frames[{at}].counts: no joint is turned by a servo '{key[:20]}'")
+        if joint.name in positions:
+            raise Refused(400, f"frames[{at}]: {joint.name} is in positions and in counts")
+        positions[joint.name] = round(joint_rad(joint, count), 4)
+    if not positions:
+        raise Refused(400, f"frames[{at}] moves nothing: give positions (radians) or counts")
+    for name, angle_rad in positions.items():
+        if name not in joints:
+            raise Refused(400, f"frames[{at}].positions: there is no joint '{name[:40]}'")
+        joint = joints[name]
+        if not joint.lower_rad - SLACK_RAD <= angle_rad <= joint.upper_rad + SLACK_RAD:
+            limits = f"{joint.lower_rad:g} to {joint.upper_rad:g}"
+            raise Refused(400, f"frames[{at}]: {angle_rad:g} rad is outside what {name} may do ({limits})")
+        positions[name] = min(max(angle_rad, joint.lower_rad), joint.upper_rad)
+    return KeyFrame(positions=positions, duration_s=frame.duration_s)
+
+
+def _if_match(headers: Mapping[str, str]) -> int | None:
+    """Return the version of an `If-Match` header, if there is one; `*` is any."""
+    said = headers.get("if-match", "").strip()
+    if said in {"", "*"}:
+        return None
+    version = said.removeprefix("W/").strip('"')
+    if not _is_id(version):
+        raise Refused(400, 'If-Match must quote the version of an earlier answer, such as "12"')
+    return int(version)
+
+
+def _refuse(reply: EditReply) -> NoReturn:
+    status = {"changed": 412, "read_only": 403}.get(reply.code, 409)
+    raise Refused(status, heard(reply.code, reply.reason))
+
+
+def _is_id(text: str) -> bool:
+    return text.isascii() and text.isdigit() and len(text) <= len(str(LAST_ID)) + 3

@@ -1,0 +1,46 @@
+"""The UXA-90's API as a face of the server."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from lbr.apps.web import face as web
+from lbr.apps.web.face import Route
+from lbr.apps.web.robot import Robot
+from lbr.robots.uxa90.rest import page, routes
+from lbr.robots.uxa90.rest.handlers import Handlers
+from lbr.robots.uxa90.rest.service import Service
+
+
+class Uxa90Face(web.Face):
+    """The API of motors and motions (`Service`), and a page to try it."""
+
+    name = "uxa90"
+
+    def __init__(self, robot: Robot) -> None:
+        self._work = Service(robot)
+        self._handlers = Handlers(robot, self._work)
+        layer, layers = robot.settings.layer, sorted({motor.layer for motor in robot.motors})
+        if layers and layer not in layers:
+            text = f"no row of the table motor has the layer '{layer}', so the API has no motors; there are "
+            robot.ctx.event("no_motors", text + ", ".join(layers), level="warning")
+
+    def routes(self) -> Sequence[Route]:
+        """Return what it answers."""
+        return (*routes.declared(self._handlers), *page.routes())
+
+    def step(self, now: float) -> None:
+        """Renew what is borrowed, and begin what is due."""
+        self._work.step(now)
+
+    def stopped(self, reason: str) -> None:
+        """Begin nothing of what waits."""
+        self._work.stopped(reason)
+
+    def state(self) -> Mapping[str, Any]:
+        """Return what motors were told, what is busy, and the jobs that wait."""
+        return self._work.state()
+
+    @property
+    def jobs(self) -> int:
+        """Return how many wait."""
+        return self._work.jobs.waiting

@@ -1,0 +1,173 @@
+"""What a request to /motor or /multimotor wants, by the rules and in the order that the API has had from the beginning."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import isnan
+from typing import Any, TypeGuard
+
+from lbr.apps.web.face import Refused
+from lbr.messages.faces import Motor
+from lbr.robots.uxa90.rest.answers import Number
+from lbr.robots.uxa90.rest.counts import STRONGEST, WEAKEST
+from lbr.robots.uxa90.rest.number import clamped, nearest, number, of_json, plain, written
+from lbr.robots.uxa90.rest.table import UNITS, MotorTable
+
+Query = Mapping[str, Sequence[str]]
+LONGEST_DELAY_MS = 600_000
+MOST_ITEMS = 200
+EXAMPLE = '{"motors": [{"id": 23, "pos": 100, "torq": 0}]}'
+POSITIONS = ("pos", "position")
+TORQUES = ("torq", "torque")
+TORQUES_IN_BODY = ("torq", "torque", "toqr")
+"""The last is how some have always spelt it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """One motor that is to go to a count, at a level of torque, this long after the request."""
+
+    motor: Motor
+    position: Number
+    count: int
+    level: int
+    delay_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """All motors are asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Info:
+    """One motor is asked for."""
+
+    motor: Motor
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """One motor is to move; `torq` as it is echoed."""
+
+    turn: Turn
+    torq: Number
+
+
+@dataclass(frozen=True, slots=True)
+class Several:
+    """Several motors are to move, and how that is echoed."""
+
+    turns: tuple[Turn, ...]
+    echoed: list[dict[str, Any]]
+
+
+def unit_of(query: Query) -> str:
+    """Return the unit that positions are in; empty if none was named, which means counts."""
+    unit = _once(query, "unit")
+    if unit is not None and unit not in UNITS:
+        raise Refused(400, f"unit '{unit[:20]}' is not one of {', '.join(UNITS)}")
+    return unit or ""
+
+
+def flag(query: Query, name: str) -> bool:
+    """Return what was said of a switch; nothing is no."""
+    said = _once(query, name)
+    if said not in {None, "", "true", "false", "1", "0"}:
+        raise Refused(400, f"{name} must be true or false")
+    return said in {"true", "1"}
+
+
+def of_motor(table: MotorTable, query: Query) -> Listing | Info | Move:
+    """Decide what GET /motor wants: the list, one motor, or that it moves."""
+    if "id" not in query:
+        return Listing()
+    ids = query["id"]
+    motor = table.find(number(ids[0]) if len(ids) == 1 else float("nan"))
+    position, torque = _text(query, POSITIONS), _text(query, TORQUES)
+    unit = unit_of(query)
+    if position is None:
+        if torque is not None:
+            raise Refused(400, "torq is of no use without pos: give the position to go to as well")
+        return Info(motor)
+    value = number(position)
+    if isnan(value):
+        raise Refused(400, f"pos must be a number ({motor.lowest} to {motor.highest}), not '{position[:20]}'")
+    torq = 0.0 if torque is None else number(torque)
+    if isnan(torq):
+        raise Refused(400, f"torq must be a number (0, the strongest, to 4), not '{(torque or '')[:20]}'")
+    delay = _once(query, "delay")
+    delay_s = 0.0 if delay is None else _delay_s(number(delay))
+    torq = plain(clamped(torq, STRONGEST, WEAKEST))
+    at = table.from_unit(motor, value, unit)
+    return Move(Turn(motor, at, table.target(motor, at), nearest(torq), delay_s), torq)
+
+
+def of_motors(table: MotorTable, body: Any, query: Query) -> Several:
+    """Decide what /multimotor wants; the whole list is looked at before anything moves."""
+    unit = unit_of(query)
+    items = body.get("motors") if isinstance(body, dict) else None
+    if not isinstance(items, list):
+        raise Refused(400, f"the body must be an object with a list: {EXAMPLE}")
+    if len(items) > MOST_ITEMS:
+        raise Refused(400, f"{len(items)} motors are too many for one request; {MOST_ITEMS} are allowed")
+    decided = [_item(table, item, at, unit) for at, item in enumerate(items)]
+    return Several(tuple(turn for turn, _ in decided), [echoed for _, echoed in decided])
+
+
+def _item(table: MotorTable, item: Any, at: int, unit: str) -> tuple[Turn, dict[str, Any]]:
+    if not isinstance(item, dict):
+        raise Refused(400, f'motors[{at}] must be an object such as {{"id": 23, "pos": 100, "torq": 0}}')
+    wanted = item.get("id")
+    if not _is_number(wanted):
+        raise Refused(409, f"Motor '{_named(wanted)}' doesn't exist", code="unknown_name")
+    motor = table.find(of_json(wanted))
+    key = next((key for key in POSITIONS if key in item), "pos")
+    value = item.get(key)
+    if not _is_number(value):
+        raise Refused(400, f"motors[{at}].{key} must be a number ({motor.lowest} to {motor.highest})")
+    torque_key = next((key for key in TORQUES_IN_BODY if key in item), "torq")
+    torq = item.get(torque_key, 0)
+    if not _is_number(torq):
+        raise Refused(400, f"motors[{at}].{torque_key} must be a number (0, the strongest, to 4)")
+    delay = item.get("delay", 0)
+    if not _is_number(delay):
+        raise Refused(400, f"motors[{at}].delay must be a number of milliseconds (0 to {LONGEST_DELAY_MS})")
+    position = table.from_unit(motor, of_json(value), unit)
+    torq = plain(clamped(of_json(torq), STRONGEST, WEAKEST))
+    turn = Turn(motor, position, table.target(motor, position), nearest(torq), _delay_s(of_json(delay)))
+    shown = position if unit in {"", "raw"} else value
+    return turn, item | {key: shown, torque_key: torq}
+
+
+def _is_number(value: Any) -> TypeGuard[int | float]:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _named(value: Any) -> str:
+    """Return how JavaScript would write what should have been a number."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if value is None or isinstance(value, str):
+        return (value if value is not None else "undefined")[:40]
+    return "NaN"
+
+
+def _text(query: Query, names: tuple[str, str]) -> str | None:
+    """Return what was said by the short name or else the long one; an empty short one was not said."""
+    short, long = (_once(query, name) for name in names)
+    return short or long
+
+
+def _once(query: Query, name: str) -> str | None:
+    said = query.get(name)
+    if said is None:
+        return None
+    if len(said) != 1:
+        raise Refused(400, f"{name} was given {len(said)} times; give it once")
+    return said[0]
+
+
+def _delay_s(delay_ms: float) -> float:
+    if not 0.0 <= delay_ms <= LONGEST_DELAY_MS:  # this way round, NaN is none
+        raise Refused(400, f"delay is milliseconds, 0 to {LONGEST_DELAY_MS}, not {written(delay_ms)}")
+    return delay_ms / 1000.0

@@ -1,0 +1,80 @@
+"""The motion that the API plays: one at a time, by a lease that is renewed until it has ended."""
+
+from collections.abc import Callable
+
+from lbr.apps.web.bridge import until
+from lbr.apps.web.face import Refused
+from lbr.apps.web.robot import Robot
+from lbr.leases.client import LeaseClient, LeaseTarget
+from lbr.messages.codes import Reason, heard
+from lbr.messages.joints import PlayCommand
+
+LENDER = LeaseTarget("play", "stop_motion", "motions", "'motions' does not answer any more")
+OLDEST_S = 1.5
+"""A state of motions that is older says nothing: they tell it twice a second."""
+
+
+class Player:
+    """Borrows `motions`; everything here is in the capability's loop. `lost` is told how a motion ended unasked."""
+
+    def __init__(self, robot: Robot, lost: Callable[[str], None]) -> None:
+        self._robot = robot
+        self._lost = lost
+        self._command = PlayCommand(motion="none")
+        self._lease: LeaseClient | None = None
+        self._until: float | None = None
+        self._why: Reason | None = None
+
+    def busy(self, now: float) -> str:
+        """Return what is being played, by whomever, and for how long; empty if nothing is."""
+        if self._lease is not None:
+            left = "" if self._until is None else f" for another {max(0.0, self._until - now):.1f} s"
+            return f"busy: '{self._command.motion}' plays{left}"
+        heard, state = self._robot.snapshot.motions, self._robot.snapshot.motions_state
+        if heard is None or state is None or not state.playing or heard.age_s(now) > OLDEST_S:
+            return ""
+        return f"busy: '{state.motion}' is played by {state.holder or 'another'}"
+
+    async def play(self, motion: str) -> None:
+        """Play a motion; return once it was accepted, else raise Refused with the reason."""
+        if why := self.busy(self._robot.now()):
+            raise Refused(409, why, code="busy")
+        self._command, self._until = PlayCommand(motion=motion), None
+        lease = self._lease = LeaseClient(self._robot.ctx, LENDER, self._command)
+        await until(lambda: lease.accepted is not None or self._lease is not lease)
+        if lease.accepted is None:
+            raise Refused(409, self._why or "it has ended", code=None if self._why else "done")
+
+    def step(self, now: float) -> None:
+        """Read the answers, renew, and see the end."""
+        lease = self._lease
+        if lease is None:
+            return
+        lease.step()
+        if lease.holds and self._until is None:
+            self._until = now + self._takes_s()
+        goal = lease.accepted.goal if lease.accepted is not None else None
+        ended = next((result for result in self._robot.played if result.goal == goal), None)
+        if ended is not None:
+            self._end(None if ended.result == "reached" else heard(ended.code, ended.reason or ended.result))
+        elif lease.ended:
+            self._end(lease.ended)
+        elif lease.renewal_due:
+            lease.send(self._command)
+
+    def stop(self, why: str) -> None:
+        """End what is played here."""
+        if self._lease is not None:
+            self._lease.release(why)
+            self._end(Reason("stopped", why))
+
+    def _end(self, why: Reason | None) -> None:
+        lease, self._lease, self._why = self._lease, None, why
+        if why and lease is not None and lease.accepted is not None:
+            self._lost(why.text)
+
+    def _takes_s(self) -> float:
+        row = next((motion for motion in self._robot.motions if motion.name == self._command.motion), None)
+        if row is None:
+            return 0.0
+        return row.slot_s if row.slot_s is not None else sum(frame.duration_s for frame in row.frames)

@@ -1,0 +1,83 @@
+"""The emulated serial line of a UXA-90: what its device rows may set, what can go wrong with it, and which twin it has."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from lbr.capability.twins import DeviceTwin
+from lbr.robots.uxa90.twin.firmware import Programme
+from lbr.simulation.faults import Faults, Probability, ServoIds
+
+Scale = Annotated[float, Meta(gt=0.0, le=1e6)]
+Byte = Annotated[int, Meta(ge=0, le=255)]
+Slot = Annotated[str, Meta(pattern="^[1-9][0-9]?$(?!\\n)", description="the number of a main board's motion")]
+
+
+class Uxa90Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Faults of a UXA-90's serial line; lists are of servos' ids. `unplug`: the cable is out, the robot goes on.
+
+    `silent`: all obey but nothing is said. `no_replies`: the main board answers, servos do not. `stop_reading`: bytes pile
+    up in the port. `brown_out`: without supply, and as after switching on when that ends. `kills_pc`: PC control is lost
+    half a second after it was taken. `babble`: something on the line talks all the time. `late_s`: answers come that much
+    later. `dead`: servos that are not there; `stuck`: that turn no more, though driven; `frozen`: positions and loads are
+    reported as they were. Of servos' answers, `missing`: none comes; `garbage`: other bytes come instead; `shifted`: a
+    byte comes before. `bit_flip`: a bit of an answer is wrong.
+    """
+
+    silent: bool = False
+    no_replies: bool = False
+    stop_reading: bool = False
+    brown_out: bool = False
+    kills_pc: bool = False
+    babble: bool = False
+    frozen: bool = False
+    late_s: Annotated[float, Meta(ge=0.0, le=10.0, description="seconds")] = 0.0
+    dead: ServoIds = ()
+    stuck: ServoIds = ()
+    missing: Probability = 0.0
+    garbage: Probability = 0.0
+    shifted: Probability = 0.0
+    bit_flip: Probability = 0.0
+
+
+class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is at the other end of a `uxa90` device row's line, and how fast it is; `ids` are the servos that it has.
+
+    `zeros` are its own zero of each servo, as the main board keeps them. `programmes` replace motions of the main board, by
+    slot. `aborts`: PC control ends a motion; if not, it is ignored meanwhile.
+    `reports_end`: a motion of the remote control is answered when it is over. `answers_fine`: so is a move of 14 bits, with
+    the place. `imu_sum`: whether the sum of what the inertial unit says is right. A servo answers after `reply_ms` and up
+    to `jitter_ms` more; PC control is there `settle_ms` after it was asked for. `trace`: all bytes heard and said, and
+    each change of mode, go to a file beside the device's address, whose name ends in `.trace`.
+    """
+
+    faults: Uxa90Faults = Uxa90Faults()
+    baud: Annotated[int, Meta(ge=4800, le=921_600)] = 115_200
+    ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=30)], ...], Meta(min_length=1)] = tuple(range(25))
+    firmware: Annotated[tuple[Byte, ...], Meta(min_length=2, max_length=2)] = (0xC9, 0x00)
+    serial: Annotated[str, Meta(pattern="^[0-9]{13}$(?!\\n)")] = "6012000010005"
+    zeros: Annotated[tuple[Annotated[int, Meta(ge=0, le=254)], ...], Meta(min_length=31, max_length=31)] = (
+        *(130, 129, 129, 131, 38, 214, 85, 172, 128, 132, 131, 130, 87, 169, 134, 125),
+        *(128, 126, 215, 43, 127, 127, 127, 130, 125, 1, 127, 127, 127, 127, 127),
+    )
+    programmes: dict[Slot, Programme] = {}
+    aborts: bool = True
+    reports_end: bool = True
+    answers_fine: bool = False
+    imu_sum: bool = True
+    imu_lsb_per_g: Scale = 256.0
+    reply_ms: Annotated[float, Meta(ge=0.0, le=250.0)] = 1.0
+    jitter_ms: Annotated[float, Meta(ge=0.0, le=250.0)] = 0.3
+    saving_ms: Annotated[float, Meta(ge=0.0, le=250.0, description="how much longer it takes to save a register")] = (
+        30.0
+    )
+    settle_ms: Annotated[float, Meta(ge=0.0, le=5000.0)] = 50.0
+    trace: bool = False
+
+
+TWIN = DeviceTwin(
+    device="uxa90",
+    row=Uxa90Row,
+    entry="lbr.robots.uxa90.twin.twin:Uxa90Twin",
+    player="lbr.robots.uxa90.twin.board:MainBoard",
+)

@@ -1,0 +1,126 @@
+"""The page in a browser beyond the moment: kept on the device for when the robot is off, and never older than its robot."""
+
+import json
+from base64 import b64encode
+from collections.abc import Iterator
+from hashlib import sha256
+
+import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+
+from lbr.apps.web.page import files
+from lbr.bus import certificates
+from tests.apps.web.page_robot import page_robot
+from tests.apps.web.test_page_browser import PATIENT_S, Opened, grip, within
+from tests.support import browsers, needs
+
+needs.modules("playwright")
+
+from playwright.sync_api import Browser, expect, sync_playwright  # noqa: E402
+
+pytestmark = [needs.program("chromium", "chromium")]
+KEPT = """async () => {
+  await navigator.serviceWorker.ready;
+  const all = await Promise.all((await caches.keys()).map(async (name) => (await (await caches.open(name)).keys()).map((one) => one.url)));
+  return all.flat();
+}"""
+FAILS = """() => navigator.serviceWorker.register("./worker.js").then((one) => new Promise((done) => {
+  one.installing.addEventListener("statechange", (event) => done(event.target.state));
+}))"""
+MET = {"in-incognito"}
+"""What a test's browser always lacks to install a page."""
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory) -> Iterator[Browser]:
+    with sync_playwright() as started:
+        found = browsers.start_windowed(started, tmp_path_factory.mktemp("browser"))
+        yield found
+        found.close()
+
+
+def test_a_page_that_was_kept_says_that_its_robot_is_off(browser):
+    with page_robot() as (robot, url):
+        opened = Opened(browser, url)
+        page = opened.page(service_workers="allow")
+        kept = page.evaluate(KEPT)
+        names = {one.name for one in files.built()}
+        assert f"{url}/" in kept
+        assert {one.removeprefix(f"{url}/") or files.INDEX for one in kept} <= names
+        told = page.context.new_cdp_session(page)
+        assert told.send("Page.getAppManifest")["errors"] == []
+        errors = {one["errorId"] for one in told.send("Page.getInstallabilityErrors")["installabilityErrors"]}
+        assert errors <= MET
+        page.goto("about:blank")
+        assert within(page, lambda: robot.sockets == 0)
+    page.goto(f"{url}/#drive")
+    expect(page.get_by_role("heading", name="The robot does not answer")).to_be_visible()
+    expect(page.locator("#stop")).to_be_visible()
+    opened.close()
+
+
+def test_by_tls_a_page_is_kept_where_the_certificate_is_known_and_not_where_a_warning_was_passed(browser, tmp_path):
+    key, certificate = certificates.self_signed()
+    (tmp_path / "key").write_bytes(key)
+    (tmp_path / "crt").write_bytes(certificate)
+    public = x509.load_pem_x509_certificate(certificate).public_key()
+    known = b64encode(sha256(public.public_bytes(Encoding.DER, PublicFormat.SubjectPublicKeyInfo)).digest()).decode()
+    with page_robot(tls=(str(tmp_path / "key"), str(tmp_path / "crt"))) as (robot, url):
+        opened = Opened(browser, url)
+        page = opened.page(service_workers="allow", ignore_https_errors=True)
+        assert "SecurityError" in page.evaluate("() => navigator.serviceWorker.register('./worker.js').catch(String)")
+        opened.close()
+        opened.errors.clear()
+        context = browser.browser_type.launch_persistent_context(
+            tmp_path / "profile",
+            **browsers.windowed(tmp_path, f"--ignore-certificate-errors-spki-list={known}"),
+        )
+        page = context.new_page()
+        page.goto(url)
+        assert f"{url}/" in page.evaluate(KEPT)
+        told = context.new_cdp_session(page).send("Page.getInstallabilityErrors")["installabilityErrors"]
+        assert {one["errorId"] for one in told} <= MET
+        page.goto("about:blank")
+        assert within(page, lambda: robot.sockets == 0)
+        context.close()
+
+
+def test_a_file_that_is_not_the_one_that_was_built_is_not_kept(browser):
+    with page_robot() as (robot, url):
+        robot.altered.add("icon-192.png")
+        opened = Opened(browser, url)
+        page = opened.page(path="/licences.md", service_workers="allow")
+        assert page.evaluate(FAILS) == "redundant"
+        page.goto("about:blank")
+        opened.close()
+
+
+def test_a_page_that_is_behind_its_robot_loads_itself_once_and_then_moves_nothing(browser):
+    with page_robot() as (robot, url):
+        robot.build, robot.silent_s = files.build(), PATIENT_S
+        opened = Opened(browser, url)
+        page = opened.page()
+        grip(page)
+        assert within(page, lambda: robot.moves)
+        page.mouse.up()
+        assert within(page, lambda: not robot.moves)
+        loads: list[str] = []
+        page.on("load", lambda page: loads.append(page.url))
+        held, robot.build = len(robot.held), "of tomorrow"
+        robot.hang_up()
+        sign = page.get_by_role("alert").filter(has_text="another version")
+        expect(sign).to_be_visible(timeout=10_000)
+        assert len(loads) == 1
+        grip(page)
+        expect(page.locator(".drive-why")).to_contain_text("another version")
+        page.mouse.up()
+        assert (robot.moves, len(robot.held)) == (False, held)
+        page.locator("#stop").click()
+        assert within(page, lambda: ("stop", None) in robot.asked)
+        robot.build = files.build()
+        sign.get_by_role("button", name="Load again").click()
+        grip(page)
+        assert within(page, lambda: robot.moves)
+        opened.close()
+        assert opened.errors == [], json.dumps(opened.errors)

@@ -1,0 +1,394 @@
+"""What people do on the page, on a phone and at a desk: each finds what it needs by the names that a screen reader reads.
+
+The robots are shared by all, and a page by all that suit its robot and size; `axe` looks at every view there.
+"""
+
+import re
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.support import browsers, needs
+from tests.support.waiting import HANG_S
+
+needs.modules("playwright")
+
+from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright  # noqa: E402
+
+from tests.apps.web.jointed_robot import jointed_robot  # noqa: E402
+from tests.apps.web.page_robot import page_robot  # noqa: E402
+
+pytestmark = [needs.program("chromium", "chromium")]
+needs_mujoco = pytest.mark.skipif(
+    find_spec("mujoco") is None and not needs.IN_CI, reason="mujoco is not installed here"
+)
+SIZES: dict[str, dict[str, Any]] = {
+    "phone": {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True},
+    "desk": {"viewport": {"width": 1280, "height": 900}},
+}
+PATIENT_S, SLOWLY_S, LONG_MS = 3.0, 0.15, 20_000
+VIEWS = {
+    "lbr": ["drive", "system"],
+    "bioloid": ["joints", "motions", "system"],
+    "uxa90": ["joints", "motions", "system"],
+}
+AXE = (Path(__file__).parent / "axe/axe.min.js").read_text()
+SERIOUS = """async () => {
+  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  await Promise.allSettled(document.getAnimations().map((one) => one.finished));
+  return (await axe.run(document, {resultTypes: ["violations"]})).violations
+  .filter((one) => ["serious", "critical"].includes(one.impact))
+  .flatMap((one) => one.nodes.map((node) => `${one.id}: ${node.target.join(" ")}: ${node.failureSummary}`)); }"""
+SEEN_FOCUS = """async () => {
+  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  await Promise.allSettled(document.getAnimations().map((one) => one.finished));
+  const one = document.activeElement;
+  if (!one || one === document.body) return ["", true];
+  const rings = (shown) => (shown.outlineStyle !== "none" && parseFloat(shown.outlineWidth) > 0) || shown.boxShadow !== "none";
+  const ring = [one, one.parentElement].some((place) => rings(getComputedStyle(place)));  // a field shows it around its unit, too
+  return [one.getAttribute("aria-label") || one.textContent.trim() || one.id, ring || one.id === "main"];
+}"""
+
+
+class House:
+    """Three robots, a browser, and the page that is open."""
+
+    def __init__(self, browser: Browser) -> None:
+        self.browser = browser
+        self.robots: dict[str, tuple[Any, str]] = {}
+        self.errors: list[str] = []
+        self._until_end = ExitStack()
+        self._open: tuple[str, str] | None = None
+        self._page: Page | None = None
+
+    def served(self, name: str) -> tuple[Any, str]:
+        """Return a robot and its address; it is there until the end."""
+        if name not in self.robots:
+            served = page_robot() if name == "lbr" else jointed_robot(name)
+            self.robots[name] = self._until_end.enter_context(served)
+            self.robots[name][0].silent_s = PATIENT_S
+            self.robots[name][0].period_s = SLOWLY_S
+        return self.robots[name]
+
+    def own_page(self, name: str, size: str, path: str = "/#system", **more: Any) -> Page:
+        """Return a page in a browser of its own, which nothing has remembered."""
+        context = self.browser.new_context(
+            **(SIZES[size] | {"locale": "en-GB", "service_workers": "block", "reduced_motion": "reduce"} | more)
+        )
+        page = context.new_page()
+        page.on("pageerror", lambda err: self.errors.append(str(err)))
+        page.goto(self.served(name)[1] + path)
+        return page
+
+    def page(self, name: str, size: str, view: str) -> Page:
+        """Return the page of a robot at a view, loaded once for all tests in a row that want it."""
+        if self._open != (name, size) or self._page is None:
+            self.leave()
+            self._open, self._page = (name, size), self.own_page(name, size, f"/#{view}")
+        self._page.evaluate("view => { location.hash = view }", view)
+        expect(self._page.locator(f'main[data-view="{view}"]')).to_be_visible(timeout=LONG_MS)
+        expect(self._page.get_by_text("Connected", exact=True).first).to_be_attached(timeout=LONG_MS)
+        return self._page
+
+    def leave(self) -> None:
+        """Close the page."""
+        if self._page is not None:
+            self._page.context.close()
+        self._open = self._page = None
+
+    def close(self) -> None:
+        self.leave()
+        self._until_end.close()
+
+
+@pytest.fixture(scope="module")
+def house() -> Iterator[House]:
+    with sync_playwright() as started:
+        browser = browsers.start(started)
+        found = House(browser)
+        yield found
+        found.close()
+        browser.close()
+
+
+@pytest.fixture(scope="module", params=list(SIZES))
+def size(request) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def at(house, size) -> Iterator[Callable[..., tuple[Page, Any]]]:
+    def go(name: str, view: str) -> tuple[Page, Any]:
+        robot = house.served(name)[0]
+        robot.asked.clear()
+        robot.held.clear()
+        return house.page(name, size, view), robot
+
+    yield go
+    for robot, _ in house.robots.values():
+        robot.refusal, robot.estop, robot.needs_token = None, "", False
+        robot.halt()
+    errors, house.errors = house.errors, []
+    assert errors == []
+
+
+def within(page: Page, true: Callable[[], Any], s: float = HANG_S) -> bool:
+    """Return whether something comes true while the page goes on."""
+    end = time.monotonic() + s
+    while time.monotonic() < end:
+        if true():
+            return True
+        page.wait_for_timeout(20)
+    return bool(true())
+
+
+def press(page: Page, name: str | re.Pattern[str], **more: Any) -> None:
+    page.get_by_role("button", name=name, **more).first.click()
+
+
+def push(page: Page) -> None:
+    """Put a finger on the stick and push it ahead."""
+    stick = page.get_by_role("application", name=re.compile("^Joystick"))
+    stick.scroll_into_view_if_needed()
+    box = stick.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 0.3 * box["height"], steps=3)
+
+
+def asked(page: Page) -> Locator:
+    return page.get_by_role("dialog")
+
+
+# on wheels
+
+
+def test_pair_by_the_six_digits(house, size, at):
+    _, robot = at("lbr", "drive")
+    robot.needs_token = True
+    page = house.own_page("lbr", size, "/")
+    page.get_by_label("Six digits").fill("123 456")
+    press(page, "Pair")
+    expect(page.get_by_role("application")).to_be_visible(timeout=LONG_MS)
+    page.context.close()
+
+
+def test_pair_by_the_link_of_the_code(house, size, at):
+    _, robot = at("lbr", "drive")
+    robot.needs_token = True
+    page = house.own_page("lbr", size, "/#pair=123456")
+    expect(page.get_by_role("application")).to_be_visible(timeout=LONG_MS)
+    assert "123456" not in page.url
+    page.context.close()
+
+
+def test_drive_ahead_by_the_stick(at):
+    page, robot = at("lbr", "drive")
+    push(page)
+    assert within(page, lambda: robot.moves and robot.held[-1]["to"] == "drive/command")
+    page.mouse.up()
+    assert within(page, lambda: not robot.moves)
+
+
+def test_send_it_to_its_dock(at):
+    page, robot = at("lbr", "drive")
+    press(page, "Dock")
+    assert within(page, lambda: ("console", {"line": "autodock"}) in robot.asked)
+
+
+def test_stop_it_from_a_second_phone(house, at):
+    page, robot = at("lbr", "drive")
+    push(page)
+    assert within(page, lambda: robot.moves)
+    second = house.own_page("lbr", "phone", "/#drive")
+    press(second, re.compile("^Stop.* the robot"))
+    assert within(second, lambda: not robot.moves and ("stop", None) in robot.asked)
+    second.context.close()
+    page.mouse.up()
+
+
+def test_latch_the_emergency_stop_and_release_it(at):
+    page, robot = at("lbr", "drive")
+    box = page.get_by_role("button", name=re.compile("^Stop.* the robot")).bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    assert within(page, lambda: ("estop", None) in robot.asked)
+    page.mouse.up()
+    page.get_by_role("alert").get_by_role("button", name="Release").click()
+    asked(page).get_by_role("button", name="Release").click()
+    assert within(page, lambda: ("reset", None) in robot.asked)
+
+
+def test_turn_it_by_90_degrees(at):
+    page, robot = at("lbr", "drive")
+    press(page, "Turn 90°", exact=True)
+    assert within(page, lambda: robot.held and robot.held[-1]["message"] == {"angle_deg": 90})
+
+
+def test_have_it_say_a_sentence(at):
+    page, robot = at("lbr", "drive")
+    page.get_by_label("What the robot says").fill("Dinner is ready")
+    press(page, "Say it")
+    assert within(page, lambda: ("speech/say", {"text": "Dinner is ready"}) in robot.asked)
+
+
+def test_play_a_phrase(at):
+    page, robot = at("lbr", "drive")
+    press(page, "hello")
+    assert within(page, lambda: ("speech/say", {"phrase": "hello", "language": "en"}) in robot.asked)
+
+
+def test_find_out_why_it_does_not_move(at):
+    page, robot = at("lbr", "drive")
+    robot.refusal = {"code": "obstacle", "reason": "forward reads 18 cm"}
+    push(page)
+    expect(page.get_by_text("Something is in the way")).to_be_visible()
+    expect(page.get_by_text("forward reads 18 cm")).to_be_visible()
+    page.mouse.up()
+
+
+def test_find_the_part_that_is_not_well(at):
+    page, _ = at("lbr", "system")
+    expect(page.get_by_text("no loudspeaker").first).to_be_visible(timeout=LONG_MS)
+
+
+def test_restart_a_part(at):
+    page, robot = at("lbr", "system")
+    press(page, "Restart: drive")
+    asked(page).get_by_role("button", name="Restart").click()
+    assert within(page, lambda: ("console", {"line": "/restart/drive"}) in robot.asked)
+
+
+def test_save_the_numbers_of_a_chart(at):
+    page, _ = at("lbr", "system")
+    page.get_by_role("radio", name="Chart").click()
+    page.get_by_label("Stream").select_option("attitude/state")
+    expect(page.get_by_role("button", name="heading deg")).to_be_visible()
+    with page.expect_download() as kept:
+        press(page, "Export CSV")
+    assert kept.value.suggested_filename == "attitude-state.csv"
+    page.get_by_role("radio", name="Parts").click()
+
+
+def test_have_the_page_speak_german_in_a_light_room(house, size, at):
+    at("lbr", "system")
+    page = house.own_page("lbr", size)
+    press(page, "Settings")
+    page.get_by_role("radio", name="Light").click()
+    page.get_by_role("radio", name="Deutsch").click()
+    expect(page.get_by_role("link", name="Fahren")).to_be_visible()
+    assert page.evaluate("[document.documentElement.lang, document.documentElement.dataset.theme]") == ["de", "light"]
+    page.context.close()
+
+
+# humanoids
+
+
+def test_have_it_wave(at):
+    page, robot = at("bioloid", "motions")
+    press(page, "Play wave", exact=True)
+    assert within(page, lambda: robot.playing == "wave")
+    press(page, "End it")
+    assert within(page, lambda: not robot.playing)
+
+
+@needs_mujoco
+def test_build_a_bow_and_have_it_played(at):
+    page, robot = at("bioloid", "motions")
+    page.get_by_role("radio", name="Build").click()
+    press(page, "Add a pose")
+    press(page, "Add a pose")
+    page.get_by_label("Joint", exact=True).select_option("left_hip_pitch")
+    page.get_by_label("Angle in degrees").fill("-5")
+    page.keyboard.press("Enter")
+    press(page, "Play on the robot")
+    assert within(page, lambda: robot.held or asked(page).count())
+    if asked(page).count():
+        asked(page).get_by_role("button", name="Play it").click()
+    assert within(page, lambda: robot.held)
+    frames = robot.held[-1]["message"]["frames"]
+    assert frames[-1]["positions"]["left_hip_pitch"] == pytest.approx(-0.0873, abs=0.01)
+    page.get_by_role("radio", name="Play", exact=True).click()
+
+
+def test_release_one_side_at_once_and_all_only_when_asked(at):
+    page, robot = at("bioloid", "joints")
+    press(page, "Release: Left")
+    assert within(page, lambda: robot.asked and not robot.torque["left_elbow"] and robot.torque["right_elbow"])
+    assert asked(page).count() == 0
+    press(page, "Release all")
+    assert robot.torque["right_elbow"]
+    asked(page).get_by_role("button", name="Release all").click()
+    assert within(page, lambda: not any(robot.torque.values()))
+    press(page, "Lock all")
+    assert within(page, lambda: all(robot.torque.values()))
+
+
+def test_bend_an_elbow_by_a_number(at):
+    page, robot = at("bioloid", "joints")
+    page.get_by_label("Angle of right elbow in degrees").fill("-20")
+    page.keyboard.press("Enter")
+    assert within(page, lambda: abs(robot.angles["right_elbow"] + 0.349) < 0.03)
+
+
+def test_arm_the_shutdown_guard(at):
+    page, robot = at("bioloid", "joints")
+    press(page, "Arm", exact=True)
+    asked(page).get_by_role("button", name="Arm", exact=True).click()
+    assert within(page, lambda: robot.armed)
+    press(page, "Disarm")
+    assert within(page, lambda: not robot.armed)
+
+
+def test_have_it_stand_up(at):
+    page, robot = at("uxa90", "motions")
+    press(page, "Play basic motion", exact=True)
+    assert within(page, lambda: robot.held and robot.held[-1]["message"]["motion"] == "basic_motion")
+
+
+def test_press_a_key_of_the_remote_control(at):
+    page, robot = at("uxa90", "motions")
+    page.get_by_role("region", name="Remote control").get_by_role("button", name="kick right").click()
+    assert within(page, lambda: robot.held and robot.held[-1]["message"]["motion"] == "kick_right")
+
+
+# for everybody
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_axe_finds_nothing_serious(at, name, size):
+    """On a phone it looks at the dark page, at a desk at the light one."""
+    theme = {"phone": "dark", "desk": "light"}[size]
+    found = []
+    for view in VIEWS[name]:
+        page, _ = at(name, view)
+        page.emulate_media(color_scheme=theme, reduced_motion="reduce")  # no colour on its way to another
+        page.evaluate(AXE)
+        found += [f"{view}, {theme}: {one}" for one in page.evaluate(SERIOUS)]
+        page.emulate_media(color_scheme="dark", reduced_motion="no-preference")
+    assert found == []
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_the_keyboard_reaches_all_shows_where_it_is_and_stops(house, name):
+    robot = house.served(name)[0]
+    for view in VIEWS[name][:2]:
+        page = house.page(name, "desk", view)
+        robot.asked.clear()
+        page.evaluate("document.activeElement?.blur()")
+        seen = []
+        for _ in range(14):
+            page.keyboard.press("Tab")
+            seen.append(page.evaluate(SEEN_FOCUS))
+        assert [one for one, ring in seen if not ring] == []
+        page.get_by_role("button", name=re.compile("^Stop.* the robot")).focus()
+        page.keyboard.press("Escape")
+        assert within(page, lambda: ("stop", None) in robot.asked)

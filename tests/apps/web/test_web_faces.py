@@ -1,0 +1,179 @@
+"""Faces that packages bring: shown beside ours, or refused in words, while the rest is served."""
+
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lbr import plugins
+from tests.apps.web.web_stage import Served, serving
+from tests.docs.pages import ROOT
+from tests.robots.uxa90.uxa90_bench import SHIPPED
+from tests.support.packages import imported_from, package
+from tests.support.waiting import until
+
+FACE = """
+from lbr.apps.web.face import Face, Message, Route, json
+
+class Hello(Face):
+    name = "hello"
+
+    def __init__(self, robot):
+        self.robot = robot
+
+    def routes(self):
+        return [Route(method="GET", path="/hello", handle=self.hello, summary="h", replies={200: Message}),
+                Route(method="GET", path="/whom", handle=self.whom, summary="w", replies={200: Message}),
+                Route(method="POST", path="/break", handle=self.end, summary="b", replies={200: Message})]
+
+    def hello(self, request):
+        return json(Message(message="hello"))
+
+    async def whom(self, request):
+        reply = await self.robot.ask("halt", __import__("lbr.messages.leases", fromlist=["x"]).StopCommand())
+        return json(Message(message=str(reply.accepted)))
+
+    async def end(self, request):
+        self.step = self.broken
+        return json(Message(message="soon"))
+
+    def broken(self, now):
+        raise KeyError("gone")
+
+    def state(self):
+        return {"here": True}
+"""
+
+
+class Packages:
+    """A folder on the path of Python, into which packages are installed as pip would."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def install(self, name: str, face: str, code: str, *, needs: str = "", entry: str = "Hello") -> None:
+        module = name.replace("-", "_")
+        package(
+            self._folder,
+            name,
+            version="1.5",
+            requires=(needs,) if needs else (),
+            brings={"faces": {face: f"{module}:{entry}"}},
+            files={f"{module}.py": code},
+        )
+        plugins.forget()
+
+
+@pytest.fixture
+def packages(tmp_path) -> Iterator[Packages]:
+    with imported_from(tmp_path):
+        yield Packages(tmp_path)
+
+
+def test_a_package_brings_a_face(packages):
+    packages.install("friendly-robot", "hello", FACE)
+    with serving(faces=("hello",)) as served:
+        assert served.ask("GET", "/hello").said == "hello"
+        assert served.ask("GET", "/whom").said == "True"
+        assert served.ask("GET", "/state").json["faces"] == {"hello": {"here": True}}
+        assert "/hello" in served.ask("GET", "/openapi.json").json["paths"]
+        assert served.stage.warned == []
+
+
+def trouble(served: Served) -> str:
+    """Return the sentence about what is not shown; all else is served."""
+    assert served.ask("GET", "/state").status == 200
+    assert served.ask("POST", "/stop").status == 200
+    assert [(kind, level) for kind, _, level in served.stage.events if kind == "face_refused"] == [
+        ("face_refused", "error")
+    ]
+    (said,) = served.stage.warned
+    assert "face 'hello'" in said
+    assert "capability 'uxa90/web'" in said
+    until(lambda: served.stage.published["state"].reason == said)
+    return said
+
+
+@pytest.mark.parametrize(
+    ("code", "options", "said"),
+    [
+        ("import nothing_of_this_name", {}, "it does not load: ModuleNotFoundError: No module named 'nothing_of"),
+        ("def Hello(", {}, "it does not load: SyntaxError"),
+        ("raise SystemExit(3)", {}, "it does not load: SystemExit: 3"),
+        ("def Hello(robot): return 1 / 0", {}, "it cannot be made: ZeroDivisionError"),
+        ("def Hello(robot): return 7", {}, "is no Face(…), but of type int"),
+        (FACE, {"entry": "Goodbye"}, "it does not load: AttributeError"),
+        (FACE.replace('name = "hello"', 'name = "hi"'), {}, "calls itself 'hi'"),
+        (FACE.replace('"/hello"', '"/State/"'), {}, "GET /State/ is taken by the server"),
+        (FACE.replace("replies={200: Message}", "replies={200: object()}"), {}, "cannot be described"),
+        (FACE.replace("def routes(self):", "def routes(self): return 5\n    def other(self):"), {}, "cannot be described"),
+        (FACE, {"needs": "lbr>=99"}, "it requires lbr >=99, and this is lbr 0.1.0"),
+    ],
+)  # fmt: skip
+def test_a_face_that_does_not_fit_is_refused_in_words_and_the_rest_is_served(packages, code, options, said):
+    packages.install("friendly-robot", "hello", code, **options)
+    with serving(faces=("hello",)) as served:
+        told = trouble(served)
+    assert said in told
+    assert "package 'friendly-robot 1.5'" in told
+
+
+def test_a_face_that_nobody_brings_is_told_with_those_there_are(packages, wording):
+    with serving(faces=("hello",)) as served:
+        wording(trouble(served))
+
+
+def test_a_name_that_two_packages_bring_is_neithers(packages):
+    packages.install("friendly-robot", "hello", FACE)
+    packages.install("other-robot", "hello", FACE)
+    with serving(faces=("hello",)) as served:
+        said = trouble(served)
+    assert "friendly-robot 1.5 and other-robot 1.5" in said
+
+
+def test_a_name_of_lbrs_own_stays_its(packages):
+    packages.install("other-robot", "uxa90", FACE)
+    with serving(rows=SHIPPED, faces=("uxa90",)) as served:
+        assert served.ask("GET", "/motor?id=23").status == 200
+        assert "'other-robot 1.5'" in served.stage.warned[0]
+        assert "lbr has its own 'uxa90': choose another name" in served.stage.warned[0]
+
+
+def test_a_path_that_another_face_has_is_taken(packages):
+    packages.install("friendly-robot", "hello", FACE)
+    packages.install("other-robot", "hello2", FACE.replace('"hello"', '"hello2"'))
+    with serving(faces=("hello", "hello2")) as served:
+        assert served.ask("GET", "/hello").status == 200
+        assert "GET /hello is taken by face 'hello'" in served.stage.warned[0]
+        until(lambda: served.stage.published["state"].faces == ("hello",))
+
+
+def test_a_face_that_breaks_ends_and_no_other(packages):
+    packages.install("friendly-robot", "hello", FACE)
+    with serving(faces=("hello",)) as served:
+        assert served.ask("POST", "/break").status == 200
+        until(lambda: served.stage.warned)
+        answer = served.ask("GET", "/hello")
+        assert (answer.status, "KeyError" in answer.said) == (503, True)
+        assert "KeyError" in trouble(served)
+
+
+def test_what_lbr_ships_is_installed_as_anybodys():
+    assert plugins.installed("faces")["uxa90"].value == "lbr.robots.uxa90.rest:face"
+
+
+def test_the_face_that_the_page_shows_is_one(packages):
+    page = (ROOT / "docs" / "web.md").read_text()
+    blocks = re.findall(r"```(?:python|toml)\n(.*?)```", page, re.DOTALL)
+    project, component, code = blocks[:3]
+    declared: dict[str, Any] = {}
+    exec(component, declared)
+    assert declared["COMPONENT"].faces == {"hello": "friendly_robot.hello:Hello"}
+    said = tomllib.loads(project)["project"]
+    assert said["entry-points"][plugins.GROUP] == {"hello": "friendly_robot:COMPONENT"}
+    packages.install(said["name"], "hello", code, needs=said["dependencies"][0])
+    with serving(faces=("hello",)) as served:
+        assert served.ask("GET", "/hello").said == "127.0.0.1: the robot stands"

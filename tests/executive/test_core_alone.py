@@ -1,0 +1,87 @@
+"""The core without any component: a copy of the tree runs a robot from rows, and what is missing is told."""
+
+import os
+import re
+import shutil
+import sqlite3
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.support import programs
+
+ROOT = Path(__file__).parents[2]
+COMPONENTS = ("apps", "robots", "simulation", "testing", "gym.py")
+PROFILE = 'robot = "tiny"\ndescription = "two rows"\nsimulate = false\n'
+ROWS = """
+PRAGMA foreign_keys = ON;
+DELETE FROM robot;
+INSERT INTO robot (name, model, description) VALUES ('tiny', 'tiny', 'two rows');
+"""
+PROGRAM = """
+INSERT INTO capability (robot, name, kind, settings, help)
+VALUES ('tiny', 'ticker', 'exec', '{"argv": ["sleep", "1000"]}', 'A program');
+"""
+BROUGHT = re.compile(r'^\w+ = "lbr\.(?:apps|robots|simulation)\b.*\n', re.MULTILINE)
+"""The entry points of components."""
+
+
+def copied(tree: Path, *without: str) -> None:
+    """Copy lbr to a folder, without some of it."""
+    shutil.copytree(ROOT / "lbr", tree / "lbr", ignore=shutil.ignore_patterns("__pycache__", "node_modules"))
+    for name in without:
+        place = tree / "lbr" / name
+        shutil.rmtree(place) if place.is_dir() else place.unlink()
+    for name in ("pyproject.toml", "robot.db.sql"):
+        shutil.copy(ROOT / name, tree / name)
+    (tree / "launch_profiles").mkdir()
+
+
+def lbr(tree: Path, *words: str, lines: str = "") -> tuple[int, str, str]:
+    """Run the command line of a copy; return its code and what it wrote."""
+    environment = {**os.environ, "PYTHONPATH": str(tree), "LBR_HOME": str(tree / "home")}
+    done = programs.run(
+        [sys.executable, "-m", "lbr.start", *words],
+        input=lines,
+        capture_output=True,
+        text=True,
+        cwd=tree,
+        env=environment,
+        timeout=30,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.fixture
+def core(tmp_path: Path) -> Path:
+    copied(tmp_path, *COMPONENTS)
+    project = tmp_path / "pyproject.toml"
+    project.write_text(BROUGHT.sub("", project.read_text()))
+    home = tmp_path / "home"
+    (home / "capabilities").mkdir(parents=True)
+    shutil.copy(ROOT / "docs" / "examples" / "greetings.py", home / "capabilities")
+    rows = sqlite3.connect(home / "robot.db")
+    greetings = (ROOT / "docs" / "examples" / "greetings.sql").read_text().replace("'lbr'", "'tiny'")
+    rows.executescript((tmp_path / "robot.db.sql").read_text() + ROWS + greetings + PROGRAM)
+    rows.close()
+    (home / "robot.db").chmod(0o600)
+    (tmp_path / "tiny.toml").write_text(PROFILE)
+    return tmp_path
+
+
+def test_a_robot_of_a_program_and_a_kind_from_a_file_runs_and_has_an_emergency_stop(core):
+    code, out, err = lbr(core, "run", "tiny.toml", lines="/greet/ann\nestop\nstatus\nreset\n/greet/bob\nShutdown\n")
+    assert code == 0, err
+    said = out.splitlines()
+    assert {"Good day, Ann.", "greetings: ready", "ticker: ready", "emergency stop: pressed"} <= set(said)
+    assert "Hello Bob!" in said[said.index("emergency stop: pressed") :]
+
+
+def test_a_component_that_is_gone_takes_nothing_else_with_it_and_is_named(tmp_path):
+    copied(tmp_path, "apps/dance")
+    code, out, err = lbr(tmp_path, "robots")
+    assert (code, "lbr" in out) == (0, True)
+    assert "component 'dance'" in out + err
+    code, _, err = lbr(tmp_path, "run", "--help")
+    assert code == 0, err
