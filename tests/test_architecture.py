@@ -662,6 +662,16 @@ def test_every_file_and_function_that_the_page_of_the_architecture_names_is_ther
     assert gone == []
 
 
+def test_the_page_of_the_architecture_has_every_part_of_the_core_and_every_component():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    parts = {part for part in CORE if not re.search(rf"`(lbr/)?{part}(\.py)?`", page)}
+    places = ("apps/*", "robots/*", "simulation")
+    folders = {path.parent for place in places for path in PACKAGE.glob(f"{place}/README.md")}
+    unlisted = {str(folder) for folder in folders if f"(../{folder.relative_to(ROOT)}/README.md)" not in page}
+    assert len(folders) > 20
+    assert not parts | unlisted
+
+
 @cache
 def is_module(name: str) -> bool:
     place = ROOT.joinpath(*name.split("."))

@@ -14,6 +14,12 @@ PAGES = {
     heading: re.findall(r"\]\((\S+)\.md\)", links) for heading, links in _ROW.findall((ROOT / "README.md").read_text())
 }
 """What stands beside each page, by heading: the table at the end of README.md."""
+PARTS = sorted(
+    str(page.relative_to(ROOT).with_suffix(""))
+    for pattern in ("apps/*", "robots/*", "simulation", "operations")
+    for page in (ROOT / "lbr").glob(f"{pattern}/README.md")
+)
+"""The page of each part of lbr that has one, below the page of the architecture."""
 
 _project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 project = _project["name"]
@@ -23,7 +29,7 @@ html_title = f"lbr {version}"
 
 root_doc = "README"
 include_patterns = [f"{page}.md" for pages in PAGES.values() for page in pages]
-include_patterns += ["README.md", "docs/decisions/0*.md"]
+include_patterns += ["README.md", "docs/decisions/0*.md", *(f"{part}.md" for part in PARTS)]
 extensions = ["myst_parser"]
 myst_heading_anchors = 4
 myst_enable_extensions = ["attrs_block"]
@@ -52,12 +58,15 @@ def _listed() -> str:
 
 
 def _read(_app: Sphinx, name: str, source: list[str]) -> None:
-    """Add what stands beside the pages to the front page, and the decisions to their list."""
+    """Add what stands beside the pages to the front page, the decisions to their list, and the parts to the architecture."""
     if name == root_doc:
         source[0] += _listed()
     elif name == "docs/decisions/README":
         records = sorted(path.stem for path in (ROOT / "docs" / "decisions").glob("0*.md"))
         source[0] += "\n\n```{toctree}\n:hidden:\n\n" + "\n".join(records) + "\n```\n"
+    elif name == "docs/architecture":
+        parts = "\n".join(f"{part.split('/', 1)[1].removesuffix('/README')} </{part}>" for part in PARTS)
+        source[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{parts}\n```\n"
 
 
 def setup(app: Sphinx) -> None:
