@@ -29,6 +29,10 @@ class KindError(LbrError):
     """A kind that does not exist or cannot be loaded; the text says why and what there is instead."""
 
 
+class LackingError(KindError):
+    """A kind that is not there, where a component that may have it cannot be used."""
+
+
 class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
     """A row of this kind has nothing to set."""
 

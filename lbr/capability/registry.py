@@ -8,7 +8,7 @@ from hashlib import blake2b
 from pathlib import Path
 
 from lbr import ownership, plugins
-from lbr.capability.kind import Kind, KindError
+from lbr.capability.kind import Kind, KindError, LackingError
 from lbr.messages.rows import Row
 from lbr.names import did_you_mean
 from lbr.plugins import Plugin, PluginError
@@ -45,7 +45,9 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
             text = f"kind '{name}' of package '{package}' was installed after this robot was started"
             raise KindError(f"{text}: start the robot again")
         text = f"there is no kind '{name}': {did_you_mean(name, names(home))} A new one is {path}"
-        raise KindError(text + plugins.perhaps_broken())
+        if lacking := plugins.perhaps_broken():
+            raise LackingError(text + lacking)
+        raise KindError(text)
     _refuse_if_others_may_write(path)
     kind, _texts[name] = _from_file(name, path, fingerprint(name, home), trial=trial)
     return kind

@@ -4,7 +4,7 @@ import os
 import sys
 from pathlib import Path
 
-from lbr import home
+from lbr import home, plugins
 from lbr.capability.confine import OWNER_ONLY
 from lbr.database import copies, store
 from lbr.database.claims import Claim
@@ -33,7 +33,9 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
             left_out = joining.create(path)
         with store.Database.open(path, program="executive") as opened:
             claim.take(path)
-            _tell(*left_out, joining.join(opened, profile.robot), trials.go_back(opened, profile.robot))
+            _tell(
+                *plugins.broken(), *left_out, joining.join(opened, profile.robot), trials.go_back(opened, profile.robot)
+            )
             opened.bound()
             executive = Executive(profile, profile_name, opened, lock, listen)
             return executive.run(console=console)

@@ -78,10 +78,20 @@ def test_a_robot_of_a_program_and_a_kind_from_a_file_runs_and_has_an_emergency_s
     assert "Hello Bob!" in said[said.index("emergency stop: pressed") :]
 
 
-def test_a_component_that_is_gone_takes_nothing_else_with_it_and_is_named(tmp_path):
-    copied(tmp_path, "apps/dance")
-    code, out, err = lbr(tmp_path, "robots")
-    assert (code, "lbr" in out) == (0, True)
-    assert "component 'dance'" in out + err
-    code, _, err = lbr(tmp_path, "run", "--help")
+@pytest.fixture
+def without_speech(tmp_path: Path) -> Path:
+    copied(tmp_path, "apps/speech")
+    shutil.copytree(ROOT / "launch_profiles", tmp_path / "launch_profiles", dirs_exist_ok=True)
+    return tmp_path
+
+
+def test_a_robot_runs_without_a_component_that_is_gone_and_says_what_it_lacks(without_speech):
+    code, out, err = lbr(without_speech, "run", "lbr-sim", lines="/t/30\nstatus\nShutdown\n")
     assert code == 0, err
+    assert "component 'speech'" in err
+    assert "accepted" in out
+    assert "world: ready" in out
+    assert "speech: " not in out
+    code, out, _ = lbr(without_speech, "db", "check")
+    assert code == 0
+    assert "capability 'speech' is left out" in out

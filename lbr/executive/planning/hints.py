@@ -5,7 +5,7 @@ from pathlib import Path
 from types import FunctionType
 
 from lbr.capability import registry
-from lbr.capability.kind import STOP, Kind
+from lbr.capability.kind import STOP, Kind, LackingError
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.wiring import by_themselves
 from lbr.messages.joints import MotionRow, MotionStep
@@ -17,7 +17,7 @@ FALLS = "humanoid_world"
 
 def hints(plan: Plan, home: Path) -> tuple[str, ...]:
     """Return a sentence for each, with what to do; a robot starts with all of them."""
-    return (*_found(plan, home), *_unstable(plan))
+    return (*_lacking(plan, home), *_found(plan, home), *_unstable(plan))
 
 
 def _found(plan: Plan, home: Path) -> Iterator[str]:
@@ -50,6 +50,16 @@ def _found(plan: Plan, home: Path) -> Iterator[str]:
         if registry.fingerprint(row.kind, home):
             place = registry.user_directory(home) / f"{row.kind}.py"
             yield f"capability '{row.name}' runs code that did not ship with lbr: {place}"
+
+
+def _lacking(plan: Plan, home: Path) -> Iterator[str]:
+    """Say which capabilities are left out because the component that may have their kind cannot be used."""
+    for row in plan.rows.capabilities:
+        if row.enabled and row.name not in plan.kinds:
+            try:
+                registry.find(row.kind, home)
+            except LackingError as err:
+                yield f"capability '{row.name}' is left out: {err}"
 
 
 def _unstable(plan: Plan) -> Iterator[str]:

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from lbr.bus.door import LanUser, TokenRight
 from lbr.capability import registry
-from lbr.capability.kind import Kind, KindError
+from lbr.capability.kind import Kind, KindError, LackingError
 from lbr.capability.program import ProgramSettings
 from lbr.capability.settings import faults
 from lbr.database.columns import json_strictly
@@ -62,7 +62,8 @@ def make(
     if problems:
         return None, tuple(problems)
     rows = replace(rows, verbs=words.words(rows, kinds))
-    if wrong := tuple(said.problems(rows, kinds, settings)):
+    whole = all(row.name in kinds for row in rows.capabilities)  # else a word may be of a kind that is left out
+    if whole and (wrong := tuple(said.problems(rows, kinds, settings))):
         return None, wrong
     order = _order(chosen)
     channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= {EXECUTIVE, *order}]
@@ -104,16 +105,16 @@ def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:
     return replace(rows, capabilities=(*others, door))
 
 
-def _find(find: Find, home: Path, kind: str) -> Kind | str:
+def _find(find: Find, home: Path, kind: str) -> Kind | Exception:
     """Return a kind, or why it cannot be used: several rows of one kind ask once."""
     try:
         return find(kind, home)
     except (KindError, OSError) as err:
-        return str(err)
+        return err
 
 
 def _understand(
-    row: CapabilityRow, label: str, known: Callable[[str], Kind | str], bad: AbstractSet[str]
+    row: CapabilityRow, label: str, known: Callable[[str], Kind | Exception], bad: AbstractSet[str]
 ) -> tuple[Kind | None, Any, list[Problem]]:
     """Return a capability's kind and settings, as far as its columns are not bad already, and what is wrong with them."""
     if row.name == EXECUTIVE and "name" not in bad:
@@ -122,8 +123,9 @@ def _understand(
     if "kind" in bad:
         return None, None, []
     kind = known(row.kind)
-    if isinstance(kind, str):
-        return None, None, [Problem("capability", label, "kind", kind)]
+    if isinstance(kind, Exception):
+        without = isinstance(kind, LackingError)  # the robot runs all the same
+        return None, None, [] if without else [Problem("capability", label, "kind", str(kind))]
     if "settings" in bad:  # by a device that is not there, perhaps, and in more
         return kind, None, _more(row, kind, label)
     try:

@@ -209,11 +209,6 @@ class Doors:
                 self._changed.notify_all()
         return [self._said.popleft() for _ in range(len(self._said))]
 
-    def annexes(self) -> int:
-        """Return how many annexes are open."""
-        with self._changed:
-            return len(self._annexes)
-
     def close(self) -> None:
         """Close every router, the newest first, as far as the bus library does so in time."""
         with self._changed:

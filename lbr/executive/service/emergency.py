@@ -199,8 +199,7 @@ class Emergency:
     def step(self, now: float) -> float:
         """Write down what is new, repeat what is not acknowledged; return when to be called again."""
         with self._changed:
-            alone_until = min(self._alone.values(), default=inf) + ALONE_S
-            if now >= alone_until:
+            if now >= min(self._alone.values(), default=inf) + ALONE_S:
                 name = next(iter(self._alone))
                 self._latch("it heard a stop that was not heard here", name, now)
             self._announce()
