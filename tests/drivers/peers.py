@@ -13,8 +13,11 @@ from typing import Any
 
 from lbr.capability.context import Device
 from lbr.capability.kind import Kind
+from lbr.capability.tap import Tap
 from lbr.messages.system import Stamp
 from lbr.testing.driver import RealTimeContext
+from tests.support.own_time import own_clock
+from tests.support.waiting import HANG_S
 
 
 class Pty:
@@ -37,9 +40,20 @@ class Pty:
         os.close(self.master)
         self.master = self.keeper = -1
 
+    def waiting(self) -> bytes:
+        """Take what came and was not read."""
+        try:
+            return os.read(self.master, 4096)
+        except BlockingIOError:
+            return b""
 
-class ScriptedRoboteq(Pty):
-    """Answers as the controller does, and misbehaves when told to."""
+
+class ScriptedRoboteq(Pty, Tap):
+    """Answers as the controller does, and misbehaves when told to.
+
+    As the tap of the driver's line it takes what the driver writes at once, and has its answer lie there before the
+    driver reads: the driver gives an answer 5 ms. By `clock` that takes no time, however late the kernel moves the bytes.
+    """
 
     def __init__(self, path: Path) -> None:
         self.settings = {"RWD": 1000, "MXMD": 0, "ECHOF": 0}
@@ -61,11 +75,12 @@ class ScriptedRoboteq(Pty):
         self.echo_always: bool | None = None
         self.answer: Callable[[str], bytes | None] = lambda _line: None  # None: as usual
         self._buffer = b""
+        self._own_clock = own_clock()
+        self._took_s = 0.0
         self._stop = threading.Event()
         self._babbler: threading.Thread | None = None
-        super().__init__(path)
-        self._thread = threading.Thread(target=self._serve, daemon=True)
-        self._thread.start()
+        Tap.__init__(self)
+        Pty.__init__(self, path)
 
     def motor_commands(self) -> list[str]:
         return [line for line in self.log if line.startswith("!")]
@@ -78,22 +93,24 @@ class ScriptedRoboteq(Pty):
 
     def finish(self) -> None:
         self._stop.set()
-        self._thread.join()
         if self._babbler is not None:
             self._babbler.join()
         if self.master >= 0:
             self.unplug()
 
-    def _serve(self) -> None:
-        while not self._stop.is_set():
-            if not self.reading or self.master < 0:
-                time.sleep(0.001)
-                continue
-            try:
-                if select.select([self.master], [], [], 0.005)[0]:
-                    self._take(os.read(self.master, 4096))
-            except (OSError, ValueError):
-                continue
+    def sent(self, data: bytes) -> None:
+        super().sent(data)
+        began = self._own_clock()
+        left = len(data)
+        while left and self.reading and select.select([self.master], [], [], HANG_S)[0]:
+            came = os.read(self.master, left)
+            left -= len(came)
+            if self._hear(came):
+                select.select([self.keeper], [], [], HANG_S)
+        self._took_s += self._own_clock() - began
+
+    def clock(self) -> float:
+        return self._own_clock() - self._took_s
 
     def _babble(self, noise: bytes) -> None:
         while not self._stop.is_set():
@@ -101,7 +118,9 @@ class ScriptedRoboteq(Pty):
                 if select.select([], [self.master], [], 0.005)[1]:
                     os.write(self.master, noise)
 
-    def _take(self, data: bytes) -> None:
+    def _hear(self, data: bytes) -> bool:
+        """Answer what is a whole line; say whether there was anything to say."""
+        answered = False
         self._buffer += data
         *lines, self._buffer = self._buffer.split(b"\r")
         for line in lines:
@@ -112,7 +131,8 @@ class ScriptedRoboteq(Pty):
             answer = self.answer(text)
             if answer is None:
                 answer = (line + b"\r" if echo else b"") + self._reply(text)
-            os.write(self.master, answer)
+            answered |= os.write(self.master, answer) > 0
+        return answered
 
     def _reply(self, text: str) -> bytes:
         sign, word, *rest = text[0], *text[1:].split()
@@ -139,17 +159,17 @@ class Board(Pty):
         os.write(self.master, data)
 
     def heard(self) -> bytes:
-        try:
-            return os.read(self.master, 4096)
-        except BlockingIOError:
-            return b""
+        """Take what comes next, however late the kernel moves it."""
+        assert select.select([self.master], [], [], HANG_S)[0]
+        return self.waiting()
 
 
 class DriverContext(RealTimeContext):
     """The context of a driver on real time, beside a `drive` that lives and is wired to it."""
 
-    def __init__(self, kind: Kind, settings: Any, address: Path | str, type_: str) -> None:
-        super().__init__(kind, settings, robot="tester", device=Device(settings.device, type_, str(address), {}))
+    def __init__(self, kind: Kind, settings: Any, address: Path | str, type_: str, tap: Tap | None = None) -> None:
+        device = Device(settings.device, type_, str(address), {}, tap or Tap())
+        super().__init__(kind, settings, robot="tester", device=device)
         self.wired["setpoint"] = ("drive",)
 
     def give(self, message: Any, *, source: str = "drive", stamp: Stamp | None = None) -> None:

@@ -227,7 +227,7 @@ def test_over_a_real_line_it_asks_and_publishes_and_tells_when_the_cable_is_pull
 
     def converse():
         imu.step()
-        heard = board.heard()
+        heard = board.waiting()
         if heard.endswith(b"?QO\r"):
             board.say(b"QO=16384:0:0:0\r")
         elif heard.endswith(b"?ML\r"):

@@ -30,7 +30,9 @@ def stamp(age_s, boot):
 
 @pytest.fixture
 def ctx(peer):
-    return DriverContext(KIND, KIND.parse(SETTINGS), peer.path, "roboteq")
+    ctx = DriverContext(KIND, KIND.parse(SETTINGS), peer.path, "roboteq", peer)
+    ctx.clock = peer.clock
+    return ctx
 
 
 @pytest.fixture

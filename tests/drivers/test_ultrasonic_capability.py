@@ -71,7 +71,7 @@ def test_a_board_that_was_silent_and_is_opened_again_says_no_more_before_it_meas
 
 def test_a_board_that_was_still_starting_is_asked_again(ring, ctx, board):
     assert board.heard() == b"g\n"
-    until(lambda: (ring.step(), board.heard() == b"g\n")[1])
+    until(lambda: (ring.step(), board.waiting() == b"g\n")[1])
 
 
 def test_no_frame_means_no_message_and_then_silence_is_an_error(ring, ctx, board):
