@@ -39,15 +39,16 @@ class Serving:
         self._thread.start()
 
     def stop(self) -> None:
-        """End it, at most a third of a second later; what is under way then ends with the process."""
+        """End it, at most a third of a second later; what is under way then ends with the process, as do its sockets."""
         self._server.should_exit = True
-        if self._thread.is_alive():
-            self._thread.join(JOIN_S)
-        for one in self._sockets:
-            one.close()
+        self._thread.join(JOIN_S)
 
     def _run(self) -> None:
-        asyncio.run(self._serve())
+        try:
+            asyncio.run(self._serve())
+        finally:
+            for one in self._sockets:
+                one.close()
 
     async def _serve(self) -> None:
         beside = asyncio.ensure_future(self._beside()) if self._beside is not None else None
