@@ -23,6 +23,8 @@ PROGRAM = """
 INSERT INTO capability (robot, name, kind, settings, help)
 VALUES ('tiny', 'ticker', 'exec', '{"argv": ["sleep", "1000"]}', 'A program');
 """
+OWN_TESTS = ("bus", "leases", "messages", "operations")
+"""Rooms whose tests need no robot; the core's other tests drive the simulated ones."""
 BROUGHT = re.compile(r'^\w+ = "lbr\.(?:apps|robots|simulation)\b.*\n', re.MULTILINE)
 """The entry points of components."""
 
@@ -95,3 +97,33 @@ def test_a_robot_runs_without_a_component_that_is_gone_and_says_what_it_lacks(wi
     code, out, _ = lbr(without_speech, "db", "check")
     assert code == 0
     assert "capability 'speech' is left out" in out
+
+
+def reaches_a_component(module: Path) -> bool:
+    """Say whether a test, or what it imports of the tests, imports a component."""
+    waiting, known = [module], set()
+    while waiting:
+        path = waiting.pop()
+        known.add(path)
+        for found in re.findall(r"^\s*(?:from|import) (\S+)(?: import (\w+))?", path.read_text(), re.MULTILINE):
+            name = ".".join(filter(None, found))
+            if name.startswith(tuple(f"lbr.{part}." for part in ("apps", "robots", "simulation", "testing"))):
+                return True
+            places = (ROOT.joinpath(*one.split(".")).with_suffix(".py") for one in (found[0], name))
+            waiting += [
+                place for place in places if name.startswith("tests.") and place.is_file() and place not in known
+            ]
+    return False
+
+
+@pytest.mark.timeout(400)
+def test_the_cores_own_tests_pass_without_a_component(core):
+    modules = [path for room in OWN_TESTS for path in sorted((ROOT / "tests" / room).rglob("test_*.py"))]
+    alone = [str(path.relative_to(ROOT)) for path in modules if not reaches_a_component(path)]
+    assert len(alone) > 40
+    shutil.copytree(ROOT / "tests", core / "tests", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "lbr" / "testing", core / "lbr" / "testing")
+    environment = {**os.environ, "PYTHONPATH": str(core)}
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "2", "-p", "no:cacheprovider", *alone]
+    done = programs.run(command, capture_output=True, text=True, cwd=core, env=environment, timeout=300)
+    assert done.returncode == 0, done.stdout[-3000:]
