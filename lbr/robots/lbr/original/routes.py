@@ -14,6 +14,7 @@ from lbr.apps.web.cameras.ports import Ports
 from lbr.apps.web.cameras.routes import CamerasFace
 from lbr.apps.web.face import Refused, Request, Route
 from lbr.apps.web.robot import Robot
+from lbr.capability.context import Received
 from lbr.errors import InputError
 from lbr.messages.camera import SelectCommand
 from lbr.messages.dock import DockHeard
@@ -63,7 +64,7 @@ class LbrOriginalFace(web.Face):
         """Go on with what moves, and take pictures in."""
         self._cameras.step(now)
         self._driver.step(now)
-        self._remember(now)
+        self._remember(self._robot.ctx.latest("telemetry"), now)
 
     def knows(self) -> bool:
         """Say whether every part of the telemetry that the robot has was told."""
@@ -226,15 +227,15 @@ class LbrOriginalFace(web.Face):
 
     def _package(self) -> dict[str, Any]:
         now, latest = self._robot.now(), self._robot.ctx.latest
-        wall = time.time()
-        newest = package(latest("telemetry"), latest("ranges"), now, wall, self._settings.over_range_cm)
+        wall, telemetry = time.time(), latest("telemetry")
+        self._remember(telemetry, now)
+        newest = package(telemetry, latest("ranges"), now, wall, self._settings.over_range_cm)
         found = lasting(self._told, newest)
         self._seen = {name: at for name, at in self._seen.items() if now - at <= self._settings.dock_ttl_s}
         return with_beams(found, {name: now - at for name, at in self._seen.items() if name != "power"}, wall)
 
-    def _remember(self, now: float) -> None:
-        """Keep what was told last: state machines compute with it, also while it is not known."""
-        newest = self._robot.ctx.latest("telemetry")
+    def _remember(self, newest: Received | None, now: float) -> None:
+        """Keep what is told: state machines compute with it, also while it is not known."""
         if newest is not None and newest.arrived != self._told_at:
             self._told_at = newest.arrived
             told = package(newest, None, now, time.time(), self._settings.over_range_cm)
