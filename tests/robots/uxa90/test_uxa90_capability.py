@@ -161,7 +161,7 @@ def test_all_that_change_in_one_cycle_leave_in_one_write(rig, board):
     board.forget()
     rig.at({0: 110, 1: 120, 2: 130}, torque=0.6)
     rig.until(lambda: board.servos[2].position == 130)
-    assert bytes.fromhex("FF406E2E FF417839 FF4282 40".replace(" ", "")) in board.said
+    assert board.heard(bytes.fromhex("FF406E2E FF417839 FF4282 40".replace(" ", "")))
 
 
 def test_only_what_changed_is_written(rig, board):
@@ -309,7 +309,7 @@ def test_the_emergency_stop_does_as_the_row_says_and_is_acknowledged_when_all_we
     rig.ctx.estop.engaged, rig.ctx.estop.reason = True, "test"
     rig.until(lambda: rig.ctx.estop.acknowledged[-1:] == [(True, "")])
     assert board.braked is braked
-    assert (bytes.fromhex("FFDF207F") in board.said) is braked
+    assert (bytes.fromhex("FFDF207F") in board.packets) is braked
     assert [one.level for one in board.servos.values()] == ([0] * 3 if how == "hold" else [None] * 3)
     rig.until(lambda: rig.state.phase == ("holding" if how == "hold" else "released"))
     board.forget()
@@ -400,7 +400,7 @@ def test_a_stored_motion_may_be_played_without_leaving_pc_control(board):
     rig.known()
     rig.idle(lease="a", stored=play(5))
     rig.until(lambda: board.plays == [4])
-    assert bytes.fromhex("FFE0E1000405") in board.said
+    assert board.heard(bytes.fromhex("FFE0E1000405"))
     assert board.mode == "pc"
     board.forget()
     rig.ahead_s += 2.0
@@ -523,7 +523,7 @@ def test_maintenance_writes_a_register_and_reads_it_back(board):
     rig.known()
     said = ask(rig, "configure", ConfigureCommand(what="boundary", id=2, values=(20, 200)))
     assert (said.accepted, said.values) == (True, (20, 200))
-    assert bytes.fromhex("FFE21114C82F") in board.said
+    assert board.heard(bytes.fromhex("FFE21114C82F"))
     board.forget()
     rig.driver._session.bus.settle = lambda _within_s: False
     assert "was not told" in ask(rig, "configure", ConfigureCommand(what="boundary", id=2, values=(20, 200))).reason

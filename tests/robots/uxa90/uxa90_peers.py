@@ -26,7 +26,7 @@ class Servo:
 
 
 class Board(Pty):
-    """`said` are whole writes, `packets` single ones; `answer` may replace the answer to a packet."""
+    """`said` are what was read at once, `packets` single ones; `answer` may replace the answer to a packet."""
 
     def __init__(self, path: Path, count: int = 3) -> None:
         self.servos = {number: Servo(number) for number in range(count)}
@@ -49,6 +49,10 @@ class Board(Pty):
         """Return id, level and position of each move that came."""
         found = [(one[1] & 31, one[1] >> 5, one[2]) for one in list(self.packets) if len(one) == 4 and one[1] >> 5 < 5]
         return [move for move in found if servo in (None, move[0])]
+
+    def heard(self, data: bytes) -> bool:
+        """Say whether something came as it is, within what was read at once: that may be more than was written at once."""
+        return any(data in one for one in self.said)
 
     def forget(self) -> None:
         for log in (self.said, self.packets, self.frames, self.plays):
