@@ -202,7 +202,8 @@ def test_tables_that_were_altered_are_problems(database, client, edit, wording):
 
 
 def test_another_program_edits_a_hundred_times_a_second_while_we_read_and_write(path, database):
-    """Neither side ever hears that the database is locked, and every load is one moment."""
+    """Neither side ever hears that the database is locked, and every load is one moment. What can be written later waits a
+    tenth of a second only: an edit that the disk or the processor holds up takes longer."""
     failed: list[BaseException] = []
     edits = 0
     enough = threading.Event()
@@ -229,8 +230,8 @@ def test_another_program_edits_a_hundred_times_a_second_while_we_read_and_write(
         address = next(row.address for row in rows.devices if row.name == "range_board")
         assert address == f"sim:{words}" or not words.isdigit()
         seen.add(words)
-        database.append_events([Event(kind="row_changed", subject="", text=words)])
-        database.set_estop("lbr", engaged=bool(len(seen) % 2), reason="")
+        database.record_start("lbr")
+        database.record_shutdown("lbr")
     enough.set()
     editor.join()
     assert failed == []
