@@ -1,10 +1,11 @@
-"""What goes into the distribution lbr-client: `lbr/client` as the package `lbr_client`, with the modules that it needs.
+"""What goes into the distribution lbr-client beside `lbr_client`: the modules of lbr that `lbr.client` needs, as they are.
 
-They are the very modules that lbr's own commands use, under another name, so that both can be installed side by side.
+A wheel has them in a folder of its own, so that no file of an installed lbr is touched, and once more as the stubs `lbr-stubs`, because
+type checkers do not look into that folder. A source distribution has them as the tree has, and is built without the tree.
 """
 
 import ast
-import re
+import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,53 +13,64 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-ROOT = Path(__file__).resolve().parent.parent
-FRONT = ROOT / "lbr" / "client"
-NAMED = re.compile(r"^(\s*(?:from|import)\s+)lbr(?:\.client)?(?=[.\s])", re.MULTILINE)
+PRIVATE = "lbr_client/_modules"
+STUBS = "lbr-stubs"
 
 
 class Collect(BuildHookInterface):
-    """Collects the modules when the wheel is built; an editable installation has them too, as they are then."""
+    """Collects the modules when something is built; an editable installation has the whole tree on its path instead."""
 
     PLUGIN_NAME = "custom"
 
-    def initialize(self, _version: str, build_data: dict[str, Any]) -> None:
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Say what is to be included."""
-        self._folder = tempfile.TemporaryDirectory(prefix="lbr-client-")
-        folder = Path(self._folder.name) / "lbr_client"
-        for path in set().union(*map(modules, FRONT.glob("*.py"))):
-            place = folder / path.relative_to(FRONT if path.is_relative_to(FRONT) else ROOT / "lbr")
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_text(NAMED.sub(r"\1lbr_client", path.read_text()))
-        (folder / "py.typed").touch()
-        build_data["force_include"][str(folder)] = "lbr_client"
+        if version == "editable":
+            return
+        here = Path(self.root)
+        root = here if (here / "lbr").is_dir() else here.parent
+        found = modules(root)
+        prefix = Path(PRIVATE if self.target_name == "wheel" else "")
+        build_data["force_include"] |= {str(path): str(prefix / path.relative_to(root)) for path in found}
+        if self.target_name == "wheel":
+            self._stubs = tempfile.TemporaryDirectory(prefix="lbr-client-")
+            _write_stubs(Path(self._stubs.name), root / "lbr", found)
+            build_data["force_include"][self._stubs.name] = STUBS
 
-    def finalize(self, _version: str, _build_data: dict[str, Any], _artifact: str) -> None:
+    def finalize(self, version: str, _build_data: dict[str, Any], _artifact: str) -> None:
         """Remove what was collected."""
-        self._folder.cleanup()
+        if version != "editable" and self.target_name == "wheel":
+            self._stubs.cleanup()
 
 
-def modules(start: Path) -> set[Path]:
-    """Return a module of lbr and all others that it imports, also within functions, without lbr's own `__init__`."""
-    waiting, found = [start], set[Path]()
+def modules(root: Path) -> set[Path]:
+    """Return the modules of `lbr.client` and all others of lbr that they import, also within functions."""
+    waiting, found = list((root / "lbr" / "client").glob("*.py")), set[Path]()
     while waiting:
         path = waiting.pop()
         if path not in found:
             found.add(path)
-            waiting += _imported(path)
-    return found - {ROOT / "lbr" / "__init__.py"}
+            waiting += _imported(path, root)
+    return found
 
 
-def _imported(path: Path) -> Iterator[Path]:
+def _imported(path: Path, root: Path) -> Iterator[Path]:
     for node in ast.walk(ast.parse(path.read_text())):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         if isinstance(node, ast.ImportFrom) and node.module and not node.level:
             names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
         for name in names:
             parts = name.split(".")
-            for end in range(2, len(parts) + 1) if parts[0] == "lbr" else ():
-                yield from _module(ROOT.joinpath(*parts[:end]))
+            for end in range(1, len(parts) + 1) if parts[0] == "lbr" else ():
+                yield from _module(root.joinpath(*parts[:end]))
 
 
 def _module(place: Path) -> Iterator[Path]:
     yield from (path for path in (place / "__init__.py", place.with_suffix(".py")) if path.is_file())
+
+
+def _write_stubs(folder: Path, package: Path, found: set[Path]) -> None:
+    for path in found:
+        stub = folder / path.relative_to(package).with_suffix(".pyi")
+        stub.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, stub)
+    (folder / "py.typed").write_text("partial\n")  # what is not among them is as an installed lbr has it

@@ -1,6 +1,6 @@
 """Cameras, numbers and the way of a robot in a notebook, drawn live in one place of its output.
 
-    from lbr_client import notebook
+    from lbr.client import notebook           # in the distribution lbr-client: from lbr_client import notebook
 
     with client.connect() as robot, robot.drive(0.1, at_most_s=10):
         notebook.show(robot, "camera_front", for_s=3)     # the newest picture, as they come

@@ -1,16 +1,10 @@
-"""A whole robot in simulation for each module, a program that is connected to it, and the distribution's modules."""
-
-import sys
-import zipfile
-from pathlib import Path
+"""A whole robot in simulation for each module, a program that is connected to it, and the distribution without lbr."""
 
 import pytest
 
 from lbr import client
-from tests.support import programs
+from tests.support import lbr_client
 from tests.support import robot as robots
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -35,15 +29,13 @@ def robot(running, home, monkeypatch):
         yield robot
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def wheel(tmp_path_factory):
-    """The modules of the distribution, unpacked as pip would."""
-    folder = tmp_path_factory.mktemp("wheel")
-    build = "from hatchling.build import build_wheel; import sys; print(build_wheel(sys.argv[1]))"
-    built = programs.run(
-        [sys.executable, "-c", build, str(folder)], cwd=ROOT / "client", capture_output=True, text=True
-    )
-    assert built.returncode == 0, built.stderr
-    with zipfile.ZipFile(folder / built.stdout.split()[-1]) as packed:
-        packed.extractall(folder / "site")
-    return folder / "site"
+    """The distribution, as a release builds it."""
+    return lbr_client.build("wheel", tmp_path_factory.mktemp("wheel"))
+
+
+@pytest.fixture(scope="session")
+def alone(wheel, tmp_path_factory):
+    """An interpreter that has the distribution and no lbr."""
+    return lbr_client.alone(tmp_path_factory.mktemp("alone"), wheel)

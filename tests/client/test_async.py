@@ -3,7 +3,6 @@
 import asyncio
 import os
 import signal
-import sys
 from contextlib import asynccontextmanager
 
 import pytest
@@ -158,10 +157,10 @@ def test_motion_that_is_taken_away_is_told_at_the_end_of_its_with(robot, running
 
 
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP])
-def test_the_wheels_stand_when_a_program_with_a_loop_is_ended(end, wheel, running, home):
+def test_the_wheels_stand_when_a_program_with_a_loop_is_ended(end, alone, running, home):
     running.say("reset")
-    environment = robots.environment(home) | {"PYTHONPATH": str(wheel)}
-    program = programs.start([sys.executable, "-c", DRIVING], env=environment, stdout=-1, stderr=-1, text=True)
+    command = [alone, "-I", "-c", DRIVING]
+    program = programs.start(command, env=robots.environment(home), stdout=-1, stderr=-1, text=True)
     try:
         assert program.stdout.readline() == "drives\n", program.communicate()
         until(lambda: turning(running))

@@ -4,7 +4,6 @@ import os
 import signal
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
@@ -14,12 +13,10 @@ from tests.support import programs
 from tests.support import robot as robots
 from tests.support.waiting import until
 
-ROOT = Path(__file__).resolve().parents[2]
 PATIENT = {"ttl_s": 1.0}
 """The longest life of a lease: the machine may hold up a test."""
 DRIVING = """
-import sys, time
-sys.modules["lbr"] = None  # nothing of lbr itself is there
+import time
 import lbr_client as client
 
 with client.connect() as robot, robot.borrow("drive/command", power=0.15, angle_deg=180, ttl_s=1.0) as motion:
@@ -149,10 +146,10 @@ def test_a_second_program_is_told_who_holds_it(robot):
 
 
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP])
-def test_the_distribution_drives_without_lbr_and_the_wheels_stand_when_its_program_is_ended(end, wheel, running, home):
+def test_the_distribution_drives_without_lbr_and_the_wheels_stand_when_its_program_is_ended(end, alone, running, home):
     running.say("reset")
-    environment = robots.environment(home) | {"PYTHONPATH": str(wheel)}
-    program = programs.start([sys.executable, "-c", DRIVING], env=environment, stdout=-1, stderr=-1, text=True)
+    command = [alone, "-I", "-c", DRIVING]
+    program = programs.start(command, env=robots.environment(home), stdout=-1, stderr=-1, text=True)
     try:
         assert program.stdout.readline() == "drives\n", program.communicate()
         until(lambda: turning(running))
@@ -161,20 +158,6 @@ def test_the_distribution_drives_without_lbr_and_the_wheels_stand_when_its_progr
     finally:
         program.kill()
         program.communicate()
-
-
-def test_the_distribution_holds_what_lbr_has_and_needs_two_libraries(wheel):
-    collected = wheel / "lbr_client"
-    same = (collected / "leases" / "client.py").read_text()
-    assert same.replace("lbr_client.", "lbr.") == (ROOT / "lbr" / "leases" / "client.py").read_text()
-    assert not [path for path in collected.rglob("*.py") if "import lbr." in path.read_text()]
-    metadata = next(wheel.glob("*.dist-info")) / "METADATA"
-    needs = [
-        line
-        for line in metadata.read_text().splitlines()
-        if line.startswith("Requires-Dist") and "extra ==" not in line
-    ]
-    assert sorted(line.split()[1].split("<")[0].split(">")[0] for line in needs) == ["eclipse-zenoh", "msgspec"]
 
 
 def test_reading_a_stream_again_later_gives_the_newest_and_not_what_came_meanwhile(robot):
