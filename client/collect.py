@@ -1,7 +1,9 @@
-"""What goes into the distribution lbr-client beside `lbr_client`: the modules of lbr that `lbr.client` needs, as they are.
+"""What goes into the distribution lbr-client beside `lbr_client`: the modules of lbr that `lbr.client` needs, as they
+are.
 
-A wheel has them in a folder of its own, so that no file of an installed lbr is touched, and once more as the stubs `lbr-stubs`, because
-type checkers do not look into that folder. A source distribution has them as the tree has, and is built without the tree.
+A wheel has them in a folder of its own, so that no file of an installed lbr is touched, and once more as the stubs
+`lbr-stubs`, because type checkers do not look into that folder. A source distribution has them as the tree has, and is
+built without the tree.
 """
 
 import ast

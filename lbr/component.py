@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CliCommand:
-    """A command of the command line: `entry` is a `click.Command` as `module:attribute`, `help` its line in `lbr --help`."""
+    """A command of the command line: `entry` is a `click.Command` as `module:attribute`, `help` its line in `lbr
+    --help`."""
 
     entry: str
     help: str
@@ -34,8 +35,8 @@ class Component:
       rows that yields `lbr.commands.finding.Finding`.
     - `messages`: modules of message types that other components may import; `public`: modules and packages of the same
       sort that are no messages.
-    - `needs`: components of which some of its parts import that. What needs one that is not there does not load, and the
-      sentence that tells so names it.
+    - `needs`: components of which some of its parts import that. What needs one that is not there does not load, and
+      the sentence that tells so names it.
     """
 
     kinds: Mapping[str, str] = field(default_factory=dict)

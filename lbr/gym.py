@@ -1,11 +1,13 @@
-"""The simulated room as an environment of Gymnasium, `lbr/Room-v0`: what learns drives by twists, through the drive as it is.
+"""The simulated room as an environment of Gymnasium, `lbr/Room-v0`: what learns drives by twists, through the drive as
+it is.
 
     import gymnasium
     import lbr.gym
 
     room = gymnasium.make("lbr/Room-v0")
 
-The drive's rules, limits and ramps count as on the robot: what would run into something is slowed and refused. Nothing outside moves.
+The drive's rules, limits and ramps count as on the robot: what would run into something is slowed and refused. Nothing
+outside moves.
 """
 
 from math import cos, isfinite, radians, sin
@@ -63,10 +65,10 @@ Seen = dict[str, NDArray[np.float32]]
 class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
     """A robot on wheels somewhere in its room, which is to come to its dock.
 
-    An action is a twist, two shares from -1 to 1: of MOST_MPS ahead, and of MOST_RPS anticlockwise; it holds for STEP_S.
-    An episode ends when the dock charges the robot, and is cut off after `max_s` seconds of the robot's time. `database` and
-    `robot` say whose rows; the shipped rows of `lbr` if left out. InputError: these make no robot on wheels, there is no such file,
-    or `max_s` is no time.
+    An action is a twist, two shares from -1 to 1: of MOST_MPS ahead, and of MOST_RPS anticlockwise; it holds for
+    STEP_S. An episode ends when the dock charges the robot, and is cut off after `max_s` seconds of the robot's time.
+    `database` and `robot` say whose rows; the shipped rows of `lbr` if left out. InputError: these make no robot on
+    wheels, there is no such file, or `max_s` is no time.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012 - as Gymnasium declares it
@@ -102,7 +104,8 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         self._board: Stage | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Seen, dict[str, Any]]:
-        """Put the robot anywhere where it can turn, or where `options["start"]` says: x and y in metres, yaw in radians.
+        """Put the robot anywhere where it can turn, or where `options["start"]` says: x and y in metres, yaw in
+        radians.
 
         Return what it senses, and the truth about it. InputError: there is no room for it there.
         """
@@ -252,7 +255,8 @@ def _loaded(path: Path, robot: str) -> RobotRows:
 
 
 def _processes(rows: RobotRows) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return a robot's processes as its rows plan them in a simulation, and their kinds; the world's is called `world`."""
+    """Return a robot's processes as its rows plan them in a simulation, and their kinds; the world's is called
+    `world`."""
     plan, problems = planned(rows)
     if plan is None:
         raise InputError(f"the rows of {rows.robot.name} make no robot: {problems[0]}", "bad_value")

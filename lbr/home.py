@@ -51,7 +51,8 @@ def home() -> Path:
 
 
 def live_in() -> None:
-    """Create this home no more from now on: a robot runs from it, and is not found in another that is called the same."""
+    """Create this home no more from now on: a robot runs from it, and is not found in another that is called the
+    same."""
     global _lived_in  # noqa: PLW0603 - of a process, as LBR_HOME is
     _lived_in = _place()
 
@@ -73,7 +74,8 @@ def _place() -> Path:
 
 
 def _spoken(path: Path) -> Path:
-    """Return a folder that the bus and devices can be told of: in an endpoint, what follows `#` or `?` is not a path."""
+    """Return a folder that the bus and devices can be told of: in an endpoint, what follows `#` or `?` is not a
+    path."""
     wrong = next((one for one in str(path) if one in "#?\x7f" or one < " " or "\ud800" <= one <= "\udfff"), "")
     if wrong:
         raise InputError(
@@ -83,7 +85,8 @@ def _spoken(path: Path) -> Path:
 
 
 def directory(name: str) -> Path:
-    """Return a subdirectory of the home, created for its owner alone if need be; InputError if others could change it."""
+    """Return a subdirectory of the home, created for its owner alone if need be; InputError if others could change
+    it."""
     place = home()
     if _is_lived_in(place) and not place.is_dir():
         raise InputError(f"the robot's home {place} is gone: end the robot, put its home back, and start it again")

@@ -41,7 +41,8 @@ def without_marks(text: str) -> str:
 
 
 def name_from(text: str, otherwise: str) -> str:
-    """Return a row's name that is as much like a text as can be; where no letter is left to begin with, after `otherwise`."""
+    """Return a row's name that is as much like a text as can be; where no letter is left to begin with, after
+    `otherwise`."""
     found = _NO_NAME.sub("_", without_marks(text).casefold()).strip("_")
     if not found[:1].isalpha():
         found = f"{otherwise}_{found}"

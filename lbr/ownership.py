@@ -67,7 +67,8 @@ def faults(path: Path, *, secret: bool = False, owners: Iterable[int] = ()) -> t
 
 
 def database_faults(path: Path) -> tuple[Fault, ...]:
-    """Return what keeps a database from being ours alone: file, way to it, further names, and SQLite's files beside it."""
+    """Return what keeps a database from being ours alone: file, way to it, further names, and SQLite's files beside
+    it."""
     found = list(faults(path))
     real = Path(os.path.realpath(path))
     if _has_further_names(real):

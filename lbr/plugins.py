@@ -1,4 +1,5 @@
-"""What packages bring to lbr by their components: kinds, commands, faces, ports, robots and twins; and why one cannot be used.
+"""What packages bring to lbr by their components: kinds, commands, faces, ports, robots and twins; and why one cannot
+be used.
 
     entry points of `lbr.components` ──► entries() ──► Component ──► find(field, name): Plugin ──► load(): the object
 
@@ -39,7 +40,8 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """An entry point of a component: `value` is `module:attribute`, `package` whose it is, `requires` what that asks for."""
+    """An entry point of a component: `value` is `module:attribute`, `package` whose it is, `requires` what that asks
+    for."""
 
     name: str
     value: str
@@ -96,7 +98,8 @@ class Plugin:
         return found
 
     def checked(self, found: object, wanted: type[T], name: str = "name") -> T:
-        """Return what was declared if it is what its field has, and its own field `name` says the name of the component's."""
+        """Return what was declared if it is what its field has, and its own field `name` says the name of the
+        component's."""
         if not isinstance(found, wanted):
             raise PluginError(self, f"{self.value} is no {wanted.__name__}(…), but of type {type(found).__name__}")
         if (said := getattr(found, name)) != self.name:
@@ -305,8 +308,8 @@ def _tried(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
 
 
 def _tried_aside(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
-    """Import what another has written on a thread of its own, which lets it set no signals; threads that it starts keep no
-    program from its end, and whatever it raises is its own, as Ctrl-C comes to the main thread alone."""
+    """Import what another has written on a thread of its own, which lets it set no signals; threads that it starts keep
+    no program from its end, and whatever it raises is its own, as Ctrl-C comes to the main thread alone."""
     tried: list[tuple[Any, BaseException | None]] = []
 
     def run() -> None:

@@ -85,7 +85,8 @@ def forget_runtime() -> None:
 
 
 def bound_heaps() -> None:
-    """Give this process's threads a few heaps to share; call it before there are threads. Only glibc has a say in that."""
+    """Give this process's threads a few heaps to share; call it before there are threads. Only glibc has a say in
+    that."""
     import ctypes  # noqa: PLC0415 - light commands need none of it
 
     with contextlib.suppress(AttributeError, OSError):

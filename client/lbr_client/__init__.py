@@ -1,6 +1,7 @@
 """A program's way to a robot, where lbr is not installed: what `lbr.client` exports.
 
-The modules of lbr that it needs come along in a folder that stands last on the path: an lbr that is installed goes before.
+The modules of lbr that it needs come along in a folder that stands last on the path: an lbr that is installed goes
+before.
 """
 
 import sys

@@ -1,4 +1,5 @@
-"""The certificate by which a robot shows on every encrypted line who it is: made by itself, known by its fingerprint."""
+"""The certificate by which a robot shows on every encrypted line who it is: made by itself, known by its
+fingerprint."""
 
 import datetime as dt
 import socket
@@ -10,8 +11,8 @@ from lbr.errors import InputError
 NAME = "robot.lbr"
 """For whom every robot's certificate is; which robot it is, its fingerprint says."""
 VALID = (dt.datetime(1970, 1, 1, tzinfo=dt.UTC), dt.datetime(9999, 12, 31, 23, 59, 59, tzinfo=dt.UTC))
-"""For ever (RFC 5280, 4.1.2.5): a machine may have no clock of its own, here or where it is checked, and what is trusted is the
-fingerprint."""
+"""For ever (RFC 5280, 4.1.2.5): a machine may have no clock of its own, here or where it is checked, and what is
+trusted is the fingerprint."""
 FILES = ("bus.key", "bus.crt")
 """What they are called below `credentials/`."""
 OWN_FILES = ("web.key", "web.crt")

@@ -8,7 +8,8 @@ from lbr.messages.system import Role, TokenRole
 
 
 class LanUser(Row, frozen=True, kw_only=True):
-    """A user who may come in from another machine; `hash` is of the secret, and must fit it. A kind reads it as a row."""
+    """A user who may come in from another machine; `hash` is of the secret, and must fit it. A kind reads it as a
+    row."""
 
     TABLE = "user_token"
     KEY = ("name",)
@@ -40,9 +41,9 @@ class LanConfig(Struct, frozen=True, kw_only=True):
     """The private document of kind `lan`: what only the door to other machines needs to know.
 
     `link` is how its router proves itself to the one it hangs on, whose id is `upstream`; `inside` is where its relay
-    comes in. `streams` may be read by all, `heard` are they and the setpoints, `stops` be used by all, and `commands` maps every other command to the role
-    it needs. `private_key` and `certificate` are files. `guests` are processes on other machines; what they take
-    themselves, by role, is in `theirs` and not in `commands`.
+    comes in. `streams` may be read by all, `heard` are they and the setpoints, `stops` be used by all, and `commands`
+    maps every other command to the role it needs. `private_key` and `certificate` are files. `guests` are processes on
+    other machines; what they take themselves, by role, is in `theirs` and not in `commands`.
     """
 
     listen: tuple[str, ...]

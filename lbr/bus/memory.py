@@ -1,4 +1,5 @@
-"""A bus in one process whose clock is stepped: the same bytes, stamps and seals as by Zenoh, in an order that is always the same.
+"""A bus in one process whose clock is stepped: the same bytes, stamps and seals as by Zenoh, in an order that is always
+the same.
 
 What is sent in one round is there in the next. That is late, as on a busy machine.
 """

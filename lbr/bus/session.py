@@ -8,8 +8,10 @@ from collections.abc import Sequence
 from typing import Any
 
 # Few runtime threads are enough for a leaf process and save it latency and CPU; a router collapses with them. What is
-# received has threads of its own: an answer given there waits for what is sent, and would wait for itself. For the same reason
-# those that read (rx) are not those that watch sockets (app, acc), though each message wakes two threads so: with both of
+# received has threads of its own: an answer given there waits for what is sent, and would wait for itself. For the same
+# reason
+# those that read (rx) are not those that watch sockets (app, acc), though each message wakes two threads so: with both
+# of
 # them waiting to pass a large message on, nothing was sent any more, and the link was given up.
 LEAF_RUNTIME = "(rx: (worker_threads: 2), acc: (handover: app), tx: (handover: app), net: (handover: app))"
 RUNTIME_VARIABLE = "ZENOH_RUNTIME"
@@ -40,14 +42,15 @@ _opened_by: set[int] = set()
 LINK_LEASE_MS = 400
 """The library looks at links now and then only: a frozen process was seen to be lost after 0.3 to 0.8 s."""
 WATCHED_MS = 10_000
-"""The lease of the links of processes whose executive hears their heartbeats and ends what hangs; the kernel tells at once of
-one that has ended. On a busy machine one that ranks low may come to say that it is there only after seconds."""
+"""The lease of the links of processes whose executive hears their heartbeats and ends what hangs; the kernel tells at
+once of one that has ended. On a busy machine one that ranks low may come to say that it is there only after seconds."""
 HELD_MS = 3_600_000
 """The lease of links between sessions of one process: neither end can be gone without the other, and where both were
 held up together and then gave each other up, the router does not learn again who answers what."""
 MAX_MESSAGE_BYTES = 1 << 20
 DEAF_AWAY_MS, DEAF_HERE_MS = 200, 400
-"""Who takes nothing that must be delivered is cut off then, because all others wait for it; on this machine it may only be held up."""
+"""Who takes nothing that must be delivered is cut off then, because all others wait for it; on this machine it may only
+be held up."""
 ACCEPT_MS, MOST_PENDING = 3000, 500
 """Connections that have greeted by TLS and say no more keep others out no longer than this, and only when there are
 many. What fails before that, the library answers with a pause of 0.1 s, which nothing can set."""

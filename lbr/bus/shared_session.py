@@ -1,6 +1,7 @@
 """One session for several who share a process: each has a part of it, as if it were its own.
 
-What one of them publishes reaches the others within the process, by no router; what others publish comes to all of them once.
+What one of them publishes reaches the others within the process, by no router; what others publish comes to all of them
+once.
 """
 
 import threading

@@ -53,8 +53,9 @@ def make(
 ) -> bytes:
     """Return the attachment of a publication; with a key it is sealed, so that only the key's owners could write it.
 
-    `token` names the token whose secret is the key, for the door of a robot elsewhere. `sent_s` is when what is passed on was sent first, on this machine's monotonic clock; now, if it is not given.
-    `waited_s` is for how long it had waited here by then. `origin` is whose it is, where it is passed on, and since when.
+    `token` names the token whose secret is the key, for the door of a robot elsewhere. `sent_s` is when what is passed
+    on was sent first, on this machine's monotonic clock; now, if it is not given. `waited_s` is for how long it had
+    waited here by then. `origin` is whose it is, where it is passed on, and since when.
     """
     mono_ns = time.monotonic_ns() if sent_s is None else round(sent_s * 1e9)
     if origin is not None:

@@ -1,4 +1,5 @@
-"""What a capability's context stands on: a clock, streams, commands and presence; Zenoh's, or memory's (`lbr.bus.memory`)."""
+"""What a capability's context stands on: a clock, streams, commands and presence; Zenoh's, or memory's
+(`lbr.bus.memory`)."""
 
 import time
 from collections.abc import Callable, Iterable, Mapping

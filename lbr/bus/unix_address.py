@@ -11,7 +11,8 @@ LONGEST = 107
 
 @contextmanager
 def address_of(path: str | Path) -> Iterator[str]:
-    """Yield what bind and connect take for a path of any length, for as long as they need it; OSError: its folder is not there."""
+    """Yield what bind and connect take for a path of any length, for as long as they need it; OSError: its folder is
+    not there."""
     path = Path(path)
     if len(os.fsencode(path)) <= LONGEST:
         yield str(path)

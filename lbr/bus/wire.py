@@ -129,8 +129,8 @@ class Publisher:
     def put(self, message: Any, *, taken_s: float | None = None, payload: bytes | None = None) -> bytes:
         """Publish, and return the stamp; a bus that is away loses it silently, so motion never relies on it alone.
 
-        `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time. `payload` is the message
-        as bytes, where those are known.
+        `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time. `payload` is the
+        message as bytes, where those are known.
         """
         if payload is None:
             payload = message.data if isinstance(message, JpegFrame) else encode(message)

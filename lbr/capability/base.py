@@ -38,7 +38,8 @@ class Capability(Generic[S]):
         return True
 
     def lacks(self) -> Reason | None:
-        """Return why its first command would be refused, or nothing; it is called degraded until then, and ready after."""
+        """Return why its first command would be refused, or nothing; it is called degraded until then, and ready
+        after."""
         return None
 
     def awaited(self, *inputs: str) -> Reason | None:

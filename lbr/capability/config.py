@@ -46,9 +46,10 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     the capabilities asked and their keys. `simulated`: the robot's devices are emulated. `release_key` proves that a
     release of the e-stop is the executive's. `rows` are those that its kind reads, by table, and `private` is a
     document between its kind and the executive alone. `host` is the other machine that it runs on, where `certificate`
-    (PEM) is the only one that the robot's door may show; both are empty where the robot runs. `source` is the text of the user's own file that
-    declares its kind, as it was accepted; empty: the kind is an installed one, or the host has its file. `process` is the one that
-    it shares with others, whose devices are at the addresses `reach`; empty: it has one of its own.
+    (PEM) is the only one that the robot's door may show; both are empty where the robot runs. `source` is the text of
+    the user's own file that declares its kind, as it was accepted; empty: the kind is an installed one, or the host has
+    its file. `process` is the one that it shares with others, whose devices are at the addresses `reach`; empty: it has
+    one of its own.
     """
 
     robot: str
@@ -78,8 +79,9 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A line from a process to its executive; an empty line is a bare heartbeat.
 
-    `code` says by the list of codes what `reason` says; `learnt` are rows to be written down, by table. In a process that
-    several share, `capability` is whose report it is, and `thread` the kernel's number of the one that its loop runs in.
+    `code` says by the list of codes what `reason` says; `learnt` are rows to be written down, by table. In a process
+    that several share, `capability` is whose report it is, and `thread` the kernel's number of the one that its loop
+    runs in.
     """
 
     phase: str = ""

@@ -182,7 +182,8 @@ class Context(Protocol[S_co]):
         concerns."""
 
     def engage_estop(self, reason: str) -> None:
-        """Latch the emergency stop of everything that moves; each mover hears it directly, not through the executive."""
+        """Latch the emergency stop of everything that moves; each mover hears it directly, not through the
+        executive."""
 
     def learn(self, *rows: Row) -> None:
         """Have rows that the kind learns written down; `rows` has them at once, and it goes on without a restart."""
@@ -197,4 +198,5 @@ class Context(Protocol[S_co]):
         """Say that this capability works; the runtime does so after the first `step`, unless that has warned."""
 
     def warn(self, reason: str | Reason, code: Code = "failed") -> None:
-        """Say that it works, but not as it should: degraded, with the reason and its code; a `Reason` brings its own."""
+        """Say that it works, but not as it should: degraded, with the reason and its code; a `Reason` brings its
+        own."""

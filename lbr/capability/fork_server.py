@@ -4,9 +4,9 @@ executive ── Order: words and environment, with standard input, log and pipe
           ◄── Said: its number, by itself, once it leads its session ───────────────────────────────────────────────┘
           ◄── Said: how it ended; Order to release it: only then is its number free ──────► fork server
 
-`python -P -m lbr.capability.fork_server FD ROOM`, where FD is a socket that keeps messages apart. There must be neither a
-thread nor a session of the bus before a fork. When the executive is gone this process ends; the forked have lifelines of
-their own. All of them lie at the same places in memory: who has learnt that of one knows it of the others.
+`python -P -m lbr.capability.fork_server FD ROOM`, where FD is a socket that keeps messages apart. There must be neither
+a thread nor a session of the bus before a fork. When the executive is gone this process ends; the forked have lifelines
+of their own. All of them lie at the same places in memory: who has learnt that of one knows it of the others.
 """
 
 import ctypes
@@ -44,7 +44,8 @@ class Order(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Said(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """All is imported (neither), a process is there (its number), or has ended (with its code); or what is in the way."""
+    """All is imported (neither), a process is there (its number), or has ended (with its code); or what is in the
+    way."""
 
     pid: int = 0
     code: int | None = None
@@ -127,7 +128,8 @@ def become(order: Order, fds: list[int], link: socket.socket) -> None:
 
 
 def wear(words: tuple[str, ...], mark: str) -> None:
-    """Show words and mark to `ps` and the reaper, as far as there is room; the kernel shows what stands where it put the first ones."""
+    """Show words and mark to `ps` and the reaper, as far as there is room; the kernel shows what stands where it put
+    the first ones."""
     with suppress(OSError, ValueError, IndexError):
         fields = Path("/proc/self/stat").read_bytes().rpartition(b")")[2].split()
         words_at, words_end, environment_at, environment_end = map(int, fields[45:49])

@@ -50,7 +50,8 @@ class Rows:
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """What a port is wired to where no row wires it: each port `to` of the same type that a capability of the robot has.
+    """What a port is wired to where no row wires it: each port `to` of the same type that a capability of the robot
+    has.
 
     `to` is the port's name, or `kind.port`; `history` is a channel's.
     """
@@ -103,21 +104,21 @@ class Kind:
     what the console of every robot with a capability of this kind understands, besides the robot's rows. `moves` marks
     a path to a motor: it gets the emergency stop on a session of its own and is stopped first. `serves` marks a way by
     which people move and stop the robot: it ranks with what moves. What `serves_people` may hear every stream, ask for
-    every command and say console lines of each role; it answers for who asks it. What `records` may hear every stream, event and status, look at
-    what the robot is, and runs when all others leave it time. `pairs` marks one by which their phones get
-    tokens: by its request `pair` it may show the executive the digits that a person read at the console, and the words
-    `open` and `close` change its setting `host`. `lets_in` are its settings, or `enabled`, that decide who comes in: no page
-    changes them. `device` is the type of the device row that the setting `device` must name;
-    empty if it owns none. `device_settings` is what rows of a type of device may set for
-    it; a world that `emulates` every device that has a twin (see `lbr.capability.twins`) gets theirs. `line` says that
-    its device is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked many times
-    a second, so that what an adapter holds back matters. `emulated` is what stands in for its device in a simulation: a
-    tty, a socket (`unix:PATH`) or a folder. `recognised` names how its device is recognised, `module:HANDSHAKES` (see
-    `lbr.capability.recognition`), for `lbr devices`. `rows` are the tables whose rows it gets, and `learns` those of them that
-    it may write back; `edits` are those that it may have written by `executive.edit`, where it is wired to that.
-    `says` is its setting that has lines of the console, by name, each of which must be one that its robot understands.
-    `wires` are the inputs and requests that need no channel row. One that `follows` goes on when rows that it reads are
-    edited: it gets them by its command `rows`, a `RowsChanged`, and begins again only if it refuses.
+    every command and say console lines of each role; it answers for who asks it. What `records` may hear every stream,
+    event and status, look at what the robot is, and runs when all others leave it time. `pairs` marks one by which
+    their phones get tokens: by its request `pair` it may show the executive the digits that a person read at the
+    console, and the words `open` and `close` change its setting `host`. `lets_in` are its settings, or `enabled`, that
+    decide who comes in: no page changes them. `device` is the type of the device row that the setting `device` must
+    name; empty if it owns none. `device_settings` is what rows of a type of device may set for it; a world that
+    `emulates` every device that has a twin (see `lbr.capability.twins`) gets theirs. `line` says that its device is on
+    a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked many times a second, so
+    that what an adapter holds back matters. `emulated` is what stands in for its device in a simulation: a tty, a
+    socket (`unix:PATH`) or a folder. `recognised` names how its device is recognised, `module:HANDSHAKES` (see
+    `lbr.capability.recognition`), for `lbr devices`. `rows` are the tables whose rows it gets, and `learns` those of
+    them that it may write back; `edits` are those that it may have written by `executive.edit`, where it is wired to
+    that. `says` is its setting that has lines of the console, by name, each of which must be one that its robot
+    understands. `wires` are the inputs and requests that need no channel row. One that `follows` goes on when rows that
+    it reads are edited: it gets them by its command `rows`, a `RowsChanged`, and begins again only if it refuses.
     `extra` is the extra of the package without which it cannot run at all, and `package` what that brings to import.
     """
 

@@ -10,7 +10,8 @@ from lbr.bus import stamp
 from lbr.messages.system import Stamp
 
 REMEMBERED_S = 30.0
-"""What the door holds up comes sooner. A stop with a false date keeps its machine from beginning anything for as long."""
+"""What the door holds up comes sooner. A stop with a false date keeps its machine from beginning anything for as
+long."""
 MOST_MACHINES = 64
 
 

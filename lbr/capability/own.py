@@ -27,7 +27,8 @@ from lbr.capability.faults import faults
 from lbr.capability.kind import Kind, KindError
 
 LIMIT_S = 5.0
-"""Importing lbr with numpy takes a Raspberry Pi 4 about two; what takes longer belongs into `open`, or behind `entry`."""
+"""Importing lbr with numpy takes a Raspberry Pi 4 about two; what takes longer belongs into `open`, or behind
+`entry`."""
 START_S = 20.0
 """How long the trial's own interpreter may take on a busy machine before and after that."""
 LONGEST_TEXT = 300
@@ -128,7 +129,8 @@ def _module_name(name: str) -> str:
 
 
 class _FromSource(SourceFileLoader):
-    """Reads the file itself: a compiled copy beside it could be older, or another user's. `text` is what it compiled."""
+    """Reads the file itself: a compiled copy beside it could be older, or another user's. `text` is what it
+    compiled."""
 
     text = ""
 

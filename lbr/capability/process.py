@@ -1,9 +1,9 @@
 """A capability's process: `python -m lbr.capability.process`, started by the executive.
 
 Its document comes as one line on standard input, which stays open as the lifeline: when it closes, the executive is
-gone, and the process stops its motion and ends, also if it was frozen. If it is shared, further lines are orders to begin
-with one more capability, or to let one end. Every way out that is not a requested stop ends
-in `os._exit(70)`, because a thread of the bus library would keep a process alive that Python has left.
+gone, and the process stops its motion and ends, also if it was frozen. If it is shared, further lines are orders to
+begin with one more capability, or to let one end. Every way out that is not a requested stop ends in `os._exit(70)`,
+because a thread of the bus library would keep a process alive that Python has left.
 """
 
 import os

@@ -1,7 +1,7 @@
 """How a driver recognises its device on a line, a bus or by the kernel's name: questions that change and move nothing.
 
-A kind names what says so: `recognised="my_lamp.recognition:HANDSHAKES"`, one handshake or a tuple of them, imported only
-when devices are looked for. `python -m lbr devices` asks them; see docs/devices.md.
+A kind names what says so: `recognised="my_lamp.recognition:HANDSHAKES"`, one handshake or a tuple of them, imported
+only when devices are looked for. `python -m lbr devices` asks them; see docs/devices.md.
 """
 
 import importlib
@@ -31,7 +31,8 @@ class Seen:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SerialHandshake:
-    """A device on a serial line. `questions` must be harmless, also for devices of other makes; none: it talks by itself.
+    """A device on a serial line. `questions` must be harmless, also for devices of other makes; none: it talks by
+    itself.
 
     `seen` gets all that was heard since the first question, and returns what it is; None while that is not known. After
     each question `gap_s` pass, after the last one `listen_s`. `whole`: all questions are asked, whatever was heard.
@@ -49,7 +50,8 @@ class SerialHandshake:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class I2cHandshake:
-    """A device on an i2c bus, at one of some addresses; `seen` gets what reads its registers, and nothing that writes."""
+    """A device on an i2c bus, at one of some addresses; `seen` gets what reads its registers, and nothing that
+    writes."""
 
     addresses: tuple[int, ...]
     seen: Callable[[Read], Seen | None]
@@ -57,7 +59,8 @@ class I2cHandshake:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NameHandshake:
-    """A device that the kernel has a name for: a camera (`video`), receiver (`lirc`) or `gamepad`. `seen` gets that name."""
+    """A device that the kernel has a name for: a camera (`video`), receiver (`lirc`) or `gamepad`. `seen` gets that
+    name."""
 
     place: Literal["video", "lirc", "gamepad"]
     seen: Callable[[str], Seen | None]

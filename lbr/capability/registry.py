@@ -54,7 +54,8 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
 
 
 def accepted(name: str, home: Path, source: str) -> Kind:
-    """Return the kind of a robot that runs: of a file of the user's own by the text that was accepted, whatever it holds now."""
+    """Return the kind of a robot that runs: of a file of the user's own by the text that was accepted, whatever it
+    holds now."""
     if not source:
         return find(name, home, trial=False)
     from lbr.capability import own  # noqa: PLC0415 - most processes have no use for it

@@ -236,7 +236,8 @@ class ProcessContext:
 
     @property
     def bus(self) -> session.Session | None:
-        """This process's session, for kinds that hear what no row wires; one thread takes from it. None: it has none."""
+        """This process's session, for kinds that hear what no row wires; one thread takes from it. None: it has
+        none."""
         return self._bus.session if isinstance(self._bus, ZenohTransport) else None
 
     def clock(self) -> float:

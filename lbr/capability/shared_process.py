@@ -3,8 +3,8 @@
     executive ── Order, by standard input ──► main thread ──► a thread for each loop ── Report, with its name ──► executive
 
 They share the interpreter, the session on the bus and its rights there. Each ends when it is asked to, without the
-others; what fails takes them along, because nobody knows what of the process is still good. One that does not even begin
-has done nothing, and leaves alone.
+others; what fails takes them along, because nobody knows what of the process is still good. One that does not even
+begin has done nothing, and leaves alone.
 """
 
 import contextlib
@@ -24,8 +24,8 @@ from lbr.capability.reporter import Reporter, Said
 PART_OF_CLOSING = 0.8
 """How much of the time to leave the others get to end in order."""
 SWITCH_S = 0.0005
-"""So soon a loop gets the interpreter that another goes on using: the slowest of a hundred commands came to the motors after
-5 ms instead of 8, and the usual one no later. Python's own 5 ms is as long as a command takes in all."""
+"""So soon a loop gets the interpreter that another goes on using: the slowest of a hundred commands came to the motors
+after 5 ms instead of 8, and the usual one no later. Python's own 5 ms is as long as a command takes in all."""
 _orders = msgspec.json.Decoder(Order)
 
 

@@ -1,4 +1,5 @@
-"""Capabilities as they are run, in one process, by a clock that is stepped: their contexts and loops, over a bus in memory.
+"""Capabilities as they are run, in one process, by a clock that is stepped: their contexts and loops, over a bus in
+memory.
 
 What is published, asked or answered in one round is there in the next; nothing happens between rounds, and the order is
 always the same. A capability that raises ends the round with what it raised. One that waits for its device does so in

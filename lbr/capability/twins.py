@@ -29,8 +29,8 @@ class DeviceTwin:
 
     `device` is the type that device rows name. `row` has a field `faults`: what can be made to go wrong. `entry` is a
     class, or `module:Class`, which is imported only where the world runs; it is made with a device and its
-    surroundings, see `lbr.simulation.twins.base.Twin`. `player` names, as module:Class, what plays motions that the device
-    keeps, for trials without its line: see `lbr.simulation.trials.body.Player`.
+    surroundings, see `lbr.simulation.twins.base.Twin`. `player` names, as module:Class, what plays motions that the
+    device keeps, for trials without its line: see `lbr.simulation.trials.body.Player`.
     """
 
     device: str

@@ -9,7 +9,8 @@ from lbr.capability.config import ProcessConfig
 
 
 class Place:
-    """Where those of one process come in: routers know what they may do as one. Who opens it holds up nobody elsewhere."""
+    """Where those of one process come in: routers know what they may do as one. Who opens it holds up nobody
+    elsewhere."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()

@@ -11,8 +11,8 @@ class Word:
     """A line, `/r/{power}/{angle_deg}` or a bare word, and the command of its capability that it asks for, or of the
     executive itself.
 
-    `fixed` are fields of the message that the pattern does not bind, `role` the least that may say it, unless the command
-    needs more. A robot's own row of the same pattern takes its place.
+    `fixed` are fields of the message that the pattern does not bind, `role` the least that may say it, unless the
+    command needs more. A robot's own row of the same pattern takes its place.
     """
 
     pattern: str

@@ -11,8 +11,8 @@
                 motion.keep()                 # ten times a second; what is not kept stops within the life of its lease
                 time.sleep(0.05)
 
-`aio` has the same for a program with an event loop, `notebook` draws in Jupyter; both are imported by their names. A program that is killed or frozen has let its motion
-lapse, and the robot stops by itself.
+`aio` has the same for a program with an event loop, `notebook` draws in Jupyter; both are imported by their names. A
+program that is killed or frozen has let its motion lapse, and the robot stops by itself.
 """
 
 from lbr.client.finding import Found, find

@@ -34,7 +34,8 @@ R = TypeVar("R")
 
 
 class AsyncRobot:
-    """A robot that is connected to, once its `async with` has begun. Its methods are those of `Robot`, to be awaited."""
+    """A robot that is connected to, once its `async with` has begun. Its methods are those of `Robot`, to be
+    awaited."""
 
     def __init__(self, open_robot: Callable[[], Robot]) -> None:
         self._open = open_robot
@@ -72,7 +73,8 @@ class AsyncRobot:
         return await _apart(self.blocking.latest, name)
 
     async def ask(self, name: str, **message: Any) -> Message:
-        """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing answers."""
+        """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing
+        answers."""
         return await _apart(self.blocking.ask, name, **message)
 
     async def stream(self, name: str, *, within_s: float = 2.0) -> AsyncGenerator[Message, None]:
@@ -82,7 +84,8 @@ class AsyncRobot:
                 yield msgspec.json.decode(payload)
 
     async def pictures(self, camera: str, *, within_s: float = 2.0) -> AsyncGenerator[Picture, None]:
-        """Yield the pictures of a camera such as `camera_front` as they come, always the newest; BusError after a silence."""
+        """Yield the pictures of a camera such as `camera_front` as they come, always the newest; BusError after a
+        silence."""
         async with aclosing(self._payloads(f"{camera}/frame", within_s)) as payloads:
             async for payload in payloads:
                 yield Picture(payload)

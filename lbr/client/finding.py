@@ -13,7 +13,8 @@ KIND = "_lbr._tcp.local."
 
 
 class Found(NamedTuple):
-    """A robot: `host` is empty on this machine; `door` is where programs come in from elsewhere, `page` for browsers."""
+    """A robot: `host` is empty on this machine; `door` is where programs come in from elsewhere, `page` for
+    browsers."""
 
     robot: str
     host: str = ""
@@ -28,7 +29,8 @@ class Found(NamedTuple):
 def find(*, within_s: float = 2.0) -> list[Found]:
     """Return the robots that run here and, where the package `zeroconf` is installed, those of the network.
 
-    A robot tells the network of itself once its page is open to it (`web`), and of its door once that has a row (`lan`).
+    A robot tells the network of itself once its page is open to it (`web`), and of its door once that has a row
+    (`lan`).
     """
     here = [Found(one.robot) for one in home.running()]
     return here + _of_network(within_s)
@@ -66,7 +68,8 @@ def _interfaces() -> list[IPv4Interface | IPv6Interface]:
 
 
 def near(addresses: list[str], here: Sequence[IPv4Interface | IPv6Interface]) -> str:
-    """Return the address at which a machine is reached: the first that is in a network of ours, and not our own; else the first.
+    """Return the address at which a machine is reached: the first that is in a network of ours, and not our own; else
+    the first.
 
     A machine that is in several networks tells all its addresses in each of them.
     """

@@ -39,7 +39,8 @@ class RefusalError(LbrError):
 
 
 def of_numbers(message: Message) -> Message:
-    """Return fields of a message as they are; InputError names one that is NaN or infinite, which JSON has no word for."""
+    """Return fields of a message as they are; InputError names one that is NaN or infinite, which JSON has no word
+    for."""
     for field, value in message.items():
         if isinstance(value, float) and not math.isfinite(value):
             raise InputError(f"{field}={value} is no number that can be sent")

@@ -61,7 +61,8 @@ def plot(robot: Robot, *fields: str, for_s: float = 10.0) -> dict[str, list[tupl
 
 
 def way(robot: Robot, *, for_s: float = 10.0, pose: str = "odometry/state") -> list[tuple[float, float, float]]:
-    """Draw where odometry says that it went, with an arrow ahead; return its poses: x and y in metres, yaw in radians."""
+    """Draw where odometry says that it went, with an arrow ahead; return its poses: x and y in metres, yaw in
+    radians."""
     poses: list[tuple[float, float, float]] = []
 
     def look() -> None:

@@ -114,7 +114,8 @@ class Robot:
         return self._answer(name, {})
 
     def ask(self, name: str, **message: Any) -> Message:
-        """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing answers."""
+        """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing
+        answers."""
         reply = self._answer(name, of_numbers(message), self.why_unanswered)
         if reply.get("accepted") is False:
             raise RefusalError(reply.get("code", ""), reply.get("reason", ""))
@@ -132,7 +133,8 @@ class Robot:
         yield from map(msgspec.json.decode, self._payloads(name, within_s))
 
     def pictures(self, camera: str, *, within_s: float = 2.0) -> Generator[Picture, None, None]:
-        """Yield the pictures of a camera such as `camera_front` as they come, always the newest; BusError after a silence."""
+        """Yield the pictures of a camera such as `camera_front` as they come, always the newest; BusError after a
+        silence."""
         yield from map(Picture, self._payloads(f"{camera}/frame", within_s))
 
     def picture(self, camera: str) -> Picture:
@@ -148,7 +150,8 @@ class Robot:
         return self.say_kept(line, hold_s=hold_s, beat=self.operator.ear.beat)
 
     def say_kept(self, line: str, *, hold_s: float, beat: Callable[[], None]) -> Said:
-        """Say a line as `say` does; what it moves goes on only while `operator.ear` is beaten, by `beat` or from elsewhere."""
+        """Say a line as `say` does; what it moves goes on only while `operator.ear` is beaten, by `beat` or from
+        elsewhere."""
         try:
             result, code, ending = lines.say_once(
                 self.operator, line, hold_s=hold_s, announce=lambda _result: None, beat=beat
@@ -168,11 +171,13 @@ class Robot:
         return self._words
 
     def borrow(self, name: str, **message: Any) -> Motion:
-        """Begin a motion such as `drive/command`, `drive/twist` or `joints/move`; raise RefusalError if it is refused."""
+        """Begin a motion such as `drive/command`, `drive/twist` or `joints/move`; raise RefusalError if it is
+        refused."""
         return Motion(self, name, message)
 
     def hold(self, name: str, *, at_most_s: float = AT_MOST_S, **message: Any) -> KeptMotion:
-        """Return a motion for a `with`: it begins there, is kept meanwhile, for `at_most_s`, and is released at the end."""
+        """Return a motion for a `with`: it begins there, is kept meanwhile, for `at_most_s`, and is released at the
+        end."""
         return KeptMotion(lambda: self.borrow(name, **message), at_most_s)
 
     def drive(self, power: float, angle_deg: float = 0.0, *, at_most_s: float = AT_MOST_S) -> KeptMotion:
@@ -216,7 +221,8 @@ class Robot:
 
 
 def _leave(robot: "ref[Robot]") -> None:
-    """Close a robot that its program has left open, so that no thread is inside the bus library when the interpreter ends."""
+    """Close a robot that its program has left open, so that no thread is inside the bus library when the interpreter
+    ends."""
     found = robot()
     if found is not None:
         found.close()

@@ -1,4 +1,5 @@
-"""What a command line may go on with, out of what runs and what the rows hold. Quiet and quick: where nothing runs, nothing is said."""
+"""What a command line may go on with, out of what runs and what the rows hold. Quiet and quick: where nothing runs,
+nothing is said."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress

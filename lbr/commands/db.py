@@ -15,14 +15,16 @@ from lbr.messages.rows import shown
 
 @click.group("db")
 def command() -> None:
-    """Create, check, compare and restore the robot's rows. Edit them with any SQLite client; a running robot follows."""
+    """Create, check, compare and restore the robot's rows. Edit them with any SQLite client; a running robot
+    follows."""
 
 
 @command.command("init")
 @database_option
 @click.option("--sql", type=FileName(exists=True, dir_okay=False), help="Instead of the rows of all robots.")
 def init(database: Path | None, sql: Path | None) -> int:
-    """Create the database with the rows of all robots that there are (lbr robots); a file that is there is left alone."""
+    """Create the database with the rows of all robots that there are (lbr robots); a file that is there is left
+    alone."""
     from lbr import home  # noqa: PLC0415 - the database is for those who read rows
     from lbr.executive.planning import joining  # noqa: PLC0415
 
@@ -104,7 +106,8 @@ def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
 def diff(first: int | None, second: int | None, database: Path | None, as_json: bool) -> int:
     """Show what differs from the rows that lbr and the robots' packages bring. Exit code 0 either way.
 
-    With revision A, show what has changed since then; with A and B, from one to the other ('lbr db history' lists them).
+    With revision A, show what has changed since then; with A and B, from one to the other ('lbr db history' lists
+    them).
     """
     from lbr.database.shipped import differences  # noqa: PLC0415
 

@@ -82,8 +82,9 @@ def command(
 ) -> int:
     """See what is plugged in, ask each what it is, and propose the rows that would have a robot use it.
 
-    Each is asked by its driver's own question, which moves and changes nothing; what a robot that runs or another program
-    holds is not opened. Nothing is written without --write, or a yes at a terminal. Exit code 2 if a proposal is bad.
+    Each is asked by its driver's own question, which moves and changes nothing; what a robot that runs or another
+    program holds is not opened. Nothing is written without --write, or a yes at a terminal. Exit code 2 if a proposal
+    is bad.
     """
     from lbr.commands import attached  # noqa: PLC0415 - kept out of its `--help`
 

@@ -64,7 +64,8 @@ def command(setting: str, robot: str | None, database: Path | None, as_json: boo
 
 
 def _of(row: "CapabilityRow") -> "Iterator[Setting]":
-    """Yield a part's settings: those of its row, and those that its kind adds; the first alone if they are not valid."""
+    """Yield a part's settings: those of its row, and those that its kind adds; the first alone if they are not
+    valid."""
     import msgspec  # noqa: PLC0415 - kept out of its `--help`
 
     from lbr import home  # noqa: PLC0415

@@ -58,9 +58,9 @@ def command(
 ) -> int:
     """Take what a robot's former programs kept: their databases, tables and motions, from a file or all of a folder.
 
-    All of it is written, or nothing, as one edit that a running robot follows. What is not as shipped is a person's: if a
-    file says something else, it is named and nothing is written, unless --replace is given. The report tells each thing
-    that was changed, brought within limits or has no place here.
+    All of it is written, or nothing, as one edit that a running robot follows. What is not as shipped is a person's: if
+    a file says something else, it is named and nothing is written, unless --replace is given. The report tells each
+    thing that was changed, brought within limits or has no place here.
     """
     from lbr.database import old_files  # noqa: PLC0415
     from lbr.database.edits import Edit  # noqa: PLC0415

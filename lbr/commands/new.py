@@ -57,7 +57,8 @@ def driver(name: str, into: Path) -> int:
 def servos(name: str, into: Path) -> int:
     """Write a driver of servos on a bus.
 
-    With it come the emulated bus, a robot of two joints, and a test by the checks that every driver of servos has to pass.
+    With it come the emulated bus, a robot of two joints, and a test by the checks that every driver of servos has to
+    pass.
     """
     return _write("servos", name, into)
 
@@ -68,7 +69,8 @@ def servos(name: str, into: Path) -> int:
 def wheels(name: str, into: Path, silent: bool) -> int:
     """Write a driver of wheels on a controller.
 
-    With it come the emulated controller, a robot of two wheels, and a test by the checks that every driver of wheels has to pass.
+    With it come the emulated controller, a robot of two wheels, and a test by the checks that every driver of wheels
+    has to pass.
     """
     return _write("silent_wheels" if silent else "wheels", name, into)
 

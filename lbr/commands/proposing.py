@@ -1,4 +1,5 @@
-"""Which rows would have a robot use what is attached: a device, its capability, its channels. Pure; nothing is written."""
+"""Which rows would have a robot use what is attached: a device, its capability, its channels. Pure; nothing is
+written."""
 
 from collections.abc import Collection, Iterator, Mapping
 
@@ -29,8 +30,8 @@ def propose(
 ) -> tuple[list[Attached], list[Proposal]]:
     """Return what was found with the rows that are it already, and a proposal for each that no row is.
 
-    `there` are the nodes that exist now: a device row elsewhere waits for its device. `called` is the device row to make
-    or to move, where one is asked for.
+    `there` are the nodes that exist now: a device row elsewhere waits for its device. `called` is the device row to
+    make or to move, where one is asked for.
     """
     nodes = {node_of(row): row for row in rows.devices}
     known = [msgspec.structs.replace(one, row=_row_at(one, nodes)) for one in found]

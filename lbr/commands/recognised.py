@@ -49,7 +49,8 @@ class Attached(Struct, frozen=True, kw_only=True):
 
 
 def known_kinds(home: Path) -> tuple[dict[str, Kind], Known, list[str]]:
-    """Return all installed kinds, the handshakes by type of device, and what is wrong with kinds that cannot be used."""
+    """Return all installed kinds, the handshakes by type of device, and what is wrong with kinds that cannot be
+    used."""
     kinds, found, wrong = {}, {}, []
     for name in registry.names(home):
         try:

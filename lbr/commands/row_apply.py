@@ -30,10 +30,11 @@ GRACE_S = 5.0
 @database_option
 @json_option
 def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) -> int:
-    """Show what 'lbr db apply SOURCE' would change, row by row, what would be wrong, and what would start, stop and restart.
+    """Show what 'lbr db apply SOURCE' would change, row by row, what would be wrong, and what would start, stop and
+    restart.
 
-    SOURCE is a file of SQL that edits rows, a copy of a database, or a folder of 'lbr db export'. Nothing is touched. Exit
-    code 2 with problems.
+    SOURCE is a file of SQL that edits rows, a copy of a database, or a folder of 'lbr db export'. Nothing is touched.
+    Exit code 2 with problems.
     """
 
     with opened(database) as rows:

@@ -103,8 +103,8 @@ def rollback(
 ) -> int:
     """Have the rows as they were at revision REV; a change like any other, which 'lbr db undo' takes back.
 
-    All of them or none: exit code 2 with what would be wrong, and nothing is changed. The emergency stop, tokens and the
-    audit trail stay as they are. A running robot follows.
+    All of them or none: exit code 2 with what would be wrong, and nothing is changed. The emergency stop, tokens and
+    the audit trail stay as they are. A running robot follows.
     """
 
     with opened(database) as rows:
@@ -163,7 +163,8 @@ def go_back(
 
 
 def end_left_trial(rows: "Database") -> str:
-    """Take back what is on trial by a robot that does not run any more, as its next start would; return what was done."""
+    """Take back what is on trial by a robot that does not run any more, as its next start would; return what was
+    done."""
     from lbr.database import becoming  # noqa: PLC0415
     from lbr.executive.planning import trials  # noqa: PLC0415
 

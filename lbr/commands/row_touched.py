@@ -1,4 +1,5 @@
-"""What a change of rows would start, stop and restart: of robots that run as they run, of others at their next start."""
+"""What a change of rows would start, stop and restart: of robots that run as they run, of others at their next
+start."""
 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
@@ -65,7 +66,8 @@ class Touching:
         self._before = {name: self._planned(rows)[0] for name, rows in self._rows.load_all(names).items()}
 
     def judge_of(self, steps: "Iterable[past.Step]") -> str:
-        """Return the robot that says whether steps work: the one that runs, and whose rows they are; else InputError."""
+        """Return the robot that says whether steps work: the one that runs, and whose rows they are; else
+        InputError."""
         whose = {step.robot for step in steps}
         found = sorted(name for name in self._running if {name, None} & whose)
         if not found or (len(found) > 1 and None not in whose):

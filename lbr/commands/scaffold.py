@@ -161,7 +161,8 @@ def _templates(folder: Traversable, at: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _required(version: str) -> str:
-    """Return which versions of lbr a package goes with that was begun on this one: until 1.0 each minor one may change."""
+    """Return which versions of lbr a package goes with that was begun on this one: until 1.0 each minor one may
+    change."""
     major, minor = (int(part) for part in version.split(".")[:2])
     return f"lbr>={major}.{minor},<{major}.{minor + 1}" if major == 0 else f"lbr>={major}.{minor},<{major + 1}"
 

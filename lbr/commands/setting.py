@@ -39,7 +39,8 @@ def command(
     """Set one setting of one part, such as drive.max_power 0.3; all others stay. A running robot follows.
 
     VALUE is JSON, or else a text: 0.3, true, '[100, 130]', slow, '"12"'. It is checked as a start would check it: exit
-    code 2 if it would be wrong, and nothing is changed. 'lbr db undo' takes it back, 'lbr get PART' lists what there is.
+    code 2 if it would be wrong, and nothing is changed. 'lbr db undo' takes it back, 'lbr get PART' lists what there
+    is.
     """
     part, name = parted(setting)
     if not name:

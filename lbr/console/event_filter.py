@@ -1,4 +1,5 @@
-"""Chooses the events that a console tells its operator: not those that the answers to its own lines have told already."""
+"""Chooses the events that a console tells its operator: not those that the answers to its own lines have told
+already."""
 
 import time
 from collections import deque

@@ -1,4 +1,5 @@
-"""The fields of a verb's message: a typed piece of text becomes a checked value, or a sentence saying what is allowed."""
+"""The fields of a verb's message: a typed piece of text becomes a checked value, or a sentence saying what is
+allowed."""
 
 import math
 import re

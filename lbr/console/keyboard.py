@@ -116,7 +116,8 @@ class Keyboard(PosixStdinReader):
         self._begun = ""
 
     def read(self, count: int = 1024) -> str:
-        """Return what is there for the editor; a sequence that is cut off waits for its end, so that its rest is not text."""
+        """Return what is there for the editor; a sequence that is cut off waits for its end, so that its rest is not
+        text."""
         text = super().read(count)
         if not text:
             return text

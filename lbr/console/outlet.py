@@ -49,7 +49,8 @@ class Outlet:
         return self._errors.get(fd)
 
     def write(self, fd: int, data: bytes) -> bool:
-        """Queue bytes for a descriptor; say whether there was room. What cannot be written any more is taken as well."""
+        """Queue bytes for a descriptor; say whether there was room. What cannot be written any more is taken as
+        well."""
         with self._changed:
             if not data or self._closed or fd in self._errors:
                 return True

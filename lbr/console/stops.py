@@ -19,7 +19,8 @@ def stop_in(line: str | bytes) -> str:
     """Return the stop that a line says, as each robot knows it; empty for a line that says none.
 
     Letters may be large, or as wide as a keyboard of another script types them; blanks, slashes and characters that
-    nobody sees may stand around them, and remains of a terminal's sequences behind them. An emergency stop may give a reason: `/estop/REASON`.
+    nobody sees may stand around them, and remains of a terminal's sequences behind them. An emergency stop may give a
+    reason: `/estop/REASON`.
     """
     text = line.decode(errors="replace") if isinstance(line, bytes) else line
     word, *more = _SLASH.split(bare(_REMAINS.sub("", text[:LONGEST]), SLASHES)[:LONGEST], maxsplit=1)

@@ -228,7 +228,8 @@ class Terminal:
             self._print(f"Not said any more: {', '.join(dropped)}", "warning")
 
     def _overheard(self, stop: str) -> None:
-        """Stop also when the editor does not take these keys for a line: it is searching, or waits for a paste's end."""
+        """Stop also when the editor does not take these keys for a line: it is searching, or waits for a paste's
+        end."""
         loop = self._session.app.loop
         if loop is not None:
             loop.call_soon(self._stop_unless_said, stop, self._stops, context=self._session.app.context)

@@ -1,4 +1,5 @@
-"""Where a token for a robot elsewhere comes from: a file, the environment, what was saved, the keyring, or who sits there."""
+"""Where a token for a robot elsewhere comes from: a file, the environment, what was saved, the keyring, or who sits
+there."""
 
 import getpass
 import os
@@ -76,7 +77,8 @@ def _saved() -> dict[str, str]:
 
 
 def _of_keyring(endpoint: str) -> str | None:
-    """Return what `keyring set lbr-token ENDPOINT` has put there, if that package is installed and its store can be opened."""
+    """Return what `keyring set lbr-token ENDPOINT` has put there, if that package is installed and its store can be
+    opened."""
     try:
         import keyring  # noqa: PLC0415 - an extra of lbr-client
     except ImportError:

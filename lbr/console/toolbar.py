@@ -71,7 +71,8 @@ def _state(telemetry: Telemetry) -> tuple[str, str]:
 
 
 def _nearest(ranges: Ranges | None, sees: Mapping[str, float | None]) -> str:
-    """Return the nearest of what the ring reads, what the drive sees in the way by other sensors, and their readings."""
+    """Return the nearest of what the ring reads, what the drive sees in the way by other sensors, and their
+    readings."""
     read = {} if ranges is None else {name: ranges.metres(name) for name in WHERE} | ranges.others_m
     watching = {view.partition(" ")[0] for view in sees}
     found = {WHERE.get(name, name): metres for name, metres in read.items() if name not in watching}

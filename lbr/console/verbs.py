@@ -123,7 +123,8 @@ class Vocabulary:
         ]
 
     def help(self, running: Collection[str] | None = None) -> str:
-        """Return what can be said, as aligned lines for a person, by what does it: all, or by the capabilities that run."""
+        """Return what can be said, as aligned lines for a person, by what does it: all, or by the capabilities that
+        run."""
         groups: dict[str, list[tuple[str, str]]] = {}
         for verb in self._verbs:
             owner = verb.row.target_end[0]

@@ -75,7 +75,8 @@ def chained(entry: AuditRow, number: int, previous: str) -> AuditRow:
 
 
 def _plain(entry: AuditRow) -> AuditRow:
-    """Return an entry without what forges lines or works on a terminal: names and reasons in it are strangers' words."""
+    """Return an entry without what forges lines or works on a terminal: names and reasons in it are strangers'
+    words."""
     kind, subject, source, text = (
         "".join(char if char.isprintable() else " " for char in part)
         for part in (entry.kind, entry.subject, entry.source, entry.text)

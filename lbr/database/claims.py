@@ -16,7 +16,8 @@ FLOCK = "hhqqi4x"
 
 
 class Claim:
-    """A robot's rows for one run alone: another home may name the same file. The kernel gives it up with the process."""
+    """A robot's rows for one run alone: another home may name the same file. The kernel gives it up with the
+    process."""
 
     def __init__(self, robot: str) -> None:
         self._robot = robot

@@ -15,7 +15,8 @@ from lbr.errors import RowError
 
 BUSY_TIMEOUT_S = 2.0
 LONGEST_BYTES = 4_000_000
-"""The longest row, and the longest value: those that make robots have a few kB. Longer ones cost memory, and delay a stop."""
+"""The longest row, and the longest value: those that make robots have a few kB. Longer ones cost memory, and delay a
+stop."""
 
 _RESTORE = "`lbr db restore` puts the last good copy in its place"
 _SENTENCES = {
@@ -127,7 +128,8 @@ def flush_log(path: Path) -> None:
 
 
 def settle(connection: Connection) -> None:
-    """Have all that was committed in the file itself, so that it may take another name; without room for it this raises."""
+    """Have all that was committed in the file itself, so that it may take another name; without room for it this
+    raises."""
     pragma(connection, "wal_checkpoint(TRUNCATE)")
 
 

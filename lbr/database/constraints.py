@@ -1,4 +1,5 @@
-"""Tells in words what SQLite says when a row is against the schema: the table, the column, and what is allowed there."""
+"""Tells in words what SQLite says when a row is against the schema: the table, the column, and what is allowed
+there."""
 
 import re
 import sqlite3

@@ -36,8 +36,8 @@ class EditedError(RowError):
 
 
 def keep(path: Path, digest: str) -> Path | None:
-    """Copy a database whose rows are known to run; None if the newest copy holds the same. Raises RowError, EditedError if
-    others are in it now."""
+    """Copy a database whose rows are known to run; None if the newest copy holds the same. Raises RowError, EditedError
+    if others are in it now."""
     try:
         with _one_at_a_time(path.parent):
             return _keep(path, path.with_name(f"{path.name}.good-new"), digest)

@@ -96,7 +96,8 @@ def applied(tables: RawTables, robot: str, edit: Edit, since: Iterable[RevisionR
 
 
 def write(connection: Connection, robot: str, rows: Sequence[Row]) -> None:
-    """Write rows over those that are there; rows that stay as they are make no revision, parts of others go with them."""
+    """Write rows over those that are there; rows that stay as they are make no revision, parts of others go with
+    them."""
     for table, new in _by_table(rows).items():
         if table == ROBOT:
             _describe(connection, new)

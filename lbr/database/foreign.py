@@ -39,7 +39,8 @@ def foreign(connection: Connection, sql: Path | None = None) -> Iterator[str]:
 
 
 def _triggers(connection: Connection, table: str) -> str:
-    """Return the SQL of the triggers that a table lacks; nothing for one that could not be a capability's, by its names."""
+    """Return the SQL of the triggers that a table lacks; nothing for one that could not be a capability's, by its
+    names."""
     found = connection.execute("SELECT name, pk FROM pragma_table_info(?)", (table,)).fetchall()
     columns = [name for name, _ in found]
     key = [name for name, _ in sorted((one for one in found if one[1]), key=lambda one: one[1])]

@@ -1,4 +1,5 @@
-"""The rows of another program's SQLite database, or of one written out as SQL: read in memory, nothing of it is trusted.
+"""The rows of another program's SQLite database, or of one written out as SQL: read in memory, nothing of it is
+trusted.
 
 What a dump may do is make tables and fill them. It reaches no file, and has no more than a moment.
 """

@@ -115,7 +115,8 @@ def _stored(event: Event, now_ns: int) -> dict[str, str | int]:
 
 
 def _row(text: str | None) -> dict[str, Any] | None:
-    """Return a row of a revision as its table holds it: a column set by `json_set` stands in a trigger as JSON, not as text."""
+    """Return a row of a revision as its table holds it: a column set by `json_set` stands in a trigger as JSON, not as
+    text."""
     found = _object(text)
     return {name: _as_text(value) for name, value in found.items()} if found is not None else None
 

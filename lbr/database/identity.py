@@ -1,4 +1,5 @@
-"""How a robot's database is known: by its tables. The number in its header is for file(1), and no backup has to keep it."""
+"""How a robot's database is known: by its tables. The number in its header is for file(1), and no backup has to keep
+it."""
 
 import re
 from pathlib import Path
@@ -37,7 +38,8 @@ def as_sql(path: Path, content: bytes) -> str:
 
 
 def own(path: Path, content: bytes) -> str:
-    """Return how a file that makes the tables of a robot's database is read back, be it a database or SQL; or nothing."""
+    """Return how a file that makes the tables of a robot's database is read back, be it a database or SQL; or
+    nothing."""
     if not all(making.search(content) for making in _MAKING):
         return ""
     if content.startswith(MAGIC):

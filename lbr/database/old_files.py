@@ -21,7 +21,8 @@ OWN = "motion"
 
 
 class Given(NamedTuple):
-    """A file and what is in it: motions, or what a former program kept; nothing if no format is that, and then `why`."""
+    """A file and what is in it: motions, or what a former program kept; nothing if no format is that, and then
+    `why`."""
 
     path: Path
     format: str

@@ -22,7 +22,8 @@ from lbr.errors import InputError, RowError
 from lbr.messages.rows import shown
 
 TOGETHER = timedelta(seconds=0.5)
-"""Revisions of another SQLite client that follow each other this closely are told as one change: a transaction's take less."""
+"""Revisions of another SQLite client that follow each other this closely are told as one change: a transaction's take
+less."""
 ALIKE = 1e-14
 """SQLite writes 15 digits of a number into a revision."""
 Key = tuple[Any, ...]
@@ -81,7 +82,8 @@ class Step(Struct, frozen=True):
 
 
 class Became(Struct, frozen=True, kw_only=True):
-    """What became of rows: the revisions before and after, what was done, and the new problems for which nothing was."""
+    """What became of rows: the revisions before and after, what was done, and the new problems for which nothing
+    was."""
 
     before: int
     revision: int
@@ -90,7 +92,8 @@ class Became(Struct, frozen=True, kw_only=True):
 
 
 def at(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow]) -> RawTables:
-    """Return the tables as they were before the revisions `newer`, oldest first; InputError says what keeps one from that."""
+    """Return the tables as they were before the revisions `newer`, oldest first; InputError says what keeps one from
+    that."""
     found = {
         table: {tuple(row[name] for name in key): row for row in tables.get(table, ())}
         for table, key in schema.keys_of.items()
@@ -103,7 +106,8 @@ def at(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow]) -> RawTa
 
 
 def steps(before: RawTables, after: RawTables, schema: Schema, robot: str | None = None) -> tuple[Step, ...]:
-    """Return what leads from some tables to others; of one robot alone, if so asked. What lbr writes itself is none of it."""
+    """Return what leads from some tables to others; of one robot alone, if so asked. What lbr writes itself is none of
+    it."""
     found = (step for table, key in schema.keys_of.items() for step in _of_table(table, key, before, after))
     return tuple(step for step in found if robot is None or step.robot == robot)
 
@@ -171,7 +175,8 @@ def refuse_other(revision: int, expected: int | None) -> None:
 def new_problems(
     before: RawTables, after: RawTables, wanted: Sequence[Step], judge: Callable[[RawTables, str], Iterable[Problem]]
 ) -> tuple[Problem, ...]:
-    """Return what steps make wrong; what was wrong before stands in no one's way. A robot that is latched is not taken out."""
+    """Return what steps make wrong; what was wrong before stands in no one's way. A robot that is latched is not taken
+    out."""
     if not wanted:
         return ()
     robots = {row["name"]: row for row in before.get(ROBOT, ())}

@@ -90,7 +90,8 @@ def _complete(new: Path, path: Path, source: Path, aside: Path | None) -> None:
 
 
 def _remains(path: Path) -> tuple[set[str], int]:
-    """Return the names of revoked tokens and the revision, as far as the file can still be read; it is left as it is."""
+    """Return the names of revoked tokens and the revision, as far as the file can still be read; it is left as it
+    is."""
     with tempfile.TemporaryDirectory(prefix="lbr-restore-") as place:
         copy = Path(place) / path.name
         with suppress(LbrError, OSError):

@@ -1,4 +1,5 @@
-"""Rows as text files that git compares well: a folder for each robot, in it a file for each table. Pure but for `read` and `write`.
+"""Rows as text files that git compares well: a folder for each robot, in it a file for each table. Pure but for `read`
+and `write`.
 
 rows/lbr/capability.json    the rows of 'lbr', by their keys; what the database holds as JSON stands there as JSON
 rows/_shared/phrase.json    what is every robot's
@@ -42,7 +43,8 @@ class File(Struct, frozen=True, kw_only=True):
 
 
 def written(tables: RawTables, schema: Schema, robot: str | None = None) -> tuple[File, ...]:
-    """Return the files of all tables, also of empty ones; of one robot alone, without what is every robot's, if so asked."""
+    """Return the files of all tables, also of empty ones; of one robot alone, without what is every robot's, if so
+    asked."""
     found = []
     for folder in sorted(row["name"] for row in tables.get(ROBOT, ()) if robot in {None, row["name"]}):
         for table in schema:
@@ -57,7 +59,8 @@ def written(tables: RawTables, schema: Schema, robot: str | None = None) -> tupl
 
 
 def taken(files: tuple[File, ...], tables: RawTables, schema: Schema) -> RawTables:
-    """Return the tables as they are with these files; a table without a file stays. RowError names file, row and column."""
+    """Return the tables as they are with these files; a table without a file stays. RowError names file, row and
+    column."""
     after: dict[str, list[RawRow]] = {table: list(rows) for table, rows in tables.items()}
     faults: list[str] = []
     for file in files:
@@ -83,7 +86,8 @@ def place(problem: Problem, schema: Schema) -> str:
 
 
 def write(folder: Path, files: tuple[File, ...]) -> None:
-    """Write files into a folder, each whole or not at all; others that are there stay. InputError says which cannot be."""
+    """Write files into a folder, each whole or not at all; others that are there stay. InputError says which cannot
+    be."""
     for file in files:
         if file.name.count("/") != 1 or file.name.startswith("."):
             raise InputError(f"'{shown(file.name)}' would be no file in {folder}: rename the robot or the table")
@@ -101,7 +105,8 @@ def write(folder: Path, files: tuple[File, ...]) -> None:
 
 
 def read(folder: Path, robot: str | None = None) -> tuple[File, ...]:
-    """Read the files of a folder, of one robot alone if so asked; InputError names what cannot be read, or is none of them."""
+    """Read the files of a folder, of one robot alone if so asked; InputError names what cannot be read, or is none of
+    them."""
     found = []
     try:
         for place in sorted(one for one in folder.iterdir() if one.is_dir() and not one.name.startswith(".")):

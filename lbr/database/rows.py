@@ -80,7 +80,8 @@ def _used_device(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
 
 
 class CapabilityRow(Row, frozen=True, kw_only=True):
-    """One capability to run: `settings` is for the kind to parse; `needs` start before it; `process` is one that it shares."""
+    """One capability to run: `settings` is for the kind to parse; `needs` start before it; `process` is one that it
+    shares."""
 
     TABLE = "capability"
     KEY = ("name",)

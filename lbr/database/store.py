@@ -354,7 +354,8 @@ class Database:
             return past.changes(history.revisions(connection, since), history.makers(connection))
 
     def tables_at(self, revision: int) -> RawTables:
-        """Return the rows of all robots as they were at a revision, 0 being a new database; InputError if that cannot be told."""
+        """Return the rows of all robots as they were at a revision, 0 being a new database; InputError if that cannot
+        be told."""
         with self.reading() as connection:
             newest = adopted.revision(connection)
             if not 0 <= revision <= newest:
@@ -472,7 +473,8 @@ class Database:
 
     @contextmanager
     def noted(self, connection: Connection, by: str = "", text: str = "") -> Iterator[None]:
-        """Write down, beside the revisions that are made within, who makes them; the account that this runs as, unless told."""
+        """Write down, beside the revisions that are made within, who makes them; the account that this runs as, unless
+        told."""
         before = adopted.revision(connection)
         yield
         if (after := adopted.revision(connection)) > before:
@@ -511,7 +513,8 @@ class Database:
 
     @contextmanager
     def writing(self, *, durable: bool = False, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
-        """Write in one transaction. Durable waits for the disk after it, so that other writers need not wait as well."""
+        """Write in one transaction. Durable waits for the disk after it, so that other writers need not wait as
+        well."""
         with self._lock, sentences(self.path):
             self._begin()
             pragma(self._connection, f"busy_timeout = {patience_s * 1000:.0f}")

@@ -18,7 +18,8 @@ WHERE t.type = 'table' AND (
 
 
 class Schema(dict[str, tuple[str, ...]]):
-    """The columns of each table that makes robots: what every robot has, and tables whose changes are kept as revisions.
+    """The columns of each table that makes robots: what every robot has, and tables whose changes are kept as
+    revisions.
 
     `keys_of` a table tell its rows apart.
     """

@@ -46,7 +46,8 @@ class Taken(Struct, frozen=True, kw_only=True):
 
 
 def without(taken: Taken, robot: str, problems: Iterable[Problem]) -> Taken:
-    """Return what is left without the rows that problems are of, each with the parts of its whole; those have no place."""
+    """Return what is left without the rows that problems are of, each with the parts of its whole; those have no
+    place."""
     why = {(one.table, one.row): one for one in problems}
     refused: dict[tuple[str, str], Problem] = {}
     for row in taken.rows:
@@ -76,7 +77,8 @@ class _State(Struct):
 
 
 def take(wants: Iterable[Want], here: Here, shipped: RawTables, *, replacing: bool) -> Taken:
-    """Return what these wants make of a robot's rows. Without `replacing` what differs from what was shipped is kept."""
+    """Return what these wants make of a robot's rows. Without `replacing` what differs from what was shipped is
+    kept."""
     taking = _Taking(here, Here(shipped, here.robot), replacing=replacing)
     for want in wants:
         taking.add(want)
@@ -158,7 +160,8 @@ class _Taking:
 
 
 def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables, *, replacing: bool) -> Taken:
-    """Return the rows of motions within the joints' limits, and what was brought within them; `take` says which are kept."""
+    """Return the rows of motions within the joints' limits, and what was brought within them; `take` says which are
+    kept."""
     known = {one.name: one for one in motions_of(rows.of(MotionRow), rows.of(MotionStep))}
     first = Tables(shipped, rows.robot.name, {})
     as_shipped = motions_of(first.good(MotionRow), first.good(MotionStep))

@@ -19,7 +19,8 @@ def refused(path: str, group: str = "") -> str:
 
 
 def code_of(err: BaseException) -> Code:
-    """Return the code of a device that cannot be opened: whether it is this machine that refuses it, or it is not there."""
+    """Return the code of a device that cannot be opened: whether it is this machine that refuses it, or it is not
+    there."""
     match getattr(err, "errno", None):
         case errno.EACCES | errno.EPERM:
             return "rights"

@@ -50,7 +50,8 @@ class Quiet:
 
 
 class LifeSigns:
-    """Tells a unit at work from one that is asleep, gone or frozen: real noise never repeats, not even after a restart."""
+    """Tells a unit at work from one that is asleep, gone or frozen: real noise never repeats, not even after a
+    restart."""
 
     def __init__(self, most_alike: int) -> None:
         self._most_alike = most_alike

@@ -1,4 +1,5 @@
-"""A node of the kernel's input, such as /dev/input/event0 or /dev/lirc0, as an open file that is read without waiting."""
+"""A node of the kernel's input, such as /dev/input/event0 or /dev/lirc0, as an open file that is read without
+waiting."""
 
 import errno
 import fcntl

@@ -157,7 +157,8 @@ def hung() -> list[str]:
 
 
 def _judged(judge: Callable[..., Seen | None], told: bytes | str | Read) -> Seen | None:
-    """Return what a driver makes of an answer; a judge that breaks at what a strange device says has not recognised it."""
+    """Return what a driver makes of an answer; a judge that breaks at what a strange device says has not recognised
+    it."""
     if judge in _HUNG:
         return None
     found: list[object] = []

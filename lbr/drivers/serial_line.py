@@ -170,7 +170,8 @@ def _why_not(device: str, path: str, err: Exception) -> str:
 
 
 def holder(path: str) -> str:
-    """Return `: held by PROGRAM (pid N)`, the process that holds the lock on a tty, as far as the kernel tells; it is not opened."""
+    """Return `: held by PROGRAM (pid N)`, the process that holds the lock on a tty, as far as the kernel tells; it is
+    not opened."""
     try:
         stat = Path(path).stat()
         node = f"{os.major(stat.st_dev):02x}:{os.minor(stat.st_dev):02x}:{stat.st_ino}"

@@ -552,7 +552,8 @@ class Executive:
         return {"problems": (*rows, *troubles), "problem_codes": codes}
 
     def _as_of_now(self, status: Status) -> Status:
-        """Return it with the emergency stop and the problems of now: who heard of one by an event reads nothing older."""
+        """Return it with the emergency stop and the problems of now: who heard of one by an event reads nothing
+        older."""
         return replace(status, estop=self._emergency.state(), **self._problems())
 
     def _capabilities(self) -> tuple[CapabilityStatus, ...]:

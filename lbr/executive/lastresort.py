@@ -14,7 +14,8 @@ from collections.abc import Callable
 
 SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 HEARD_WITHIN_S = 2.5
-"""The main loop goes round five times a second, also where it is held up; one that has not begun to close by then hangs."""
+"""The main loop goes round five times a second, also where it is held up; one that has not begun to close by then
+hangs."""
 OVER_WITHIN_S = 5.0
 """The processes have 2.5 s to end, then the external commands, the last rows and the routers."""
 LEFT_WITHIN_S = 3.0
@@ -80,7 +81,8 @@ def noted_signals(fd: int) -> bytes:
 
 
 def leave_for_certain() -> None:
-    """Let nothing disturb the interpreter's end, where Python would die of a second signal, and bound it by the kernel."""
+    """Let nothing disturb the interpreter's end, where Python would die of a second signal, and bound it by the
+    kernel."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGALRM, signal.SIG_DFL)

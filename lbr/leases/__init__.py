@@ -1,8 +1,9 @@
 """Borrowing motion: one holder, leases that lapse, offers to senders elsewhere, stops.
 
-Pure, whatever it is that moves, but for `client`, `mover` and `over_session`, by which motion is borrowed. The process around a
-kernel is `lbr.operations.lender`. A kernel keeps a `LeaseTable` in its state (`lease.first`), with its own phrasing and, in each `Lease`, its own motion (goal, bounds, whatever it needs); it makes a `LeaseRequest`
-of every command that comes in. Then:
+Pure, whatever it is that moves, but for `client`, `mover` and `over_session`, by which motion is borrowed. The process
+around a kernel is `lbr.operations.lender`. A kernel keeps a `LeaseTable` in its state (`lease.first`), with its own
+phrasing and, in each `Lease`, its own motion (goal, bounds, whatever it needs); it makes a `LeaseRequest` of every
+command that comes in. Then:
 
 - before every event: `ending.lapse` ends what was not renewed, or `ending.lose_time` everything if the clock went back;
 - a command: `decide.judge` says what it wants and whether that is refused, by the kernel's chain, which has the links
@@ -11,6 +12,7 @@ of every command that comes in. Then:
   `decide.accepted` is the answer, `decide.with_motion` keeps how far the motion has come;
 - `decide.latch` for the emergency stop, and `ending.end` for a motion that is over by itself or by a fault.
 
-All return the new lease table and what is to be said of it: each `Ended` is a lease whose motion is over, so that the kernel
-says how its goal ended; `Happened` is for people. Every reason is a `Reason`: a code for programs and a sentence.
+All return the new lease table and what is to be said of it: each `Ended` is a lease whose motion is over, so that the
+kernel says how its goal ended; `Happened` is for people. Every reason is a `Reason`: a code for programs and a
+sentence.
 """

@@ -18,7 +18,8 @@ DRIVE: Mapping[type, LeaseTarget] = {
 }
 """What a base does, for who has requests of these names."""
 FINAL = frozenset({"stopped", "stopped_since", "taken_over", "held", "estop", "role", "denied", "shutting_down"})
-"""Why a command ends, or is refused, when a person wants the robot to stand, or has it: then all that was planned is over."""
+"""Why a command ends, or is refused, when a person wants the robot to stand, or has it: then all that was planned is
+over."""
 
 
 class Outcome(NamedTuple):

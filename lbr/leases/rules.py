@@ -102,7 +102,8 @@ def _held(lease: Lease[M], ask: LeaseRequest) -> Reason:
 def _waited(leases: LeaseTable[M], ask: LeaseRequest) -> Reason | None:
     """Refuse what was typed or written before another stopped the robot, however late it is sent.
 
-    A sender's own stops are meant in their order, whoever passes them or its commands on. How long it waited is told by its sender's clock alone, so that the clocks of two machines are never compared.
+    A sender's own stops are meant in their order, whoever passes them or its commands on. How long it waited is told by
+    its sender's clock alone, so that the clocks of two machines are never compared.
     """
     if leases.estop or not ask.moves or ask.waited_s == 0.0:
         return None

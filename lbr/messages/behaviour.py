@@ -13,7 +13,8 @@ MOST_ROWS = 4000
 """Of one table; a thousand states of four rows each are more than a spreadsheet is read in."""
 LONGEST_CELL = 300
 LARGEST_FILE = 45_000
-"""Bytes of a file that goes to the robot as a command: with base64 it fits into one. `lbr behaviour import` takes larger ones."""
+"""Bytes of a file that goes to the robot as a command: with base64 it fits into one. `lbr behaviour import` takes
+larger ones."""
 StateName = Annotated[str, Meta(max_length=80)]
 Cell = Annotated[str, Meta(max_length=LONGEST_CELL)]
 Heading = Annotated[str, Meta(min_length=1, max_length=80)]
@@ -101,7 +102,8 @@ class BehaviourState(Struct, frozen=True, kw_only=True):
     """What runs, where it is, and why it stays there.
 
     `called` are the tables on the way to the one that `table` names, outermost first. `doing` is the command that is
-    under way. `row` is the step of the row that was taken last, in whichever table. `state_s` and `run_s` are how long it is in this state, and runs. `reason` says how the last run ended.
+    under way. `row` is the step of the row that was taken last, in whichever table. `state_s` and `run_s` are how long
+    it is in this state, and runs. `reason` says how the last run ended.
     """
 
     phase: Literal["resting", "running", "paused", "ended"]

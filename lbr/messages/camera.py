@@ -11,7 +11,8 @@ CameraPhase = Literal["off", "opening", "streaming", "lost"]
 
 
 class JpegFrame(Struct, frozen=True):
-    """A picture: on the bus the bytes of a JPEG file and nothing else (`image/jpeg`), stamped with when it was taken."""
+    """A picture: on the bus the bytes of a JPEG file and nothing else (`image/jpeg`), stamped with when it was
+    taken."""
 
     data: bytes
 

@@ -1,7 +1,7 @@
 """Why something was refused, ended or lost, as a code: programs read the code, people read the sentence beside it.
 
-A code never changes its meaning; new ones are added. So that an older program reads a newer robot, messages carry codes as
-plain strings, and a program treats one that it does not know like `refused` or `failed`.
+A code never changes its meaning; new ones are added. So that an older program reads a newer robot, messages carry codes
+as plain strings, and a program treats one that it does not know like `refused` or `failed`.
 """
 
 from typing import Annotated, Literal

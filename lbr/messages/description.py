@@ -1,4 +1,5 @@
-"""What a robot is: its capabilities with the schemas of what they say and take, its words, and rows that people look at."""
+"""What a robot is: its capabilities with the schemas of what they say and take, its words, and rows that people look
+at."""
 
 from typing import Any
 
@@ -20,7 +21,8 @@ class CommandDescription(Struct, frozen=True, kw_only=True):
 
 
 class CapabilityDescription(Struct, frozen=True, kw_only=True):
-    """A capability that runs: what it is, the streams that it publishes under its own name, and what it can be asked."""
+    """A capability that runs: what it is, the streams that it publishes under its own name, and what it can be
+    asked."""
 
     name: str
     kind: str

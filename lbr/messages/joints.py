@@ -147,7 +147,8 @@ class MotionRow(Row, frozen=True, kw_only=True):
     builtin: bool = False
 
     def refusal(self, before: Mapping[str, Any] | None, parts: Sequence[Row]) -> tuple[str, Code] | None:
-        """Return why an edit on another's behalf may not write it: what the controller keeps is entered at the robot."""
+        """Return why an edit on another's behalf may not write it: what the controller keeps is entered at the
+        robot."""
         if why := super().refusal(before, parts):
             return why
         if (self.slot, self.slot_s, self.limp) != (None, None, False):
@@ -373,7 +374,8 @@ class PlayCommand(Struct, frozen=True, kw_only=True):
 
 
 class CaptureCommand(Struct, frozen=True, kw_only=True):
-    """Write the pose that the joints have now down as a key frame: of a new motion, or after the last of one there is."""
+    """Write the pose that the joints have now down as a key frame: of a new motion, or after the last of one there
+    is."""
 
     motion: Name
     duration_s: DurationS = 1.0
@@ -384,8 +386,8 @@ class MotionsState(Struct, frozen=True, kw_only=True):
     """What is played, on the way to which key frame, in which round, both from 1; `reason` and `code` are how the last
     one ended.
 
-    `motion` is the lead-in or the lead-out while that is played; all of it takes `left_s` more or less. `fallen` says on
-    which side the robot lies, where an attitude is wired; empty: it does not, or that is unknown.
+    `motion` is the lead-in or the lead-out while that is played; all of it takes `left_s` more or less. `fallen` says
+    on which side the robot lies, where an attitude is wired; empty: it does not, or that is unknown.
     """
 
     playing: bool

@@ -3,8 +3,8 @@
     twist (vx, vy, wz) ── Base.speeds ──► speed of each motor at its wheels' rims        inverse kinematics
     way or speed of each motor ── Base.twist ──► twist                                   forward kinematics
 
-x is ahead, y left, wz anticlockwise (REP 103). A wheel at (x, y) rolls along `yaw_rad`; its rollers, if it has some, let
-it slide along their own direction. Everything here is pure.
+x is ahead, y left, wz anticlockwise (REP 103). A wheel at (x, y) rolls along `yaw_rad`; its rollers, if it has some,
+let it slide along their own direction. Everything here is pure.
 """
 
 from collections.abc import Iterable, Iterator, Sequence

@@ -23,9 +23,9 @@ class StopCommand(Struct, frozen=True, kw_only=True):
 
     `lost`: the one who wanted the motion is gone. From the holder, it ends the motion as if its lease had lapsed.
     `whole`: the robot is to stand still, not only what the sender moves itself; what waits at others is not to move it.
-    `by` is who said so, where a capability passes it on: what comes by several ways is one stop. `own`: the sender gives
-    up what it asked for itself, granted or not; to others that is not a stop. `at_once`: joints hold where they are, and
-    do not step to their feet first.
+    `by` is who said so, where a capability passes it on: what comes by several ways is one stop. `own`: the sender
+    gives up what it asked for itself, granted or not; to others that is not a stop. `at_once`: joints hold where they
+    are, and do not step to their feet first.
     """
 
     reason: Annotated[str, Meta(max_length=200)] = ""

@@ -1,4 +1,5 @@
-"""Messages by which people look at a robot's rows, tokens and logs, and change rows, from a page. Values are as JSON has them."""
+"""Messages by which people look at a robot's rows, tokens and logs, and change rows, from a page. Values are as JSON
+has them."""
 
 from typing import Annotated, Any, Literal
 
@@ -56,7 +57,8 @@ class LookAtLog(Struct, frozen=True, kw_only=True, tag_field="ask", tag="log"):
 
 
 class LookAtEvents(Struct, frozen=True, kw_only=True, tag_field="ask", tag="events"):
-    """Tell the newest events that were written down, the newest first: of one capability, or from a level on, if so asked."""
+    """Tell the newest events that were written down, the newest first: of one capability, or from a level on, if so
+    asked."""
 
     subject: Annotated[str, Meta(max_length=80)] = ""
     level: Literal["info", "warning", "error"] = "info"
@@ -64,7 +66,8 @@ class LookAtEvents(Struct, frozen=True, kw_only=True, tag_field="ask", tag="even
 
 
 class LookAtDevices(Struct, frozen=True, kw_only=True, tag_field="ask", tag="devices"):
-    """Look at what is plugged in, ask each what it is, and tell the changes of rows that would have the robot use it."""
+    """Look at what is plugged in, ask each what it is, and tell the changes of rows that would have the robot use
+    it."""
 
 
 ManageCommand = LookAtDevices | LookAtRows | ChangeRows | LookAtTokens | RevokeToken | LookAtLog | LookAtEvents

@@ -1,4 +1,5 @@
-"""What a process beside the robot does with motions, and what it answers: checks of balance, files, earlier versions."""
+"""What a process beside the robot does with motions, and what it answers: checks of balance, files, earlier
+versions."""
 
 from typing import Annotated
 
@@ -15,7 +16,8 @@ Millimetres = tuple[int, int]
 
 
 class BalanceSample(Struct, frozen=True, kw_only=True):
-    """How the body stood at a time, the world's axes turned to where it looked first; millimetres from where its feet were.
+    """How the body stood at a time, the world's axes turned to where it looked first; millimetres from where its feet
+    were.
 
     `tilt_rad` is how far the trunk leans from how it stands, `mass` where the centre of mass is above the floor,
     `pressure` the middle of what presses on the floor, `support` the corners around all that touches it. `margin_mm` is
@@ -113,7 +115,8 @@ class Checked(Struct, frozen=True, kw_only=True, tag="checked"):
 
 
 class ReadMotions(Struct, frozen=True, kw_only=True, tag="read"):
-    """The motions of a file, with what people should know of each; `cut` counts angles that were brought within limits."""
+    """The motions of a file, with what people should know of each; `cut` counts angles that were brought within
+    limits."""
 
     motions: tuple[Motion, ...]
     notes: tuple[str, ...] = ()

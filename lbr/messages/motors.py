@@ -6,7 +6,8 @@ from lbr.messages.units import Name, SignedPower
 
 
 class MotorSetpoint(Struct, frozen=True, kw_only=True):
-    """Power of the two sides, forward positive; valid for 0.1 s. `lease` is a mark of the lease it comes by, which cannot be quoted.
+    """Power of the two sides, forward positive; valid for 0.1 s. `lease` is a mark of the lease it comes by, which
+    cannot be quoted.
 
     Where rows name other motors than `left` and `right`, `motors` has the power of each.
     """
@@ -29,9 +30,9 @@ class MotorsState(Struct, frozen=True, kw_only=True):
     """What the motor controller applies and measures; null is not measured.
 
     `armed` says that a setpoint would be applied; `reason` says why not. Volts: `voltage_v` is the battery,
-    `internal_v` the controller's own supply. Motor currents and encoder counts are signed, forward positive.
-    `faults` are names of faults that the controller tells, as its driver lists them. Where rows name other motors than
-    `left` and `right`, each is in `motors`, and `left` and `right` are what the base makes of them. `heard`: whether the
+    `internal_v` the controller's own supply. Motor currents and encoder counts are signed, forward positive. `faults`
+    are names of faults that the controller tells, as its driver lists them. Where rows name other motors than `left`
+    and `right`, each is in `motors`, and `left` and `right` are what the base makes of them. `heard`: whether the
     controller has sent anything since its line was opened; where it has not, all else here is what it was told.
     """
 

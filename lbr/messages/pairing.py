@@ -1,4 +1,5 @@
-"""Messages by which a phone or browser gets a token of its own: the digits that a person read at the console, for a token."""
+"""Messages by which a phone or browser gets a token of its own: the digits that a person read at the console, for a
+token."""
 
 from typing import Annotated
 

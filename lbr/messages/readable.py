@@ -1,4 +1,5 @@
-"""A message as a person reads it: each value with the unit that its field's name ends in, without what is empty. Pure."""
+"""A message as a person reads it: each value with the unit that its field's name ends in, without what is empty.
+Pure."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -72,8 +72,8 @@ class RowSet(Struct, frozen=True, kw_only=True):
 
 
 class RowsChanged(Struct, frozen=True, kw_only=True):
-    """Rows that were edited while their reader runs, by table: JSON lists of those that are new or otherwise, and of the
-    keys of those that are `gone`."""
+    """Rows that were edited while their reader runs, by table: JSON lists of those that are new or otherwise, and of
+    the keys of those that are `gone`."""
 
     rows: dict[str, str] = {}
     gone: dict[str, str] = {}
@@ -107,7 +107,8 @@ def changed(before: Mapping[str, RowSet], after: Mapping[str, RowSet]) -> RowsCh
 
 
 def changes(known: Mapping[str, RowSet], told: Mapping[str, Raw]) -> dict[str, Raw]:
-    """Return of rows that are known what differs, with their keys, and others whole: what people edit meanwhile stays."""
+    """Return of rows that are known what differs, with their keys, and others whole: what people edit meanwhile
+    stays."""
     return {table: _changes(known[table], rows) if table in known else rows for table, rows in told.items()}
 
 
@@ -123,7 +124,8 @@ def _changes(before: RowSet, rows: Raw) -> Raw:
 
 
 def with_rows(known: Mapping[str, RowSet], new: Mapping[str, Raw]) -> dict[str, RowSet]:
-    """Return sets of rows with new ones, or what changes in those of the same key; tables that are not known stay so."""
+    """Return sets of rows with new ones, or what changes in those of the same key; tables that are not known stay
+    so."""
     told = {table: msgspec.json.decode(rows, type=list[dict[str, Any]]) for table, rows in new.items()}
     return {
         table: before if table not in told and before.part_of not in told else _with(before, table, told)

@@ -7,7 +7,8 @@ import msgspec
 
 
 def flat_schema(schema: Mapping[str, Any]) -> bytes:
-    """Return a JSON Schema as bytes, with its uppermost type in place of a reference to it, which some viewers do not follow."""
+    """Return a JSON Schema as bytes, with its uppermost type in place of a reference to it, which some viewers do not
+    follow."""
     reference = str(schema.get("$ref", ""))
     definitions = schema.get("$defs", {})
     own = definitions.get(reference.removeprefix("#/$defs/")) if reference else None

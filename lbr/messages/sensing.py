@@ -24,8 +24,8 @@ class Ranges(Struct, frozen=True, kw_only=True):
     The sensors are rows of `range_sensor`. Five names have a field of their own, all others are in `others_m`. A
     message with others tells of those sensors alone that have a value or a status. `over_range`: nothing within the
     sensor's reach. `invalid`: the sensor answered with a value that it uses for errors. `missing`: no such sensor, or
-    it did not answer. `cycle_s` is the board's own measuring cycle, `ages_s` how long before the message each was measured,
-    where the board tells.
+    it did not answer. `cycle_s` is the board's own measuring cycle, `ages_s` how long before the message each was
+    measured, where the board tells.
     """
 
     forward_m: float | None

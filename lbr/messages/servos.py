@@ -22,7 +22,8 @@ class ServoGoal(Struct, frozen=True, kw_only=True):
 
 
 class StoredPlay(Struct, frozen=True, kw_only=True):
-    """The controller is to play what it keeps in a slot: once for each `count`, which grows; no servo moves beside it."""
+    """The controller is to play what it keeps in a slot: once for each `count`, which grows; no servo moves beside
+    it."""
 
     slot: Annotated[int, Meta(ge=1, le=255)]
     count: Annotated[int, Meta(ge=1)]
@@ -98,7 +99,8 @@ class ServosState(Struct, frozen=True, kw_only=True):
     `armed` says that a setpoint would be applied; `reason` says why not. `stores`: its controller plays motions of its
     own; `stored` is the newest of them. `mode` is the controller's, where it has several. `tells_torque` false: servos
     cannot say whether they have torque; null is then all that is ever known of one that this driver told nothing.
-    `heard`: whether anything came on the line since it was opened; where nothing did, all else here is what they were told.
+    `heard`: whether anything came on the line since it was opened; where nothing did, all else here is what they were
+    told.
     """
 
     sweep: int

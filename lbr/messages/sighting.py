@@ -22,9 +22,9 @@ class WatchCommand(Struct, frozen=True, kw_only=True):
 class SightingState(Struct, frozen=True, kw_only=True):
     """Whether a target is looked for, for how much longer, and where it is, if the newest picture shows it.
 
-    `bearing_deg` is from straight ahead of the robot, to the right positive, as the drive turns. `wide_deg` is how wide it
-    appears, `distance_m` how far it is from the camera, if its true diameter is known. `age_s` is how long ago a picture was
-    taken that shows it. `reason` is why nothing is seen.
+    `bearing_deg` is from straight ahead of the robot, to the right positive, as the drive turns. `wide_deg` is how wide
+    it appears, `distance_m` how far it is from the camera, if its true diameter is known. `age_s` is how long ago a
+    picture was taken that shows it. `reason` is why nothing is seen.
     """
 
     watching: bool

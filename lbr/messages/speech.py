@@ -41,19 +41,22 @@ class SayCommand(Struct, frozen=True, kw_only=True):
 
 
 class HushCommand(Struct, frozen=True, kw_only=True):
-    """Say no more: ends what is being said and what waits. With a `song`, ends that song alone, if it is being played."""
+    """Say no more: ends what is being said and what waits. With a `song`, ends that song alone, if it is being
+    played."""
 
     song: Annotated[str, Meta(max_length=80)] = ""
 
 
 class SongCommand(Struct, frozen=True, kw_only=True):
-    """Play a song, `<song>.wav` below `$LBR_HOME/music`, now: what is being said is cut, what waits is said after it."""
+    """Play a song, `<song>.wav` below `$LBR_HOME/music`, now: what is being said is cut, what waits is said after
+    it."""
 
     song: Annotated[str, Meta(min_length=1, max_length=80)]
 
 
 class PlayReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Whether a song is being played; since when, by the monotonic clock of the robot's computer, and how long it is."""
+    """Whether a song is being played; since when, by the monotonic clock of the robot's computer, and how long it
+    is."""
 
     accepted: bool
     reason: str = ""

@@ -29,9 +29,9 @@ class Stamp(Struct, frozen=True, kw_only=True):
     """Who published, the how-many-eth since it started, and when by its monotonic and its wall clock.
 
     `boot` tells whether two monotonic times can be compared: same boot, same clock. `seal` proves the writer of a
-    setpoint. `waited_s` is for how long its sender had known that it would send this: a line that was typed or
-    wrote before. `by` is who asked for it, where its sender passes it on. `via` names the door through which it came
-    from another machine, and `token` who came in there: its sender claims it and proves it by a seal, the door passes on
+    setpoint. `waited_s` is for how long its sender had known that it would send this: a line that was typed or wrote
+    before. `by` is who asked for it, where its sender passes it on. `via` names the door through which it came from
+    another machine, and `token` who came in there: its sender claims it and proves it by a seal, the door passes on
     what is proven.
     """
 
@@ -100,7 +100,8 @@ class EstopRelease(Struct, frozen=True, kw_only=True):
 class EstopState(Struct, frozen=True, kw_only=True):
     """The latch, and which capabilities' devices have acknowledged it.
 
-    `overdue` are those of `waiting` whose device has had all the time that its row gives it; `text` says who has acknowledged.
+    `overdue` are those of `waiting` whose device has had all the time that its row gives it; `text` says who has
+    acknowledged.
     """
 
     engaged: bool

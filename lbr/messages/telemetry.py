@@ -45,7 +45,8 @@ class RangesPart(Struct, frozen=True, kw_only=True):
 
 
 class ImuPart(Struct, frozen=True, kw_only=True):
-    """What the inertial unit measures, along its own axes, and what attitude makes of it; as old as the older of both."""
+    """What the inertial unit measures, along its own axes, and what attitude makes of it; as old as the older of
+    both."""
 
     age_s: float
     gyro_rps: Vector | None = None
@@ -127,7 +128,8 @@ class Telemetry(Struct, frozen=True, kw_only=True):
     """The nested package of the robot's readings. A part is null until it was heard once.
 
     Its `age_s` is how old it is; of a source that has fallen silent, the last is told with an age that grows. `time_s`
-    is when the package was made, in seconds since 1970. `complete` once every part that is wired has told what clients ask for.
+    is when the package was made, in seconds since 1970. `complete` once every part that is wired has told what clients
+    ask for.
     """
 
     time_s: float

@@ -8,7 +8,8 @@ Target = Literal["colour", "face"]
 
 
 class TrackCommand(Struct, frozen=True, kw_only=True):
-    """Turn the head after a target from now on: until a stop, of this or of the joints, or until nothing is seen for long.
+    """Turn the head after a target from now on: until a stop, of this or of the joints, or until nothing is seen for
+    long.
 
     Who asked needs to do nothing more; what moves the head borrows the joints, and is ended by whatever ends that.
     """
@@ -17,13 +18,15 @@ class TrackCommand(Struct, frozen=True, kw_only=True):
 
 
 class LookCommand(Struct, frozen=True, kw_only=True):
-    """Look for a target in the newest picture, save it with what is seen marked, and say which colour its middle has."""
+    """Look for a target in the newest picture, save it with what is seen marked, and say which colour its middle
+    has."""
 
     target: Target = "colour"
 
 
 class Seen(Struct, frozen=True, kw_only=True):
-    """A target in a picture: its middle and its radius as shares of the picture's width, x to the right, y down from the middle."""
+    """A target in a picture: its middle and its radius as shares of the picture's width, x to the right, y down from
+    the middle."""
 
     x: Annotated[float, Meta(ge=-1.0, le=1.0)]
     y: Annotated[float, Meta(ge=-1.0, le=1.0)]
@@ -33,8 +36,8 @@ class Seen(Struct, frozen=True, kw_only=True):
 class TrackingState(Struct, frozen=True, kw_only=True):
     """Whether the head follows something, what the newest picture shows, and where the head is asked to look.
 
-    Both angles are radians of its joints. `age_s` is how long ago a picture was taken that shows the target. `reason` is
-    why the head stays where it is, or how the last following ended.
+    Both angles are radians of its joints. `age_s` is how long ago a picture was taken that shows the target. `reason`
+    is why the head stays where it is, or how the last following ended.
     """
 
     following: bool

@@ -36,15 +36,15 @@ LinkName = Literal[
 """Where in a chain a link is. `line`, `fault` and `motor` are the robot's hardware, all others are not."""
 HARDWARE: frozenset[LinkName] = frozenset({"line", "fault", "motor"})
 LinkState = Literal["ok", "past", "doubt", "held", "unknown"]
-"""`held`: it keeps the part still. `doubt`: it does so for some of what may be asked. `past`: it did, and ended what was
-under way. `unknown`: nothing says."""
+"""`held`: it keeps the part still. `doubt`: it does so for some of what may be asked. `past`: it did, and ended what
+was under way. `unknown`: nothing says."""
 
 
 class Link(Struct, frozen=True, kw_only=True):
     """A link of the chain: of whom it tells, how that is and why, in one sentence with its code.
 
-    `since_s` is for how long it has been so, null: not known. `age_s` is how old the newest word of it is. `evidence` is
-    where that was read, and `do` what to type or to look at.
+    `since_s` is for how long it has been so, null: not known. `age_s` is how old the newest word of it is. `evidence`
+    is where that was read, and `do` what to type or to look at.
     """
 
     name: LinkName
@@ -61,8 +61,8 @@ class Link(Struct, frozen=True, kw_only=True):
 class Chain(Struct, frozen=True, kw_only=True):
     """Why a part stands still, in one sentence: that of the first link that holds it. `first` is its place in `links`.
 
-    `state` is that link's; `ok`: nothing holds it. `source` says what could be asked: the robot's bus, or its rows alone
-    because nothing of it answers.
+    `state` is that link's; `ok`: nothing holds it. `source` says what could be asked: the robot's bus, or its rows
+    alone because nothing of it answers.
     """
 
     robot: str

@@ -1,4 +1,5 @@
-"""What packages say of robots: `Robot` declares rows, launch profiles and a body; `registry` finds those that there are."""
+"""What packages say of robots: `Robot` declares rows, launch profiles and a body; `registry` finds those that there
+are."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -34,7 +34,8 @@ class MakersMotion(Protocol):
         """Say whether a robot has what the file speaks of."""
 
     def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
-        """Return them in the angles of a robot's joints, and what people should know of them; InputError says why not."""
+        """Return them in the angles of a robot's joints, and what people should know of them; InputError says why
+        not."""
 
 
 class ReadMotion(Protocol):
@@ -53,7 +54,8 @@ class WriteMotion(Protocol):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MotionFormat:
-    """A format of motion files: the `suffix` of their names, such as `.rbm`, a `summary`, and `module:function` that reads them.
+    """A format of motion files: the `suffix` of their names, such as `.rbm`, a `summary`, and `module:function` that
+    reads them.
 
     `write` is the function that writes one, where that is possible.
     """

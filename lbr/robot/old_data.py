@@ -47,10 +47,11 @@ def _listed(rows: Sequence[str]) -> str:
 
 
 class Want(NamedTuple):
-    """A row that is to have these columns; one that is not there is made only with `create`, and gets those of `made` too.
+    """A row that is to have these columns; one that is not there is made only with `create`, and gets those of `made`
+    too.
 
-    A column such as `settings.left.direction` is an entry of a JSON object. `source` is where in the file it stood. With
-    `text` it is told as changed: what stood there meant the same otherwise.
+    A column such as `settings.left.direction` is an entry of a JSON object. `source` is where in the file it stood.
+    With `text` it is told as changed: what stood there meant the same otherwise.
     """
 
     table: str
@@ -87,7 +88,8 @@ class OldData(Protocol):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Source:
-    """A file as readers get it: its name, where it lies, its text, its JSON or the rows of its database, if it is such."""
+    """A file as readers get it: its name, where it lies, its text, its JSON or the rows of its database, if it is
+    such."""
 
     name: str
     folder: str

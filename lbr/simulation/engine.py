@@ -102,7 +102,8 @@ class Engine:
 
     @property
     def resting(self) -> bool:
-        """Say whether nothing moves: then time passes without the physics, exactly as far as the next power or change."""
+        """Say whether nothing moves: then time passes without the physics, exactly as far as the next power or
+        change."""
         return self._still_steps >= _STILL_STEPS and not self._placed.changed and self.balls.still
 
     def rest(self, dt_s: float) -> None:

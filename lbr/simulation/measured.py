@@ -74,7 +74,8 @@ class ServoDrive(Struct, frozen=True, kw_only=True):
 
 
 class ServoFelt(Struct, frozen=True, kw_only=True):
-    """What the world makes of a servo: its angle, its speed, and its motor's torque as a fraction of its most, signed."""
+    """What the world makes of a servo: its angle, its speed, and its motor's torque as a fraction of its most,
+    signed."""
 
     position_rad: float
     speed_rps: float = 0.0

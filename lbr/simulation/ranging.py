@@ -1,4 +1,5 @@
-"""Sensors of distance in the world: rays that fill a cone, the nearest of which comes back, or all around, each by itself."""
+"""Sensors of distance in the world: rays that fill a cone, the nearest of which comes back, or all around, each by
+itself."""
 
 from collections.abc import Iterable
 from math import ceil, cos, erf, radians, sin, sqrt, tau

@@ -64,7 +64,8 @@ class Battery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Mount(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where something sits on the robot, z above the floor, and how it is turned: yaw, then pitch, then roll (REP 103)."""
+    """Where something sits on the robot, z above the floor, and how it is turned: yaw, then pitch, then roll (REP
+    103)."""
 
     x_m: Place = 0.0
     y_m: Place = 0.0
@@ -161,8 +162,8 @@ class WorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     """The simulated world: what stands in it, where the robot starts, and how often it tells.
 
     `seed` fixes all noise. `walls` is all that stands in it, furniture too. `dock` null: there is none. `cameras` are
-    where they sit, by name; `balls` are what they may look for: neither an echo comes from one, nor is there anything to bump
-    into. `trace` names a file that gets each change of the motor controller's outputs.
+    where they sit, by name; `balls` are what they may look for: neither an echo comes from one, nor is there anything
+    to bump into. `trace` names a file that gets each change of the motor controller's outputs.
     """
 
     seed: int = 1

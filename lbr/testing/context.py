@@ -120,9 +120,10 @@ class AtOnce(Memory):
 class FakeContext(ProcessContext):
     """A capability's context: `now` is the time, `published` and `events` are kept, `arrive` is what it hears.
 
-    A question is answered with what stands in `replies` for its request, at once; without an entry it waits. Who is wired
-    to a port or request stands in `wired`, by default one of that name; who is dead, in `gone`; which outputs have no
-    subscriber, in `unwatched`. `given` are its rows, of the tables that its kind reads, and `kept` what it has learnt.
+    A question is answered with what stands in `replies` for its request, at once; without an entry it waits. Who is
+    wired to a port or request stands in `wired`, by default one of that name; who is dead, in `gone`; which outputs
+    have no subscriber, in `unwatched`. `given` are its rows, of the tables that its kind reads, and `kept` what it has
+    learnt.
     """
 
     estop: FakeEstop

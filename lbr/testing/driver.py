@@ -228,7 +228,8 @@ def misses_its_device_and_comes_back(bench: DriverBench) -> None:
 
 
 def acknowledges_the_emergency_stop(bench: DriverBench) -> None:
-    """What moves something says that it has stopped once the latch is engaged; what moves nothing has nothing to say."""
+    """What moves something says that it has stopped once the latch is engaged; what moves nothing has nothing to
+    say."""
     if not bench.kind.moves:
         return
     bench.works()
@@ -288,7 +289,8 @@ def takes_no_number_for_a_stop(bench: DriverBench) -> None:
 
 
 def may_be_killed(bench: DriverBench) -> None:
-    """When it is killed, wheels stop by what is left of it or by their controller; the next one has the device at once."""
+    """When it is killed, wheels stop by what is left of it or by their controller; the next one has the device at
+    once."""
     twin = bench.device.twin
     process = driver_process.started(bench.told())
     try:

@@ -1,4 +1,5 @@
-"""The program that a test kills: runs a driver, whose bench is its argument as JSON, until then; wheels turn meanwhile."""
+"""The program that a test kills: runs a driver, whose bench is its argument as JSON, until then; wheels turn
+meanwhile."""
 
 import importlib
 import json

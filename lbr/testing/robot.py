@@ -56,7 +56,8 @@ class Robot:
         return json.loads(answers[0].payload) if answers else None
 
     def answers(self, timeout_s: float) -> bool:
-        """Say whether the robot answers on each session that this has with it; a link that broke comes back by itself."""
+        """Say whether the robot answers on each session that this has with it; a link that broke comes back by
+        itself."""
         sessions = [self.bus, *([self._owner] if self._owner is not None else [])]
         key = f"{self.name}/@status"
         return all(wire.ask(bus, key, None, source="test", timeout_s=timeout_s) for bus in sessions)
@@ -78,10 +79,11 @@ class Robot:
         return found
 
     def move(self, text: str, within_s: float = 20.0) -> dict[str, Any]:
-        """Say a line that moves the robot, and renew its lease as a console does until the motion is over; return how it ended.
+        """Say a line that moves the robot, and renew its lease as a console does until the motion is over; return how
+        it ended.
 
-        The lease lives as long as one may, for a machine that runs tests holds its programs up. What a renewal is refused
-        with at last is returned: its `cause` is the code of the end, `done` if the goal was reached.
+        The lease lives as long as one may, for a machine that runs tests holds its programs up. What a renewal is
+        refused with at last is returned: its `cause` is the code of the end, `done` if the goal was reached.
         """
         hold = self.say(text)["hold"]
         assert hold is not None, f"'{text}' moves nothing"

@@ -33,7 +33,8 @@ from lbr.testing.driver import WITHIN_S, DriverBench
 
 HOLD_S = RELEASE_S = 0.5
 MOST_RPS = 0.6
-"""A servo of this bench turns no faster, whatever it is told: also one that knows no speeds can be stopped on its way."""
+"""A servo of this bench turns no faster, whatever it is told: also one that knows no speeds can be stopped on its
+way."""
 AT_RAD = 0.05
 """What counts as being there: a servo's margin and two degrees more."""
 STOOD_RAD = 0.15
@@ -107,7 +108,8 @@ class Shafts:
 
 
 class ServosBench(DriverBench):
-    """A driver of servos beside its twin, and who sends it setpoints: `goals` goes to it at each step, None is silence."""
+    """A driver of servos beside its twin, and who sends it setpoints: `goals` goes to it at each step, None is
+    silence."""
 
     def __init__(
         self, kind: Kind, settings: Mapping[str, Any], device: Plugged, shafts: Shafts, *, fades: bool = True
@@ -191,8 +193,8 @@ def bench(
 ) -> Iterator[ServosBench]:
     """Plug in the twin of a kind's device, with servos that turn, and put the driver beside it.
 
-    `settings` are the capability's beside the usual, `device` those of the twin's row. `fades` false: these servos have no
-    torque limit, so that they are let go at once.
+    `settings` are the capability's beside the usual, `device` those of the twin's row. `fades` false: these servos have
+    no torque limit, so that they are let go at once.
     """
     shafts = Shafts(ids)
     with plugged(kind.device, folder, settings=dict(device or {}), live=shafts) as found:

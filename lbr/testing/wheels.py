@@ -49,7 +49,8 @@ def stops_by_its_guard_alone(bench: DriverBench) -> None:
 
 
 def stops_by_its_watchdog_alone(bench: DriverBench) -> None:
-    """There is no guard: after a driver that is killed or frozen the controller's watchdog stops every motor in time."""
+    """There is no guard: after a driver that is killed or frozen the controller's watchdog stops every motor in
+    time."""
     alone = bench.again(guard=False)
     watchdog_ms = getattr(alone.ctx.settings, "watchdog_ms", None)
     limit_s = STOPS_WITHIN_S if watchdog_ms is None else watchdog_ms / 1000.0 + BEYOND_WATCHDOG_S

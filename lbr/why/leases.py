@@ -89,7 +89,8 @@ def last(
 
 
 def _stopped(now: Snapshot, part: Part, by: str) -> str:
-    """Return whose motion another than its sender stopped last, and how often it did of late; empty if that was no other."""
+    """Return whose motion another than its sender stopped last, and how often it did of late; empty if that was no
+    other."""
     said = [one for one in now.newest(part.name) if one.kind == "stopped" and one.about]
     if not by or by == now.asker or not said or said[0].about == by:
         return ""

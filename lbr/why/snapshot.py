@@ -1,4 +1,5 @@
-"""What is known of a robot at one moment: its rows, its status, the newest of every stream, and what happened lately."""
+"""What is known of a robot at one moment: its rows, its status, the newest of every stream, and what happened
+lately."""
 
 from collections.abc import Collection, Iterator
 from contextlib import suppress
@@ -119,8 +120,8 @@ class Said(Struct, frozen=True, kw_only=True):
 class Snapshot(Struct, frozen=True, kw_only=True):
     """A robot at one moment. `executive`: it answers, it is silent, or it does not run.
 
-    `silent_s` is for how long it was waited for. `asker` is who asks, with which `role`, about the part `asked`. `said` is by topic, such as
-    `drive/state`. `events` are oldest first.
+    `silent_s` is for how long it was waited for. `asker` is who asks, with which `role`, about the part `asked`. `said`
+    is by topic, such as `drive/state`. `events` are oldest first.
     """
 
     facts: Facts

@@ -1,1 +1,2 @@
-"""`autodock`: has the robot run its table `dock`, and tells how that ended. The table is the strategy, `beacon` moves."""
+"""`autodock`: has the robot run its table `dock`, and tells how that ended. The table is the strategy, `beacon`
+moves."""

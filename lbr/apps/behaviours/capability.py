@@ -293,7 +293,8 @@ class Behaviours(Capability[BehaviourSettings]):
         self._ticket = run.ticket
 
     def _ask_aside(self, run: Run, order: Aside, now: float) -> None:
-        """Have it said or looked for, if there is a voice or an eye; a table neither waits for it nor fails without it."""
+        """Have it said or looked for, if there is a voice or an eye; a table neither waits for it nor fails without
+        it."""
         way = "say" if isinstance(order, SayCommand) else "watch"
         if self.ctx.targets(way):
             self._aside = [*self._aside, (way, self.ctx.ask(way, order, ASIDE_S))][-MOST_ASIDE:]

@@ -1,4 +1,5 @@
-"""A table as a picture: its states in layers from the start down, what leads from one to the next beside the arrows. Pure."""
+"""A table as a picture: its states in layers from the start down, what leads from one to the next beside the arrows.
+Pure."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping

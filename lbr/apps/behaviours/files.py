@@ -39,7 +39,8 @@ class FileFault(NamedTuple):
 
 
 class Read(NamedTuple):
-    """The rows of a file, the line of each by its step, and what could not be read: a row lacks its cells of which that is so."""
+    """The rows of a file, the line of each by its step, and what could not be read: a row lacks its cells of which that
+    is so."""
 
     rows: tuple[BehaviourRow, ...]
     lines: Mapping[int, int]
@@ -94,7 +95,8 @@ def to_json(rows: Iterable[BehaviourRow]) -> bytes:
 
 
 def text_of(content: bytes) -> str | None:
-    """Return the text of a file as spreadsheets write it: UTF-8 or UTF-16 by its mark, UTF-8, else Western; None: no text."""
+    """Return the text of a file as spreadsheets write it: UTF-8 or UTF-16 by its mark, UTF-8, else Western; None: no
+    text."""
     try:
         if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
             return content.decode("utf-16")
@@ -351,7 +353,8 @@ def _text(value: Any, place: str, faults: list[FileFault]) -> str:
 
 
 def _leading_nowhere(given: Iterable[tuple[str, Mapping[str, Any]]]) -> frozenset[str]:
-    """Return the states that lead to no other: in a file that has no types they are its ends, and the first row starts."""
+    """Return the states that lead to no other: in a file that has no types they are its ends, and the first row
+    starts."""
     states: set[str] = set()
     leading: set[str] = set()
     for _, one in given:

@@ -1,4 +1,5 @@
-"""A run of a table: which state it is in, what is to be done now, and why it stays. Pure: time, values and dice come in.
+"""A run of a table: which state it is in, what is to be done now, and why it stays. Pure: time, values and dice come
+in.
 
     step(now, look) ──► rows of the state, in their order ──► the first that holds: its orders, one after the other
     ended(outcome)  ──► the order is done ──► the next; after the last one, the next state
@@ -25,7 +26,8 @@ SETTLE_S = 0.3
 RETRY_S = 1.0
 """Before a command is tried again: what stopped it, such as a busy machine, has mostly passed by then."""
 LONGEST_ORDER_S = 120.0
-"""No motion takes longer: at a tenth of full power a room is crossed in less. Waits and tables have times of their own."""
+"""No motion takes longer: at a tenth of full power a room is crossed in less. Waits and tables have times of their
+own."""
 LONGEST_SEARCH_S = 400.0
 """A search by beams goes along a whole wall, twelve metres and back at walking pace or less, and looks at each step."""
 DEEPEST = 8
@@ -69,8 +71,9 @@ class _Frame:
 class Run:
     """A run of a table, begun at `now`; `draw` returns one of so many, from 0.
 
-    `order` is what is to be done now, None: nothing; `ticket` tells one order from the next. `keeps` is a motion without
-    an end that goes on meanwhile. `row` is the step of the row that was taken last, 0: none. `tables` are those it goes by from the next state on. `over` says how the run ended, `good` whether well.
+    `order` is what is to be done now, None: nothing; `ticket` tells one order from the next. `keeps` is a motion
+    without an end that goes on meanwhile. `row` is the step of the row that was taken last, 0: none. `tables` are those
+    it goes by from the next state on. `over` says how the run ended, `good` whether well.
     """
 
     def __init__(self, table: Table, tables: Mapping[str, Table], now: float, draw: Callable[[int], int]) -> None:

@@ -51,8 +51,8 @@ NEWEST_S: Mapping[str, float] = {
     "power": 3.0,
 }
 NEWEST_OTHERS_S = 1.0
-"""An older value does not count. Ranges, attitude, motors come ten times a second or more; what comes more slowly has its
-own: three of its periods."""
+"""An older value does not count. Ranges, attitude, motors come ten times a second or more; what comes more slowly has
+its own: three of its periods."""
 
 Sort = Literal["number", "switch", "text"]
 RUN, VARIABLE = "", "$"

@@ -1,4 +1,5 @@
-"""When a table begins by itself because the battery is low: once each time that it gets low, while the robot is left alone. Pure."""
+"""When a table begins by itself because the battery is low: once each time that it gets low, while the robot is left
+alone. Pure."""
 
 from math import inf
 
@@ -17,7 +18,8 @@ class LowBattery:
         self._begun = False
 
     def due(self, now: float, *, low: bool | None, charging: bool, busy: bool) -> bool:
-        """Say whether to begin now; `low` null: not known. After it began, only a battery that was well again counts."""
+        """Say whether to begin now; `low` null: not known. After it began, only a battery that was well again
+        counts."""
         if low is False or charging:
             self._begun = False
         self._low_since = min(self._low_since, now) if low and not charging else inf

@@ -290,7 +290,8 @@ def _drive(given: Mapping[str, str], numbers: Mapping[str, float], duration: flo
 
 
 def _command(kind: type[Any], fields: Mapping[str, tuple[str, Any]]) -> Any:
-    """Return a command; what it refuses is told with the column it came from. A number that is not known yet is left out."""
+    """Return a command; what it refuses is told with the column it came from. A number that is not known yet is left
+    out."""
     known = {name: value for name, (_, value) in fields.items() if not _unknown(value)}
     base = _fitting(kind)
     for name, value in known.items():

@@ -31,7 +31,8 @@ ANY_ROBOT = Parts()
 
 
 class Fault(NamedTuple):
-    """What is wrong, in which row (by its step; 0: the whole table) and column. One that is no `error` is odd, no more."""
+    """What is wrong, in which row (by its step; 0: the whole table) and column. One that is no `error` is odd, no
+    more."""
 
     step: int
     column: str
@@ -161,7 +162,8 @@ def compiled_alone(
 
 
 def cell_faults(rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT) -> tuple[Fault, ...]:
-    """Return what keeps cells from being read, each by itself: of rows that are not the whole table no more can be said."""
+    """Return what keeps cells from being read, each by itself: of rows that are not the whole table no more can be
+    said."""
 
     def told() -> Iterator[Fault]:
         for row in rows:
@@ -174,7 +176,8 @@ def cell_faults(rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT) -> tuple
 
 
 def linked(compiled: Mapping[str, Compiled]) -> dict[str, Compiled]:
-    """Return tables with what is wrong between them: one that another runs is not there, is faulty or runs that again."""
+    """Return tables with what is wrong between them: one that another runs is not there, is faulty or runs that
+    again."""
     found = {}
     for name, one in compiled.items():
         more = list(_of_calls(name, compiled)) if one.table is not None else []

@@ -14,7 +14,8 @@ from lbr.messages.codes import Reason
 from lbr.messages.system import RANKS, Role
 
 SILENT_S = 8.0
-"""A page says every second that it is there. A phone that is put down for a moment, or a poor network, may miss some."""
+"""A page says every second that it is there. A phone that is put down for a moment, or a poor network, may miss
+some."""
 CONNECT_S = 15.0
 """Between two machines of one network it takes less than one; without a way, this long is tried."""
 MOST_DISPLAYS = 2
@@ -265,7 +266,8 @@ def fault_of(offer: str) -> Reason | None:
 def without_names(offer: str) -> str:
     """Return an offer without addresses that would have to be looked up, and without a last word on addresses.
 
-    Browsers hide theirs behind names that only multicast knows. They reach the robot by its own, and are answered there.
+    Browsers hide theirs behind names that only multicast knows. They reach the robot by its own, and are answered
+    there.
     """
     kept = [line for line in offer.splitlines() if not _is_name(line) and line.strip() != "a=end-of-candidates"]
     return "\r\n".join(kept) + "\r\n"

@@ -62,9 +62,8 @@ class CallState(Struct, frozen=True, kw_only=True):
     """Who calls, and how the call is; `by_webrtc` pages get their picture by WebRTC, of at most `most`, displays not
     counted.
 
-    `picture` says why no picture comes (empty: it does, of `camera`); `hears` and `sound` what a caller hears; `lacks` why
-    no call can be made at all, `reason` how the last
-    call ended.
+    `picture` says why no picture comes (empty: it does, of `camera`); `hears` and `sound` what a caller hears; `lacks`
+    why no call can be made at all, `reason` how the last call ended.
     """
 
     phase: CallPhase = "idle"

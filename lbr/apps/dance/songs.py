@@ -1,4 +1,5 @@
-"""Songs below `$LBR_HOME/music`: `NAME.wav`, and its beats in `NAME.json`: {"BEATS": [seconds from the beginning, …]}."""
+"""Songs below `$LBR_HOME/music`: `NAME.wav`, and its beats in `NAME.json`: {"BEATS": [seconds from the beginning,
+…]}."""
 
 import json
 import math

@@ -1,4 +1,5 @@
-"""The bridge as a process: listens, lets in who may, keeps what is shown as the robot is, and carries words to the robot."""
+"""The bridge as a process: listens, lets in who may, keeps what is shown as the robot is, and carries words to the
+robot."""
 
 import sys
 from collections.abc import Mapping

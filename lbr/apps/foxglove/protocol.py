@@ -172,7 +172,8 @@ def unadvertise_services(ids: Iterable[int]) -> str:
 
 
 def status(level: int, text: str, about: str = "") -> str:
-    """Tell a sentence that Foxglove shows among its problems; one that is about the same takes the place of the last."""
+    """Tell a sentence that Foxglove shows among its problems; one that is about the same takes the place of the
+    last."""
     return _told("status", {"level": level, "message": text, **({"id": about} if about else {})})
 
 

@@ -1,4 +1,5 @@
-"""What the robot says, as Foxglove's own schemas have it: pictures, poses, scans, rays of range sensors, events. Pure."""
+"""What the robot says, as Foxglove's own schemas have it: pictures, poses, scans, rays of range sensors, events.
+Pure."""
 
 import base64
 from collections.abc import Sequence

@@ -74,7 +74,8 @@ def is_loopback(listening: socket.socket) -> bool:
 
 
 def certificate() -> tuple[str, str]:
-    """Return the files of the private key and certificate that browsers are shown; the robot's are made on first use."""
+    """Return the files of the private key and certificate that browsers are shown; the robot's are made on first
+    use."""
     key, public = home.given_credentials(*certificates.OWN_FILES) or home.credentials(
         certificates.self_signed, *certificates.FILES
     )

@@ -1,4 +1,5 @@
-"""uvicorn as the robot's servers use it: nothing about strangers in the log, every connection in a slot, late ones cut."""
+"""uvicorn as the robot's servers use it: nothing about strangers in the log, every connection in a slot, late ones
+cut."""
 
 import asyncio
 import logging
@@ -28,13 +29,13 @@ from lbr.errors import InputError
 LOOK_S = 0.25
 LARGEST_HEAD = 16 * 1024
 LARGEST_BODY = 512 * 1024
-"""Of any request. It exceeds what uvicorn holds (64 KiB) and one reading of asyncio (256 KiB) together: a request is answered before
-its body is too large."""
+"""Of any request. It exceeds what uvicorn holds (64 KiB) and one reading of asyncio (256 KiB) together: a request is
+answered before its body is too large."""
 MOST_UNREAD = 16 * 1024 * 1024
 """Of what still comes after an answer: it is thrown away, so that its sender reads the answer and not a reset."""
 MOST_PIECES = 256
-"""Of a body, so that no client keeps the thread busy with pieces of a byte each: 43,000 of them fit into one reading and
-took 0.2 s."""
+"""Of a body, so that no client keeps the thread busy with pieces of a byte each: 43,000 of them fit into one reading
+and took 0.2 s."""
 LARGEST_MESSAGE = 16 * 1024
 MOST_TOLD_BYTES = 32 * 1024
 """What a viewer may send in a second, pings and all; a browser sends six bytes in ten."""
@@ -45,7 +46,8 @@ TLS_HANDSHAKE = b"\x16"
 
 
 class _Bounded(h11.Connection):
-    """The server's end of a connection, for which a body that is too large or in too many pieces is no valid request."""
+    """The server's end of a connection, for which a body that is too large or in too many pieces is no valid
+    request."""
 
     def __init__(self) -> None:
         super().__init__(h11.SERVER, LARGEST_HEAD)
@@ -236,8 +238,8 @@ class Connection(H11Protocol):
         super().handle_websocket_upgrade(event)
 
     def _look(self) -> None:
-        """Say what the connection does: of a body that is not whole when its request is answered, the rest is waited for
-        as a head is."""
+        """Say what the connection does: of a body that is not whole when its request is answered, the rest is waited
+        for as a head is."""
         if self._marked is self:
             return
         if self.transport.is_closing():
@@ -264,7 +266,8 @@ class Connection(H11Protocol):
 class Server(uvicorn.Server):
     """Serves with every connection in one of `slots`, from the first packet on.
 
-    With a certificate it serves TLS. What comes without is led to https; with `plain_here` this machine's own is served.
+    With a certificate it serves TLS. What comes without is led to https; with `plain_here` this machine's own is
+    served.
     """
 
     def __init__(self, config: uvicorn.Config, *, plain_here: bool = False) -> None:
@@ -376,7 +379,8 @@ async def _first_byte(transport: asyncio.Transport) -> bytes:
 
 
 def _ends_doubtfully(headers: Iterable[tuple[bytes, bytes]]) -> bool:
-    """Say whether a request tells its length in two ways (RFC 9112, 6.1): what follows it may be another's for a proxy."""
+    """Say whether a request tells its length in two ways (RFC 9112, 6.1): what follows it may be another's for a
+    proxy."""
     said = {name for name, _value in headers}
     return b"content-length" in said and b"transfer-encoding" in said
 

@@ -1,8 +1,8 @@
 """Connections that showed a wrong token: counted, told and slowed down by the host that they came from. Pure.
 
 The bus library says in its log whom it let in, and that a user or a password was wrong; which connection was wrong it
-does not say. The oldest that is still being looked at is blamed: a host that is blamed wrongly loses some seconds at its
-next connection, and nothing of what it has.
+does not say. The oldest that is still being looked at is blamed: a host that is blamed wrongly loses some seconds at
+its next connection, and nothing of what it has.
 """
 
 import re

@@ -144,8 +144,8 @@ class Lan(Capability[LanSettings]):
             time.sleep(ASK_AGAIN_S)
 
     def _hear_streams(self) -> None:
-        """While clients are here, have the robot send each stream that it names: of what a client declares besides, such
-        as a wildcard, only the door hears, so that no number of declarations holds up the robot's own router."""
+        """While clients are here, have the robot send each stream that it names: of what a client declares besides,
+        such as a wildcard, only the door hears, so that no number of declarations holds up the robot's own router."""
         if self._here and not self._streams:
             self._streams = [wire.PolledSubscription(self._router, key) for key in self._lan.heard]
         while self._streams and not self._here:

@@ -1,7 +1,8 @@
-"""MQTT as a capability: tells the broker how the robot is, has done what is asked there and allowed by the row, and answers.
+"""MQTT as a capability: tells the broker how the robot is, has done what is asked there and allowed by the row, and
+answers.
 
-Motion is borrowed by leases as by anyone, one goal at a time, and ends when this process does. It ends, too, when the broker
-is lost: who asked for it could not stop it any more.
+Motion is borrowed by leases as by anyone, one goal at a time, and ends when this process does. It ends, too, when the
+broker is lost: who asked for it could not stop it any more.
 """
 
 from contextlib import suppress
@@ -420,7 +421,8 @@ def _refuse_unfit(message: Incoming) -> None:
 
 
 def _named(name: str, payload: bytes, word: words.Word | None) -> Ask:
-    """Return what a topic's own word asks for, with what comes in the message: a text, a number, or nothing to be read."""
+    """Return what a topic's own word asks for, with what comes in the message: a text, a number, or nothing to be
+    read."""
     wanted = words.bounds(word) if word is not None else None
     if wanted is None:
         return Ask(word=name[:LONGEST_WORD])

@@ -1,4 +1,5 @@
-"""What Home Assistant is told, so that it finds the robot by itself: one document for the device and all that it has. Pure.
+"""What Home Assistant is told, so that it finds the robot by itself: one document for the device and all that it has.
+Pure.
 
 https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload
 """
@@ -16,7 +17,8 @@ ICONS = {"stop": "mdi:stop-circle", "run": "mdi:robot", "say": "mdi:bullhorn", "
 def document(
     robot: str, name: str, topic: str, parts: Collection[str], words: Mapping[str, Word], *, picture: bool, version: str
 ) -> dict[str, Any]:
-    """Return the device with its sensors, for the parts that are reported, and its buttons, for the words of its row."""
+    """Return the device with its sensors, for the parts that are reported, and its buttons, for the words of its
+    row."""
     sensors = {key: _known(topic, **one) for key, one in _sensors(parts).items()}
     components = {**sensors, **{f"ask_{said}": _asking(said, word, topic) for said, word in words.items()}}
     components["answer"] = {

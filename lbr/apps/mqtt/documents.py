@@ -1,5 +1,5 @@
-"""The documents of an AWS IoT device shadow: bytes from the broker to what they say. Pure; whatever comes, it is an answer or
-an InputError.
+"""The documents of an AWS IoT device shadow: bytes from the broker to what they say. Pure; whatever comes, it is an
+answer or an InputError.
 
 https://docs.aws.amazon.com/iot/latest/developerguide/device-shadow-document.html
 """
@@ -18,8 +18,8 @@ MOST_VERSION = 2**53
 
 
 class Document(Struct, frozen=True, kw_only=True):
-    """A shadow as `get/accepted` tells it. `ask` is what is desired of the key `ask`, and `age_s` for how long it has been,
-    by the service's own clock; None is not told."""
+    """A shadow as `get/accepted` tells it. `ask` is what is desired of the key `ask`, and `age_s` for how long it has
+    been, by the service's own clock; None is not told."""
 
     version: int
     reported: dict[str, Any]

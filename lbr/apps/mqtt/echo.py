@@ -1,7 +1,8 @@
-"""How late a broker is. A message there has no date, so a word of our own goes to the broker and back again and again. Pure.
+"""How late a broker is. A message there has no date, so a word of our own goes to the broker and back again and again.
+Pure.
 
-A broker that stood still hands over all at once what came meanwhile, ours and others', in any order. So it is late while
-our word is not back, and for a moment after one has come back late.
+A broker that stood still hands over all at once what came meanwhile, ours and others', in any order. So it is late
+while our word is not back, and for a moment after one has come back late.
 """
 
 import secrets

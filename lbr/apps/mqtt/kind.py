@@ -42,7 +42,8 @@ class Shadow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class HomeAssistant(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How Home Assistant finds the robot; `picture_s` is how often it is sent a picture of what is wired to `frames`."""
+    """How Home Assistant finds the robot; `picture_s` is how often it is sent a picture of what is wired to
+    `frames`."""
 
     prefix: Annotated[Topic, Meta(min_length=1)] = "homeassistant"
     name: Annotated[str, Meta(max_length=80, description="what people call the robot; empty: its row's name")] = ""
@@ -52,10 +53,10 @@ class HomeAssistant(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `mqtt`.
 
-    By TLS unless the broker is on this machine, or `clear_text` says otherwise. `ca` is whom the broker's certificate must
-    come from, if not from an authority that the system knows; `certificate` and `key` are the robot's own. `token` names
-    the token whose role all have that ask for `words`; without one only a stop is done. Topics begin with `topic`, if it is
-    not empty, else with `lbr/` and the robot's name.
+    By TLS unless the broker is on this machine, or `clear_text` says otherwise. `ca` is whom the broker's certificate
+    must come from, if not from an authority that the system knows; `certificate` and `key` are the robot's own. `token`
+    names the token whose role all have that ask for `words`; without one only a stop is done. Topics begin with
+    `topic`, if it is not empty, else with `lbr/` and the robot's name.
     """
 
     host: Annotated[str, Meta(max_length=253, description="the broker; empty: there is none")] = ""

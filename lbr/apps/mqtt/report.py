@@ -1,4 +1,5 @@
-"""From what the robot says of itself to what is told outside: few values, rounded, so that what rests changes nothing. Pure."""
+"""From what the robot says of itself to what is told outside: few values, rounded, so that what rests changes nothing.
+Pure."""
 
 from collections.abc import Callable, Collection, Mapping
 from math import degrees
@@ -30,7 +31,8 @@ def report(parts: Collection[str], latest: Latest, wired: Collection[str], now: 
 
 
 def difference(before: Report, now: Report) -> Report:
-    """Return what a shadow must merge into `before` to have `now`: what is new or otherwise, and null for what is gone."""
+    """Return what a shadow must merge into `before` to have `now`: what is new or otherwise, and null for what is
+    gone."""
     found: Report = {name: None for name, value in before.items() if name not in now and value is not None}
     for name, value in now.items():
         old = before.get(name)

@@ -4,7 +4,8 @@
       publish ──► outbox ────────────────►  broker
       take    ◄── inbox  ◄────────────────  messages of the topics that were subscribed to
 
-What the broker is not there for is not kept: state is told anew to each connection, and what was asked in between is old.
+What the broker is not there for is not kept: state is told anew to each connection, and what was asked in between is
+old.
 """
 
 import ssl
@@ -34,7 +35,8 @@ CONNECT_S = 5.0
 LOOK_S = 0.1
 LARGEST_PACKET = LARGEST_BYTES + 1024
 MOST_WAITING = 64
-"""Of messages either way: what comes faster than it is read is dropped, the oldest first and stops last, and so is what is sent."""
+"""Of messages either way: what comes faster than it is read is dropped, the oldest first and stops last, and so is what
+is sent."""
 MOST_UNACKNOWLEDGED = 100
 NEWEST_PROTOCOL = mqtt.MQTTv5
 LATER = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
@@ -109,8 +111,8 @@ def _credential(name: str) -> Path:
 
 
 class Session:
-    """A connection and those after it. `start` and `close` it; `connected` and `trouble` are how it stands, and `count` how
-    many connections there were."""
+    """A connection and those after it. `start` and `close` it; `connected` and `trouble` are how it stands, and `count`
+    how many connections there were."""
 
     def __init__(
         self,

@@ -98,7 +98,8 @@ class ShadowState:
         yield f"{self.root}/update", msgspec.json.encode(said)
 
     def done(self, raw: Any) -> Any:
-        """Note that what is asked was answered, and return what is to be reported of it: itself, unless it is too long."""
+        """Note that what is asked was answered, and return what is to be reported of it: itself, unless it is too
+        long."""
         self._handled = _text(raw)
         return raw if len(self._handled) <= LARGEST_ECHO else "too long to be told"
 

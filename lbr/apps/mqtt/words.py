@@ -1,4 +1,5 @@
-"""What may be asked of the robot from outside: the words that a row allows, each a stop or a goal that ends by itself. Pure."""
+"""What may be asked of the robot from outside: the words that a row allows, each a stop or a goal that ends by itself.
+Pure."""
 
 from math import isfinite
 from typing import Annotated, Any
@@ -39,7 +40,8 @@ class SayWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="say", forb
 
 
 class TurnWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="turn", forbid_unknown_fields=True):
-    """Turn on the spot by an angle, clockwise; without one, by what comes with the word, `most_deg` either way at most."""
+    """Turn on the spot by an angle, clockwise; without one, by what comes with the word, `most_deg` either way at
+    most."""
 
     angle_deg: TurnDeg | None = None
     most_deg: Annotated[float, Meta(gt=0.0, le=360.0)] = 180.0

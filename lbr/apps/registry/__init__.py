@@ -1,7 +1,8 @@
-"""Robots that are up, and how to reach them: a small service (`lbr registry`), and what tells it of a robot (kind `registrar`).
+"""Robots that are up, and how to reach them: a small service (`lbr registry`), and what tells it of a robot (kind
+`registrar`).
 
-`book` is what the service knows, pure; `guests` are the tokens that it has given; `server` answers over HTTPS; `asking` is the
-way there; `capability` registers a robot.
+`book` is what the service knows, pure; `guests` are the tokens that it has given; `server` answers over HTTPS; `asking`
+is the way there; `capability` registers a robot.
 """
 
 from lbr.component import CliCommand, Component

@@ -1,4 +1,5 @@
-"""Asking the service: by TLS, and only if it shows the certificate that the token knows it by. Nothing is sent before."""
+"""Asking the service: by TLS, and only if it shows the certificate that the token knows it by. Nothing is sent
+before."""
 
 import http.client
 import ssl

@@ -17,7 +17,8 @@ Endpoint = Annotated[str, Meta(pattern=r"^(tls|tcp)/[A-Za-z0-9.:\[\]_-]{1,200}$(
 
 
 class Entry(Struct, frozen=True, kw_only=True):
-    """What a robot says of itself. `up_s` is for how long it has been up, and `every_s` how often it will say so again."""
+    """What a robot says of itself. `up_s` is for how long it has been up, and `every_s` how often it will say so
+    again."""
 
     robot: Name
     version: Annotated[str, Meta(pattern=r"^[!-~]{0,40}$(?!\n)")] = ""

@@ -33,8 +33,8 @@ NO_SERVICE = (
 
 
 class Herald:
-    """Says again and again, in a thread of its own, what `entry` is; `trouble` is why it was not heard, `times` how often it
-    was."""
+    """Says again and again, in a thread of its own, what `entry` is; `trouble` is why it was not heard, `times` how
+    often it was."""
 
     def __init__(self, url: str, token: Token, entry: Entry, changed: Callable[[], None]) -> None:
         self.entry = entry

@@ -1,4 +1,5 @@
-"""The tokens that the service has given: a name each, and a digest of what proves it, in a file for its owner's eyes."""
+"""The tokens that the service has given: a name each, and a digest of what proves it, in a file for its owner's
+eyes."""
 
 import fcntl
 import hashlib

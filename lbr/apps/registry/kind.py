@@ -17,8 +17,8 @@ _URL = re.compile(r"https://(\[[0-9a-fA-F:]+\]|[A-Za-z0-9]([A-Za-z0-9.-]*[A-Za-z
 class RegistrarSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `registrar`.
 
-    `credential` is the file in credentials/ that has the token of this robot, which `lbr registry add` printed. `endpoints` are
-    told as ways to the robot's bus, beside the addresses of its web servers.
+    `credential` is the file in credentials/ that has the token of this robot, which `lbr registry add` printed.
+    `endpoints` are told as ways to the robot's bus, beside the addresses of its web servers.
     """
 
     url: Annotated[str, Meta(max_length=300, description="the service; empty: there is none")] = ""

@@ -6,7 +6,8 @@ from lbr.messages.codes import ReasonCode
 
 
 class RegistrarState(Struct, frozen=True, kw_only=True):
-    """Whether the service has the robot in its list, under which name, by what others reach it, and if not listed, why."""
+    """Whether the service has the robot in its list, under which name, by what others reach it, and if not listed,
+    why."""
 
     registered: bool
     url: str

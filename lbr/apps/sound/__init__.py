@@ -1,1 +1,2 @@
-"""Sounds for whatever app plays some: WAV files, names that are safe as files, and sinks that say if they were heard."""
+"""Sounds for whatever app plays some: WAV files, names that are safe as files, and sinks that say if they were
+heard."""

@@ -1,4 +1,5 @@
-"""Where sound is heard: a sound card by `aplay`, whose exit code is honest, or a folder that takes the time of playing."""
+"""Where sound is heard: a sound card by `aplay`, whose exit code is honest, or a folder that takes the time of
+playing."""
 
 import contextlib
 import os

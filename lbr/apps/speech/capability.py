@@ -1,4 +1,5 @@
-"""Speech as a capability: takes texts, has them written to sound, plays them one after the other, and says what failed."""
+"""Speech as a capability: takes texts, has them written to sound, plays them one after the other, and says what
+failed."""
 
 import shutil
 import time

@@ -1,8 +1,8 @@
 """The speech engine's own process: `python -m lbr.apps.speech.engine`, texts as JSON lines in, WAV files out.
 
 It first says whether there is an engine at all. Then each request is answered by one line. What pyttsx3 prints goes
-nowhere, and it only ever writes files: its own playback reports success without a sound card. A voice of the cloud or of
-piper that cannot be had is no failure: espeak-ng says the text, and the answer's note says why.
+nowhere, and it only ever writes files: its own playback reports success without a sound card. A voice of the cloud or
+of piper that cannot be had is no failure: espeak-ng says the text, and the answer's note says why.
 """
 
 import os

@@ -15,8 +15,8 @@ WRITTEN_AHEAD = 2
 class Job:
     """A text to be said, or saved, or a recording or song to be played; `sound` is there once there is a file.
 
-    `source` is a recording that has to be decoded first. `keep` is where a text is saved to instead of being said; `own` is what speech says of itself, which no sender waits
-    for.
+    `source` is a recording that has to be decoded first. `keep` is where a text is saved to instead of being said;
+    `own` is what speech says of itself, which no sender waits for.
     """
 
     text: str = ""

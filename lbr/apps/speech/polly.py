@@ -29,7 +29,8 @@ RETRY_S = 30.0
 
 
 class Polly:
-    """Asks the cloud for sound. Once it failed, it is not asked again for a while, so that no text waits for it in vain."""
+    """Asks the cloud for sound. Once it failed, it is not asked again for a while, so that no text waits for it in
+    vain."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock

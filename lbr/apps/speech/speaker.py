@@ -15,7 +15,8 @@ _SILENCE_HZ = 8000
 
 
 class Speaker:
-    """Plays one sound at a time. `trouble` says why nothing can be heard now, or nothing; `proven` that it was heard."""
+    """Plays one sound at a time. `trouble` says why nothing can be heard now, or nothing; `proven` that it was
+    heard."""
 
     def __init__(self, sink: Sink, scratch: Path, clock: Callable[[], float]) -> None:
         self.trouble = ""

@@ -1,4 +1,5 @@
-"""Teleop as a capability: hears the gamepad, borrows the drive while the hand on it wants that, and stops what moves."""
+"""Teleop as a capability: hears the gamepad, borrows the drive while the hand on it wants that, and stops what
+moves."""
 
 from math import inf
 
@@ -104,7 +105,8 @@ class Teleop(Capability[TeleopSettings]):
             self._lease.keep(command)
 
     def _lost(self, why: Reason) -> None:
-        """Give up: after a stop or where another drives the dead-man button must be pressed again, else the sticks centred."""
+        """Give up: after a stop or where another drives the dead-man button must be pressed again, else the sticks
+        centred."""
         self._lease, self._ended = None, why
         if why.code in FINAL:
             self._hand.let_go()

@@ -1,7 +1,7 @@
 """What a hand on a gamepad means: which twist, which buttons were pressed, and why the robot is to stand. Pure.
 
-The robot moves only while all of this is so: the dead-man button is held, and was seen released since the gamepad came; the
-sticks were seen at rest since then; the gamepad is heard. Whatever is not known, and what is no number, is rest.
+The robot moves only while all of this is so: the dead-man button is held, and was seen released since the gamepad came;
+the sticks were seen at rest since then; the gamepad is heard. Whatever is not known, and what is no number, is rest.
 """
 
 from collections.abc import Iterable

@@ -1,4 +1,5 @@
-"""What buttons say: a line at each press, and the motion that a line begins, which lasts while the dead-man button is held."""
+"""What buttons say: a line at each press, and the motion that a line begins, which lasts while the dead-man button is
+held."""
 
 from typing import Any, NamedTuple
 
@@ -42,7 +43,8 @@ class Lines:
         return self._moving[0] if self._moving is not None else ""
 
     def say(self, line: str, stands: Reason | None) -> None:
-        """Say a line, unless there is a reason why nothing may move; too many that wait for answers are nobody who means it."""
+        """Say a line, unless there is a reason why nothing may move; too many that wait for answers are nobody who
+        means it."""
         if stands is not None or len(self._said) >= MOST_WAITING:
             self._tell(line, stands or Reason("busy", "too many lines wait for their answer"))
             return

@@ -110,7 +110,8 @@ def reduction(width_px: int) -> int:
 
 
 def hsv_ranges(settings: VisionSettings) -> tuple[tuple[Hsv, Hsv], ...]:
-    """Return the colour of the settings as lowest and highest; two of them if the hue goes over red, such as 350 to 10."""
+    """Return the colour of the settings as lowest and highest; two of them if the hue goes over red, such as 350 to
+    10."""
     low, high = (degrees / 2.0 for degrees in settings.hue_deg)
     saturations = [percent * 2.55 for percent in settings.saturation_percent]
     values = [percent * 2.55 for percent in settings.value_percent]

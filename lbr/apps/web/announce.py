@@ -20,7 +20,8 @@ def own_mark(there: tuple[str, ...], port: int) -> str:
 
 
 class Announcer:
-    """Announces `name` at `port` under the addresses that `where` returns, with `properties`, and follows both as they change.
+    """Announces `name` at `port` under the addresses that `where` returns, with `properties`, and follows both as they
+    change.
 
     A mark of its own stands behind its name and behind the host's, so that no other robot's addresses pass for its own.
     `said` is under which name it is announced now, or empty; `trouble` why it is not.

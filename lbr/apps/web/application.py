@@ -121,7 +121,8 @@ class Gate:
         return request
 
     async def _client_of(self, route: Route, scope: Scope, headers: Mapping[str, str]) -> Client:
-        """Return who asks; what is for everybody is for who shows a wrong token as well, and stops are at this machine."""
+        """Return who asks; what is for everybody is for who shows a wrong token as well, and stops are at this
+        machine."""
         address = address_of(scope)
         everybody = route.role is None or (route.regardless and names.is_loopback(address))
         try:
@@ -191,7 +192,8 @@ def _also_for_all(routes: Iterable[Route]) -> Iterator[Route]:
 
 
 def no_route(scope: Scope, endpoints: Iterable[Endpoint]) -> Response:
-    """Return the page that Express shows for what it does not know; what is below `/api` is refused in the API's own form."""
+    """Return the page that Express shows for what it does not know; what is below `/api` is refused in the API's own
+    form."""
     if f"{asked_path(scope).lower()}/".startswith("/api/"):
         there = routing.methods(endpoints, asked_path(scope))
         instead = f"it takes {', '.join(there)}" if there else "GET /api and /openapi.json name what there is"

@@ -190,21 +190,22 @@ def _named(headers: Mapping[str, str]) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Route:
-    """One method of one path, such as `/motion/{key}` or `/files/{rest*}`: what it takes and returns, who may, who answers.
+    """One method of one path, such as `/motion/{key}` or `/files/{rest*}`: what it takes and returns, who may, who
+    answers.
 
     `params` are the query's; `body` is JSON. The server refuses what does not fit them, unless the route is `lenient`
     and reads them itself: then they only say in the document what is meant, and a body is passed on unread. What one
     that is `bare` refuses is told by its sentence alone, as clients of the old API know it. One that is `regardless` is
-    done whatever its body is: of one that is late, too large or wrong, `data` is None. `stops` says of a path's keys and
-    of what was said whether that is a stop: it is done although its sender has left meanwhile. `handle` returns an answer: a
-    coroutine does so in the capability's loop, within `within_s` (else 503), a plain function at once. `replies` maps
-    each status to what is then returned: a Struct, a media type, or None for no content; refusals need not be named.
-    `role` is the least that is needed, None for no role. A `page` may be opened by a link from any other page,
-    so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the document.
-    What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign in. One that
-    `signs_in` gives a cookie, so that it is looked up whose program asks.
-    With `accept`, it is first for who names that media type in `Accept`, such as a browser `text/html`; another route may
-    answer all others at the same path.
+    done whatever its body is: of one that is late, too large or wrong, `data` is None. `stops` says of a path's keys
+    and of what was said whether that is a stop: it is done although its sender has left meanwhile. `handle` returns an
+    answer: a coroutine does so in the capability's loop, within `within_s` (else 503), a plain function at once.
+    `replies` maps each status to what is then returned: a Struct, a media type, or None for no content; refusals need
+    not be named. `role` is the least that is needed, None for no role. A `page` may be opened by a link from any other
+    page, so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the
+    document. What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign
+    in. One that `signs_in` gives a cookie, so that it is looked up whose program asks. With `accept`, it is first for
+    who names that media type in `Accept`, such as a browser `text/html`; another route may answer all others at the
+    same path.
     """
 
     method: Method
@@ -245,7 +246,8 @@ class Face:
         """Do one round of work, in the capability's loop; must not block."""
 
     def knows(self) -> bool:
-        """Say whether it has heard what its clients ask for first; for some seconds the server is not called ready before."""
+        """Say whether it has heard what its clients ask for first; for some seconds the server is not called ready
+        before."""
         return True
 
     def stopped(self, reason: str) -> None:

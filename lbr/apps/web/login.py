@@ -1,4 +1,5 @@
-"""Signing in: a browser shows a token once and gets a cookie for it. A cookie looks, and stops, and does nothing else."""
+"""Signing in: a browser shows a token once and gets a cookie for it. A cookie looks, and stops, and does nothing
+else."""
 
 from collections.abc import Mapping
 from http.cookies import CookieError, SimpleCookie

@@ -39,7 +39,8 @@ class Serving:
         self._thread.start()
 
     def stop(self) -> None:
-        """End it, at most a third of a second later; what is under way then ends with the process, as do its sockets."""
+        """End it, at most a third of a second later; what is under way then ends with the process, as do its
+        sockets."""
         self._server.should_exit = True
         self._thread.join(JOIN_S)
 

@@ -56,7 +56,8 @@ class StreamSource:
         return found
 
     def pace(self, fps: float) -> None:
-        """Ask for so many pictures a second; a line that cannot be sent now is one of a connection that is about to end."""
+        """Ask for so many pictures a second; a line that cannot be sent now is one of a connection that is about to
+        end."""
         with suppress(OSError):
             self._socket.sendall(request(fps=fps))
 

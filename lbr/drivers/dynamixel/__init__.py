@@ -13,7 +13,8 @@ The bus is of use without a robot, too:
         bus.put(1, table.LED, 1)
         bus.write_all(table.GOAL_POSITION.address, {servo: (512).to_bytes(2, "little") for servo in servos})
 
-`packet` is the codec alone, `table` the control table, `lbr.drivers.servos.bus_thread` a thread that lets many share a bus. See docs/servo_bus.md.
+`packet` is the codec alone, `table` the control table, `lbr.drivers.servos.bus_thread` a thread that lets many share a
+bus. See docs/servo_bus.md.
 """
 
 from typing import Annotated, Literal

@@ -1,4 +1,5 @@
-"""The guard's program for a bus of AX-12A; run as `lbr.drivers.servos.guard_release` says, with baud and margin at the end."""
+"""The guard's program for a bus of AX-12A; run as `lbr.drivers.servos.guard_release` says, with baud and margin at the
+end."""
 
 import sys
 from collections.abc import Sequence

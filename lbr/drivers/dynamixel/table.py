@@ -92,7 +92,8 @@ it has."""
 
 
 def holding_goal(position: int, speed: int, goal: int) -> int:
-    """Return the goal that holds a servo where it is, all raw: its own while it rests near that, or it would sag again."""
+    """Return the goal that holds a servo where it is, all raw: its own while it rests near that, or it would sag
+    again."""
     return goal if signed(speed) == 0 and abs(goal - position) <= SAG else position
 
 
@@ -102,7 +103,8 @@ def position_rad(raw: int) -> float:
 
 
 def position_raw(angle_rad: float) -> int:
-    """Return the position nearest to an angle, within what the servo can reach; a ValueError for what is not a number."""
+    """Return the position nearest to an angle, within what the servo can reach; a ValueError for what is not a
+    number."""
     if not isfinite(angle_rad):
         raise ValueError(f"an angle of {angle_rad} rad is not a position")
     return max(0, min(POSITION_STEPS, CENTRE + round(_bounded(angle_rad) / RAD_PER_STEP)))

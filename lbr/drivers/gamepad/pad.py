@@ -1,4 +1,5 @@
-"""What a gamepad's events say is held on it: Linux's gamepad specification, and what pads do that keep less of it. Pure."""
+"""What a gamepad's events say is held on it: Linux's gamepad specification, and what pads do that keep less of it.
+Pure."""
 
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
@@ -77,7 +78,8 @@ class Held(NamedTuple):
 
 
 class Pad:
-    """Follows a gamepad. After events were dropped by the kernel it is `unknown` what is held, until that is told anew."""
+    """Follows a gamepad. After events were dropped by the kernel it is `unknown` what is held, until that is told
+    anew."""
 
     def __init__(self, spans: Mapping[int, Span] = STANDARD) -> None:
         self.unknown = False
@@ -110,7 +112,8 @@ class Pad:
         return found
 
     def held(self) -> Held:
-        """Return what is held; an axis that has not said a value yet is at rest. Of two that mean one, the farther counts."""
+        """Return what is held; an axis that has not said a value yet is at rest. Of two that mean one, the farther
+        counts."""
         axes: dict[Axis, float] = dict.fromkeys(self._axes.values(), 0.0)
         for code, value in self._values.items():
             axis = self._axes[code]

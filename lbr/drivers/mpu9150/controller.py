@@ -135,7 +135,8 @@ class InertialUnit:
                 raise OSError(errno.ETIMEDOUT, "reset")
 
     def _start_compass(self) -> None:
-        """Start the compass; one that does not answer is tried again later, one that is another chip is a DeviceError."""
+        """Start the compass; one that does not answer is tried again later, one that is another chip is a
+        DeviceError."""
         self._compass_errors, self._compass_runs = 0, False
         if self._compass is None:
             return

@@ -109,7 +109,8 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
     def _came(
         self, _: Any, accel: Sequence[float], gyro: Sequence[float], mag: Sequence[float], device_ms: float
     ) -> None:
-        """Hand over, on the library's thread: its lists are its own. A recorder gets it in the words of the emulated unit."""
+        """Hand over, on the library's thread: its lists are its own. A recorder gets it in the words of the emulated
+        unit."""
         self._waiting.append(Reading(tuple(accel), tuple(gyro), tuple(mag), device_ms, time.monotonic()))
         if self.ctx.device is not None and self.ctx.device.tap.wanted:
             self.ctx.device.tap.came(RECORD.pack(*accel, *gyro, *mag, device_ms))

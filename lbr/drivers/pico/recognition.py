@@ -1,4 +1,5 @@
-"""How a UPS PIco is recognised: by a source and a battery's volts that can be; its registers are read, and none is written."""
+"""How a UPS PIco is recognised: by a source and a battery's volts that can be; its registers are read, and none is
+written."""
 
 from lbr.capability.recognition import I2cHandshake, Read, Seen
 from lbr.drivers.pico import registers

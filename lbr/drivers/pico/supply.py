@@ -49,7 +49,8 @@ class Supply:
         self._relays.append(RelaySwitch(bits, self._settings.retries, answer))
 
     def exchange(self) -> UpsState | None:
-        """Do one exchange; return the state when a sweep is through. Raise DeviceError if nothing is answered any more."""
+        """Do one exchange; return the state when a sweep is through. Raise DeviceError if nothing is answered any
+        more."""
         if self._sweep.next is None:
             return self._finish()
         try:

@@ -66,7 +66,8 @@ class BusThread(Generic[Bus]):
         return not self._thread.is_alive()
 
     def turn(self, wait_s: float = 0.0) -> float | None:
-        """Do the next job that comes in this time, else the background's turn; return how long that has, None: the end."""
+        """Do the next job that comes in this time, else the background's turn; return how long that has, None: the
+        end."""
         taken = self._next(wait_s)
         if taken is not None:
             self._do(*taken)

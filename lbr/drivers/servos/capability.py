@@ -1,4 +1,5 @@
-"""A line of servos as a capability: setpoints in, coherent states out, and the last word on whether a servo has torque."""
+"""A line of servos as a capability: setpoints in, coherent states out, and the last word on whether a servo has
+torque."""
 
 import queue
 import sys
@@ -156,7 +157,8 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         self._publish(None, reason)
 
     def close(self) -> None:
-        """Have the servos hold, or let them go, as the row says; then close the line. What has torque is the guard's."""
+        """Have the servos hold, or let them go, as the row says; then close the line. What has torque is the
+        guard's."""
         session, self._session = self._session, None
         if session is not None:
             self._left_on = session.turning

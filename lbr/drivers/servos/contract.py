@@ -139,7 +139,8 @@ class ServoBus(Protocol):
         """Return all of one servo, asked once; an answer later than wire and servo explain gets `patience_s`."""
 
     def write_positions(self, goals: Mapping[int, int]) -> None:
-        """Give each servo a goal at the same time; the speed stays as it is. Servos are held by this, where they are."""
+        """Give each servo a goal at the same time; the speed stays as it is. Servos are held by this, where they
+        are."""
 
     def write_goals(self, goals: Mapping[int, tuple[int, int]]) -> None:
         """Give each servo goal and speed at the same time."""

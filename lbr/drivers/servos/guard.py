@@ -1,4 +1,5 @@
-"""The servos' guard: holds their line too, and when the driver dies or hangs holds them still, then releases them slowly."""
+"""The servos' guard: holds their line too, and when the driver dies or hangs holds them still, then releases them
+slowly."""
 
 from collections.abc import Callable, Collection
 
@@ -13,8 +14,8 @@ SPARE_S = 10.0
 class Guard(guard.Guard):
     """Kills a driver that is silent for too long while a servo has torque; see `guard_release` for what it does then.
 
-    `program` is the module whose `main` calls `guard_release.run`, and `words` are what it is told beside all that every
-    such program is told. `settling_s` is how much longer than holding and fading it may take.
+    `program` is the module whose `main` calls `guard_release.run`, and `words` are what it is told beside all that
+    every such program is told. `settling_s` is how much longer than holding and fading it may take.
     """
 
     def __init__(

@@ -1,4 +1,5 @@
-"""Servos whose torque, goal and limits can be read back: what was told is made sure of, and told again until it is so."""
+"""Servos whose torque, goal and limits can be read back: what was told is made sure of, and told again until it is
+so."""
 
 from abc import abstractmethod
 from collections.abc import Callable
@@ -34,7 +35,8 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         self._asked_at = -inf
 
     def guard(self, program: str, line: int, *words: object) -> Guard:
-        """Start the guard of a line by its descriptor: `program` is the module that calls `guard_release.run`, told `words`."""
+        """Start the guard of a line by its descriptor: `program` is the module that calls `guard_release.run`, told
+        `words`."""
         return Guard(program, line, self.ctx.settings, tuple(self._joints), self.ctx.clock, words=words)
 
     @abstractmethod

@@ -202,7 +202,8 @@ class ServoTargets(Generic[B]):
         self._sending, self._sent_at = None, -inf
 
     def _freeze(self, outs: list[TargetState], snapshot: Snapshot) -> None:
-        """Have servos hold where they are; one that was not measured just now keeps the goal it has heard until it is."""
+        """Have servos hold where they are; one that was not measured just now keeps the goal it has heard until it
+        is."""
         if outs:
             self._forget_goals()
         goals = {}

@@ -101,7 +101,8 @@ def to_ranges(frame: Frame, settings: UltrasonicSettings) -> Ranges:
 
 
 def ages_s(frame: Frame) -> dict[str, float]:
-    """Return how long ago each sensor measured: they take turns, each for as long as its echo takes, and are told at the end."""
+    """Return how long ago each sensor measured: they take turns, each for as long as its echo takes, and are told at
+    the end."""
     turns = {name: getattr(frame, name) for name in TURNS} | frame.others
     found, age_s = {}, LINE_S
     for name, cm in reversed(turns.items()):

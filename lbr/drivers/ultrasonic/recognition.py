@@ -1,4 +1,5 @@
-"""How a board of range sensors is recognised: by a line of its distances; the Arduino is asked to begin, and to stop again."""
+"""How a board of range sensors is recognised: by a line of its distances; the Arduino is asked to begin, and to stop
+again."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.ultrasonic import Board
@@ -8,7 +9,8 @@ LONGEST_CYCLE_S = 10.0
 
 
 def seen(heard: bytes) -> Seen | None:
-    """Return the board whose distances these are; which it is, the time of a cycle says, which each counts in its own ticks."""
+    """Return the board whose distances these are; which it is, the time of a cycle says, which each counts in its own
+    ticks."""
     for frame in LineParser().feed(heard):
         if isinstance(frame, Frame):
             board: Board = "arduino" if frame.deltat < LONGEST_CYCLE_S * TICKS_PER_S["arduino"] else "parallax"

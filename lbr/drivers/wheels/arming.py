@@ -45,7 +45,8 @@ class Inhibit:
 
 @dataclass(frozen=True, slots=True)
 class Arming(SetpointGate[Setpoint]):
-    """The state of `count` motors. Only a zero born after `since` arms; `trips` counts the motions that a mishap ended."""
+    """The state of `count` motors. Only a zero born after `since` arms; `trips` counts the motions that a mishap
+    ended."""
 
     count: int = 2
     reason: str = START

@@ -26,7 +26,8 @@ REPORT_PERIOD_S = 5.0
 FEW = 8
 """How many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
 ARMS_S = 0.3
-"""How long who switches the motors on waits for them to be armed: a fault or the emergency stop may stand against it."""
+"""How long who switches the motors on waits for them to be armed: a fault or the emergency stop may stand against
+it."""
 GUARD_STARTS = "its guard process is starting"
 UNASKED = (
     "the controller's emergency stop is engaged, but not by this robot: "
@@ -191,7 +192,8 @@ class Wheels(Capability[S], ABC):
         self._tell_trip(before)
 
     def _setpoint(self, received: Received) -> Setpoint:
-        """Return the power of each motor; one that the message does not name gets NaN, unless all are to stand still."""
+        """Return the power of each motor; one that the message does not name gets NaN, unless all are to stand
+        still."""
         message = received.message
         told = message.motors or {"left": message.left, "right": message.right}
         if not message.motors and message.left == message.right == 0.0:
@@ -228,8 +230,8 @@ class Wheels(Capability[S], ABC):
         return Inhibit(_said(grave), fault=True) if grave else None
 
     def _held_up(self, controller: WheelController, now: float) -> Inhibit | None:
-        """After a pause longer than a setpoint lives, of its own or of the controller's, the next one begins with zero: it
-        may be far up its ramp."""
+        """After a pause longer than a setpoint lives, of its own or of the controller's, the next one begins with zero:
+        it may be far up its ramp."""
         valid_s = self.ctx.settings.setpoint_valid_s
         if self._stepped is not None and not now - self._stepped < valid_s:
             return Inhibit(f"the driver was held up for {now - self._stepped:.2f} s", fault=True)
@@ -340,7 +342,8 @@ class Wheels(Capability[S], ABC):
         return {"left": left, "right": right, "motors": motors, **measured}
 
     def _sides(self, applied: dict[str, float]) -> tuple[float, float]:
-        """Return what the powers are for the two sides of the base, by its rows; zero where they tell of other motors."""
+        """Return what the powers are for the two sides of the base, by its rows; zero where they tell of other
+        motors."""
         base = self._base
         if not applied.keys() >= set(base.motors):
             return 0.0, 0.0

@@ -61,8 +61,9 @@ class WheelController(Protocol):
     def close(self) -> bool:
         """Write zero and close the line; return whether it was acknowledged, or nothing is there to be stopped.
 
-        It may not raise, also where the line is gone, and not leave the line open. It may not return true for a zero that
-        was only written: its guard is dismissed then, and nobody stops the motors. It may not end an emergency stop.
+        It may not raise, also where the line is gone, and not leave the line open. It may not return true for a zero
+        that was only written: its guard is dismissed then, and nobody stops the motors. It may not end an emergency
+        stop.
         """
 
     def fileno(self) -> int:
@@ -79,7 +80,8 @@ class WheelController(Protocol):
         """Write zero as soon as the line is free; return whether it was acknowledged."""
 
     def emergency_stop(self) -> bool:
-        """Cut the power, by a latch of its own where it has one, and write zero; return whether that was acknowledged."""
+        """Cut the power, by a latch of its own where it has one, and write zero; return whether that was
+        acknowledged."""
 
     def release(self) -> bool:
         """Write zero, then end its emergency stop; return whether both were acknowledged."""

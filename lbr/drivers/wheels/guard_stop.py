@@ -1,4 +1,5 @@
-"""The guard's program: waits until the driver dies or falls silent while a motor turns, then writes the stop. Imports little.
+"""The guard's program: waits until the driver dies or falls silent while a motor turns, then writes the stop. Imports
+little.
 
 Run by path, without what is installed: `guard_stop.py LINE_FD PIPE_FD DRIVER_PIDFD SILENCE_MS STOP_HEX
 ACKNOWLEDGED_HEX [WORDS_FD WORDS_HEX]`; `-` for an acknowledgement: the controller gives none.

@@ -1,4 +1,5 @@
-"""What is odd in rows that run all the same: inputs that nothing feeds, settings that a kind doubts, code of one's own."""
+"""What is odd in rows that run all the same: inputs that nothing feeds, settings that a kind doubts, code of one's
+own."""
 
 from collections.abc import Iterator
 from pathlib import Path

@@ -16,7 +16,8 @@ from lbr.robot.registry import Found
 
 
 def judge(rows: RobotRows) -> Iterator[str]:
-    """Yield what a start would find wrong with rows, on any machine; what is not installed here is no fault of theirs."""
+    """Yield what a start would find wrong with rows, on any machine; what is not installed here is no fault of
+    theirs."""
     site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
     _, problems = planner.make(rows, Profile(robot=rows.robot.name, only=()), site)
     yield from map(str, problems)
@@ -33,8 +34,8 @@ def add(database: Database, robot: str) -> dict[str, int]:
 
 
 def fault(found: Found) -> str:
-    """Return why a start would refuse the robot of a package, by what it declares, its rows or its launch profiles; empty
-    if it would not."""
+    """Return why a start would refuse the robot of a package, by what it declares, its rows or its launch profiles;
+    empty if it would not."""
     if found.robot is None or found.robot.rows is None:
         return found.fault
     problems: tuple[str, ...] = ()

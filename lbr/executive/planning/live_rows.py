@@ -1,4 +1,5 @@
-"""The rows in force: the plan that runs, and how it becomes another by edits, and by what the robot learns of itself."""
+"""The rows in force: the plan that runs, and how it becomes another by edits, and by what the robot learns of
+itself."""
 
 import contextlib
 import time
@@ -34,7 +35,8 @@ class LiveRows:
     """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force, `code` which sort of why.
 
     While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a
-    process go on with what it learnt, `plug(name, devices)` with more emulated devices, `follow(name, rows)` with other rows.
+    process go on with what it learnt, `plug(name, devices)` with more emulated devices, `follow(name, rows)` with other
+    rows.
     """
 
     def __init__(
@@ -66,7 +68,8 @@ class LiveRows:
         self.vocabulary = vocabulary(self.plan.rows, self.plan.kinds)
 
     def look(self) -> None:
-        """Adopt what was edited, or say why not; not while an edit is being written on request. Judge what is on trial."""
+        """Adopt what was edited, or say why not; not while an edit is being written on request. Judge what is on
+        trial."""
         self._look()
         on = self._trials.on
         self._trials.look(self.plan.robot, self.plan.rows.revision, self.problems)
@@ -133,11 +136,13 @@ class LiveRows:
         return tuple(found)
 
     def edited(self, name: str, edit: Edit) -> None:
-        """Take note of an edit that was written for a capability, which goes on with it, and is not restarted for it."""
+        """Take note of an edit that was written for a capability, which goes on with it, and is not restarted for
+        it."""
         self.knows(name, edit.rows)
 
     def knows(self, name: str, rows: Collection[Row]) -> None:
-        """Take note that a capability has rows already that are written, and is not restarted for them; unless it is gone."""
+        """Take note that a capability has rows already that are written, and is not restarted for them; unless it is
+        gone."""
         if name in self.plan.units:
             self._keep(plans.learnt(self.plan, name, by_table(rows)), name)
 
@@ -146,7 +151,8 @@ class LiveRows:
         self._watch.look_again()
 
     def _known(self, name: str) -> dict[RowKey, Any]:
-        """Return the rows that a capability has, by table and key; what its profile has in their place is none of them."""
+        """Return the rows that a capability has, by table and key; what its profile has in their place is none of
+        them."""
         measured = {one.device for one in self.plan.rows.of(CalibrationValue)}
         return {
             (table, tuple(row[column] for column in one.key)): row
@@ -185,7 +191,8 @@ class LiveRows:
 
 
 def _whole(row: type[Row], told: Raw, known: Mapping[RowKey, Any]) -> Iterator[Row]:
-    """Yield what was learnt as whole rows: of a row that is known only what changes is told; one that is gone stays so."""
+    """Yield what was learnt as whole rows: of a row that is known only what changes is told; one that is gone stays
+    so."""
     for one in msgspec.json.decode(told, type=list[dict[str, Any]]):
         before = known.get((row.TABLE, tuple(one.get(column) for column in row.KEY)), {})
         if before or one.keys() >= set(row.__struct_fields__):

@@ -15,9 +15,11 @@ from lbr.executive.planning.profile import Profile
 
 MOST_CAPABILITIES = 100
 """Four times the largest robot there is. On two busy cores, 88 with little to do were ready after 20 s, and while they
-started each of 517 stops was answered within 0.42 s. Ninety that hear every stream are more than the bus carries there."""
+started each of 517 stops was answered within 0.42 s. Ninety that hear every stream are more than the bus carries
+there."""
 FILES_EACH, FILES_BESIDE = 12, 100
-"""The most that the executive holds open for a capability: its pipes, its links, its share of routers; and for itself."""
+"""The most that the executive holds open for a capability: its pipes, its links, its share of routers; and for
+itself."""
 FILES_WANTED = 2048
 """For a full robot, and for all who look at it besides."""
 MEMORY_EACH_MB = 16
@@ -27,7 +29,8 @@ STARTING_PER_CORE = 3
 
 
 class Machine(Struct, frozen=True):
-    """At most `most` capabilities, for the reason `bound`; `lacks(kind)` says what a kind needs that is not installed."""
+    """At most `most` capabilities, for the reason `bound`; `lacks(kind)` says what a kind needs that is not
+    installed."""
 
     most: int = MOST_CAPABILITIES
     bound: str = f"one machine runs at most {MOST_CAPABILITIES}"

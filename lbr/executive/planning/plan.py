@@ -29,7 +29,8 @@ class Plan(Struct, frozen=True, kw_only=True):
         return {name: unit for name, unit in self.units.items() if not unit.config.host}
 
     def log(self, name: str) -> str:
-        """Return the log of a capability, an external command or the executive; empty if there is nothing of that name."""
+        """Return the log of a capability, an external command or the executive; empty if there is nothing of that
+        name."""
         if name in self.units:
             return self.units[name].log
         if name in self.kinds or name == EXECUTIVE:
@@ -82,7 +83,8 @@ def difference(old: Plan, new: Plan) -> Change:
 
 
 def changed_rows(old: ProcessSpec, new: ProcessSpec) -> RowsChanged | None:
-    """Return what is another in the rows that a unit reads; None if anything else of it is changed, or it runs elsewhere."""
+    """Return what is another in the rows that a unit reads; None if anything else of it is changed, or it runs
+    elsewhere."""
     same = replace(new, config=replace(new.config, rows=old.config.rows)) == old
     return row_sets.changed(old.config.rows, new.config.rows) if same and not new.config.host else None
 

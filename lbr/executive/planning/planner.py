@@ -116,7 +116,8 @@ def _find(find: Find, home: Path, kind: str) -> Kind | Exception:
 def _understand(
     row: CapabilityRow, label: str, known: Callable[[str], Kind | Exception], bad: AbstractSet[str]
 ) -> tuple[Kind | None, Any, list[Problem]]:
-    """Return a capability's kind and settings, as far as its columns are not bad already, and what is wrong with them."""
+    """Return a capability's kind and settings, as far as its columns are not bad already, and what is wrong with
+    them."""
     if row.name == EXECUTIVE and "name" not in bad:
         text = "'executive' is the runtime itself; choose another"
         return None, None, [Problem("capability", label, "name", text)]

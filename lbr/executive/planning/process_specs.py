@@ -195,7 +195,8 @@ def _put(units: Iterable[ProcessSpec]) -> Iterator[tuple[ProcessSpec, str]]:
 
 
 def _read(read: Read, settings: Any, rows: RobotRows, site: RunIdentity, profile: Profile) -> RowSet:
-    """Return the rows of a table that a kind reads; users come with the secrets that their tokens must fit, rights without."""
+    """Return the rows of a table that a kind reads; users come with the secrets that their tokens must fit, rights
+    without."""
     if read.row is LanUser:
         return row_set(read.row, _users(rows, site, "web"))
     if read.row is TokenRight:
@@ -292,5 +293,6 @@ def _requests(
 
 
 def _of_executive(robot: str) -> dict[str, str]:
-    """Return the key of each command that the executive takes from capabilities; of lines those that anyone here may say."""
+    """Return the key of each command that the executive takes from capabilities; of lines those that anyone here may
+    say."""
     return {"edit": keys.edit(robot), "estop_reset": keys.estop_reset(robot), "line": keys.console(robot)}

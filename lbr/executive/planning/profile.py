@@ -1,4 +1,5 @@
-"""Launch profiles: which robot of the database runs, where its parts do, whether it is simulated, and on what devices."""
+"""Launch profiles: which robot of the database runs, where its parts do, whether it is simulated, and on what
+devices."""
 
 import os
 from collections.abc import Iterator

@@ -112,8 +112,8 @@ def _to_record(robot: str) -> Rights:
 def _of_lan(plan: Plan, unit: ProcessSpec) -> Rights:
     """Return what may come in from other machines without passing the relay: looking, and stopping.
 
-    So may what processes say that run there, but for what they ask of others: that is relayed. What may be heard is named
-    key by key: all else that a client declares to hear ends at the door, and holds up no other router.
+    So may what processes say that run there, but for what they ask of others: that is relayed. What may be heard is
+    named key by key: all else that a client declares to hear ends at the door, and holds up no other router.
     """
     assert unit.lan is not None
     robot, lan = plan.robot, unit.lan

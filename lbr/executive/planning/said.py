@@ -1,4 +1,5 @@
-"""Lines that rows have capabilities say, such as a gamepad's buttons: each is one that the robot understands, for its role."""
+"""Lines that rows have capabilities say, such as a gamepad's buttons: each is one that the robot understands, for its
+role."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

@@ -1,7 +1,7 @@
 """Who may share a process with whom. Pure.
 
-Those of one process have the same rights on the bus, and end together when one fails. So what is near a motor shares with
-such alone, and so does what may do anything in people's names, or records everything.
+Those of one process have the same rights on the bus, and end together when one fails. So what is near a motor shares
+with such alone, and so does what may do anything in people's names, or records everything.
 """
 
 from collections import Counter

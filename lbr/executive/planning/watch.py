@@ -152,7 +152,8 @@ def loaded(database: Database, robots: Iterable[str]) -> dict[str, RobotRows]:
 
 
 def edited(rows: Iterable[RevisionRow], robot: str) -> list[str]:
-    """Say what was edited; several rows of a table that differ in the last part of their keys only are told as one edit."""
+    """Say what was edited; several rows of a table that differ in the last part of their keys only are told as one
+    edit."""
     groups: dict[tuple[str, ...], list[RevisionRow]] = {}
     for row in rows:
         groups.setdefault((row.table, *_own_key(row, robot)[:-1]), []).append(row)

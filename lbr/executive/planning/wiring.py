@@ -100,7 +100,8 @@ def _check_channel(
 
 
 def by_themselves(names: Iterable[str], rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[ChannelRow]:
-    """Yield the channels of ports that kinds wire by themselves, between those that run; a row for the port goes before."""
+    """Yield the channels of ports that kinds wire by themselves, between those that run; a row for the port goes
+    before."""
     names = tuple(names)
     given = {end for row in rows.channels for end in (row.source_end, row.target_end)}
     for name in names:
@@ -166,7 +167,8 @@ def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[st
 def _check_verb(
     row: VerbRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], bad: AbstractSet[str]
 ) -> list[Problem]:
-    """Return what is wrong with its target, and what pattern and payload have against that, if they are not bad already."""
+    """Return what is wrong with its target, and what pattern and payload have against that, if they are not bad
+    already."""
     owner, command = row.target_end
     if "target" in bad or owner not in {EXECUTIVE, *kinds}:
         return []

@@ -13,7 +13,8 @@ from lbr.bus.links import Links
 from lbr.bus.session import Session
 
 LOOK_AFTER_S = 0.3
-"""Routers tell one another what has changed 0.1 s later; beside five loaded robots on two cores it took 0.5 s at most."""
+"""Routers tell one another what has changed 0.1 s later; beside five loaded robots on two cores it took 0.5 s at
+most."""
 ASKED_S = 0.5
 BROKEN_AFTER = 4
 
@@ -45,7 +46,8 @@ class Crossing:
         return self._due
 
     def broken(self) -> bool:
-        """Ask once, for at most ASKED_S; say whether so many questions had no answer that nothing will pass any more."""
+        """Ask once, for at most ASKED_S; say whether so many questions had no answer that nothing will pass any
+        more."""
         if wire.ask(self._near, self._key, None, source="executive", timeout_s=ASKED_S):
             self._unanswered, self._due = 0, None
         else:

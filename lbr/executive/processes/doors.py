@@ -4,8 +4,8 @@
     anybody at the socket ─────► local door ─┘
 
 What a router allows is fixed when it opens, and to reopen the core would cut off everything that moves. So the
-processes that an edit has given other rights get an annex: a router that knows their rights, hung on the core until none of
-them runs any more. `lbr/executive/planning/rights.py` says who may do what.
+processes that an edit has given other rights get an annex: a router that knows their rights, hung on the core until
+none of them runs any more. `lbr/executive/planning/rights.py` says who may do what.
 
 A thread of its own opens and closes annexes, because the bus library may take its time: nothing waits for it but the
 processes that are to come in there. When a link between two routers has broken, it tries whether they still know each
@@ -80,7 +80,8 @@ class OpenRouter:
         return Crossing(self._session, far, robot, wake)
 
     def close(self) -> None:
-        """Close it, and remove its socket; its answer goes first, or the far end of a link looks at times for what is gone."""
+        """Close it, and remove its socket; its answer goes first, or the far end of a link looks at times for what is
+        gone."""
         self._answer.close()
         self._session.close()
         with contextlib.suppress(OSError):
@@ -320,7 +321,8 @@ class Doors:
                 self._annexes.append(Annex(place, known, hung))
         self._wake()
 
-    # -- routers --------------------------------------------------------------------------------------------------------
+    # -- routers
+    # --------------------------------------------------------------------------------------------------------
 
     def _router(
         self,

@@ -62,7 +62,8 @@ class ExternalCommands:
         self._asked_at: dict[int, float] = {}
 
     def start(self, row: ExternalCommandRow, arguments: tuple[str, ...], origin: Origin, said_s: float) -> Command:
-        """Start it for a line of an `origin`, said then; raise InputError if it runs already, LbrError if it cannot be started."""
+        """Start it for a line of an `origin`, said then; raise InputError if it runs already, LbrError if it cannot be
+        started."""
         known = self._running.get(row.name)
         if known is not None and not known.over:
             raise InputError(f"'{row.name}' runs already (pid {known.pid}); 'stop {row.name}' ends it")
@@ -138,7 +139,8 @@ class ExternalCommands:
         return f"'{name}' has ended"
 
     def prune(self, names: set[str]) -> None:
-        """Ask commands whose rows are gone to end, once, and end them by force after two seconds. Forget what has ended."""
+        """Ask commands whose rows are gone to end, once, and end them by force after two seconds. Forget what has
+        ended."""
         now = time.monotonic()
         for name, command in list(self._running.items()):
             if command.over:

@@ -63,7 +63,8 @@ class Forked:
 
 
 class ForkServer:
-    """Begins at once, and is replaced some time after it has died or did not answer. What it says is in `NAME-forks.log`."""
+    """Begins at once, and is replaced some time after it has died or did not answer. What it says is in
+    `NAME-forks.log`."""
 
     def __init__(self, reaper: Reaper, name: str) -> None:
         self._reaper = reaper

@@ -1,4 +1,5 @@
-"""Logs that processes append to: bounded while they are written, with the end of what was cut kept in one older file."""
+"""Logs that processes append to: bounded while they are written, with the end of what was cut kept in one older
+file."""
 
 import contextlib
 import os
@@ -26,7 +27,8 @@ def open_log(path: Path) -> IO[bytes]:
 
 
 def add(directory: Path, events: Iterable[Event], log_of: Callable[[str], str]) -> None:
-    """Add what happened to each part to its log, among its standard error; a log that cannot be written goes without."""
+    """Add what happened to each part to its log, among its standard error; a log that cannot be written goes
+    without."""
     lines = defaultdict(list)
     for one in events:
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(one.wall_ns / 1e9))

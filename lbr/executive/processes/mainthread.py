@@ -27,7 +27,8 @@ class MainThread:
         os.set_blocking(self.wake_fd, False)
 
     def call(self, do: Callable[[], T]) -> T:
-        """Run `do` there and return its result; raise what it raises. What is not begun in time is never done: LbrError."""
+        """Run `do` there and return its result; raise what it raises. What is not begun in time is never done:
+        LbrError."""
         if threading.get_ident() == self._ident:
             return do()
         future: Future[T] = Future()

@@ -44,10 +44,12 @@ class Started(Protocol):
 
 
 class ManagedProcess:
-    """`reason` is about now, with its `code`; `final_report` is what was said of an end to come; `last_end` how it last ended unasked.
+    """`reason` is about now, with its `code`; `final_report` is what was said of an end to come; `last_end` how it last
+    ended unasked.
 
-    `suspect` is the first look at its threads in a silence, `newest` the last, `look_at` when to look again, and `usual` the last look at
-    how much it waits.  `told` is the phase and the reason that people know; `tell_at` is when they are told of a start that does not settle.
+    `suspect` is the first look at its threads in a silence, `newest` the last, `look_at` when to look again, and
+    `usual` the last look at how much it waits.  `told` is the phase and the reason that people know; `tell_at` is when
+    they are told of a start that does not settle.
     """
 
     def __init__(self, unit: ProcessSpec) -> None:

@@ -39,7 +39,8 @@ class _Asked(NamedTuple):
 
 
 class Plugging:
-    """Asks processes, and looks what became of it. `process(name)` is what runs of a capability, `restart(name, why)` begins it again."""
+    """Asks processes, and looks what became of it. `process(name)` is what runs of a capability, `restart(name, why)`
+    begins it again."""
 
     def __init__(
         self,

@@ -1,4 +1,5 @@
-"""What "ready" means: every capability is ready, or it is said in the same breath why not, and none has failed. Pure."""
+"""What "ready" means: every capability is ready, or it is said in the same breath why not, and none has failed.
+Pure."""
 
 from collections.abc import Iterable
 
@@ -11,7 +12,8 @@ LONGEST_TEXT = 2000
 
 
 class Readiness(Struct, frozen=True):
-    """Who keeps the robot from being ready (`failed`), and who only has less than its all (`degraded`), with reasons."""
+    """Who keeps the robot from being ready (`failed`), and who only has less than its all (`degraded`), with
+    reasons."""
 
     failed: dict[str, str] = {}
     degraded: dict[str, str] = {}

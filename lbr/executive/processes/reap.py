@@ -42,7 +42,8 @@ ELSEWHERE = "Dt"
 
 
 class Process(NamedTuple):
-    """A process on this machine; `started` tells it from a later one of the same number, `number` is -1 without a mark."""
+    """A process on this machine; `started` tells it from a later one of the same number, `number` is -1 without a
+    mark."""
 
     pid: int
     started: str

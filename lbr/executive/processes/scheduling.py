@@ -15,7 +15,8 @@ from lbr.executive.planning.process_specs import ProcessSpec
 MOTION = -10
 USUAL = 0
 BACKGROUND = 10
-"""At 15 a machine that is quite full gives so little that what is asked of the black box is not answered within seconds."""
+"""At 15 a machine that is quite full gives so little that what is asked of the black box is not answered within
+seconds."""
 
 
 def niceness(unit: ProcessSpec) -> int:

@@ -27,7 +27,8 @@ from lbr.executive.processes.reaper import Mark
 
 LAST_REPORTS = frozenset({"failed", "hung"})
 SLOW_S = 5.0
-"""A capability that is asked to end gets longer where others would end with it: a start, or a device, may take its time."""
+"""A capability that is asked to end gets longer where others would end with it: a start, or a device, may take its
+time."""
 
 
 class SharedProcesses:
@@ -45,7 +46,8 @@ class SharedProcesses:
         mark: Callable[[], Mark],
         forks: ForkServer | None = None,
     ) -> "Member":
-        """Start a capability in its process, which begins if it is not there, or could not open the capability's device.
+        """Start a capability in its process, which begins if it is not there, or could not open the capability's
+        device.
 
         In that case the others stay in the one of before, which has given up the right to.
         """

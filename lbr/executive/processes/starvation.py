@@ -64,8 +64,8 @@ def verdict(
 
     Nothing excuses what went before the first look, but it counts no longer than a look should have taken to come. Who
     ran for longer than `may_run_s` hangs. `stretch` is for how many times the patience threads beside the main one
-    excuse it; running itself excuses it for `work_s`. With patience left `fine`, also where it is only because the first
-    look came late.
+    excuse it; running itself excuses it for `work_s`. With patience left `fine`, also where it is only because the
+    first look came late.
     """
     if not silent_s > patience_s:
         return "fine"

@@ -95,7 +95,8 @@ class AgentSession:
         self._over = ""
 
     def run(self, stopping: Callable[[], bool]) -> str:
-        """Return why contact ended, with every process of the share ended; raise RefusedError if there never was any."""
+        """Return why contact ended, with every process of the share ended; raise RefusedError if there never was
+        any."""
         try:
             while not (self._over or stopping()):
                 now = time.monotonic()

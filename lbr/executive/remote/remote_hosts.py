@@ -1,4 +1,5 @@
-"""The other machines that a robot's processes run on, as the executive sees them: who is there, and how its share is."""
+"""The other machines that a robot's processes run on, as the executive sees them: who is there, and how its share
+is."""
 
 from collections.abc import Callable, Iterable, Mapping
 from math import inf
@@ -36,9 +37,9 @@ class Host:
 class RemoteHosts:
     """Answers agents, at the key that `served` has for each host, from one thread.
 
-    `happened(kind, subject, text, level, code)` hears what people should know, `learnt(name, rows)` what is to be written down, and
-    `begun(name)` that a process there is a new one. `ways()` are the endpoints that other machines come in at, and
-    `present(name)` says who is on the bus.
+    `happened(kind, subject, text, level, code)` hears what people should know, `learnt(name, rows)` what is to be
+    written down, and `begun(name)` that a process there is a new one. `ways()` are the endpoints that other machines
+    come in at, and `present(name)` says who is on the bus.
     """
 
     def __init__(

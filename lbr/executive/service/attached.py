@@ -1,4 +1,5 @@
-"""What is plugged in, for pages: asked by `lbr devices` in a process of its own, so that no device holds the executive up."""
+"""What is plugged in, for pages: asked by `lbr devices` in a process of its own, so that no device holds the executive
+up."""
 
 import subprocess
 import sys

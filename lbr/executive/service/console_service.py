@@ -19,7 +19,8 @@ MAX_LINE_BYTES = 1 << 16
 MOST_UNDER_WAY = 64
 STOPPERS = 16
 MOST_STOPPERS = 256
-"""Stops that wait for something that does not answer, each 2 s at most: as many as come in that time from all who may."""
+"""Stops that wait for something that does not answer, each 2 s at most: as many as come in that time from all who
+may."""
 MOST_RESETS = 4
 
 
@@ -27,8 +28,8 @@ class Stops:
     """Answers stops, several at once. Those that the same source says in the same words, and that were not begun to
     answer, are one: it is done after the last of them came, and answers all.
 
-    Its threads are there from the beginning, so that a machine that has no more to give does not cost the stop. Where all
-    of them wait, more are begun for as long as there is something to do.
+    Its threads are there from the beginning, so that a machine that has no more to give does not cost the stop. Where
+    all of them wait, more are begun for as long as there is something to do.
     """
 
     def __init__(self, answer: Callable[[wire.Request, str | bytes, Role], ConsoleResult]) -> None:

@@ -1,4 +1,5 @@
-"""What people ask from pages of rows, tokens and logs: read and written beside the main loop, one after the other, and answered.
+"""What people ask from pages of rows, tokens and logs: read and written beside the main loop, one after the other, and
+answered.
 
 Only a server for people may ask here; it looks at the role of who asks before it does.
 """

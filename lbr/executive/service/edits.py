@@ -1,4 +1,5 @@
-"""Edits of rows that capabilities ask for: written beside the main loop, as a client of SQLite's would, and answered."""
+"""Edits of rows that capabilities ask for: written beside the main loop, as a client of SQLite's would, and
+answered."""
 
 import time
 from collections import deque

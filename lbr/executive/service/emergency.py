@@ -102,7 +102,8 @@ class Emergency:
         )
 
     def press(self, reason: str, source: str) -> EstopState:
-        """Latch, and wait until every mover's device has acknowledged, at most as long as their rows say; from any thread.
+        """Latch, and wait until every mover's device has acknowledged, at most as long as their rows say; from any
+        thread.
 
         Movers do not wait for the disk, but the one who pressed does, unless it fails.
         """
@@ -124,8 +125,9 @@ class Emergency:
     def release(self, source: str, written_s: float) -> Reason | None:
         """Release every mover, then the latch; return why not, or nothing. From any thread but the executive's own.
 
-        What was written before another than `source` pressed it releases nothing. A press that comes meanwhile wins: what
-        was released already is latched again. Waits for the disk, unless that fails or takes half a second. A stop is never so short that a stream of commands has not met it.
+        What was written before another than `source` pressed it releases nothing. A press that comes meanwhile wins:
+        what was released already is latched again. Waits for the disk, unless that fails or takes half a second. A stop
+        is never so short that a stream of commands has not met it.
         """
         with self._changed:
             presses, (at, who) = self._count, self._halts.by_others(source)
@@ -166,7 +168,8 @@ class Emergency:
             self._begun[name] = time.monotonic()
 
     def _deadline(self, name: str) -> float:
-        """Return until when a mover's device has time to acknowledge: as long as it says since it was latched, or began."""
+        """Return until when a mover's device has time to acknowledge: as long as it says since it was latched, or
+        began."""
         within_s = self._within_s.get(name, ACKNOWLEDGE_LIMIT_S)
         return max(self._latched_at, self._begun.get(name, -inf)) + within_s
 

@@ -1,4 +1,5 @@
-"""One short look at a robot that runs: its rows, its status, the newest of what its parts say, and what happened lately."""
+"""One short look at a robot that runs: its rows, its status, the newest of what its parts say, and what happened
+lately."""
 
 import time
 

@@ -37,7 +37,8 @@ def start(
 
 
 def leave() -> threading.Thread | None:
-    """Begin to close the console, if there is one; return the thread that waits until it has ended, if there can be one."""
+    """Begin to close the console, if there is one; return the thread that waits until it has ended, if there can be
+    one."""
     local = sys.modules.get("lbr.console.local")
     if local is None:
         return None

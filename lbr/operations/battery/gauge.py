@@ -15,7 +15,8 @@ LEAST_V, MOST_V = 1.0, 100.0
 
 
 class Gauge:
-    """One battery. Voltages come as they come; those that are not finite are passed over, and old ones count no more."""
+    """One battery. Voltages come as they come; those that are not finite are passed over, and old ones count no
+    more."""
 
     def __init__(self, settings: BatterySettings) -> None:
         self._settings = settings
@@ -114,7 +115,8 @@ class Smooth:
 
 
 class _Charger:
-    """Tells whether the battery is on a charger. Off it, a battery keeps its voltage for a while but never raises it."""
+    """Tells whether the battery is on a charger. Off it, a battery keeps its voltage for a while but never raises
+    it."""
 
     def __init__(self, settings: BatterySettings) -> None:
         self.charging = False

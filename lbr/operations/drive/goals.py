@@ -1,4 +1,5 @@
-"""Bounded moves: until a sensor has come to a distance, a way is driven or a time is over; whichever is first. Turns."""
+"""Bounded moves: until a sensor has come to a distance, a way is driven or a time is over; whichever is first.
+Turns."""
 
 from collections.abc import Mapping
 from math import inf, isfinite, isnan, nan

@@ -73,7 +73,8 @@ def first_state(
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
-    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event counts."""
+    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event
+    counts."""
     state, ended = end_what_is_over(state, now) if now >= state.clock else _lose_time(state, now)
     state, said = _handle(replace(state, clock=now), event, now)
     return state, ended + said

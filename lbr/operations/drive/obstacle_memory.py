@@ -309,7 +309,8 @@ def _passed(spot: Spot, row: RangeSensor, scan: Scan, metres: Sequence[float]) -
 
 
 def _past(spot: Spot, row: RangeSensor, along_m: float, across_m: float, clear_m: float) -> bool:
-    """Say whether a sensor sees past a spot: by its cone, and past all that it saw from here if it sees that no more."""
+    """Say whether a sensor sees past a spot: by its cone, and past all that it saw from here if it sees that no
+    more."""
     if spot.scanner is not None:
         return False
     if spot.by == row.name:

@@ -1,4 +1,5 @@
-"""Coming to rest at a range: how far it is by the readings and by the way since, how fast, and whether the base stands there."""
+"""Coming to rest at a range: how far it is by the readings and by the way since, how fast, and whether the base stands
+there."""
 
 from itertools import pairwise
 from math import hypot, isnan, nan, sqrt
@@ -35,9 +36,9 @@ Mark = tuple[float, float]
 class RangeGoal(Struct, frozen=True, kw_only=True):
     """A way to a range: `whole_m` from its beginning, with the standard deviation `error_m`.
 
-    `marks` say how far it has gone, the last one by the odometry's `counted_m` of its `epoch`; `since_m` is the way since
-    then by the setpoint. `sense` is 1 ahead and -1 back. `halts`: the base brakes to its rest there, or stands, with
-    `rested` readings since.
+    `marks` say how far it has gone, the last one by the odometry's `counted_m` of its `epoch`; `since_m` is the way
+    since then by the setpoint. `sense` is 1 ahead and -1 back. `halts`: the base brakes to its rest there, or stands,
+    with `rested` readings since.
     """
 
     whole_m: float
@@ -70,7 +71,8 @@ def read(way: RangeGoal, left_m: float, measured_s: float, ahead_mps: float, *, 
 def driven(
     way: RangeGoal, odometry: OdometryView, ahead_mps: float, elapsed_s: float, now: float, settings: DriveSettings
 ) -> RangeGoal:
-    """Return the way after a step at a speed: it halts where the base will come to rest, and goes on if that was short."""
+    """Return the way after a step at a speed: it halts where the base will come to rest, and goes on if that was
+    short."""
     way = _counted(way, odometry, ahead_mps, elapsed_s, now)
     if way.halts:
         again = way.rested >= SETTLED and way.left_m > NEAR_M

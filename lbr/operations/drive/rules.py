@@ -60,7 +60,8 @@ class View(Struct, frozen=True, kw_only=True):
 class Limit(Struct, frozen=True, kw_only=True):
     """What the rules do to a motion: both wheels times `scale`; 0 stops. `text` names sensor and distance.
 
-    `code` says whether something is there or it is not known; `direction` is the rule's: where the motion goes, or `memory` for what is only remembered.
+    `code` says whether something is there or it is not known; `direction` is the rule's: where the motion goes, or
+    `memory` for what is only remembered.
     """
 
     scale: float = 1.0
@@ -219,7 +220,8 @@ def believed_m(view: View | None, rule: Rule, now: float) -> float:
 def _see(
     view: View | None, raw_m: float, trouble: str, now: float, travel_m: float, *, same: bool | None = None
 ) -> View:
-    """Return what is believed after a value; `same`: the sensor told the same before, if that is not to be seen by it."""
+    """Return what is believed after a value; `same`: the sensor told the same before, if that is not to be seen by
+    it."""
     if view is not None and now < view.seen:
         return view  # it was overtaken by a newer one
     if view is None or isnan(raw_m):

@@ -32,7 +32,8 @@ Seen = tuple[float, str]
 
 
 class Ray(NamedTuple):
-    """Between which distances something along a ray is in the way, and how far from the outline: start + slope * distance."""
+    """Between which distances something along a ray is in the way, and how far from the outline: start + slope *
+    distance."""
 
     number: int
     enters_m: float
@@ -46,7 +47,8 @@ class Ray(NamedTuple):
 
 
 class Way(Struct, frozen=True):
-    """The rays of a sensor that meet what is in the way on one side, and in groups those of which one has to be known."""
+    """The rays of a sensor that meet what is in the way on one side, and in groups those of which one has to be
+    known."""
 
     rays: tuple[Ray, ...]
     looks: tuple[tuple[int, ...], ...] = ()
@@ -110,7 +112,8 @@ def sees_along(row: RangeSensor) -> bool:
 
 
 def single(way: Way, raw_m: float) -> float:
-    """Return how far from the outline something is whose distance is all that is known: it may be anywhere in the cone."""
+    """Return how far from the outline something is whose distance is all that is known: it may be anywhere in the
+    cone."""
     found = [ray.outside_m(raw_m) for ray in way.rays if ray.enters_m <= raw_m <= ray.leaves_m]
     if found:
         return min(found)

@@ -29,8 +29,9 @@ from lbr.operations.drive.turn_goal import TurnGoal
 class Command(Struct, frozen=True, kw_only=True):
     """A motion command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
 
-    For `waited_s` before that it had waited at its sender; `by` asked the sender for it. `remote`: from another machine,
-    whose clock said `sender_s` (NaN: it did not tell). `answerable`: the sender waits for the reply. `checks`: what the user's own checks said.
+    For `waited_s` before that it had waited at its sender; `by` asked the sender for it. `remote`: from another
+    machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: the sender waits for the reply. `checks`:
+    what the user's own checks said.
     """
 
     command: Motion

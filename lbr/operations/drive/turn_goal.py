@@ -161,7 +161,8 @@ def is_over(turn: TurnGoal, settings: DriveSettings) -> bool:
 
 
 def power(turn: TurnGoal, settings: DriveSettings, now: float) -> float:
-    """Return how hard to push now, clockwise positive: less near the target, nothing where the base will come to rest."""
+    """Return how hard to push now, clockwise positive: less near the target, nothing where the base will come to
+    rest."""
     rate_dps, left_deg = turn.heading.rate_dps, turn.left_deg
     highest = min(settings.turn_power, settings.max_power)
     age_s = min(max(0.0, now - turn.heading.seen), settings.attitude_max_age_s)

@@ -23,7 +23,8 @@ Link = Callable[[State, JointsCommand, LeaseRequest, float], Reason | None]
 
 
 def asks(state: State, event: Command) -> LeaseRequest:
-    """Return a command as far as leases are concerned; a lease with nothing to move goes on with what it was given for."""
+    """Return a command as far as leases are concerned; a lease with nothing to move goes on with what it was given
+    for."""
     command = event.command
     ask = LeaseRequest(
         source=event.source,

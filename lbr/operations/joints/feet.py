@@ -56,7 +56,8 @@ def begin(state: State, move: Move, lease: str, stop: Stop | None, now: float, *
 
 
 def again(state: State, stop: Stop) -> State | None:
-    """Return the state after one more stop, if that is the same one by another way, or the first; None: hold at once."""
+    """Return the state after one more stop, if that is the same one by another way, or the first; None: hold at
+    once."""
     feet = state.feet
     if feet is None:
         return None
@@ -111,7 +112,8 @@ def _way(stop: Stop) -> tuple[str, str]:
 
 
 def _way_on(state: State, move: Move) -> Trajectory | None:
-    """Return the way on to the nearest stable frame ahead, or else back to the last one behind, if it is short enough."""
+    """Return the way on to the nearest stable frame ahead, or else back to the last one behind, if it is short
+    enough."""
     way = move.trajectory
     if way is None or not way.stable:
         return None

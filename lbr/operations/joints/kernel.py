@@ -29,7 +29,8 @@ BACK = Reason("clock", "the clock went back")
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
-    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event counts."""
+    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event
+    counts."""
     state, ended = end_what_is_over(state, now) if now >= state.clock else _lose_time(state, now)
     state, said = _handle(servos.unlearnt(replace(state, clock=now), now), event, now)
     return state, ended + said

@@ -1,4 +1,5 @@
-"""The motion under way: a way of all its joints, ways of single ones beside it, or what the controller plays by itself."""
+"""The motion under way: a way of all its joints, ways of single ones beside it, or what the controller plays by
+itself."""
 
 from collections.abc import Iterator, Mapping
 from math import isnan, nan

@@ -1,4 +1,5 @@
-"""The motion under way: how it begins, where its joints are to be now, when it is over; and the setpoint of all this."""
+"""The motion under way: how it begins, where its joints are to be now, when it is over; and the setpoint of all
+this."""
 
 from math import inf, isnan
 
@@ -20,7 +21,8 @@ FOLLOWING_S = 0.3
 
 
 def advance(state: State, now: float) -> State:
-    """Return the state with every joint of the motion where it is to be now; no time passes while no goal is passed on."""
+    """Return the state with every joint of the motion where it is to be now; no time passes while no goal is passed
+    on."""
     elapsed_s = min(max(0.0, now - state.ticked), LONGEST_STEP_S)  # this way round, NaN is no time
     state, lease = replace(state, ticked=now), state.leases.live
     if lease is None or not lease.motion.joints or waits(state):

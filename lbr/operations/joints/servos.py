@@ -107,7 +107,8 @@ def _off(state: State, names: frozenset[str], now: float) -> State:
 
 
 def _without_torque(state: State, now: float) -> Decision:
-    """A servo that released by itself is without torque until that is switched on again, also when its fault is over."""
+    """A servo that released by itself is without torque until that is switched on again, also when its fault is
+    over."""
     if state.move is not None and state.move.stored is not None:
         return state, ()  # its controller has them
     late = now - max(state.switched, state.waited) >= SWITCHING_S

@@ -45,7 +45,8 @@ ENDINGS: dict[str, Ending] = {"stopped": "stopped", "superseded": "superseded"}
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
-    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event counts."""
+    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event
+    counts."""
     if now >= state.clock:
         held, said = ending.lapse(state.leases, now)
     else:

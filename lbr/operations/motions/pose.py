@@ -8,7 +8,8 @@ from lbr.messages.joints import Joint, JointsState, JointState, KeyFrame
 
 OLDEST_S = 0.3
 BEYOND_RAD = radians(1.0)
-"""So far outside its limits a joint may be and is taken as standing at the limit: servos are no more exact than that."""
+"""So far outside its limits a joint may be and is taken as standing at the limit: servos are no more exact than
+that."""
 STEEPEST = 1.5
 """How much faster a smooth way from rest to rest is in its middle than a straight one."""
 LONGEST_S = 30.0
@@ -17,7 +18,8 @@ MOST_TOLD = 4
 
 
 def key_frame(joints: Sequence[Joint], state: JointsState, duration_s: float) -> KeyFrame:
-    """Return the pose of all joints; raise InputError naming those that were not measured or are out of their limits."""
+    """Return the pose of all joints; raise InputError naming those that were not measured or are out of their
+    limits."""
     if not joints:
         raise InputError("there are no joints among the rows, so there is no pose")
     if missing := _several(_missing(joint, state.joints.get(joint.name)) for joint in joints):

@@ -1,4 +1,5 @@
-"""From encoder counts to how far the base went. No I/O and no clock of its own: the same events give the same states."""
+"""From encoder counts to how far the base went. No I/O and no clock of its own: the same events give the same
+states."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -169,7 +170,8 @@ class Reckoning:
         self._run.by_body = by_body_rad is not None
 
     def _turned_rad(self) -> float | None:
-        """Return how far the body turned since the last counts by the attitude, anticlockwise; None if it is not known."""
+        """Return how far the body turned since the last counts by the attitude, anticlockwise; None if it is not
+        known."""
         before, self._run.seen = self._run.seen, self._look
         if before is None or self._look is None or before[0] != self._look[0]:
             return None

@@ -100,7 +100,8 @@ class Power(Capability[PowerSettings]):
             logind.close()
 
     def _kept(self) -> tuple[bool, float, float]:
-        """Return what was kept of an earlier run, or else the settings; numbers that cannot be are told and left out."""
+        """Return what was kept of an earlier run, or else the settings; numbers that cannot be are told and left
+        out."""
         kept, settings = values(self.ctx.rows(CalibrationValue)), self.ctx.settings
         warn_v, shutdown_v = kept.get("warn_v", settings.warn_v), kept.get("shutdown_v", settings.shutdown_v)
         if not (isfinite(warn_v) and 0.0 < shutdown_v <= warn_v <= 100.0):

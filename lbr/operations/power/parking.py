@@ -1,4 +1,5 @@
-"""Bringing the robot down before the power goes: a motion under a lease that is renewed, then its joints are released."""
+"""Bringing the robot down before the power goes: a motion under a lease that is renewed, then its joints are
+released."""
 
 from typing import Protocol
 

@@ -154,7 +154,8 @@ def _chains(pages: tuple[Page, ...]) -> list[list[int]]:
 
 
 def _names(pages: tuple[Page, ...], chains: list[list[int]]) -> dict[str, list[int]]:
-    """Return the chains by the names of their motions: each as its first page says, with a number where that is taken."""
+    """Return the chains by the names of their motions: each as its first page says, with a number where that is
+    taken."""
     plain = {chain[0]: name_from(pages[chain[0] - 1].name, "motion") for chain in chains}
     said = set(plain.values())
     found: dict[str, list[int]] = {}

@@ -12,8 +12,8 @@
     page_end
     (two bytes: a checksum)
 
-Worked out from descriptions and from programs that read such files. Lines end by LF. The checksum is the ones' complement
-of the 16-bit sum of all bytes up to it, the mark of UTF-8 among them, the high byte first.
+Worked out from descriptions and from programs that read such files. Lines end by LF. The checksum is the ones'
+complement of the 16-bit sum of all bytes up to it, the mark of UTF-8 among them, the high byte first.
 """
 
 import math
@@ -143,7 +143,8 @@ def _parted(content: bytes) -> tuple[bytes, bytes]:
 
 
 def _judged(body: bytes, end: bytes) -> Checksum:
-    """Return what the end of a file says of its lines; an editor may have written the bytes as text, or put more behind them."""
+    """Return what the end of a file says of its lines; an editor may have written the bytes as text, or put more behind
+    them."""
     right = checksum(BOM + body if body.endswith(b"\n") else BOM + body + b"\n")
     if not end.strip(b"\0\r\n\t "):
         return "right" if end.startswith(right) else "missing"

@@ -18,7 +18,8 @@ _LONGEST_LINE = 4096
 
 
 class Wanted(Struct, frozen=True):
-    """A line from a client; what it leaves out stays. A simulated camera has no controls: any are taken, to no effect."""
+    """A line from a client; what it leaves out stays. A simulated camera has no controls: any are taken, to no
+    effect."""
 
     width: Annotated[int, Meta(ge=16, le=LARGEST_PX[0])] | None = None
     height: Annotated[int, Meta(ge=16, le=LARGEST_PX[1])] | None = None

@@ -1,1 +1,2 @@
-"""Each type of device that lbr emulates itself: its rows, its faults, its twin. Light to import: the executive reads rows by them."""
+"""Each type of device that lbr emulates itself: its rows, its faults, its twin. Light to import: the executive reads
+rows by them."""

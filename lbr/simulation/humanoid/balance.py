@@ -34,7 +34,8 @@ Point = tuple[float, float]
 
 
 class Balance:
-    """One motion, played on a free body: `goals` says where joints are to be at a time of it, `frame` which one that is.
+    """One motion, played on a free body: `goals` says where joints are to be at a time of it, `frame` which one that
+    is.
 
     `play` yields how much is done, 0 to 1; after it, `report` says what came of it.
     """

@@ -72,7 +72,8 @@ class HumanoidEngine:
         return bool(self._data.eq_active[0])
 
     def put(self, angles: Sequence[float], foot: str = "") -> None:
-        """Put it on the floor with its joints there, at rest and in no hand: upright, or with a foot flat on the floor."""
+        """Put it on the floor with its joints there, at rest and in no hand: upright, or with a foot flat on the
+        floor."""
         data = self._data
         data.qpos[self.body.positions] = angles
         data.qvel[:] = 0.0
@@ -200,7 +201,8 @@ class HumanoidEngine:
         self._data.mocap_pos[0, 2] += max(-most, min(most, -self._lowest_m()))
 
     def _on_soles(self, foot: str = "") -> Floats:
-        """Return how the trunk is turned when a foot is flat on the floor, from where all is with the trunk unturned."""
+        """Return how the trunk is turned when a foot is flat on the floor, from where all is with the trunk
+        unturned."""
         turned = np.array((1.0, 0.0, 0.0, 0.0))
         if self.body.feet:
             mujoco.mju_negQuat(

@@ -92,6 +92,7 @@ class Servos:
         return float((np.abs(self.load) * self._stall_a).sum())
 
     def _sided(self, pairs: list[tuple[float, float]]) -> Floats:
-        """Return clockwise and anticlockwise values as those below and above, for a joint that may count the other way."""
+        """Return clockwise and anticlockwise values as those below and above, for a joint that may count the other
+        way."""
         below, above = np.array(pairs).T
         return np.array([np.where(self._sign > 0, below, above), np.where(self._sign > 0, above, below)])

@@ -4,6 +4,6 @@
                     └──► instruments: what drivers would tell of the world, with their rates, delays and noise
                               └──► the world's engine
 
-Nothing here opens a bus, a device or a file, and nothing outside moves. `places` says where trials begin, `faults` what may be
-wrong in them.
+Nothing here opens a bus, a device or a file, and nothing outside moves. `places` says where trials begin, `faults` what
+may be wrong in them.
 """

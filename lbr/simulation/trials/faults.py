@@ -15,10 +15,10 @@ BOX = BoxSettings(name="box", x_m=-0.5, y_m=1.2, length_m=0.4, width_m=0.5)
 class Faults(Struct, frozen=True, kw_only=True):
     """What is wrong with a trial; times are from its start.
 
-    `dock` is how the dock is changed, None: it is gone; `box` stands in the room as well. `deaf` are the beams that are not seen
-    from `deaf_s` on. From `blind_s` on the ranges measure nothing, from `lost_s` on the attitude is silent. With `slip` the
-    wheels turn up to so much farther than the robot goes. Of a humanoid, a servo has no torque from `dead_s` on, something knocks against
-    it at `pushed_s`, and its motors have this part of their `strength`.
+    `dock` is how the dock is changed, None: it is gone; `box` stands in the room as well. `deaf` are the beams that are
+    not seen from `deaf_s` on. From `blind_s` on the ranges measure nothing, from `lost_s` on the attitude is silent.
+    With `slip` the wheels turn up to so much farther than the robot goes. Of a humanoid, a servo has no torque from
+    `dead_s` on, something knocks against it at `pushed_s`, and its motors have this part of their `strength`.
     """
 
     dock: Mapping[str, float] | None = {}

@@ -23,7 +23,8 @@ SETPOINT_S = 0.1
 BEAM_S = 1.5
 TURN_NOISE_DPS = 0.1
 EYE, FIELD_DEG = "front", (72.0, 45.0)
-"""The camera that looks out for a ball, and how wide and how high it sees; what stands before a ball hides none here."""
+"""The camera that looks out for a ball, and how wide and how high it sees; what stands before a ball hides none
+here."""
 BEARING_NOISE_DEG, DISTANCE_NOISE = 0.5, 0.03
 
 

@@ -34,18 +34,21 @@ RUNS, WORLD, HUMANOID = "behaviour", "world", "humanoid_world"
 Begins = Literal["standing", "fallen"]
 BY = "trial"
 WARM_S, LAST_S = 2.0, 2.0
-"""Before the table begins all streams are there; after its end the robot is looked on for a while, and stands by then."""
+"""Before the table begins all streams are there; after its end the robot is looked on for a while, and stands by
+then."""
 NOISY = Ultrasonic(noise_m=0.01, noise_per_m=0.01, dropout=0.01)
 COMPASS_DEG = 20.0
 WALKING_MPS = 1.4
 STANDS_MPS, STANDS_RPS = 0.02, 0.05
 STUCK_S, STUCK_M, STUCK_TRANSITIONS = 45.0, 0.3, 6
-"""A robot that decides again and again, and stays where it is for so long, is stuck. One that waits is not, also if it decided a lot just before."""
+"""A robot that decides again and again, and stays where it is for so long, is stuck. One that waits is not, also if it
+decided a lot just before."""
 LOOK_S = 1.0
 
 
 class Setup(Struct, frozen=True, kw_only=True):
-    """What all trials of a table have in common: the robot's processes as its rows plan them, its world, and the table's name.
+    """What all trials of a table have in common: the robot's processes as its rows plan them, its world, and the
+    table's name.
 
     `humanoid` is the world of one that walks, which `begins` so.
     """
@@ -72,8 +75,9 @@ def rows_of(unit: ProcessConfig) -> Callable[[type[Row]], tuple[Any, ...]]:
 class Outcome(Struct, frozen=True, kw_only=True):
     """How a trial ended.
 
-    `good` by the table's own word, or for one that was still under way at the end of its time. `state` and `row` are where the
-    table was. `began` says how a humanoid did, `falls` how often it fell then, `stands` whether it stood at the end. `contact_mps` is how fast the robot came against anything, its dock too. `unsafe` says what must not be.
+    `good` by the table's own word, or for one that was still under way at the end of its time. `state` and `row` are
+    where the table was. `began` says how a humanoid did, `falls` how often it fell then, `stands` whether it stood at
+    the end. `contact_mps` is how fast the robot came against anything, its dock too. `unsafe` says what must not be.
     """
 
     number: int

@@ -36,7 +36,8 @@ def command() -> None:
 @robot_option
 @database_option
 def check(what: str, robot: str | None, database: Path | None) -> int:
-    """Say all that is wrong with a table in FILE (CSV or JSON) or in the robot's rows, with line, column and what to do."""
+    """Say all that is wrong with a table in FILE (CSV or JSON) or in the robot's rows, with line, column and what to
+    do."""
     from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of its `--help`
 
     if not _is_a_file(what):
@@ -84,7 +85,8 @@ def import_(
 ) -> int:
     """Take the table in FILE, CSV or JSON, as a behaviour of the robot; one with a fault is refused, and all are named.
 
-    A robot that runs has it at once. If it is the one that is being run, its states count from when they are next entered.
+    A robot that runs has it at once. If it is the one that is being run, its states count from when they are next
+    entered.
     """
     from lbr.database.edits import Edit  # noqa: PLC0415
 
@@ -200,8 +202,8 @@ def columns() -> int:
 def try_(what: str, robot: str | None, database: Path | None, *, as_json: bool, **given: Any) -> int:
     """Try a table in FILE, or one of the robot's, in its simulated world: from anywhere, with noise, and nothing moves.
 
-    The robot's own drive, beacon, battery and odometry do as they do when it runs; what drivers measure is simulated. A table
-    that is still under way after its time counts as good. Exit code 1 if a trial failed or was not safe.
+    The robot's own drive, beacon, battery and odometry do as they do when it runs; what drivers measure is simulated. A
+    table that is still under way after its time counts as good. Exit code 1 if a trial failed or was not safe.
     """
     return behaviour_trials.tries(what, *chosen(what, robot, database), as_json=as_json, **given)
 
@@ -225,7 +227,8 @@ def _word(name: str, text: str) -> None:
 @json_option
 @click.pass_context
 def run(context: click.Context, table: str, whom: "Whom", as_json: bool) -> Any:
-    """Have a running robot run TABLE from its start; it goes on without this command, and 'lbr behaviour stop' ends it."""
+    """Have a running robot run TABLE from its start; it goes on without this command, and 'lbr behaviour stop' ends
+    it."""
     return _said(context, f"/behaviour/run/{table}", whom, as_json=as_json)
 
 

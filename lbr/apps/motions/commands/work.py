@@ -1,4 +1,5 @@
-"""`python -m lbr.apps.motions.commands.work`: one piece of work with a motion, as a process that may be ended at any time.
+"""`python -m lbr.apps.motions.commands.work`: one piece of work with a motion, as a process that may be ended at any
+time.
 
 It reads a job as one line of JSON, says how far it is, and ends with its result; all as lines of JSON. Nothing that
 moves the robot waits for it: it is nice, and bounded in time and memory.

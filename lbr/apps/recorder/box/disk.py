@@ -1,4 +1,5 @@
-"""Writes chunks in a thread of its own, so that a slow disk holds up nothing; what it cannot take in time is dropped, and counted."""
+"""Writes chunks in a thread of its own, so that a slow disk holds up nothing; what it cannot take in time is dropped,
+and counted."""
 
 import calendar
 import errno
@@ -48,7 +49,8 @@ class Bounds(Struct, frozen=True, kw_only=True):
     free_bytes: int
 
     def lacks_room(self, folder: Path) -> str:
-        """Return why others have too little room on a folder's disk, or that it is gone; empty while they have enough."""
+        """Return why others have too little room on a folder's disk, or that it is gone; empty while they have
+        enough."""
         try:
             found = os.statvfs(folder)
         except OSError as err:
@@ -63,9 +65,9 @@ class Bounds(Struct, frozen=True, kw_only=True):
 class Disk:
     """Writes one file after the other, where `place` says. What it tells may be read from any thread.
 
-    With `shelf` and `bounds` it is the box: old files go, and what is kept is linked. `trouble` is what is wrong, in one
-    line. After a failure it takes nothing until a chunk begins another file (`broken`). Without a shelf there is one
-    file alone, which then goes on.
+    With `shelf` and `bounds` it is the box: old files go, and what is kept is linked. `trouble` is what is wrong, in
+    one line. After a failure it takes nothing until a chunk begins another file (`broken`). Without a shelf there is
+    one file alone, which then goes on.
     """
 
     def __init__(
@@ -192,7 +194,8 @@ class Disk:
         self._link(one, [] if known else self._before(one))
 
     def _before(self, one: Keep) -> list[Path]:
-        """Return the newest files, up to as long ago as what led to an incident; by their numbers, whatever the clock says."""
+        """Return the newest files, up to as long ago as what led to an incident; by their numbers, whatever the clock
+        says."""
         assert self._shelf is not None
         files, chosen, seconds = self._shelf.files(), [], 0.0
         for path in reversed(files[-MOST_LINKED:]):

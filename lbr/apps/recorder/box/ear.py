@@ -125,7 +125,8 @@ class Ear:
                 self._hear(key, channel.topic, channel, PICTURES_DEPTH if one.picture else DEPTH, picture=one.picture)
 
     def hear_lines(self, *, on: bool) -> None:
-        """Hear the bytes of lines, and commands, of every capability, or no longer: only while they are heard they are told."""
+        """Hear the bytes of lines, and commands, of every capability, or no longer: only while they are heard they are
+        told."""
         if on and self._taped is None:
             self._taped = wire.PolledSubscription(self._bus, keys.taped(self._robot, "*"), depth=TAPED_DEPTH)
         elif not on and self._taped is not None:

@@ -1,4 +1,5 @@
-"""The box as it is started: in a checkout that was updated without its packages it is degraded, and says what to install."""
+"""The box as it is started: in a checkout that was updated without its packages it is degraded, and says what to
+install."""
 
 from lbr.apps.recorder.box.kind import BoxSettings
 from lbr.capability.base import Capability

@@ -38,8 +38,9 @@ def command(
 ) -> int:
     """Answer as then: why something stood still, how each process was, or what the rows were.
 
-    TIME is 10m (ago), 14:02, 'yesterday 9:30'. PART is what `why` is asked about, or a table of the rows. The answers are out of
-    the black box; rows are out of the past that the rows have themselves, and out of the box if that is of other rows.
+    TIME is 10m (ago), 14:02, 'yesterday 9:30'. PART is what `why` is asked about, or a table of the rows. The answers
+    are out of the black box; rows are out of the past that the rows have themselves, and out of the box if that is of
+    other rows.
     """
     from lbr.apps.recorder.recording import times  # noqa: PLC0415 - kept out of its `--help`
 
@@ -135,8 +136,8 @@ def _rows(at_ns: int, table: str, robot: str | None, place: str, database: Path 
 def _tables(at_ns: int, robot: str | None, place: str, database: Path | None) -> tuple[int, Tables, str]:
     """Return the revision of then, the rows, and where they are from: their own past, or a recording.
 
-    Their own past has each edit at its moment; a recording has it once the executive has taken it in. But the recorded rows may
-    have been replaced since.
+    Their own past has each edit at its moment; a recording has it once the executive has taken it in. But the recorded
+    rows may have been replaced since.
     """
     from lbr import home  # noqa: PLC0415
 

@@ -37,7 +37,8 @@ def span_options(function: Any) -> Any:
 
 @click.group("box")
 def command() -> None:
-    """Look at what the black box holds, take it along, and delete it. WHAT is box, what it kept, a recording or a file."""
+    """Look at what the black box holds, take it along, and delete it. WHAT is box, what it kept, a recording or a
+    file."""
 
 
 @command.command("list")

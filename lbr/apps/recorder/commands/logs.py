@@ -90,8 +90,8 @@ def _names(folder: Path, robot: str | None) -> dict[str, Path]:
 
 
 def _chosen(name: str, there: Collection[str]) -> list[str]:
-    """Return the logs that a name means: of a capability that shares a process that one's; one from before has its whole
-    name alone, as the list shows it."""
+    """Return the logs that a name means: of a capability that shares a process that one's; one from before has its
+    whole name alone, as the list shows it."""
     if "/" in name and name in there:
         return [name]
     shared = {one: log for one, log in _sharing() if log in there}

@@ -75,8 +75,8 @@ def command(
     With --check a recording by 'lbr record --lines' goes through the real drivers and operations instead, in a home of
     its own. What chance did on the way falls otherwise each time, what a change does does not: so it is tried again.
 
-    WHAT is the box (if left out), what it kept, a recording or a file. Meanwhile `lbr topic`, `lbr plot` and `lbr status` with
-    --robot replay look at it. In a terminal space pauses, the arrows jump and change the speed, q ends.
+    WHAT is the box (if left out), what it kept, a recording or a file. Meanwhile `lbr topic`, `lbr plot` and `lbr
+    status` with --robot replay look at it. In a terminal space pauses, the arrows jump and change the speed, q ends.
     """
     from lbr.apps.recorder.recording import selection  # noqa: PLC0415 - kept out of its `--help`
     from lbr.apps.recorder.recording.player import Player  # noqa: PLC0415

@@ -17,7 +17,8 @@ SHOWN = 5
 
 
 def check(chosen: "Chosen", start_ns: int, end_ns: int, tries: int, *, as_json: bool) -> int:
-    """Run a recording again, up to `tries` times until it does the same, and say where it did otherwise; 1 if it did."""
+    """Run a recording again, up to `tries` times until it does the same, and say where it did otherwise; 1 if it
+    did."""
     from lbr.apps.recorder.rerun import check as checks  # noqa: PLC0415 - kept out of its `--help`
 
     recorded = checks.read(chosen.files, start_ns, end_ns)

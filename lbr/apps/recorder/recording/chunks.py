@@ -16,7 +16,8 @@ from msgspec import Struct
 
 MAGIC = b"\x89MCAP0\r\n"
 MOST_BYTES = 64 << 20
-"""Of a chunk as it was before it was compressed: more is damage. A second of everything with cameras is a tenth of that."""
+"""Of a chunk as it was before it was compressed: more is damage. A second of everything with cameras is a tenth of
+that."""
 LEVEL = 1
 COMPRESSION = "zstd"
 _MESSAGE = struct.Struct("<BQHIQQ")
@@ -31,7 +32,8 @@ class DamagedError(ValueError):
 
 
 class Channel(Struct, frozen=True):
-    """A stream in a recording: its topic below the robot, how its messages are written, and its schema as it was then."""
+    """A stream in a recording: its topic below the robot, how its messages are written, and its schema as it was
+    then."""
 
     topic: str
     encoding: str = "json"

@@ -59,8 +59,8 @@ def _write_mcap(file: IO[bytes], found: Iterable[Message], library: str) -> int:
 def to_csv(folder: Path, again: Again) -> dict[str, int]:
     """Write a table for each topic into a folder, and pictures as files beside them; return the rows of each.
 
-    InputError says why it cannot be. Columns are the fields, those within others behind a dot; `time` and `time_s` are the
-    recording's, and a message's own of these names `message.time` and `message.time_s`.
+    InputError says why it cannot be. Columns are the fields, those within others behind a dot; `time` and `time_s` are
+    the recording's, and a message's own of these names `message.time` and `message.time_s`.
     """
     columns: dict[str, dict[str, None]] = {}
     for one in again():

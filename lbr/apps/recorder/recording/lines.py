@@ -1,7 +1,7 @@
 """What a recording with lines has of a robot's devices and commands, and what a device would answer by it. Pure.
 
-A line is taken for questions and answers: what came within `ANSWER_NS` of what was sent answers it, unless more was sent
-since. What came without a question has its time alone.
+A line is taken for questions and answers: what came within `ANSWER_NS` of what was sent answers it, unless more was
+sent since. What came without a question has its time alone.
 """
 
 import bisect
@@ -18,12 +18,13 @@ from lbr.messages.unreadable import UNREADABLE
 TAPED = "@taped/"
 ANSWER_NS = 100_000_000
 SHORTEST = 3
-"""Bytes that a question has at least in common with the one whose answer it gets: to the servo's number, or the command."""
+"""Bytes that a question has at least in common with the one whose answer it gets: to the servo's number, or the
+command."""
 SURE = 3
 """Bytes of a question by which its beginning is known among others."""
 LATE_NS = 150_000_000
-"""What was sent but once has a meaning of its own: what is answered after it may be because of it. So much earlier or later
-than then it may come."""
+"""What was sent but once has a meaning of its own: what is answered after it may be because of it. So much earlier or
+later than then it may come."""
 OFTEN_NS = 50_000_000
 _taped = msgspec.json.Decoder(Taped)
 

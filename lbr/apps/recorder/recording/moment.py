@@ -1,4 +1,5 @@
-"""A robot as it was at a moment: its rows, its status, what each stream had said last, and what had happened until then."""
+"""A robot as it was at a moment: its rows, its status, what each stream had said last, and what had happened until
+then."""
 
 from pathlib import Path
 from typing import Any

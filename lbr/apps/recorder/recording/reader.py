@@ -58,7 +58,8 @@ class Recording:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing in it could be found that is of a recording: it is none, or was cut before its first chunk's end."""
+        """Whether nothing in it could be found that is of a recording: it is none, or was cut before its first chunk's
+        end."""
         return not (self.spans or self._messages)
 
     @property

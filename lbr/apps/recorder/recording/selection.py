@@ -128,7 +128,8 @@ def _begins_ns(found: reader.Recording) -> int:
 
 
 def _plays_from_ns(found: reader.Recording) -> int:
-    """Return from when on there is something to play: of a file that was cut after its first chunk, the last round of that."""
+    """Return from when on there is something to play: of a file that was cut after its first chunk, the last round of
+    that."""
     only = found.spans[0]
     if len(found.spans) > 1:
         return _begins_ns(found)

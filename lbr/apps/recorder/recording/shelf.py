@@ -1,4 +1,5 @@
-"""Where a robot's recordings are, below its home: the box's own files in turn, what was kept of them, and recordings on purpose.
+"""Where a robot's recordings are, below its home: the box's own files in turn, what was kept of them, and recordings on
+purpose.
 
     box/lbr/00000017-20261123T155312Z.mcap             the box, oldest first by number, whatever the clock says
     box/lbr/kept/20261123-155410-estop/                links to those files that led there, and why in incident.json
@@ -127,7 +128,8 @@ class Shelf:
         return bool(files) and _removed(files[0])
 
     def prune_kept(self, most_bytes: int, oldest_s: float, now: float) -> list[str]:
-        """Delete what was kept first while it is too much or too old; return the names of what went. The newest stays."""
+        """Delete what was kept first while it is too much or too old; return the names of what went. The newest
+        stays."""
         gone = []
         kept = self.kept()
         for index, one in enumerate(kept[:-1]):

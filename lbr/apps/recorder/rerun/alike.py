@@ -1,4 +1,5 @@
-"""Whether two runs of a robot did the same: numbers as time goes on, and what happened. Pure; times in ns of the recording."""
+"""Whether two runs of a robot did the same: numbers as time goes on, and what happened. Pure; times in ns of the
+recording."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -7,8 +8,8 @@ from typing import Any, NamedTuple
 WINDOW_NS = 300_000_000
 """So far apart the same thing may be: a tick of each operation on its way, and a sweep of a bus of servos, twice."""
 TOLERANCE = 0.1
-"""Of the span that a number had in the recording. Feedback comes at other moments than then, by a tick at most: a turn's
-last creeping steps may fall otherwise by that, and nothing that is larger."""
+"""Of the span that a number had in the recording. Feedback comes at other moments than then, by a tick at most: a
+turn's last creeping steps may fall otherwise by that, and nothing that is larger."""
 SMALLEST = 0.02
 """A step of the coarsest servo's encoder in rad, and a fiftieth of full power."""
 UNTOLD = frozenset({"id", "lease", "halt", "count", "seq", "time_s", "stamp_s"})

@@ -1,4 +1,5 @@
-"""Emulated ends of lines that say what a recording has: to each question its answer of about that time, the rest by the clock.
+"""Emulated ends of lines that say what a recording has: to each question its answer of about that time, the rest by the
+clock.
 
 They are served by a process of their own: some drivers wait for an answer for a millisecond.
 """
@@ -40,7 +41,8 @@ class Asked(NamedTuple):
 
 
 class Clock:
-    """Which time of the recording it is, in ns; it goes on from its beginning once `start` is called, in any process."""
+    """Which time of the recording it is, in ns; it goes on from its beginning once `start` is called, in any
+    process."""
 
     def __init__(self, start_ns: int, end_ns: int) -> None:
         self.start_ns, self.end_ns = start_ns, end_ns
@@ -228,7 +230,8 @@ class _TalkingEnd:
 
 
 class Ends:
-    """The devices of a robot: lines by the address of their device. Open them before any thread is there: a process forks."""
+    """The devices of a robot: lines by the address of their device. Open them before any thread is there: a process
+    forks."""
 
     def __init__(self, clock: Clock, lines: Mapping[str, RecordedLine]) -> None:
         context = multiprocessing.get_context("fork")

@@ -60,7 +60,8 @@ class _Goal(Struct):
 class Feed:
     """The commands from outside, oldest first; a lease of then is the one that was given for it now.
 
-    `ended` is when each goal of the recording ended: who waited for that then does so now. `results` are streams of them.
+    `ended` is when each goal of the recording ended: who waited for that then does so now. `results` are streams of
+    them.
     """
 
     def __init__(
@@ -164,7 +165,8 @@ class Feed:
                 wire.put(self._bus, key, msgspec.Raw(payload), source=command.source, urgent=True)
 
     def _await(self, at_ns: int, now_ns: int) -> None:
-        """Have the answers that were there when this was sent: who sent it knew them, and what comes after is judged by it."""
+        """Have the answers that were there when this was sent: who sent it knew them, and what comes after is judged by
+        it."""
         for said, _payload, query in self._waiting:
             while said.command.answered_ns <= at_ns and not query.replies and not query.done:
                 self._woken.clear()

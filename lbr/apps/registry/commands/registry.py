@@ -21,8 +21,8 @@ VARIABLE = "LBR_REGISTRY_TOKEN"
 def command() -> None:
     """Run a service that lists which robots are up, or ask one.
 
-    The service runs anywhere, without a robot. Each robot gets a token from it, puts that into credentials/registry.token, and
-    switches on its row `registrar`. Whoever has a token may read the list.
+    The service runs anywhere, without a robot. Each robot gets a token from it, puts that into
+    credentials/registry.token, and switches on its row `registrar`. Whoever has a token may read the list.
     """
 
 
@@ -42,7 +42,8 @@ def serve(host: str, port: int) -> int:
 @command.command("add")
 @click.argument("name")
 def add(name: str) -> int:
-    """Make a token of this name and print it, once: for a robot that is to be listed, or for who is to read the list."""
+    """Make a token of this name and print it, once: for a robot that is to be listed, or for who is to read the
+    list."""
     from lbr.apps.registry.guests import Guests  # noqa: PLC0415 - kept out of its `--help`
 
     click.echo(str(Guests().add(name)))

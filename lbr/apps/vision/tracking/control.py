@@ -1,7 +1,7 @@
 """Where the head is to look, out of what a picture shows and how the head stood when it was taken. Pure.
 
-Yaw is positive to the left, pitch is positive downwards (REP 103), and the camera looks where the head does. A target is
-a direction of the body's, not a place in the picture: so a late picture is as good as a new one, and nothing hunts.
+Yaw is positive to the left, pitch is positive downwards (REP 103), and the camera looks where the head does. A target
+is a direction of the body's, not a place in the picture: so a late picture is as good as a new one, and nothing hunts.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,8 @@ AHEAD = Angles(0.0, 0.0)
 
 
 class Pose(NamedTuple):
-    """How the head stood at a time, how far that may be wrong, and by how much it rests beside where it is told to be."""
+    """How the head stood at a time, how far that may be wrong, and by how much it rests beside where it is told to
+    be."""
 
     angles: Angles
     unsure_rad: float

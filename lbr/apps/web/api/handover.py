@@ -1,5 +1,5 @@
-"""A person who wants what another holds asks for it, and the holder hands it over. Both are only told: who has the lease
-moves until it is released, and who asked begins as always."""
+"""A person who wants what another holds asks for it, and the holder hands it over. Both are only told: who has the
+lease moves until it is released, and who asked begins as always."""
 
 from collections.abc import Callable
 from typing import Annotated, Any

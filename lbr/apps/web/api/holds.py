@@ -1,12 +1,14 @@
-"""Motion that pages hold: one lease for a socket, renewed in the capability's loop while its page says so, and no longer.
+"""Motion that pages hold: one lease for a socket, renewed in the capability's loop while its page says so, and no
+longer.
 
     socket (server's thread)               loop
       hold, keep ──► Hand.said ──────────►  Holds.step: begin · keep · release      LeaseClient ══ bus
       the page is silent, gone, rests ──►   release within a round
       Hand.news ◄───────────────────────    holds, refused, ended: why, and who has it
 
-A page is believed for `SILENT_S` after each message, and for longer while what it began ends by itself (`patience`). It is not believed at all when it quotes a time of the server's that
-is too old: a network delivers what it has held back when it heals, and the hand may be off the stick since.
+A page is believed for `SILENT_S` after each message, and for longer while what it began ends by itself (`patience`). It
+is not believed at all when it quotes a time of the server's that is too old: a network delivers what it has held back
+when it heals, and the hand may be off the stick since.
 """
 
 import time
@@ -74,8 +76,8 @@ class Hand:
     """A page's hand on the robot: `said` is written by its socket, all else by the loop.
 
     `may` says why what is wanted is not for this page; `tell` is called for news; `whose` names what has the hand.
-    Motion that lapsed is over for a page, which knows of it. A hand that `resumes` may go on with the same number, under the
-    date at which it was first wanted: the mover refuses that if the robot was stopped since.
+    Motion that lapsed is over for a page, which knows of it. A hand that `resumes` may go on with the same number,
+    under the date at which it was first wanted: the mover refuses that if the robot was stopped since.
     """
 
     def __init__(
@@ -124,10 +126,11 @@ class Hand:
 class Holds:
     """Every hand there is; all but `add` is for the loop.
 
-    `transport` is by what motion is borrowed in a source's name that a hand wants since then. A hand is nobody who stops the
-    robot: every stop since counts, also one of its own source, which may have other hands. `keys` are those of a held
-    command (`motion`) and of the stop of its capability (`halt`, if it has one). `patience_s` says for how long a page may be silent while that which it
-    wants goes on; what it does not hold begins by a word of the last `SILENT_S` alone.
+    `transport` is by what motion is borrowed in a source's name that a hand wants since then. A hand is nobody who
+    stops the robot: every stop since counts, also one of its own source, which may have other hands. `keys` are those
+    of a held command (`motion`) and of the stop of its capability (`halt`, if it has one). `patience_s` says for how
+    long a page may be silent while that which it wants goes on; what it does not hold begins by a word of the last
+    `SILENT_S` alone.
     """
 
     def __init__(

@@ -1,4 +1,5 @@
-"""`/api/live`: the newest of the streams that a page wants, events, and the motion that it holds; on the server's thread.
+"""`/api/live`: the newest of the streams that a page wants, events, and the motion that it holds; on the server's
+thread.
 
 What a page says is read by a task of its own, so that one that reads slowly can still let go.
 """
@@ -33,7 +34,8 @@ SAID_HZ, SAID_AT_ONCE = 100.0, 200.0
 """A page says 25 things a second; a mouse may have it say 60, and a network deliver some seconds at once."""
 MOST_NEWS = 16
 PULSE_S = 0.2
-"""A page gets a frame this often at least, for the time that it quotes: older than `OLDEST_S` it would begin nothing."""
+"""A page gets a frame this often at least, for the time that it quotes: older than `OLDEST_S` it would begin
+nothing."""
 LOOK_S = 1.0
 _encode = msgspec.json.Encoder().encode
 
@@ -46,7 +48,8 @@ class Sessions(Protocol):
 
 
 class Live(Viewing[Feeds]):
-    """Those of pages. `page` is the build of the page that is served: told first, so that one of another moves nothing."""
+    """Those of pages. `page` is the build of the page that is served: told first, so that one of another moves
+    nothing."""
 
     def __init__(self, api: Api, gate: Gate, viewers: Turns, sessions: Sessions, page: str = "") -> None:
         super().__init__(PATH, PROTOCOL, gate, viewers)

@@ -1,4 +1,5 @@
-"""What a page says over the live socket. Pure: bytes from outside become a message, or Rubbish; nothing else is raised."""
+"""What a page says over the live socket. Pure: bytes from outside become a message, or Rubbish; nothing else is
+raised."""
 
 from typing import Annotated, Any
 

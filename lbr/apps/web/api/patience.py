@@ -1,7 +1,8 @@
 """How long a page may be silent while what it holds goes on. Pure.
 
-A hand on a stick says where to go all the time, and without it the way ends nowhere. A turn, a drive to a range or for a time, and
-a motion of joints through key frames end by themselves: their page has nothing to tell and only has to be there.
+A hand on a stick says where to go all the time, and without it the way ends nowhere. A turn, a drive to a range or for
+a time, and a motion of joints through key frames end by themselves: their page has nothing to tell and only has to be
+there.
 """
 
 from collections.abc import Mapping
@@ -14,7 +15,8 @@ from lbr.messages.joints import JointsCommand, PlayCommand
 SILENT_S = 0.25
 """Wheels are to stand within 0.4 s of a page's last word: this, a round, and the way to the motors."""
 BOUNDED_S = 2.0
-"""A phone that draws a body without a graphics card, loads a view, or has a bad radio, says nothing for a second at times."""
+"""A phone that draws a body without a graphics card, loads a view, or has a bad radio, says nothing for a second at
+times."""
 _END_BY_THEMSELVES = frozenset(message.__name__ for message in (PlayCommand, TurnCommand, HeadingCommand))
 
 

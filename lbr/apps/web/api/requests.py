@@ -1,4 +1,5 @@
-"""The API's routes: what the robot is, one stream, one command, one console line. Each is asked once and answered once."""
+"""The API's routes: what the robot is, one stream, one command, one console line. Each is asked once and answered
+once."""
 
 from collections.abc import Mapping
 from types import MappingProxyType

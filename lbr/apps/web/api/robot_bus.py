@@ -46,7 +46,8 @@ class Bus(Protocol):
         sent_s: float | None = None,
         wake: Callable[[], None] = lambda: None,
     ) -> Question:
-        """Ask by a query what has waited here for so long, and was said at `sent_s`; BusError if that cannot be sent."""
+        """Ask by a query what has waited here for so long, and was said at `sent_s`; BusError if that cannot be
+        sent."""
 
     def transport(
         self, source: str, keys: Mapping[str, str], wake: Callable[[], None], origin: Origin | None = None

@@ -1,4 +1,5 @@
-"""Answers what the robot's body is made of, and what its motions look like; made once, and again when that has changed."""
+"""Answers what the robot's body is made of, and what its motions look like; made once, and again when that has
+changed."""
 
 from hashlib import blake2b
 from pathlib import Path

@@ -1,4 +1,5 @@
-"""Work with motions that is too long, or too hostile, for the server's loop: done by a process of its own, which is bounded.
+"""Work with motions that is too long, or too hostile, for the server's loop: done by a process of its own, which is
+bounded.
 
 loop ── job, as a file ──► python -m lbr.apps.motions.commands.work ── lines of JSON ──► step: how far · the result
   ends it: cancelled, too late, the server ends; it dies with the server

@@ -265,7 +265,8 @@ class ProtocolBus:
         return explained
 
     def _settle(self, question: Question) -> None:
-        """After a lost answer: throw away what came late, and wait until nothing can that would pass for the next one."""
+        """After a lost answer: throw away what came late, and wait until nothing can that would pass for the next
+        one."""
         listen_until = self._late.pop(question.head, 0.0)
         late = b""
         while (now := self._clock()) < listen_until and not self._urgent():
@@ -278,7 +279,8 @@ class ProtocolBus:
         self._came_late(late)
 
     def _came_late(self, data: bytes) -> None:
-        """Count what came after it was given up: whole packets are answers that a busy machine heard late, no babble."""
+        """Count what came after it was given up: whole packets are answers that a busy machine heard late, no
+        babble."""
         if data:
             parser = StatusParser()
             self.counts.strays += len(parser.feed(data))

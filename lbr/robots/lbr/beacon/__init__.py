@@ -1,7 +1,8 @@
 """`beacon`: finds the charging dock by its infrared beams and backs onto its contacts, a manoeuvre at a time.
 
-`manoeuvres` decides, and knows neither bus nor clock; `kernel` lends them by leases; `pilot` moves the robot as they say, by a
-lease of the drive like anyone. The strategy, what follows which manoeuvre and how often it is tried, is a table's.
+`manoeuvres` decides, and knows neither bus nor clock; `kernel` lends them by leases; `pilot` moves the robot as they
+say, by a lease of the drive like anyone. The strategy, what follows which manoeuvre and how often it is tried, is a
+table's.
 """
 
 from typing import Annotated, Literal

@@ -1,4 +1,5 @@
-"""The beacon as a capability: who may move is the kernel's decision, how is a manoeuvre's, every message passes here."""
+"""The beacon as a capability: who may move is the kernel's decision, how is a manoeuvre's, every message passes
+here."""
 
 from math import inf
 from typing import Any
@@ -18,8 +19,8 @@ from lbr.robots.lbr.beacon.view import Ending, Script
 
 LOOKS_HZ = 10.0
 PATIENCE_S = 5.0
-"""A robot that does not know how it lies, or what is in its way, stands so long before it gives up: a device that is plugged
-in again, or a process that starts over, is back by then."""
+"""A robot that does not know how it lies, or what is in its way, stands so long before it gives up: a device that is
+plugged in again, or a process that starts over, is back by then."""
 STATE_EVERY_S = 0.5
 
 

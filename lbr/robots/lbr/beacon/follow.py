@@ -35,7 +35,8 @@ class Followed:
 
 
 def follow(docked_back_m: float) -> Script[Followed]:
-    """Drive back between the beams until something stops it; `docked_back_m` is what the rear sensor reads on the dock."""
+    """Drive back between the beams until something stops it; `docked_back_m` is what the rear sensor reads on the
+    dock."""
     view = yield STAND
     course, began = _Course(view, docked_back_m), view.time_s
     while (end := course.see(view)) is None and view.time_s - began < LONGEST_S:

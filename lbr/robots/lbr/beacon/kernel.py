@@ -99,7 +99,8 @@ def first_state(ttl_s: float, began: float = -inf) -> State:
 
 
 def decide(state: State, event: Event, now: float) -> tuple[State, Outputs]:
-    """Return the state after an event and what is to be done; whatever is over by `now` ends before the event counts."""
+    """Return the state after an event and what is to be done; whatever is over by `now` ends before the event
+    counts."""
     if now >= state.clock:
         held, said = ending.lapse(state.leases, now)
     else:

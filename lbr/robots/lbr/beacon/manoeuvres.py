@@ -1,12 +1,10 @@
 """The manoeuvres, step by step. Pure.
 
-| manoeuvre | does | ends with |
-|---|---|---|
-| align | turns its back to the wall where the dock stands, at a distance at which the beams are wide | done |
-| search | looks for a beam; sees none: goes aside by a step and looks again; to one side, then to the other | done, not_found |
-| follow | backs up between the beams | done: something is touched; lost, timeout |
-| withdraw | leaves a dock that is near, towards the middle of its beams | done |
-| roam | looks all around, and goes where there is most room: out of a corner, or elsewhere to search | done |
+| manoeuvre | does | ends with | |---|---|---| | align | turns its back to the wall where the dock stands, at a distance
+at which the beams are wide | done | | search | looks for a beam; sees none: goes aside by a step and looks again; to
+one side, then to the other | done, not_found | | follow | backs up between the beams | done: something is touched;
+lost, timeout | | withdraw | leaves a dock that is near, towards the middle of its beams | done | | roam | looks all
+around, and goes where there is most room: out of a corner, or elsewhere to search | done |
 
 Each may also end with what ended its last motion, such as `obstacle`.
 """

@@ -44,7 +44,8 @@ class Senses:
         self._measured: dict[str, tuple[float | None, float]] = {}
 
     def direction_deg(self) -> float:
-        """Return where the robot looks, clockwise from how it looks when docked; raise BlindError if that is not known."""
+        """Return where the robot looks, clockwise from how it looks when docked; raise BlindError if that is not
+        known."""
         attitude: AttitudeState | None = self._newest("attitude", ATTITUDE_S)
         if attitude is None:
             raise BlindError("the robot does not say how it lies: the capability 'attitude' is silent")
@@ -68,7 +69,8 @@ class Senses:
                     self._measured[sensor] = (message.metres(sensor), received.arrived)
 
     def metres(self, sensor: str) -> float | None:
-        """Return the distance that a sensor measures, null if nothing is within its reach; raise BlindError if it does not."""
+        """Return the distance that a sensor measures, null if nothing is within its reach; raise BlindError if it does
+        not."""
         metres, at = self._measured.get(sensor, (None, -inf))
         if not self._ctx.clock() - at <= RANGES_S:
             raise BlindError(f"the sensor '{sensor}' measures nothing: what stands in the way is not known")

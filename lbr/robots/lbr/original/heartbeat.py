@@ -7,9 +7,9 @@ ATTENDED = 2
 class Heartbeat:
     """The silence that a client may keep: `most_s`, and after what ends by itself at first `alone_s`.
 
-    Scripts begin a turn and leave, and a state machine sleeps while it drives for seconds; so what ends by itself may go
-    on without its client. One that keeps asking meanwhile, each time in time, shows that it attends: then its silence
-    counts as it does always.
+    Scripts begin a turn and leave, and a state machine sleeps while it drives for seconds; so what ends by itself may
+    go on without its client. One that keeps asking meanwhile, each time in time, shows that it attends: then its
+    silence counts as it does always.
     """
 
     def __init__(self, now: float, most_s: float, alone_s: float = 0.0) -> None:

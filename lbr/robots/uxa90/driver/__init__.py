@@ -21,7 +21,8 @@ Slot = Annotated[int, Meta(ge=1, le=42)]
 
 
 class ImuSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the main board's inertial unit is asked, and what its six bytes mean, which nobody has verified on a robot."""
+    """How the main board's inertial unit is asked, and what its six bytes mean, which nobody has verified on a
+    robot."""
 
     asked: Annotated[
         Literal["never", "simulated", "always"],
@@ -52,7 +53,8 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
         Meta(description="the emergency stop: hold still, short the motors (dynamic brake), or release at once"),
     ] = "break"
     acknowledge_s: AcknowledgeS = 3.0
-    """Until every servo was read to stand still: after a motion of the main board a second passes before any may be asked."""
+    """Until every servo was read to stand still: after a motion of the main board a second passes before any may be
+    asked."""
     reply_s: Annotated[float, Meta(ge=0.002, le=0.25, description="how long a servo's answer is waited for")] = 0.03
     together: Annotated[int, Meta(ge=1, le=25, description="this many servos are asked in one write")] = 5
     settle_s: Annotated[float, Meta(ge=0.0, le=5.0, description="from taking control to the first servo packet")] = 1.0

@@ -53,7 +53,8 @@ def ask(what: str) -> bytes:
 
 
 class FrameParser:
-    """Takes frames out of a stream; bytes that belong to none come back as they came. Holds a bounded number of bytes."""
+    """Takes frames out of a stream; bytes that belong to none come back as they came. Holds a bounded number of
+    bytes."""
 
     def __init__(self, unsummed: Collection[int] = ()) -> None:
         """`unsummed` are types whose sum nobody vouches for."""
@@ -97,7 +98,8 @@ class FrameParser:
         return left
 
     def _need(self) -> int:
-        """Return how many bytes the frame that begins here has, more than there are while that is open; 0: none does."""
+        """Return how many bytes the frame that begins here has, more than there are while that is open; 0: none
+        does."""
         held = self._held
         known = min(len(held), len(PREAMBLE))
         if held[:known] != PREAMBLE[:known]:

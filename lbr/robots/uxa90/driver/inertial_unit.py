@@ -64,7 +64,8 @@ class InertialUnit:
         return ImuSample(valid=True, time_s=now, accel_mps2=accel)
 
     def missed(self, now: float) -> ImuSample | None:
-        """Return that nothing is measured, once for each time that it was asked in vain, or now and then if it is not."""
+        """Return that nothing is measured, once for each time that it was asked in vain, or now and then if it is
+        not."""
         if not self.asked:
             due = now - self._said_at >= NOT_ASKED_S
             self._said_at = now if due else self._said_at

@@ -1,4 +1,5 @@
-"""How the main board of a UXA-90 is recognised: by its firmware's number; control is not taken, so no servo hears of it."""
+"""How the main board of a UXA-90 is recognised: by its firmware's number; control is not taken, so no servo hears of
+it."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.robots.uxa90.driver import frames

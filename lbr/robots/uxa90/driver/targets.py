@@ -181,7 +181,8 @@ class ServoTargets:
             out.still = None
 
     def unrested(self, since: float) -> list[int]:
-        """Return the servos that were not read to stand still since then; those known to be limp before do not count."""
+        """Return the servos that were not read to stand still since then; those known to be limp before do not
+        count."""
         return [out.id for out in self._all() if not self._rests(out, since)]
 
     def goal_rad(self, out: TargetState) -> float | None:

@@ -1,4 +1,5 @@
-"""The one lease by which the API moves motors: taken with the first move, joined by others, over when all have arrived."""
+"""The one lease by which the API moves motors: taken with the first move, joined by others, over when all have
+arrived."""
 
 from collections.abc import Callable, Iterable
 from math import inf

@@ -1,4 +1,5 @@
-"""What a request to /motor or /multimotor wants, by the rules and in the order that the API has had from the beginning."""
+"""What a request to /motor or /multimotor wants, by the rules and in the order that the API has had from the
+beginning."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """What a main board makes of the bytes on its line: its own frames, and packets for the servos behind it.
 
-A servo packet is `FF b1 ... sum`; FF in the middle of one begins another. Frames and servo packets may follow each other
-in any order; a pause within one makes the main board forget it.
+A servo packet is `FF b1 ... sum`; FF in the middle of one begins another. Frames and servo packets may follow each
+other in any order; a pause within one makes the main board forget it.
 """
 
 from functools import reduce
@@ -22,7 +22,8 @@ _CONFIGURE = 7
 
 
 class Frame(NamedTuple):
-    """A frame for the main board; `end` counts the bytes of the newest piece up to its end. Not sound: its sum is wrong."""
+    """A frame for the main board; `end` counts the bytes of the newest piece up to its end. Not sound: its sum is
+    wrong."""
 
     type: int
     platform: int

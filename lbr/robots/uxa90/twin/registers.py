@@ -1,4 +1,5 @@
-"""What a SAM servo keeps, and the configuration packets that write and read it; after the wCK, whose protocol it shares."""
+"""What a SAM servo keeps, and the configuration packets that write and read it; after the wCK, whose protocol it
+shares."""
 
 from collections.abc import Mapping
 from typing import NamedTuple

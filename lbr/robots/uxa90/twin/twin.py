@@ -14,8 +14,8 @@ from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 class Uxa90Twin(PortTwin[PtyPort, Uxa90Faults]):
     """Moves a body's joints, and measures them; without a body its servos turn by themselves, carrying nothing.
 
-    Its trace has lines of `monotonic_ns` and one of: `read HEX`, what came as one piece; `said HEX`; `mode`, then `off`,
-    `normal` or `pc`, then the slot of the motion that plays, or 0; `plugged` and `unplugged`.
+    Its trace has lines of `monotonic_ns` and one of: `read HEX`, what came as one piece; `said HEX`; `mode`, then
+    `off`, `normal` or `pc`, then the slot of the motion that plays, or 0; `plugged` and `unplugged`.
     """
 
     def __init__(self, device: Device, around: Surroundings) -> None:

@@ -10,7 +10,8 @@ from lbr.simulation.faults import Probability, ServoBusFaults
 
 
 class DynamixelFaults(ServoBusFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a bus of AX-12A. Of answers, `stray`: a packet that was not asked for comes before; `pieces`: with a pause in it."""
+    """Faults of a bus of AX-12A. Of answers, `stray`: a packet that was not asked for comes before; `pieces`: with a
+    pause in it."""
 
     stray: Probability = 0.0
     pieces: Probability = 0.0

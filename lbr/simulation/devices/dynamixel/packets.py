@@ -54,7 +54,8 @@ class Instruction(NamedTuple):
 
 
 class InstructionReader:
-    """Finds packets in pieces of any size, as a servo does: hunts for a header, and believes the length that follows."""
+    """Finds packets in pieces of any size, as a servo does: hunts for a header, and believes the length that
+    follows."""
 
     def __init__(self) -> None:
         self._held = bytearray()

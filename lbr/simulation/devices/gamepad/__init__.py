@@ -1,4 +1,5 @@
-"""The emulated gamepad: what a hand does to it, which is set as the faults of other devices are, and which twin it has."""
+"""The emulated gamepad: what a hand does to it, which is set as the faults of other devices are, and which twin it
+has."""
 
 from typing import Annotated, Literal
 

@@ -1,4 +1,5 @@
-"""The emulated inertial unit PhidgetSpatial: what its device rows may set, what can go wrong with it, and which twin it has."""
+"""The emulated inertial unit PhidgetSpatial: what its device rows may set, what can go wrong with it, and which twin it
+has."""
 
 from typing import Annotated
 

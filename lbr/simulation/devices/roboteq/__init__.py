@@ -1,4 +1,5 @@
-"""The emulated motor controller Roboteq SDC21xx: what its device rows may set, what can go wrong with it, and which twin it has."""
+"""The emulated motor controller Roboteq SDC21xx: what its device rows may set, what can go wrong with it, and which
+twin it has."""
 
 from typing import Literal
 

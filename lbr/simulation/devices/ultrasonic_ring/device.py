@@ -25,8 +25,8 @@ _ERROR_CM = 0
 
 
 class UltrasonicBoard:
-    """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach), `not_there` are those
-    that it has no sensor for.
+    """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach),
+    `not_there` are those that it has no sensor for.
 
     `more` are sensors beyond the four that every board has. Each sensor takes its turn for as long as its echo takes,
     so that when they are told the first reading is the oldest.

@@ -27,7 +27,8 @@ class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
         )
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
-        """Set a fault and return them all; raise InputError saying what is allowed, also for a sensor that is not there."""
+        """Set a fault and return them all; raise InputError saying what is allowed, also for a sensor that is not
+        there."""
         before, there = self._faults, self._board.sensors
         told = super().fault(name, value)
         struck = (*self._faults.missing, *self._faults.over_range, *self._faults.error)
