@@ -1,7 +1,7 @@
 """Run a benchmark by its name: `python -m benchmarks safety --gate`. Without a name, say what there is.
 
 `--json FILE` keeps what came out; `python -m benchmarks safety --merge FILE --write-docs` puts it into the table in
-docs/safety.md. `--smoke` shows in seconds that a benchmark still works: it is judged by what must never be, not by how
+docs/reference/figures.md. `--smoke` shows in seconds that a benchmark still works: it is judged by what must never be, not by how
 long anything took; without a name all of them are shown, several at a time. Exit code 1 if a hard value is broken.
 """
 

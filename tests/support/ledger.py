@@ -1,4 +1,4 @@
-"""The newest result of every figure, from all benchmarks: a small file, and the table in docs/safety.md."""
+"""The newest result of every figure, from all benchmarks: a small file, and the table in docs/reference/figures.md."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,7 +10,7 @@ from tests.support.anchors import anchor
 from tests.support.figures import Report, Summary, rows, summary
 
 ROOT = Path(__file__).resolve().parents[2]
-DOCS = ROOT / "docs" / "safety.md"
+DOCS = ROOT / "docs" / "reference" / "figures.md"
 RESULTS = ROOT / "benchmarks" / "results.json"
 BEGIN, END = "<!-- figures:begin -->", "<!-- figures:end -->"
 FAMILIES = "SEFTPDZABK"
