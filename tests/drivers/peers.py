@@ -79,6 +79,7 @@ class ScriptedRoboteq(Pty, Tap):
         self._took_s = 0.0
         self._stop = threading.Event()
         self._babbler: threading.Thread | None = None
+        self._server: threading.Thread | None = None
         Tap.__init__(self)
         Pty.__init__(self, path)
 
@@ -93,10 +94,21 @@ class ScriptedRoboteq(Pty, Tap):
 
     def finish(self) -> None:
         self._stop.set()
-        if self._babbler is not None:
-            self._babbler.join()
+        for thread in filter(None, (self._babbler, self._server)):
+            thread.join()
         if self.master >= 0:
             self.unplug()
+
+    def serve(self) -> None:
+        """Answer in a thread what a driver in another process, or its guard, writes."""
+        self._server = threading.Thread(target=self._serve, daemon=True)
+        self._server.start()
+
+    def _serve(self) -> None:
+        while not self._stop.wait(0.001):
+            with suppress(OSError, ValueError):  # it was unplugged
+                while self.reading and select.select([self.master], [], [], 0.005)[0]:
+                    self._hear(os.read(self.master, 4096))
 
     def sent(self, data: bytes) -> None:
         super().sent(data)
