@@ -23,7 +23,7 @@ from tests.apps.web.web_stage import Served, serving
 from tests.docs.pages import ROOT
 from tests.support.waiting import until
 
-PAGE = ROOT / "docs" / "robots" / "lbr_api.md"
+PAGE = ROOT / "docs" / "rest_api.md"
 FACE = {"faces": ("lbr_original",)}
 USERS = (user("fsm", "operate"), user("eve", "view"))
 TELEMETRY = Telemetry(
