@@ -253,6 +253,7 @@ def test_a_broker_that_stands_still_stops_what_it_asked_for_and_what_it_held_bac
     broker.freeze()
     try:
         person.client.publish(f"{TOPIC}/ask/slowly", "PRESS", qos=1)
+        until(lambda: "it stands still" in robot.capability("mqtt")["reason"], what="the sign of it, 3 s after a word")
         until(lambda: not drive(robot)["moving"], what="its stop", limit_s=STOPS_S)
         assert drive(robot)["holder"] is None
     finally:
