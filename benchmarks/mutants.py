@@ -54,8 +54,8 @@ class Part(Struct, frozen=True):
 
 PARTS = {
     "leases": Part(
-        ("lbr/operations/leasing/*.py", "lbr/leases/*.py", "lbr/leases/client.py"),
-        ("tests/leases", "tests/leases", "tests/operations/drive", "tests/bus/test_lease_client.py", "tests/models"),
+        ("lbr/leases/*.py", "lbr/operations/lender.py"),
+        ("tests/leases", "tests/operations/drive", "tests/bus/test_lease_client.py", "tests/models"),
         stops=True,
     ),
     "drive": Part(("lbr/operations/drive/*.py",), ("tests/operations/drive", "tests/models"), stops=True),
