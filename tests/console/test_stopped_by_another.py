@@ -18,6 +18,8 @@ from tests.support.trace import Trace
 from tests.support.waiting import until
 
 TURN, BOUNDED, ON = "/r/0.4/90", "/r/0.4/90/0/forward/20", "/r/0.3/270"
+TYPED_BEFORE_S = 0.5
+"""How long before the stop a line was typed: longer than the way of either."""
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +104,7 @@ def test_a_script_that_stops_the_robot_itself_goes_on(robot, trace):
 def test_neither_a_line_that_waited_moves_after_a_stop_past_the_executive_nor_what_is_passed_on_for_it(
     robot, trace, key
 ):
-    typed_s = time.monotonic()
+    typed_s = time.monotonic() - TYPED_BEFORE_S
     if key == "@estop":
         robot.put("@estop", {"engaged": True, "reason": "a ladder"}, source="a page")
         until(lambda: robot.ask("drive/state")["estop"], what="the drive hears of it")
@@ -127,7 +129,7 @@ def test_a_script_releases_what_it_has_pressed_and_nothing_that_another_has(robo
     with script(robot, "/r/0.3/90", "estop", "reset", "/r/0.3/270/0/forward/1", "status") as ours:
         out, err = ours.communicate(timeout=8)
     assert (ours.returncode, err) == (0, ""), out
-    typed_s = time.monotonic()
+    typed_s = time.monotonic() - TYPED_BEFORE_S
     assert waiting(robot, "estop", time.monotonic())["code"] == 0
     robot.put("@estop", {"engaged": True, "reason": "a ladder"}, source="a page")
     until(lambda: after(waiting(robot, "reset", typed_s)), what="it is not released")
