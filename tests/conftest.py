@@ -93,8 +93,8 @@ def _names(test: str) -> Iterator[str]:
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """Return how many processes `-n auto` begins: half of the time of tests is spent waiting."""
-    return len(os.sched_getaffinity(0)) * 3 // 2
+    """Return how many processes `-n auto` begins: a robot that a test starts needs what another would take."""
+    return len(os.sched_getaffinity(0))
 
 
 @pytest.hookimpl(trylast=True)

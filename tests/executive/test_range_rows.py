@@ -46,7 +46,7 @@ def phase(robot: Robot, name: str) -> str:
 
 
 def state(robot: Robot) -> dict:
-    return robot.ask("drive/state") or {}
+    return until(lambda: robot.ask("drive/state"), what="an answer")
 
 
 def drives(robot: Robot, line: str = "/r/0.2/0") -> dict | None:
