@@ -188,8 +188,7 @@ class Box(Capability[BoxSettings]):
                 one.disk.close()
         self._made = self._ear = None
 
-    # -- one round
-    # ------------------------------------------------------------------------------------------------------
+    # -- one round -----------------------------------------------------------------------------------------------------
 
     def _round(self, now: float) -> None:
         ear, tape = self._ear, self._tape
@@ -271,8 +270,7 @@ class Box(Capability[BoxSettings]):
         except UNREADABLE:
             return
 
-    # -- what there is to hear
-    # ------------------------------------------------------------------------------------------
+    # -- what there is to hear -----------------------------------------------------------------------------------------
 
     def _describe(self, now: float) -> None:
         """Ask what there is to hear, and for the rows: at first, and whenever they are of another revision."""
@@ -323,8 +321,7 @@ class Box(Capability[BoxSettings]):
 
         self._ear.follow(self._streams.streams, wanted, pictures=made is not None and self._with_cameras)
 
-    # -- what people ask for
-    # --------------------------------------------------------------------------------------------
+    # -- what people ask for -------------------------------------------------------------------------------------------
 
     _with_cameras = False
 
@@ -384,8 +381,7 @@ class Box(Capability[BoxSettings]):
         self.ctx.event("recorded", text, level="warning" if lost else "info")
         return BoxReply(accepted=True, reason=text, path=str(path or ""))
 
-    # -- what it tells
-    # --------------------------------------------------------------------------------------------------
+    # -- what it tells -------------------------------------------------------------------------------------------------
 
     def _tell(self, now: float) -> None:
         tape = self._tape

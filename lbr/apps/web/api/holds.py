@@ -76,8 +76,8 @@ class Hand:
     """A page's hand on the robot: `said` is written by its socket, all else by the loop.
 
     `may` says why what is wanted is not for this page; `tell` is called for news; `whose` names what has the hand.
-    Motion that lapsed is over for a page, which knows of it. A hand that `resumes` may go on with the same number,
-    under the date at which it was first wanted: the mover refuses that if the robot was stopped since.
+    A page learns that its motion has lapsed, and begins anew. A hand that `resumes` goes on with the same number
+    instead, dated by its first message: the mover refuses it if somebody has stopped the robot since.
     """
 
     def __init__(
@@ -126,11 +126,10 @@ class Hand:
 class Holds:
     """Every hand there is; all but `add` is for the loop.
 
-    `transport` is by what motion is borrowed in a source's name that a hand wants since then. A hand is nobody who
-    stops the robot: every stop since counts, also one of its own source, which may have other hands. `keys` are those
-    of a held command (`motion`) and of the stop of its capability (`halt`, if it has one). `patience_s` says for how
-    long a page may be silent while that which it wants goes on; what it does not hold begins by a word of the last
-    `SILENT_S` alone.
+    `transport` borrows motion in the name of a source, for a hand that has wanted it since its `Origin`. A hand stops
+    nobody: every later stop ends what it wants, also a stop of its own source, which may have other hands. `keys` are
+    those of a held command (`motion`) and of the stop of its capability (`halt`, if it has one). `patience_s` is how
+    long a page may be silent while its motion goes on. A motion begins only by a message of the last `SILENT_S`.
     """
 
     def __init__(
