@@ -2,12 +2,12 @@
 
 import re
 import sys
-from itertools import groupby
 
 import click
 from click.shell_completion import CompletionItem
 
 from lbr import plugins, surroundings
+from lbr.component import COMMAND_GROUPS
 from lbr.errors import AlreadyRunningError, InputError, LbrError, RowError
 from lbr.names import near
 from lbr.plugins import Plugin, PluginError
@@ -60,10 +60,16 @@ class Commands(click.Group):
         raise PluginError(plugin, f"{plugin.value} is no click.Command, but of type {type(command).__name__}")
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """Write the commands by the package that brings them, without importing any."""
-        for package, found in groupby(self._known(), lambda one: one.package):
-            with formatter.section("Commands" if package == plugins.CORE else f"Commands of package '{package}'"):
-                formatter.write_dl([(one.name, one.help) for one in found])
+        """Write lbr's own commands by what they are for, others by their package, without importing any."""
+        known = self._known()
+        width = max(len(one.name) for one in known)
+        headed: dict[str, list[Plugin]] = {group: [] for group in COMMAND_GROUPS}
+        for one in known:
+            heading = one.group if one.ours and one.group else f"Commands of package '{one.package}'"
+            headed.setdefault(heading, []).append(one)
+        for heading, commands in headed.items():
+            with formatter.section(heading[0].upper() + heading[1:]):
+                formatter.write_dl([(one.name.ljust(width), one.help) for one in commands])
         if self.others and (broken := plugins.broken()):
             with formatter.section("Not loaded"):
                 for why in broken:

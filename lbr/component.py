@@ -11,15 +11,21 @@ nothing else.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+CommandGroup = Literal["start", "drive", "look", "change", "build", "run for good"]
+COMMAND_GROUPS: tuple[CommandGroup, ...] = get_args(CommandGroup)
+"""The headings of `lbr --help`, in their order."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CliCommand:
     """A command of the command line: `entry` is a `click.Command` as `module:attribute`, `help` its line in `lbr
-    --help`."""
+    --help`, `group` the heading above it there. Commands of other packages stand below the name of the package."""
 
     entry: str
     help: str
+    group: CommandGroup | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -21,7 +21,7 @@ from itertools import chain, takewhile
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-from lbr.component import CliCommand, Component
+from lbr.component import CliCommand, CommandGroup, Component
 from lbr.errors import LbrError
 
 CORE = "lbr"
@@ -61,7 +61,8 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Plugin:
-    """One name that a component has in one of its fields: `value` is `module:attribute`, `help` a command's line.
+    """One name that a component has in one of its fields: `value` is `module:attribute`, `help` a command's line, and
+    `group` its heading.
 
     `refusal` says why it has not the name that it claims; empty if it has.
     """
@@ -71,6 +72,7 @@ class Plugin:
     value: str
     entry: Entry
     help: str = ""
+    group: CommandGroup | None = None
     refusal: str = ""
 
     @property
@@ -228,7 +230,9 @@ def _of(entry: Entry, field: Field) -> tuple[Plugin, ...]:
     if component is None:
         return ()
     if field == "commands":
-        return tuple(Plugin(field, name, one.entry, entry, one.help) for name, one in component.commands.items())
+        return tuple(
+            Plugin(field, name, one.entry, entry, one.help, one.group) for name, one in component.commands.items()
+        )
     return tuple(Plugin(field, name, value, entry) for name, value in getattr(component, field).items())
 
 

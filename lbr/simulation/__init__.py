@@ -11,6 +11,7 @@ COMPONENT = Component(
         "view": CliCommand(
             entry="lbr.simulation.commands.view:command",
             help="Watch a simulated robot: its room from above, or its joints.",
+            group="look",
         ),
     },
     twins={

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -98,6 +99,14 @@ def test_a_command_of_a_package_has_help_completion_and_exit_codes_as_ours_have(
     tab = {"_LBR_COMPLETE": "bash_complete", "COMP_CWORD": "1"}
     assert lbr(site, tmp_path, COMP_WORDS="lbr gr", **tab)[1].split() == ["plain,graph", "plain,grip"]
     assert lbr(site, tmp_path, COMP_WORDS="lbr grip s", **tab | {"COMP_CWORD": "2"})[1].split() == ["plain,softly"]
+
+
+def test_the_help_lists_each_command_of_lbr_below_one_of_six_headings(site, tmp_path):
+    said = lbr(site, tmp_path, "--help")[1]
+    headings = ["Start", "Drive", "Look", "Change", "Build", "Run for good"]
+    assert re.findall(r"^(\w.*):$", said.partition("Options:")[2], re.MULTILINE) == headings
+    listed = re.findall(r"^  ([a-z]+) ", said.partition("Start:")[2], re.MULTILINE)
+    assert sorted(listed) == sorted(one.name for one in plugins.own("commands"))
 
 
 def test_what_lbr_brings_itself_is_found_without_an_import_of_other_packages(site):

@@ -13,6 +13,7 @@ COMPONENT = Component(
         "behaviour": CliCommand(
             entry="lbr.apps.behaviours.commands.behaviour:command",
             help="Write state tables, check and take them, and run them.",
+            group="build",
         ),
     },
     needs=("simulation",),

@@ -7,6 +7,7 @@ COMPONENT = Component(
         "motion": CliCommand(
             entry="lbr.apps.motions.commands.motion:command",
             help="Take motions from files, and write them to files.",
+            group="build",
         ),
     },
     needs=("simulation",),

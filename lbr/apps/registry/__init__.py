@@ -13,6 +13,7 @@ COMPONENT = Component(
         "registry": CliCommand(
             entry="lbr.apps.registry.commands.registry:command",
             help="List which robots are up and how to reach them, or run the service that does.",
+            group="run for good",
         ),
     },
     messages=("lbr.apps.registry.messages",),
