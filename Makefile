@@ -4,9 +4,10 @@
 BIN := .venv/bin
 T ?= tests
 N ?= auto
+P ?=
 PAGE := lbr/apps/web/page
 
-.PHONY: help setup check lint format types docs site test coverage nightly gate smoke page pagecheck all
+.PHONY: help setup check lint format types docs prose names site test coverage nightly gate smoke page pagecheck all
 
 help: ## say what there is
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
@@ -31,8 +32,16 @@ types: ## mypy
 	MYPYPATH=examples/so101 $(BIN)/mypy -p lbr_so101
 	MYPYPATH=examples/roboclaw $(BIN)/mypy -p lbr_roboclaw
 
-docs: ## are the generated pages true? (`python docs/generate.py` writes them)
+docs: ## are the generated pages true, and has no page or package become harder to read?
 	$(BIN)/python docs/generate.py --check
+	$(BIN)/python docs/prose.py --check
+	$(BIN)/python docs/names.py --check
+
+prose: ## sentences that are hard to read: all pages and packages, or those of P=docs/web.md
+	$(BIN)/python docs/prose.py $(P)
+
+names: ## names that say nothing of the domain, by package, or those of P=lbr/drivers
+	$(BIN)/python docs/names.py $(P)
 
 site: ## the docs as a site, in build/site/index.html
 	$(BIN)/python docs/site/build.py
