@@ -1,7 +1,8 @@
-"""`pair`, `open` and `close` at the console: what they tell, what they change, and who may say them."""
+"""`phone`, `pair`, `open` and `close` at the console: what they tell, what they change, and who may say them."""
 
 import json
 import sqlite3
+from itertools import count
 from types import SimpleNamespace
 
 import pytest
@@ -52,7 +53,10 @@ class Console:
         self.codes: list[tuple[str, str]] = []
         self.edits: list[tuple[str, str, str]] = []
         self.answers = address
-        self.words = LettingIn(self, lambda _name, _timeout_s: self.address(), pause=lambda _s: None)
+        self.words = LettingIn(
+            self, lambda _name, _timeout_s: self.address(), clock=lambda: next(self.seconds), pause=lambda _s: None
+        )
+        self.seconds = count()
 
     @property
     def host(self) -> str:
@@ -104,7 +108,7 @@ def test_a_code_comes_with_its_picture_its_time_and_what_the_browser_will_say(co
     assert "role 'view'" in result.text
     assert "\u2580" in result.text, "no picture"
     shown = credentials.fingerprint_shown()
-    assert f"must be\n{shown}" in result.text
+    assert f"is this one:\n{shown}" in result.text
     assert len(shown) == 95
     assert result.data["url"] == "https://192.168.1.5:50000/#pair=482913"
     assert result.data["digits"] == "482913"
@@ -115,8 +119,34 @@ def test_a_code_comes_with_its_picture_its_time_and_what_the_browser_will_say(co
 
 def test_where_only_this_machine_reaches_it_a_code_has_no_picture(console):
     result = console.words.pair("operate", "console")
-    assert "say 'open' first" in result.text
+    assert "'phone' opens it to your network" in result.text
     assert "\u2580" not in result.text
+
+
+def test_phone_opens_a_closed_server_and_shows_one_code(console, wording):
+    result = console.words.phone("console")
+    assert console.edits == [("web", "0.0.0.0", "console")]
+    assert console.codes == [("operate", "console")]
+    assert result.data["url"] == "https://192.168.1.5:50000/#pair=482913"
+    picture, _, text = result.text.partition("Hold the phone")
+    assert "\u2580" in picture
+    wording(f"Hold the phone{text.replace(result.data['fingerprint'], 'FINGERPRINT')}")
+    assert console.words.pair("operate", "console").text in result.text
+
+
+def test_phone_leaves_a_server_that_is_open_as_it_is(console):
+    console.words.open("console")
+    assert "close" not in console.words.phone("ann").text
+    assert len(console.edits) == 1
+    assert console.codes == [("operate", "ann")]
+
+
+def test_phone_draws_no_code_while_the_server_is_not_back(rows):
+    console = Console(rows)
+    console.listen_at = lambda *edit: (Console.listen_at(console, *edit), setattr(console, "answers", False))
+    result = console.words.phone("console")
+    assert (result.code, result.reason_code, console.codes) == (1, "unreachable", [])
+    assert "say 'phone' again" in result.text
 
 
 def test_no_code_is_drawn_for_a_role_that_is_none_or_where_nothing_serves(rows):
@@ -130,12 +160,12 @@ def test_no_code_is_drawn_for_a_role_that_is_none_or_where_nothing_serves(rows):
 def test_a_server_whose_row_is_off_is_named(rows):
     off = tuple(replace(row, enabled=False) if row.name == "web" else row for row in rows.capabilities)
     words = Console(replace(rows, capabilities=off)).words
-    for said in (words.open, words.close, lambda who: words.pair("view", who)):
+    for said in (words.phone, words.open, words.close, lambda who: words.pair("view", who)):
         with pytest.raises(InputError, match="'web' does not run: its row is disabled"):
             said("console")
 
 
-@pytest.mark.parametrize("line", ["pair", "/pair/view", "open", "close"])
+@pytest.mark.parametrize("line", ["phone", "p", "pair", "/pair/view", "open", "close"])
 def test_who_comes_in_is_for_admins_alone_on_a_page_too(rows, line):
     plan = planned(rows, PROFILE)
     vocabulary = _vocabulary(plan)

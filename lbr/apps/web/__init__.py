@@ -1,9 +1,14 @@
 """The robot over HTTP: one server for all faces; which of them it shows, and to whom, are settings."""
 
-from lbr.component import Component
+from lbr.component import CliCommand, Component
 
 COMPONENT = Component(
     kinds={"web": "lbr.apps.web.kind:KIND"},
+    commands={
+        "phone": CliCommand(
+            entry="lbr.apps.web.commands.phone:command", help="Connect a phone: show one code to scan.", group="start"
+        )
+    },
     faces={
         "cameras": "lbr.apps.web.cameras:face",
         "model": "lbr.apps.web.model:face",

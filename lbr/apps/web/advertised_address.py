@@ -46,7 +46,7 @@ class AdvertisedAddress:
     def words(self) -> str:
         """Return in a few lines who reaches it, and how to change that."""
         if not self.open:
-            return f"Only this machine reaches {self.url}. To let phones in your network reach it, say 'open'."
+            return f"Only this machine reaches {self.url}. 'phone' lets a phone in your network reach it."
         if not self.urls:
             return f"The server listens at port {self.port}, but this machine is in no network now."
         others = f"\nAlso at {', '.join(self.urls[1:])}" if self.urls[1:] else ""
@@ -61,5 +61,5 @@ class AdvertisedAddress:
     def _who(self) -> str:
         networks = [one for one in self._settings.trusted if not names.is_local(one.partition("/")[0])]
         if networks:
-            return f"Clients in {' or '.join(networks)} need no token; all others do: 'pair' gives a phone one."
-        return "Other machines need a token: 'pair' gives a phone one, 'lbr token add NAME --for web' a program."
+            return f"Clients in {' or '.join(networks)} need no token; all others do: 'phone' gives a phone one."
+        return "Other machines need a token: 'phone' gives a phone one, 'lbr token add NAME --for web' a program."

@@ -136,6 +136,7 @@ PORTS, REFUSED = with_faces(
 )
 """The ports of the server and of all faces that are installed; in REFUSED what is wrong with those of some."""
 
+PHONE = "Connect a phone: open the web server to your network, and show one code to scan"
 KIND = Kind(
     name="web",
     summary="serves the robot over HTTP: an API, a page, and a stream of states",
@@ -156,6 +157,8 @@ KIND = Kind(
     rows=PORTS.rows,
     edits=PORTS.edits,
     words=(
+        Word("phone", "phone", PHONE, executive=True, role="admin"),
+        Word("p", "phone", PHONE, executive=True, role="admin"),
         Word("qr", "address", "Show where phones find the robot, as a QR code"),
         Word(
             "pair", "pair", "Let a phone in: six digits for a token, good for two minutes", executive=True, role="admin"

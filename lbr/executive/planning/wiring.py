@@ -32,14 +32,14 @@ EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {
     "restart": frozenset({"name"}),
     "pair": frozenset({"role"}),
     "why": frozenset({"part"}),
-    **dict.fromkeys(("reset", "help", "shutdown", "status", "open", "close"), frozenset()),
+    **dict.fromkeys(("reset", "help", "shutdown", "status", "phone", "open", "close"), frozenset()),
 }
 """What the executive does by itself, and the fields that each takes."""
 
 EXECUTIVE_ROLES: Mapping[str, Role] = {
     **dict.fromkeys(("stop", "estop", "status", "help", "report", "why"), "view"),
     "reset": "operate",
-    **dict.fromkeys(("restart", "shutdown", "pair", "open", "close"), "admin"),
+    **dict.fromkeys(("restart", "shutdown", "phone", "pair", "open", "close"), "admin"),
 }
 """The least role that each needs."""
 

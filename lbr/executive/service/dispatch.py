@@ -101,6 +101,7 @@ class Dispatcher:
             "shutdown": self._shutdown,
             "restart": self._restart,
             "why": self._why,
+            "phone": lambda _call, by: self._letting_in.phone(by.told),
             "pair": lambda call, by: self._letting_in.pair(str(call.payload.get("role", OPERATE)), by.told),
             "open": lambda _call, by: self._letting_in.open(by.told),
             "close": lambda _call, by: self._letting_in.close(by.told),

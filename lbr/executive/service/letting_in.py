@@ -1,10 +1,12 @@
-"""The words `pair`, `open` and `close`: who comes in by the server for people, and from where."""
+"""The words `phone`, `pair`, `open` and `close`: who comes in by the server for people, and from where."""
 
 import contextlib
 import ipaddress
 import time
 from collections.abc import Callable, Iterator
 from typing import Any, get_args
+
+from msgspec.structs import replace
 
 from lbr import qr
 from lbr.database.rows import CapabilityRow
@@ -38,6 +40,17 @@ class LettingIn:
         self._clock = clock
         self._pause = pause
 
+    def phone(self, who: str) -> ConsoleResult:
+        """Open the server as `open` does, unless it is open, and draw a code as `pair` does."""
+        name = self._server().name
+        if not self._opened(name, who):
+            return self.pair(OPERATE, who)
+        if self._settled(name, is_open=True) is None:
+            text = f"'{name}' starts again, to be open to your network; say 'phone' again in a moment"
+            return ConsoleResult(code=1, text=text, reason_code="unreachable")
+        result = self.pair(OPERATE, who)
+        return replace(result, text=f"{result.text}\n'{name}' is open to your network now; 'close' takes it back.")
+
     def pair(self, role: str, who: str) -> ConsoleResult:
         """Draw a code, and tell it with all that a person needs to type or scan it."""
         if role not in get_args(Role):
@@ -60,29 +73,34 @@ class LettingIn:
             "svg": _svg(way) if is_open and way else "",
             "fingerprint": print_of,
         }
+        drawn = _drawn(way) if is_open and url else ""
         lines = [
-            *([drawn] if is_open and url and (drawn := _drawn(way)) else ()),
+            *([drawn] if drawn else ()),
+            *(
+                ["Hold the phone's camera at the picture, or type the address and the six digits there:"]
+                if drawn
+                else ()
+            ),
             f"{code.digits[:3]} {code.digits[3:]}   at {url or 'the address of this machine, which is in no network now'}",
-            f"It is good for {GOOD_FOR_S / 60:g} minutes and one device, which gets a token with the role '{role}'.",
-            f"{WRONG_TRIES} wrong tries end it, as does another 'pair'.",
+            f"The code is good for {GOOD_FOR_S / 60:g} minutes and one device, which gets a token with the role '{role}'.",
+            f"{WRONG_TRIES} wrong tries end it, as does another code.",
             *_honest(is_open=is_open, tls=tls, own=tls and credentials.is_own_shown(), fingerprint=print_of),
         ]
         return ConsoleResult(code=0, text="\n".join(lines), data=data)
 
     def open(self, who: str) -> ConsoleResult:
         """Have the server listen to the network, unless it does; tell what that costs, and where it is."""
-        row = self._server()
-        if _is_local(self._host(row.name)):
-            self._robot.listen_at(row.name, EVERYWHERE, who)
-            text = f"'{row.name}' is open to your network now"
+        name = self._server().name
+        if self._opened(name, who):
+            text = f"'{name}' is open to your network now"
         else:
-            text = f"'{row.name}' is open already: it listens at {self._host(row.name)}"
-        place = self._settled(row.name, is_open=True)
+            text = f"'{name}' is open already: it listens at {self._host(name)}"
+        place = self._settled(name, is_open=True)
         cost = (
-            "Every machine that reaches this one can ask it, over Wi-Fi and cable. 'pair' lets a phone in; 'close' takes it "
+            "Every machine that reaches this one can ask it, over Wi-Fi and cable. 'phone' lets a phone in; 'close' takes it "
             "back."
         )
-        told = str(place.get("reason", "")) if place is not None else f"'{row.name}' starts; 'qr' shows the address"
+        told = str(place.get("reason", "")) if place is not None else f"'{name}' starts; 'qr' shows the address"
         return ConsoleResult(code=0, text=f"{text}. {cost}\n{told}", data=_found(place))
 
     def close(self, who: str) -> ConsoleResult:
@@ -110,6 +128,13 @@ class LettingIn:
             raise InputError(f"'{found.name}' does not run: {why}", "unreachable")
         return found
 
+    def _opened(self, name: str, who: str) -> bool:
+        """Have a server listen to the network; False if it does already."""
+        if not _is_local(self._host(name)):
+            return False
+        self._robot.listen_at(name, EVERYWHERE, who)
+        return True
+
     def _host(self, name: str) -> str:
         """Return where a server is to listen, by its row."""
         plan = self._robot.plan
@@ -128,12 +153,15 @@ class LettingIn:
 
 def _honest(*, is_open: bool, tls: bool, own: bool, fingerprint: str) -> Iterator[str]:
     if not is_open:
-        yield "Only this machine reaches that address: say 'open' first, and 'pair' again, to let a phone in."
+        yield "Only this machine reaches that address: 'phone' opens it to your network and shows a code to scan."
     if tls:
         if own:
             yield "A browser that does not know your certificate (credentials/web.crt) warns. Its SHA-256 fingerprint is"
         else:
-            yield "The browser warns once, because the certificate is the robot's own. Its SHA-256 fingerprint there must be"
+            yield (
+                "The phone's browser warns once, because the robot made its certificate itself. "
+                "Go on if the SHA-256 fingerprint there is this one:"
+            )
         yield fingerprint
     elif is_open:
         yield "Nothing is encrypted ('clear_text' of its row): a machine in between reads the code and the token."

@@ -26,7 +26,7 @@ MOST_WAITING = 32
 """Wrong tries that wait for their answers; with so many, no more are looked at."""
 TOLD_EVERY_S = 60.0
 """Tries while there is no code are told together: they cannot be right, and anybody may make them."""
-NOT_GOOD = "this code is not good: wrong, used, or over; say 'pair' at the robot's console for a new one"
+NOT_GOOD = "this code is not good: wrong, used, or over; 'phone' at the robot's console shows a new one"
 NOT_SERVED = "this process lets no phones in"
 _commands = Decoder(PairCommand)
 
@@ -120,7 +120,7 @@ class PairingService:
         try:
             reply = self._grants.grant(name, tried.code, asked, since_s=request.arrived)
         except LbrError as err:
-            reply = _refused(f"{err}; the code is used up, so say 'pair' again", "failed")
+            reply = _refused(f"{err}; the code is used up, so ask for a new one ('phone')", "failed")
         request.reply(reply, EXECUTIVE)
 
     def _tell(self, name: str, address: str, tried: Try, now: float) -> None:

@@ -141,3 +141,12 @@ def test_open_is_said_once_and_close_takes_it_back(robot):
     assert any("had 'web' listen at 0.0.0.0" in event["text"] for event in robot.events() if event["kind"] == "edit")
     assert "'web' is closed" in line(robot, "close")["text"]
     until(lambda: robot.ask("web/address", {})["open"] is False)
+
+
+def test_one_word_opens_it_and_its_code_lets_a_phone_in(robot):
+    shown = line(robot, "phone")
+    assert shown["code"] == 0
+    assert "'web' is open to your network now; 'close' takes it back." in shown["text"]
+    assert shown["data"]["open"] is True
+    assert pair(robot, shown["data"]["digits"])[0] == 200
+    assert line(robot, "close")["code"] == 0
