@@ -1,6 +1,6 @@
 """Borrowing motion: one holder, leases that lapse, offers to senders elsewhere, stops.
 
-Pure, whatever it is that moves, but for `client`, `mover` and `over_session`, by which motion is borrowed. The process
+Pure, whatever it is that moves, but for `client`, `holder` and `over_session`, by which motion is borrowed. The process
 around a kernel is `lbr.operations.lender`. A kernel keeps a `LeaseTable` in its state (`lease.first`), with its own
 phrasing and, in each `Lease`, its own motion (goal, bounds, whatever it needs); it makes a `LeaseRequest` of every
 command that comes in. Then:

@@ -13,7 +13,7 @@ from lbr.apps.behaviours.keys import Key
 from lbr.apps.behaviours.outputs import Wait
 from lbr.apps.behaviours.table import Parts, Table, compile_table, linked
 from lbr.database.shipped import shipped
-from lbr.leases.mover import Outcome
+from lbr.leases.holder import Outcome
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.messages.codes import Reason
 from lbr.messages.joints import PlayCommand

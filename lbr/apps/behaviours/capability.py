@@ -5,6 +5,8 @@ from collections import deque
 from math import inf
 from typing import TypeVar
 
+from msgspec.structs import replace
+
 from lbr.apps.behaviours import texts
 from lbr.apps.behaviours.kernel import DONE, Run
 from lbr.apps.behaviours.kind import BehaviourSettings
@@ -17,7 +19,7 @@ from lbr.capability.context import Call, Context, PendingReply, Received
 from lbr.errors import InputError
 from lbr.leases.client import LeaseTarget
 from lbr.leases.halts import Halts
-from lbr.leases.mover import DRIVE, GONE, RESULT_S, Mover
+from lbr.leases.holder import GONE, RESULT_S, TARGETS, Holder
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import (
     BehaviourChecked,
@@ -50,12 +52,10 @@ MOST_ASIDE = 8
 MOST_FAULTS = 50
 """Of a table, told to a page; what is beyond them is seen once they are mended."""
 MOST_FILES = 8
-"""Of pages that look at tables; one a round is looked at, so that no number of them keeps the robot's mover busy."""
+"""Of pages that look at tables; one a round is looked at, so that no number of them keeps the robot busy."""
 MOTIONS = (DriveCommand, TurnCommand, HeadingCommand, PlayCommand, SeekCommand)
 BORROWED = {
-    **DRIVE,
-    HeadingCommand: LeaseTarget("heading", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
-    PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
+    **TARGETS,
     SeekCommand: LeaseTarget("seek", "seek_halt", "beacon", f"the beacon: {GONE}", result_s=RESULT_S),
 }
 RESTING = BehaviourState(phase="resting")
@@ -76,7 +76,7 @@ class Behaviours(Capability[BehaviourSettings]):
         super().__init__(ctx)
         self._senses = Senses(ctx)
         self._library = Library(ctx, self._senses)
-        self._mover = Mover(ctx, ctx.settings.ttl_s, BORROWED)
+        self._holder = Holder(ctx)
         self._run: Run | None = None
         self._streams: frozenset[str] = frozenset()
         self._began = 0.0
@@ -250,7 +250,7 @@ class Behaviours(Capability[BehaviourSettings]):
     def _go_on(self, run: Run) -> None:
         self._senses.listen(self._streams | WATCHED)
         results = [received.message for received in self.ctx.take("results")]
-        self._mover.step(results)
+        self._holder.step(results)
         if why := self._stopped_by_others():
             run.stop(why)
         now = self.ctx.clock()
@@ -262,34 +262,34 @@ class Behaviours(Capability[BehaviourSettings]):
 
     def _hear(self, run: Run, now: float) -> None:
         """Tell the run what became of its motion."""
-        outcome = self._mover.outcome()
+        outcome = self._holder.outcome
         if outcome is None or run.paused:
             return
         if isinstance(run.order, MOTIONS) and run.ticket == self._ticket:
-            if self._mover.ended:
-                self._mover.halt("it is over")
+            if self._holder.ended:
+                self._holder.release("it is over")
             run.ended(outcome, now)
-        elif run.keeps is not None and self._mover.ended:
-            self._mover.halt("it is over")
+        elif run.keeps is not None and self._holder.ended:
+            self._holder.release("it is over")
             run.lost(outcome)
 
     def _do(self, run: Run, now: float) -> None:
         """Carry out what the run orders now."""
         if run.paused or run.over is not None:
-            self._mover.halt("the table is paused" if run.paused else "the table is over")
+            self._holder.release("the table is paused" if run.paused else "the table is over")
             return
         order = run.order
         if isinstance(order, Halt):
-            self._mover.halt("the table says so")
+            self._holder.release("the table says so")
             run.ended(DONE, now)
         elif isinstance(order, Aside):
             self._ask_aside(run, order, now)
         wanted: Motion | None = order if isinstance(order, MOTIONS) else run.keeps
         if wanted is None:
-            if self._mover.motion is not None:
-                self._mover.halt("the table goes on without it")
-        elif self._mover.motion is None or (run.ticket != self._ticket and wanted is order):
-            self._mover.begin(wanted)
+            if self._holder.lease is not None:
+                self._holder.release("the table goes on without it")
+        elif self._holder.lease is None or (run.ticket != self._ticket and wanted is order):
+            self._holder.begin(BORROWED[type(wanted)], replace(wanted, ttl_s=self.ctx.settings.ttl_s))
         self._ticket = run.ticket
 
     def _ask_aside(self, run: Run, order: Aside, now: float) -> None:
@@ -356,7 +356,7 @@ class Behaviours(Capability[BehaviourSettings]):
 
     def _end(self, run: Run) -> None:
         """Stand still, and say how it ended."""
-        self._mover.halt("the behaviour is over")
+        self._holder.release("the behaviour is over")
         self._last = self._state(over=True)
         self._run = None
         why = run.over or DONE.why

@@ -15,7 +15,7 @@ from lbr.apps.behaviours.cells import Value
 from lbr.apps.behaviours.keys import RUN, VARIABLE, Key, Look
 from lbr.apps.behaviours.outputs import Aside, Assign, CallTable, Order, OutputError, Wait, told
 from lbr.apps.behaviours.table import Condition, Line, State, Table
-from lbr.leases.mover import FINAL, Outcome, bounded
+from lbr.leases.holder import FINAL, Outcome, bounded
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import RowView, Unmet
 from lbr.messages.codes import Reason

@@ -23,12 +23,9 @@ from lbr.bus.door import TokenRight
 from lbr.capability.base import Capability
 from lbr.capability.context import Context, PendingReply
 from lbr.errors import DeviceError, InputError
-from lbr.leases.client import LeaseTarget
-from lbr.leases.mover import DRIVE, GONE, RESULT_S, Mover
+from lbr.leases.holder import TARGETS, Holder
 from lbr.messages.behaviour import RunBehaviour
 from lbr.messages.codes import Reason, heard
-from lbr.messages.drive import HeadingCommand
-from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.plain import one_line
 from lbr.messages.speech import SayCommand
@@ -47,11 +44,6 @@ LONGEST_TOPIC = 200
 OLD_PICTURE_S = 2.0
 MOST_ASKED = 4
 """Of a round, and of what waits for an answer: more at once is nobody who means it."""
-BORROWED = {
-    **DRIVE,
-    HeadingCommand: LeaseTarget("heading", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
-    PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
-}
 PORTS = {StopCommand: "stop_all", RunBehaviour: "run", SayCommand: "say"}
 STANDS_STILL = "the broker sends nothing back, so the person who asked could not stop this"
 NO_BROKER = "no broker is named: the setting 'host' of this row says where one is, and docs/outside.md how to have one"
@@ -80,7 +72,7 @@ class Mqtt(Capability[MqttSettings]):
         if settings.shadow is not None:
             mark = f"{ctx.robot}-{ctx.name}-{int(ctx.clock() * 1000)}"
             self._shadow = ShadowState(settings.shadow.thing, settings.shadow.name, settings.every_s, mark)
-        self._mover = Mover(ctx, settings.ttl_s, BORROWED)
+        self._holder = Holder(ctx)
         self._moving: tuple[Ask, str] | None = None
         self._waiting: list[Waiting] = []
         self._answer: dict[str, Any] = {}
@@ -303,9 +295,9 @@ class Mqtt(Capability[MqttSettings]):
     def _move(self, ask: Ask, order: Motion, topic: str) -> None:
         if self._moving is not None:
             raise InputError(f"'{self._moving[0].word}' is under way; a stop ends it", "busy")
-        self._require(ask, BORROWED[type(order)].motion)
+        self._require(ask, TARGETS[type(order)].motion)
         self._moving = (ask, topic)
-        self._mover.begin(order)
+        self._holder.begin(TARGETS[type(order)], msgspec.structs.replace(order, ttl_s=self.ctx.settings.ttl_s))
         self._reply(ask, "running", Reason("done", f"'{ask.word}' has begun"))
 
     def _pass_on(self, ask: Ask, order: Order, topic: str) -> None:
@@ -319,17 +311,17 @@ class Mqtt(Capability[MqttSettings]):
 
     def _go_on(self) -> None:
         """Renew what moves, and tell how it ended."""
-        self._mover.step([one.message for one in self.ctx.take("results")])
-        if self._moving is None or (outcome := self._mover.outcome()) is None:
+        self._holder.step([one.message for one in self.ctx.take("results")])
+        if self._moving is None or (outcome := self._holder.outcome) is None:
             return
         (ask, _topic), self._moving = self._moving, None
-        self._mover.halt("it is over")
+        self._holder.release("it is over")
         self._reply(ask, "done" if outcome.good else "failed", outcome.why)
 
     def _end_motion(self, why: Reason) -> None:
         if self._moving is not None:
             (ask, _topic), self._moving = self._moving, None
-            self._mover.halt(why.text)
+            self._holder.release(why.text)
             self._reply(ask, "failed", why)
 
     def _read_answers(self) -> None:

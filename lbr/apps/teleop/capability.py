@@ -10,7 +10,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Context, PendingReply
 from lbr.errors import DeviceError
 from lbr.leases.client import LeaseClient, LeaseTarget
-from lbr.leases.mover import FINAL, GONE
+from lbr.leases.holder import FINAL, GONE
 from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult, TwistCommand
 from lbr.messages.gamepad import GamepadState, TeleopState

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from lbr.capability.context import Context, PendingReply
 from lbr.leases.client import LeaseClient, LeaseTarget
-from lbr.leases.mover import GONE, RESULT_S
+from lbr.leases.holder import GONE, RESULT_S
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply

@@ -5,7 +5,7 @@ from math import atan2, cos, degrees, hypot, inf, pi, radians, remainder, sin, t
 
 from lbr.apps.behaviours.cells import Value
 from lbr.apps.behaviours.keys import Key
-from lbr.leases.mover import FINAL
+from lbr.leases.holder import FINAL
 from lbr.messages.codes import Code
 from lbr.robots.lbr.beacon import BeaconSettings
 from lbr.robots.lbr.beacon.view import STAND, Action, Back, Ending, Go, Turn, View

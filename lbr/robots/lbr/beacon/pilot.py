@@ -3,8 +3,10 @@
 from collections.abc import Collection
 from math import inf
 
+from msgspec.structs import replace
+
 from lbr.capability.context import Context
-from lbr.leases.mover import FINAL, Mover
+from lbr.leases.holder import FINAL, TARGETS, Holder
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, DriveState, TurnCommand
 from lbr.robots.lbr.beacon import BeaconSettings
@@ -23,7 +25,7 @@ class Pilot:
         self.stopped: Reason | None = None
         self._ctx = ctx
         self._senses = Senses(ctx, ctx.settings.heading_deg)
-        self._mover = Mover(ctx, ctx.settings.ttl_s)
+        self._holder = Holder(ctx)
         self._steers = -1.0 if ctx.settings.reverse_steering == "travel" else 1.0
         self._action: Action | None = None
         self._broken: Ending | None = None
@@ -44,7 +46,7 @@ class Pilot:
     def listen(self) -> None:
         """Take in what came, and keep the motion up."""
         self._senses.listen()
-        self._mover.step([received.message for received in self._ctx.take("results")])
+        self._holder.step([received.message for received in self._ctx.take("results")])
         for received in self._ctx.take("drive"):
             state: DriveState = received.message
             for at, who in ((state.stopped_s, state.stopped_by), (state.halted_s, state.halted_by)):
@@ -77,24 +79,24 @@ class Pilot:
         command = self._command(action)
         if command is not None:
             self._broken = None
-            self._mover.begin(command)
-        elif self._mover.motion is not None:
+            self._holder.begin(TARGETS[type(command)], replace(command, ttl_s=self._ctx.settings.ttl_s))
+        elif self._holder.lease is not None:
             self.halt("it stands")
 
     def break_off(self, why: str) -> None:
         """Stand still; the manoeuvre is told why once it goes on."""
-        if self._mover.motion is not None:
+        if self._holder.lease is not None:
             self._broken = Ending(good=False, text=why, code="stale_sensor")
             self.halt(why)
 
     def halt(self, why: str) -> None:
         """Stand still."""
-        self._mover.halt(why)
+        self._holder.release(why)
 
     def _ending(self) -> Ending | None:
         if self._broken is not None:
             return self._broken
-        outcome = self._mover.outcome() if self._mover.motion is not None and self._mover.ended else None
+        outcome = self._holder.outcome if self._holder.ended else None
         if outcome is None:
             return None
         code = outcome.why.code

@@ -1,0 +1,112 @@
+"""One motion after another by leases like anyone's: renewed while it is wanted, given up whenever it is not."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+from lbr.leases.client import LeaseClient, LeaseTarget, Message, PendingReply, Transport
+from lbr.messages.codes import Reason
+from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand
+from lbr.messages.joints import PlayCommand
+from lbr.messages.leases import CommandReply
+
+GONE = "it does not answer; what moved has stopped by itself"
+RESULT_S = 0.5
+"""A lease that died is heard of before the result that says why: not later than this on a busy machine."""
+TARGETS: Mapping[type, LeaseTarget] = {
+    DriveCommand: LeaseTarget("move", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
+    TurnCommand: LeaseTarget("turn", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
+    HeadingCommand: LeaseTarget("heading", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
+    PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
+}
+"""The lenders of each motion, for a capability that has requests of these names."""
+FINAL = frozenset({"stopped", "stopped_since", "taken_over", "held", "estop", "role", "denied", "shutting_down"})
+"""Why a command ends, or is refused, when a person wants the robot to stand, or has it: then all that was planned is
+over."""
+
+
+class Outcome(NamedTuple):
+    """How an order ended: `good` as planned, and why by the list of codes."""
+
+    good: bool
+    why: Reason
+
+
+def bounded(motion: Any) -> bool:
+    """Say whether a motion ends by itself."""
+    if isinstance(motion, DriveCommand):
+        return bool(motion.range_cm or motion.interval_s or motion.distance_cm)
+    return True
+
+
+class Holder:
+    """Borrows what moves, for one motion at a time; `step` it ten times a second.
+
+    It repeats the motion to renew the lease, or sends `renewal`. `lease` is that of the last motion, until its release.
+    """
+
+    def __init__(self, transport: Transport, *, renewal: Message | None = None) -> None:
+        self.lease: LeaseClient | None = None
+        self.motion: Any = None
+        self._transport = transport
+        self._renewal = renewal
+
+    @property
+    def holds(self) -> bool:
+        """Return whether the motion was granted and goes on."""
+        return self.lease is not None and self.lease.holds
+
+    @property
+    def asks(self) -> bool:
+        """Return whether the motion goes on, or is still asked for."""
+        return self.lease is not None and self.lease.ended is None
+
+    @property
+    def ended(self) -> Reason | None:
+        """Return why the last motion is over."""
+        return self.lease.ended if self.lease is not None else None
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """Return the end of the motion, or for one without an end that it has begun."""
+        if self.lease is None:
+            return None
+        if self.lease.ended is not None:
+            return Outcome(self.lease.good, self.lease.ended)
+        return Outcome(True, Reason("done", "it drives")) if self.holds and not bounded(self.motion) else None
+
+    def begin(self, target: LeaseTarget, motion: Message, *, given: CommandReply | None = None) -> None:
+        """Move so from now on, by a lease that was `given` if any; a drive without an end goes over into another."""
+        if self.holds and not bounded(self.motion) and not bounded(motion):
+            self.change(motion)
+            return
+        self.release("another motion begins")
+        self.motion = motion
+        self.lease = LeaseClient(self._transport, target, motion, given=given)
+
+    def change(self, motion: Message) -> None:
+        """Go on so under the same lease."""
+        self.motion = motion
+        if self.lease is not None:
+            self.lease.keep(motion)
+
+    def step(self, results: Iterable[GoalResult] = (), gone: Reason | None = None) -> Reason | None:
+        """Read the answers, and renew; who wanted the motion may be `gone`. Return why it is over, if it is since."""
+        lease = self.lease
+        if lease is None or lease.ended is not None:
+            return None
+        for result in results:
+            lease.hear(result)
+        lease.step()
+        if lease.ended is None and gone is not None:
+            lease.release(gone.text, lost=gone.code == "holder_gone")
+            return gone
+        if self._renewal is None:
+            lease.keep(self.motion)
+        elif lease.renewal_due:
+            lease.send(self._renewal)
+        return lease.ended
+
+    def release(self, why: str, *, lost: bool = False, by: str = "", at_once: bool = False) -> PendingReply | None:
+        """Stand still, if it is still ours to stop or may become so."""
+        lease, self.lease = self.lease, None
+        return lease.release(why, lost=lost, by=by, at_once=at_once) if lease is not None else None
