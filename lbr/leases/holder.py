@@ -66,6 +66,11 @@ class Holder:
         return self.lease.ended if self.lease is not None else None
 
     @property
+    def good(self) -> bool:
+        """Return whether the last motion ended as planned."""
+        return self.lease is not None and self.lease.good
+
+    @property
     def outcome(self) -> Outcome | None:
         """Return the end of the motion, or for one without an end that it has begun."""
         if self.lease is None:
@@ -74,14 +79,19 @@ class Holder:
             return Outcome(self.lease.good, self.lease.ended)
         return Outcome(True, Reason("done", "it drives")) if self.holds and not bounded(self.motion) else None
 
-    def begin(self, target: LeaseTarget, motion: Message, *, given: CommandReply | None = None) -> None:
-        """Move so from now on, by a lease that was `given` if any; a drive without an end goes over into another."""
-        if self.holds and not bounded(self.motion) and not bounded(motion):
+    def begin(self, target: LeaseTarget, motion: Message, *, given: CommandReply | None = None) -> LeaseClient:
+        """Move so from now on, by a lease that was `given` if any.
+
+        A drive without an end goes over into another under the same lease.
+        """
+        if self.lease is not None and self.lease.holds and not bounded(self.motion) and not bounded(motion):
             self.change(motion)
-            return
-        self.release("another motion begins")
+            return self.lease
+        if given is None:
+            self.release("another motion begins")
         self.motion = motion
         self.lease = LeaseClient(self._transport, target, motion, given=given)
+        return self.lease
 
     def change(self, motion: Message) -> None:
         """Go on so under the same lease."""

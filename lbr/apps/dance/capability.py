@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lbr.apps.dance import metronome, songs
-from lbr.apps.dance.base_client import BaseClient
-from lbr.apps.dance.choreography import Choreography, beat_at, choose
+from lbr.apps.dance.choreography import REST, Choreography, Move, beat_at, choose
 from lbr.apps.dance.kind import DanceSettings
 from lbr.apps.dance.messages import DanceCommand, DanceState, DanceStep
 from lbr.apps.dance.music import Music
@@ -14,9 +13,15 @@ from lbr.apps.dance.songs import Song
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
+from lbr.leases.client import LeaseTarget
+from lbr.leases.holder import Holder
 from lbr.messages.codes import Reason
+from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand
 
+DRIVE = LeaseTarget("motion", "halt", "drive", "the drive does not answer; the base has stopped by itself")
+TAKING_POWER = 0.001
+"""No lease is given for standing still; so much moves nothing, and a stop from now on ends what has not begun yet."""
 DANCING_HZ, IDLE_HZ = 50.0, 5.0
 STATE_EVERY_S = 1.0
 RESTING = DanceState(phase="resting")
@@ -31,10 +36,11 @@ class _Dance:
 
     song: Song
     choreography: Choreography
-    mover: BaseClient
+    holder: Holder
     call: Call | None
     music: Music | None = None
     beat: int = 0
+    moves: int = 0
 
 
 class Dance(Capability[DanceSettings]):
@@ -88,14 +94,15 @@ class Dance(Capability[DanceSettings]):
         except OSError as err:
             raise InputError(f"{self._music} takes no songs ({err.strerror or err}); check the disk", "failed") from err
         song = songs.load(self._music, command.song)
-        self._dance = _Dance(song, choreography, BaseClient(self.ctx, choreography.at(0)), call)
+        self._dance = _Dance(song, choreography, Holder(self.ctx), call)
+        self._dance.holder.begin(DRIVE, DriveCommand(power=TAKING_POWER, angle_deg=choreography.at(0).angle_deg))
+        self._dance.holder.change(_command(REST))
         self.rate_hz = DANCING_HZ
 
     def _go_on(self, dance: _Dance) -> None:
-        dance.mover.step()
-        if dance.mover.ended:
-            self._end(dance.mover.ended)
-        elif dance.mover.holds:
+        if ended := dance.holder.step():
+            self._end(ended)
+        elif dance.holder.holds:
             self._follow(dance)
 
     def _follow(self, dance: _Dance) -> None:
@@ -117,8 +124,9 @@ class Dance(Capability[DanceSettings]):
             longest_s = self.ctx.settings.max_s
             self._end(Reason("limit", f"{longest_s:g} s are the longest dance; the setting `max_s` says so"))
         elif beat >= 0:
-            dance.mover.move(dance.choreography.at(beat))
-            dance.mover.step()
+            command = _command(dance.choreography.at(beat))
+            dance.moves += command != dance.holder.motion
+            dance.holder.change(command)
             dance.beat = beat + 1
 
     def _answer(self, dance: _Dance, call: Call) -> None:
@@ -134,7 +142,7 @@ class Dance(Capability[DanceSettings]):
         dance, self._dance = self._dance, None
         if dance is None:
             return
-        dance.mover.release()
+        dance.holder.release("the dance is over")
         if dance.music is not None and why.code != "done":
             dance.music.stop()
         if dance.call is not None:
@@ -153,7 +161,7 @@ class Dance(Capability[DanceSettings]):
             dance=dance.choreography.name,
             beat=dance.beat,
             beats=len(dance.song.beats),
-            moves=dance.mover.changes,
+            moves=dance.moves,
             reason=reason,
         )
 
@@ -164,3 +172,7 @@ class Dance(Capability[DanceSettings]):
         if state != self._told or now >= self._tell_at:
             self._told, self._tell_at = state, now + STATE_EVERY_S
             self.ctx.publish("state", state)
+
+
+def _command(move: Move) -> DriveCommand:
+    return DriveCommand(power=move.power, angle_deg=move.angle_deg)

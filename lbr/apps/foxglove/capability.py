@@ -3,6 +3,7 @@ robot."""
 
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, cast
 
@@ -48,7 +49,9 @@ from lbr.bus.door import LanUser
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
 from lbr.errors import BusError, DeviceError, InputError, LbrError, MalformedError
-from lbr.leases.client import RENEW_S, LeaseClient, LeaseTarget
+from lbr.leases.client import LeaseTarget
+from lbr.leases.holder import Holder
+from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint
 from lbr.messages.kinematics import Wheel
 from lbr.messages.leases import CommandReply
@@ -59,7 +62,8 @@ SWITCH_S = 0.0005
 TELL_S = 1.0
 REQUESTS_HZ = 50.0
 ENDS = "the bridge ends; it comes back at once if its rows were changed"
-LOST = "the connection to Foxglove is gone"
+LOST = Reason("holder_gone", "the connection to Foxglove is gone")
+LATE = Reason("timeout", "it took too long")
 _results = Decoder(ConsoleResult)
 
 
@@ -67,10 +71,8 @@ class Goal(Struct):
     """Motion with an end, which a word began: renewed until it is there, and no longer than its client is."""
 
     viewer: Viewer
-    lease: LeaseClient
-    payload: dict[str, Any]
+    holder: Holder
     until_s: float
-    next_s: float
 
 
 class Door(BaseRoute):
@@ -195,9 +197,7 @@ class Foxglove(Capability[FoxgloveSettings]):
     def close(self) -> None:
         """Stop serving, and what was moved in its clients' names."""
         self._bridge.close(ENDS)
-        for goal in self._goals:
-            _release(goal, ENDS)
-        self._goals.clear()
+        self._release(self._goals, ENDS)
         if self._serving is None:
             return
         self.api.release(ENDS)
@@ -229,7 +229,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         if service.word == STOP:
             self.api.stopped(came_s)
         if service.word in {STOP, ESTOP}:
-            self._goals = [goal for goal in self._goals if not (goal.viewer is viewer and _release(goal, "stopped"))]
+            self._release([goal for goal in self._goals if goal.viewer is viewer], "stopped")
             if service.word == ESTOP:
                 return {"code": 0, "text": "the emergency stop is engaged"}
             question = self.api.line(STOP, role="view", source=source_of(client), timeout_s=LINE_S)
@@ -251,29 +251,26 @@ class Foxglove(Capability[FoxgloveSettings]):
         at = {"motion": hold.key, **({"halt": hold.stop_key} if hold.stop_key else {})}
         transport = self._bus.transport(source_of(viewer.client), at, self.ctx.wake)
         target = LeaseTarget("motion", halt="halt" if "halt" in at else "")
-        now = self.ctx.clock()
         payload = {name: value for name, value in hold.payload.items() if name != "lease"}
-        lease = LeaseClient(transport, target, given=given)
-        self._goals.append(Goal(viewer, lease, payload, now + hold.max_run_s, now))
+        goal = Goal(viewer, Holder(transport), self.ctx.clock() + hold.max_run_s)
+        goal.holder.begin(target, payload, given=given)
+        self._goals.append(goal)
         return text
 
     def _renew(self, now: float) -> None:
         left = []
         for goal in self._goals:
-            try:
-                goal.lease.step()
-                if goal.lease.ended is not None:
-                    continue
-                if goal.viewer.gone or now >= goal.until_s:
-                    _release(goal, LOST if goal.viewer.gone else "it took too long", lost=goal.viewer.gone)
-                    continue
-                if now >= goal.next_s:
-                    goal.next_s = now + RENEW_S
-                    goal.lease.keep(goal.payload)
-            except BusError:
-                continue
-            left.append(goal)
+            with suppress(BusError):
+                goal.holder.step(gone=LOST if goal.viewer.gone else LATE if now >= goal.until_s else None)
+                if goal.holder.asks:
+                    left.append(goal)
         self._goals = left
+
+    def _release(self, goals: list[Goal], why: str) -> None:
+        for goal in goals:
+            with suppress(LbrError):
+                goal.holder.release(why)
+        self._goals = [goal for goal in self._goals if goal.holder.asks]
 
     def _show(self, told: Any) -> None:
         """Number what is shown anew; a number stays with what it was for, so that clients keep what they hear."""
@@ -375,12 +372,3 @@ def numbered(found: Mapping[str, Any], before: Mapping[str, int]) -> dict[str, i
     next_ = max(before.values(), default=0) + 1
     new = [name for name in sorted(found) if name not in before]
     return {name: before[name] for name in found if name in before} | {name: next_ + at for at, name in enumerate(new)}
-
-
-def _release(goal: Goal, why: str, *, lost: bool = False) -> bool:
-    try:
-        if goal.lease.ended is None:
-            goal.lease.release(why, lost=lost)
-    except LbrError:
-        return True
-    return True

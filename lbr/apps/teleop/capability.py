@@ -9,8 +9,8 @@ from lbr.apps.teleop.lines import Lines
 from lbr.capability.base import Capability
 from lbr.capability.context import Context, PendingReply
 from lbr.errors import DeviceError
-from lbr.leases.client import LeaseClient, LeaseTarget
-from lbr.leases.holder import FINAL, GONE
+from lbr.leases.client import LeaseTarget
+from lbr.leases.holder import FINAL, GONE, Holder
 from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult, TwistCommand
 from lbr.messages.gamepad import GamepadState, TeleopState
@@ -32,7 +32,7 @@ class Teleop(Capability[TeleopSettings]):
         super().__init__(ctx)
         self._hand = Hand(ctx.settings)
         self._lines = Lines(ctx)
-        self._lease: LeaseClient | None = None
+        self._holder = Holder(ctx)
         self._stops: list[PendingReply] = []
         self._stepped_at = ctx.clock()
         self._why = Reason("idle", "")
@@ -64,7 +64,7 @@ class Teleop(Capability[TeleopSettings]):
         results = [one.message for one in self.ctx.take("results") if isinstance(one.message, GoalResult)]
         self._lines.step(results, stands)
         self._read_stops()
-        self.rate_hz = DRIVING_HZ if self._lease is not None or self._lines.moving else RESTING_HZ
+        self.rate_hz = DRIVING_HZ if self._holder.asks or self._lines.moving else RESTING_HZ
         self._tell(twist, now)
 
     def woke(self, slept_s: float) -> None:  # noqa: ARG002 - however long
@@ -73,7 +73,7 @@ class Teleop(Capability[TeleopSettings]):
 
     def close(self) -> None:
         """Have what moves stand."""
-        self._release("teleop is shutting down")
+        self._holder.release("teleop is shutting down")
         self._lines.halt("teleop is shutting down")
 
     def _say(self, word: str, now: float) -> None:
@@ -81,42 +81,34 @@ class Teleop(Capability[TeleopSettings]):
             case "estop":
                 self.ctx.engage_estop(BY_HAND)
             case "stop":
-                self._release(BY_HAND)
+                self._holder.release(BY_HAND)
                 self._lines.halt(BY_HAND)
                 self._stops.append(self.ctx.ask("stop_all", StopCommand(reason=BY_HAND, whole=True), STOP_S))
             case line:
                 self._lines.say(line, self._hand.stands(now))
 
     def _drive(self, twist: Twist) -> None:
-        if self._lease is not None:
-            self._lease.step()
-            if self._lease.ended is not None:
-                self._lost(self._lease.ended)
-                return
-        if twist == REST:
-            self._release(self._why.text)
-            return
-        self._ended = None
-        command = TwistCommand(**twist._asdict(), ttl_s=self.ctx.settings.ttl_s)
-        if self._lease is None:
-            self._lines.halt("the sticks are used")
-            self._lease = LeaseClient(self.ctx, DRIVE, command)
-        else:
-            self._lease.keep(command)
+        rests = self._why if twist == REST else None
+        ended = self._holder.step(gone=rests)
+        if ended is not None and ended is not rests:
+            self._lost(ended)
+        elif rests is None:
+            self._ended = None
+            command = TwistCommand(**twist._asdict(), ttl_s=self.ctx.settings.ttl_s)
+            if self._holder.asks:
+                self._holder.change(command)
+            else:
+                self._lines.halt("the sticks are used")
+                self._holder.begin(DRIVE, command)
 
     def _lost(self, why: Reason) -> None:
         """Give up: after a stop or where another drives the dead-man button must be pressed again, else the sticks
         centred."""
-        self._lease, self._ended = None, why
+        self._ended = why
         if why.code in FINAL:
             self._hand.let_go()
         else:
             self._hand.centre()
-
-    def _release(self, why: str) -> None:
-        lease, self._lease = self._lease, None
-        if lease is not None:
-            lease.release(why)
 
     def _read_stops(self) -> None:
         """Tell of a stop that not everything has answered."""
@@ -128,7 +120,7 @@ class Teleop(Capability[TeleopSettings]):
                 self.ctx.event("teleop_stop", text, level="error", code="unreachable")
 
     def _tell(self, twist: Twist, now: float) -> None:
-        driving = self._lease is not None
+        driving = self._holder.asks
         why = self._ended if self._ended is not None and not driving else self._why
         state = TeleopState(
             pad=self._hand.heard,

@@ -4,8 +4,8 @@ held."""
 from typing import Any, NamedTuple
 
 from lbr.capability.context import Context, PendingReply
-from lbr.leases.client import LeaseClient, LeaseTarget
-from lbr.leases.holder import GONE, RESULT_S
+from lbr.leases.client import LeaseTarget
+from lbr.leases.holder import GONE, RESULT_S, Holder
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply
@@ -35,12 +35,13 @@ class Lines:
     def __init__(self, ctx: Context[Any]) -> None:
         self._ctx = ctx
         self._said: list[_Said] = []
-        self._moving: tuple[str, LeaseClient, Hold] | None = None
+        self._holder = Holder(ctx)
+        self._line = self._key = ""
 
     @property
     def moving(self) -> str:
         """Return the line whose motion goes on."""
-        return self._moving[0] if self._moving is not None else ""
+        return self._line if self._holder.asks else ""
 
     def say(self, line: str, stands: Reason | None) -> None:
         """Say a line, unless there is a reason why nothing may move; too many that wait for answers are nobody who
@@ -55,27 +56,13 @@ class Lines:
         for one in [one for one in self._said if one.question.answers() is not None]:
             self._said.remove(one)
             self._hear(one, next(iter((one.question.answers() or {}).values()), None))
-        if self._moving is None:
-            return
-        line, lease, hold = self._moving
-        for result in results:
-            lease.hear(result)
-        lease.step()
-        if lease.ended is not None:
-            self._moving = None
-            if not lease.good:
-                self._tell(line, lease.ended)
-        elif stands is not None:
-            self.halt(stands.text)
-            self._tell(line, stands)
-        else:
-            lease.keep({name: value for name, value in hold.payload.items() if name != "lease"})
+        ended = self._holder.step(results, stands)
+        if ended is not None and not self._holder.good:
+            self._tell(self._line, ended)
 
     def halt(self, why: str) -> None:
         """Have what a line moves stand."""
-        moving, self._moving = self._moving, None
-        if moving is not None:
-            moving[1].release(why)
+        self._holder.release(why)
 
     def _hear(self, said: _Said, answer: object) -> None:
         if not isinstance(answer, ConsoleResult):
@@ -91,11 +78,13 @@ class Lines:
         if capability not in (self._ctx.targets(motion) if motion else ()):
             self._tell(line, Reason("not_possible", f"what {capability}/{command} moves cannot be held by a gamepad"))
             return
-        if self._moving is not None and not self._moving[2].key.startswith(hold.key.rpartition("/")[0]):
+        if not self._key.startswith(hold.key.rpartition("/")[0]):
             self.halt("another line moves something else")
         given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
         target = LeaseTarget(motion, halt, kind, f"{kind}: {GONE}", result_s=RESULT_S)
-        self._moving = (line, LeaseClient(self._ctx, target, given=given), hold)
+        self._line, self._key = line, hold.key
+        payload = {name: value for name, value in hold.payload.items() if name != "lease"}
+        self._holder.begin(target, payload, given=given)
 
     def _tell(self, line: str, why: Reason) -> None:
         self._ctx.event("teleop_line", f"'{line}': {why}", level="warning", code=why.code)

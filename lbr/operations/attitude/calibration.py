@@ -7,9 +7,12 @@ from pathlib import Path
 
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
+from lbr.leases.client import LeaseTarget
+from lbr.leases.holder import Holder
 from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress
 from lbr.messages.calibration import CalibrationValue, measured, values
 from lbr.messages.codes import Code, Reason
+from lbr.messages.drive import DriveCommand
 from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply
 from lbr.operations.attitude import picture
@@ -20,8 +23,9 @@ from lbr.operations.attitude.gravity import Gravity
 from lbr.operations.attitude.picture import Drawing, Points
 from lbr.operations.attitude.samples import FOLDER, MOST, Samples, load, save
 from lbr.operations.attitude.settings import AttitudeSettings
-from lbr.operations.attitude.spin import Spin
 
+DRIVE = LeaseTarget("motion", "halt", "drive", "the drive does not answer")
+CLOCKWISE_DEG, ANTICLOCKWISE_DEG = 90.0, 270.0
 TURN, LOOK = "-", "-c"
 TELL_S = 0.2
 STUCK_S = 3.0
@@ -33,7 +37,7 @@ HEADING_S = 2.0
 class Collection:
     """Samples that come in while the body spins, and how far that is."""
 
-    def __init__(self, command: CalibrateCommand, call: Call, spin: Spin, epoch: str, now: float) -> None:
+    def __init__(self, command: CalibrateCommand, call: Call, spin: Holder, epoch: str, now: float) -> None:
         self.wanted = command.samples
         self.keeps = command.source == TURN
         self.call: Call | None = call
@@ -46,19 +50,24 @@ class Collection:
         self._found, self._found_s = 0, now
 
     @property
+    def turns(self) -> bool:
+        """Say whether the drive took the command."""
+        return self.spin.lease is not None and self.spin.lease.accepted is not None
+
+    @property
     def complete(self) -> bool:
         """Say whether there are as many as wanted, from all of a turn."""
         return len(self.samples) >= self.wanted and (self.samples.coverage >= 1.0 or len(self.samples) >= MOST)
 
     def is_stuck(self, turned_deg: float, now: float) -> bool:
         """Say whether the body has not turned for a while although it should."""
-        if not self.spin.began or abs(turned_deg - self._moved_from_deg) > STUCK_DEG:
+        if not self.turns or abs(turned_deg - self._moved_from_deg) > STUCK_DEG:
             self._moved_s, self._moved_from_deg = now, turned_deg
         return now - self._moved_s > STUCK_S
 
     def hears_nothing(self, now: float, every_s: float) -> bool:
         """Say whether the compass has measured nothing for a while."""
-        if not self.spin.began or len(self.samples) != self._found:
+        if not self.turns or len(self.samples) != self._found:
             self._found, self._found_s = len(self.samples), now
         return now - self._found_s > STUCK_S + every_s
 
@@ -100,14 +109,14 @@ class Calibration:
         if self._collection is None:
             return False
         why = Reason(code, reason)
-        self._collection.spin.halt(why)
+        self._collection.spin.release(reason)
         self._give_up(self._collection, why)
         return True
 
     def take(self, sample: ImuSample) -> None:
         """Keep a sample, right after the fusion has felt it."""
         collection, turned_deg = self._collection, self._fusion.turned_deg
-        if collection is not None and collection.spin.began and turned_deg is not None:
+        if collection is not None and collection.turns and turned_deg is not None:
             collection.samples.take(sample, turned_deg, self._ctx.settings.sample_s)
 
     def published(self, state: AttitudeState) -> None:
@@ -136,21 +145,26 @@ class Calibration:
         if not state.valid:
             call.refuse(f"how the body turns is not known: {state.reason}", "stale_sensor")
             return
-        spin = Spin(self._ctx, self._ctx.settings.spin_power)
+        spin = Holder(self._ctx)
+        spin.begin(DRIVE, self._turn(CLOCKWISE_DEG))
         self._collection = Collection(command, call, spin, state.epoch, self._ctx.clock())
         self._collect(self._collection)
 
+    def _turn(self, angle_deg: float) -> DriveCommand:
+        return DriveCommand(power=self._ctx.settings.spin_power, angle_deg=angle_deg)
+
     def _collect(self, collection: Collection) -> None:
-        now, settings, spin = self._ctx.clock(), self._ctx.settings, collection.spin
+        now, settings = self._ctx.clock(), self._ctx.settings
         legs = int((now - collection.since_s) / settings.reverse_s)
-        spin.step(1 if legs % 2 == 0 else -1)
-        if spin.began and collection.call is not None:
+        ended = collection.spin.step()
+        collection.spin.change(self._turn(CLOCKWISE_DEG if legs % 2 == 0 else ANTICLOCKWISE_DEG))
+        if collection.turns and collection.call is not None:
             collection.call.reply(CommandReply(accepted=True, reason="turning on the spot to calibrate the compass"))
             collection.call = None
         state = self._fusion.state(now)
         found, wanted = len(collection.samples), collection.wanted
-        if spin.ended:
-            self._give_up(collection, spin.ended)
+        if ended is not None:
+            self._give_up(collection, ended)
         elif not state.valid or state.epoch != collection.epoch:
             self.stop(
                 f"how the body turns is not known any more: {state.reason or 'samples were missing'}", "stale_sensor"
@@ -190,7 +204,7 @@ class Calibration:
         self._refused(len(collection.samples), collection.wanted, collection.samples.coverage, reason)
 
     def _finish(self, collection: Collection) -> None:
-        collection.spin.halt(Reason("done", "the samples for the compass are collected"))
+        collection.spin.release("the samples for the compass are collected")
         self._collection = None
         file = self._save(collection.samples)
         if collection.keeps:

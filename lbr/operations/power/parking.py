@@ -4,7 +4,9 @@ released."""
 from typing import Protocol
 
 from lbr.capability.context import PendingReply, Received
-from lbr.leases.client import ANSWER_S, LeaseClient, LeaseTarget, Transport
+from lbr.leases.client import ANSWER_S, LeaseTarget, Transport
+from lbr.leases.holder import Holder
+from lbr.messages.codes import Reason
 from lbr.messages.joints import PlayCommand, TorqueCommand
 from lbr.messages.leases import CommandReply
 from lbr.operations.power import PowerSettings
@@ -36,44 +38,37 @@ class Parking:
         self._ctx = ctx
         self._settings = settings
         self._until = ctx.clock() + settings.park_s
-        self._play = PlayCommand(motion=settings.park_motion or "none")
-        self._lease: LeaseClient | None = None
+        self._holder = Holder(ctx, renewal=PlayCommand(motion=settings.park_motion or "none"))
         self._asked: PendingReply | None = None
         self._ask_at = 0.0
         ctx.take("parked")
         if settings.park_motion and ctx.targets(MOTIONS.motion):
-            self._lease = LeaseClient(ctx, MOTIONS, PlayCommand(motion=settings.park_motion, take_over=True))
+            self._holder.begin(MOTIONS, PlayCommand(motion=settings.park_motion, take_over=True))
         else:
             self._release_joints()
 
     def step(self) -> None:
         """Go on; called often."""
-        if self._lease is not None:
-            self._follow(self._lease, self._ctx.clock())
+        if self._holder.lease is not None:
+            self._follow(self._ctx.clock())
         elif not self.done:
             self._release(self._ctx.clock())
 
     def stop(self) -> None:
         """End it where it is; joints hold, or stay released."""
-        if self._lease is not None:
-            self._lease.release("the shutdown is off")
-        self._lease, self.done = None, True
+        self._holder.release("the shutdown is off")
+        self.done = True
 
-    def _follow(self, lease: LeaseClient, now: float) -> None:
-        for received in self._ctx.take("parked"):
-            lease.hear(received.message)
-        lease.step()
-        if lease.ended:
-            self._release_joints("" if lease.good else lease.ended.text)
-        elif now >= self._until:
-            lease.release("it took too long")
-            self._release_joints(f"'{self._settings.park_motion}' was not over within {self._settings.park_s:g} s")
-        else:
-            lease.keep(self._play)
+    def _follow(self, now: float) -> None:
+        late = f"'{self._settings.park_motion}' was not over within {self._settings.park_s:g} s"
+        results = [received.message for received in self._ctx.take("parked")]
+        ended = self._holder.step(results, Reason("timeout", late) if now >= self._until else None)
+        if ended is not None:
+            self._release_joints("" if self._holder.good else ended.text)
 
     def _release_joints(self, trouble: str = "") -> None:
         self._note(trouble)
-        self._lease = None
+        self._holder.release("it is over")
         self._until = self._ctx.clock() + self._settings.let_go_s
         self.done = not self._ctx.targets("let_go")
 

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from lbr.apps.dance.base_client import TAKING_POWER
+from lbr.apps.dance.capability import TAKING_POWER
 from lbr.apps.dance.kind import KIND
 from lbr.apps.dance.messages import DanceCommand, DanceStep
 from lbr.capability.context import Received

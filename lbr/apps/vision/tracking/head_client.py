@@ -5,8 +5,8 @@ from typing import NamedTuple
 from msgspec.structs import replace
 
 from lbr.apps.vision.direction import Angles
-from lbr.leases.client import LeaseClient, LeaseTarget, Transport
-from lbr.messages.codes import Reason
+from lbr.leases.client import LeaseTarget, Transport
+from lbr.leases.holder import Holder
 from lbr.messages.joints import JointsCommand
 
 JOINTS = LeaseTarget("move", "halt", "joints operation", "joints operation does not answer; the head holds by itself")
@@ -25,41 +25,24 @@ class Neck(NamedTuple):
     torque: float
 
 
-class HeadClient:
+class HeadClient(Holder):
     """Holds the joints for one following, which was asked for at `asked_s`; looking at `first` gives them their
     strength."""
 
     def __init__(self, ctx: Transport, neck: Neck, first: Angles, asked_s: float) -> None:
-        self._ctx = ctx
+        super().__init__(ctx, renewal=RENEWAL)
+        self._clock = ctx.clock
         self._neck = neck
         self._sent, self._sent_at = first, ctx.clock()
-        self._lease = LeaseClient(ctx, JOINTS, replace(self._command(first), torque=neck.torque, asked_s=asked_s))
-
-    @property
-    def ended(self) -> Reason | None:
-        """Return why the head is not ours to move any more, if it is not."""
-        return self._lease.ended
-
-    @property
-    def holds(self) -> bool:
-        """Return whether it is."""
-        return self._lease.holds
+        self.begin(JOINTS, replace(self._command(first), torque=neck.torque, asked_s=asked_s))
 
     def look(self, wanted: Angles) -> None:
         """Read the answers; look there from now on, or renew the lease."""
-        self._lease.step()
-        if not self.holds:
-            return
-        now = self._ctx.clock()
-        if wanted != self._sent and now - self._sent_at >= EVERY_S:
-            if self._lease.send(self._command(wanted)) is not None:
-                self._sent, self._sent_at = wanted, now
-        elif self._lease.renewal_due:
-            self._lease.send(RENEWAL)
-
-    def release(self, why: str) -> None:
-        """Have the joints hold, if they are still ours or may become so."""
-        self._lease.release(why)
+        self.step()
+        now = self._clock()
+        due = wanted != self._sent and now - self._sent_at >= EVERY_S
+        if due and self.lease is not None and self.lease.send(self._command(wanted)) is not None:
+            self._sent, self._sent_at = wanted, now
 
     def _command(self, wanted: Angles) -> JointsCommand:
         return JointsCommand(

@@ -6,7 +6,8 @@ from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot
 from lbr.leases.client import LeaseClient, LeaseTarget
-from lbr.messages.codes import Reason, heard
+from lbr.leases.holder import Holder
+from lbr.messages.codes import Reason
 from lbr.messages.joints import PlayCommand
 
 LENDER = LeaseTarget("play", "stop_motion", "motions", "'motions' does not answer any more")
@@ -21,13 +22,13 @@ class Player:
         self._robot = robot
         self._lost = lost
         self._command = PlayCommand(motion="none")
-        self._lease: LeaseClient | None = None
+        self._holder = Holder(robot.ctx)
         self._until: float | None = None
         self._why: Reason | None = None
 
     def busy(self, now: float) -> str:
         """Return what is being played, by whomever, and for how long; empty if nothing is."""
-        if self._lease is not None:
+        if self._holder.asks:
             left = "" if self._until is None else f" for another {max(0.0, self._until - now):.1f} s"
             return f"busy: '{self._command.motion}' plays{left}"
         heard, state = self._robot.snapshot.motions, self._robot.snapshot.motions_state
@@ -40,37 +41,28 @@ class Player:
         if why := self.busy(self._robot.now()):
             raise Refused(409, why, code="busy")
         self._command, self._until = PlayCommand(motion=motion), None
-        lease = self._lease = LeaseClient(self._robot.ctx, LENDER, self._command)
-        await until(lambda: lease.accepted is not None or self._lease is not lease)
+        lease = self._holder.begin(LENDER, self._command)
+        await until(lambda: lease.accepted is not None or lease.ended is not None)
         if lease.accepted is None:
             raise Refused(409, self._why or "it has ended", code=None if self._why else "done")
 
     def step(self, now: float) -> None:
         """Read the answers, renew, and see the end."""
-        lease = self._lease
-        if lease is None:
-            return
-        lease.step()
-        if lease.holds and self._until is None:
+        ended = self._holder.step(self._robot.played)
+        if self._holder.holds and self._until is None:
             self._until = now + self._takes_s()
-        goal = lease.accepted.goal if lease.accepted is not None else None
-        ended = next((result for result in self._robot.played if result.goal == goal), None)
-        if ended is not None:
-            self._end(None if ended.result == "reached" else heard(ended.code, ended.reason or ended.result))
-        elif lease.ended:
-            self._end(lease.ended)
-        elif lease.renewal_due:
-            lease.send(self._command)
+        if ended is not None and self._holder.lease is not None:
+            self._end(self._holder.lease, ended)
 
     def stop(self, why: str) -> None:
         """End what is played here."""
-        if self._lease is not None:
-            self._lease.release(why)
-            self._end(Reason("stopped", why))
+        if self._holder.lease is not None and self._holder.asks:
+            self._end(self._holder.lease, Reason("stopped", why))
+            self._holder.release(why)
 
-    def _end(self, why: Reason | None) -> None:
-        lease, self._lease, self._why = self._lease, None, why
-        if why and lease is not None and lease.accepted is not None:
+    def _end(self, lease: LeaseClient, why: Reason) -> None:
+        self._why = None if lease.good else why
+        if self._why is not None and lease.accepted is not None:
             self._lost(why.text)
 
     def _takes_s(self) -> float:
