@@ -1,9 +1,10 @@
 """One motion after another by leases like anyone's: renewed while it is wanted, given up whenever it is not."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from lbr.leases.client import LeaseClient, LeaseTarget, Message, PendingReply, Transport
+from lbr.messages.beacon import SeekCommand
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand
 from lbr.messages.joints import PlayCommand
@@ -17,18 +18,12 @@ TARGETS: Mapping[type, LeaseTarget] = {
     TurnCommand: LeaseTarget("turn", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
     HeadingCommand: LeaseTarget("heading", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
     PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
+    SeekCommand: LeaseTarget("seek", "seek_halt", "beacon", f"the beacon: {GONE}", result_s=RESULT_S),
 }
 """The lenders of each motion, for a capability that has requests of these names."""
 FINAL = frozenset({"stopped", "stopped_since", "taken_over", "held", "estop", "role", "denied", "shutting_down"})
 """Why a command ends, or is refused, when a person wants the robot to stand, or has it: then all that was planned is
 over."""
-
-
-class Outcome(NamedTuple):
-    """How an order ended: `good` as planned, and why by the list of codes."""
-
-    good: bool
-    why: Reason
 
 
 def bounded(motion: Any) -> bool:
@@ -69,15 +64,6 @@ class Holder:
     def good(self) -> bool:
         """Return whether the last motion ended as planned."""
         return self.lease is not None and self.lease.good
-
-    @property
-    def outcome(self) -> Outcome | None:
-        """Return the end of the motion, or for one without an end that it has begun."""
-        if self.lease is None:
-            return None
-        if self.lease.ended is not None:
-            return Outcome(self.lease.good, self.lease.ended)
-        return Outcome(True, Reason("done", "it drives")) if self.holds and not bounded(self.motion) else None
 
     def begin(self, target: LeaseTarget, motion: Message, *, given: CommandReply | None = None) -> LeaseClient:
         """Move so from now on, by a lease that was `given` if any.

@@ -48,8 +48,9 @@ async def begun(robot, motion):
 
 
 async def soon(look):
+    """Wait until it is so; it looks in a thread, since a query of the bus would hold up what the loop renews."""
     for _ in range(500):
-        if look():
+        if await asyncio.to_thread(look):
             return
         await asyncio.sleep(0.01)
     raise AssertionError(look)

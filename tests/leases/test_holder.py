@@ -31,11 +31,11 @@ def stepped(drive, holder, seconds, *, results=(), gone=None):
 
 def test_a_motion_is_repeated_ten_times_a_second_under_its_lease(drive):
     holder = Holder(drive)
-    assert (holder.asks, holder.holds, holder.outcome) == (False, False, None)
+    assert (holder.asks, holder.holds, holder.ended) == (False, False, None)
     holder.begin(TARGET, METRE)
     assert (holder.asks, holder.holds) == (True, False)
     assert stepped(drive, holder, 1.0) == []
-    assert (holder.asks, holder.holds, holder.outcome) == (True, True, None)
+    assert (holder.asks, holder.holds, holder.ended) == (True, True, None)
     assert 9 <= len(drive.sent) - 1 <= 11
     assert {message.distance_cm for message in drive.sent} == {100.0}
 
@@ -52,7 +52,7 @@ def test_a_drive_without_an_end_goes_over_into_another_and_any_other_motion_begi
     holder = Holder(drive)
     holder.begin(TARGET, SLOW)
     stepped(drive, holder, 0.1)
-    assert holder.outcome.good
+    assert holder.holds
     holder.begin(TARGET, FAST)
     assert drive.sent[-1].power == 0.4
     assert (drive.sent[-1].lease, drive.halts) == ("L1", [])
@@ -68,7 +68,6 @@ def test_the_end_is_told_once_and_stays_known_until_the_next_motion(drive):
     result = GoalResult(goal="goal-1", result="reached", elapsed_s=1.0, reason="there", code="done")
     assert stepped(drive, holder, 0.1, results=[result]) == [Reason("done", "there")]
     assert (holder.ended, holder.good, holder.asks) == (Reason("done", "there"), True, False)
-    assert holder.outcome == (True, Reason("done", "there"))
     assert holder.release("it is over") is None
     assert (holder.ended, drive.halts) == (None, [])
 

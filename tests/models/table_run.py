@@ -4,11 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lbr.apps.behaviours import files
-from lbr.apps.behaviours.kernel import DONE, Run
+from lbr.apps.behaviours.kernel import DONE, Outcome, Run
 from lbr.apps.behaviours.keys import Look
 from lbr.apps.behaviours.outputs import Halt
 from lbr.apps.behaviours.table import Table, compile_table
-from lbr.leases.holder import Outcome
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import BehaviourTable
 from lbr.messages.codes import Reason

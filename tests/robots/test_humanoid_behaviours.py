@@ -8,12 +8,11 @@ from typing import Any
 import msgspec
 import pytest
 
-from lbr.apps.behaviours.kernel import DONE, Run
+from lbr.apps.behaviours.kernel import DONE, Outcome, Run
 from lbr.apps.behaviours.keys import Key
 from lbr.apps.behaviours.outputs import Wait
 from lbr.apps.behaviours.table import Parts, Table, compile_table, linked
 from lbr.database.shipped import shipped
-from lbr.leases.holder import Outcome
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.messages.codes import Reason
 from lbr.messages.joints import PlayCommand

@@ -8,7 +8,7 @@ from typing import TypeVar
 from msgspec.structs import replace
 
 from lbr.apps.behaviours import texts
-from lbr.apps.behaviours.kernel import DONE, Run
+from lbr.apps.behaviours.kernel import DONE, Outcome, Run
 from lbr.apps.behaviours.kind import BehaviourSettings
 from lbr.apps.behaviours.library import Library
 from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LowBattery
@@ -17,10 +17,8 @@ from lbr.apps.behaviours.senses import Senses
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, PendingReply, Received
 from lbr.errors import InputError
-from lbr.leases.client import LeaseTarget
 from lbr.leases.halts import Halts
-from lbr.leases.holder import GONE, RESULT_S, TARGETS, Holder
-from lbr.messages.beacon import SeekCommand
+from lbr.leases.holder import TARGETS, Holder, bounded
 from lbr.messages.behaviour import (
     BehaviourChecked,
     BehaviourState,
@@ -33,8 +31,6 @@ from lbr.messages.behaviour import (
     WriteBehaviour,
 )
 from lbr.messages.codes import Reason
-from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
-from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import STOPPED_SINCE, CommandReply, StopCommand
 from lbr.messages.rows import Row, RowsChanged
 from lbr.messages.speech import SayCommand
@@ -53,11 +49,6 @@ MOST_FAULTS = 50
 """Of a table, told to a page; what is beyond them is seen once they are mended."""
 MOST_FILES = 8
 """Of pages that look at tables; one a round is looked at, so that no number of them keeps the robot busy."""
-MOTIONS = (DriveCommand, TurnCommand, HeadingCommand, PlayCommand, SeekCommand)
-BORROWED = {
-    **TARGETS,
-    SeekCommand: LeaseTarget("seek", "seek_halt", "beacon", f"the beacon: {GONE}", result_s=RESULT_S),
-}
 RESTING = BehaviourState(phase="resting")
 WATCHED = frozenset({"drive", "joints"})
 """What tells of stops by others: also while nothing of a table moves, a stop is the end of it."""
@@ -261,16 +252,17 @@ class Behaviours(Capability[BehaviourSettings]):
             self._end(run)
 
     def _hear(self, run: Run, now: float) -> None:
-        """Tell the run what became of its motion."""
-        outcome = self._holder.outcome
-        if outcome is None or run.paused:
+        """Tell the run what became of its motion; a drive without an end is done once it has begun."""
+        good, why = self._holder.good, self._holder.ended
+        begun = self._holder.holds and not bounded(self._holder.motion)
+        if run.paused or not (begun or why):
             return
-        if isinstance(run.order, MOTIONS) and run.ticket == self._ticket:
-            if self._holder.ended:
-                self._holder.release("it is over")
-            run.ended(outcome, now)
-        elif run.keeps is not None and self._holder.ended:
+        outcome = Outcome(good, why) if why else Outcome(True, Reason("done", "it drives"))
+        if why:
             self._holder.release("it is over")
+        if isinstance(run.order, Motion) and run.ticket == self._ticket:
+            run.ended(outcome, now)
+        elif run.keeps is not None and why:
             run.lost(outcome)
 
     def _do(self, run: Run, now: float) -> None:
@@ -284,12 +276,12 @@ class Behaviours(Capability[BehaviourSettings]):
             run.ended(DONE, now)
         elif isinstance(order, Aside):
             self._ask_aside(run, order, now)
-        wanted: Motion | None = order if isinstance(order, MOTIONS) else run.keeps
+        wanted: Motion | None = order if isinstance(order, Motion) else run.keeps
         if wanted is None:
             if self._holder.lease is not None:
                 self._holder.release("the table goes on without it")
         elif self._holder.lease is None or (run.ticket != self._ticket and wanted is order):
-            self._holder.begin(BORROWED[type(wanted)], replace(wanted, ttl_s=self.ctx.settings.ttl_s))
+            self._holder.begin(TARGETS[type(wanted)], replace(wanted, ttl_s=self.ctx.settings.ttl_s))
         self._ticket = run.ticket
 
     def _ask_aside(self, run: Run, order: Aside, now: float) -> None:

@@ -9,13 +9,14 @@ It asks for one order at a time, in `order`. Whoever drives it carries that out 
 
 from collections.abc import Callable, Mapping
 from math import inf, isfinite
+from typing import NamedTuple
 
 from lbr.apps.behaviours import outputs
 from lbr.apps.behaviours.cells import Value
 from lbr.apps.behaviours.keys import RUN, VARIABLE, Key, Look
 from lbr.apps.behaviours.outputs import Aside, Assign, CallTable, Order, OutputError, Wait, told
 from lbr.apps.behaviours.table import Condition, Line, State, Table
-from lbr.leases.holder import FINAL, Outcome, bounded
+from lbr.leases.holder import FINAL, bounded
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import RowView, Unmet
 from lbr.messages.codes import Reason
@@ -32,6 +33,13 @@ LONGEST_SEARCH_S = 400.0
 """A search by beams goes along a whole wall, twelve metres and back at walking pace or less, and looks at each step."""
 DEEPEST = 8
 """Tables within tables; a table that runs itself is refused when it is read."""
+
+
+class Outcome(NamedTuple):
+    """How an order ended: `good` as planned, and why by the list of codes."""
+
+    good: bool
+    why: Reason
 
 
 DONE = Outcome(True, Reason("done", "done"))

@@ -311,12 +311,10 @@ class Mqtt(Capability[MqttSettings]):
 
     def _go_on(self) -> None:
         """Renew what moves, and tell how it ended."""
-        self._holder.step([one.message for one in self.ctx.take("results")])
-        if self._moving is None or (outcome := self._holder.outcome) is None:
-            return
-        (ask, _topic), self._moving = self._moving, None
-        self._holder.release("it is over")
-        self._reply(ask, "done" if outcome.good else "failed", outcome.why)
+        ended = self._holder.step([one.message for one in self.ctx.take("results")])
+        if self._moving is not None and ended is not None:
+            (ask, _topic), self._moving = self._moving, None
+            self._reply(ask, "done" if self._holder.good else "failed", ended)
 
     def _end_motion(self, why: Reason) -> None:
         if self._moving is not None:

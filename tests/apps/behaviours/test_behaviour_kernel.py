@@ -7,11 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.apps.behaviours import files
-from lbr.apps.behaviours.kernel import DONE, LONGEST_ORDER_S, Run
+from lbr.apps.behaviours.kernel import DONE, LONGEST_ORDER_S, Outcome, Run
 from lbr.apps.behaviours.keys import Key
 from lbr.apps.behaviours.outputs import CallTable, Halt, Wait
 from lbr.apps.behaviours.table import Table, compile_table
-from lbr.leases.holder import Outcome
 from lbr.messages.behaviour import BehaviourTable
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand

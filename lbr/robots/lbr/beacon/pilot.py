@@ -96,12 +96,11 @@ class Pilot:
     def _ending(self) -> Ending | None:
         if self._broken is not None:
             return self._broken
-        outcome = self._holder.outcome if self._holder.ended else None
-        if outcome is None:
+        good, why = self._holder.good, self._holder.ended
+        if why is None:
             return None
-        code = outcome.why.code
-        final = not outcome.good and (code in FINAL or code == "unreachable")
-        return Ending(good=outcome.good, text=outcome.why.text, code=code, final=final)
+        final = not good and (why.code in FINAL or why.code == "unreachable")
+        return Ending(good=good, text=why.text, code=why.code, final=final)
 
     def _command(self, action: Action) -> DriveCommand | TurnCommand | None:
         match action:
