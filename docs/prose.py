@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parent.parent
 CEILINGS = Path(__file__).with_name("prose.toml")
 LONGEST_WORDS = 25
 GENERATED = ROOT / "docs" / "reference"
-CODE = "code"
+CODE = "Code"
 """What is typed counts as one short word."""
 CONSTRUCTIONS = {
     "the subject is a clause": re.compile(r"^(What|Who|Whoever|Whatever|That which|How|Whether)\b[^?]*$"),
