@@ -48,8 +48,8 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     document between its kind and the executive alone. `host` is the other machine that it runs on, where `certificate`
     (PEM) is the only one that the robot's door may show; both are empty where the robot runs. `source` is the text of
     the user's own file that declares its kind, as it was accepted; empty: the kind is an installed one, or the host has
-    its file. `process` is the one that it shares with others, whose devices are at the addresses `reach`; empty: it has
-    one of its own.
+    its file. `process` is the one that it shares with others; empty: it has one of its own. `reach` are the addresses
+    of all devices of those who share it.
     """
 
     robot: str
@@ -75,26 +75,34 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
     release_key: str = ""
     private: Raw = NOTHING
 
+    @property
+    def places(self) -> tuple[str, ...]:
+        """What must stay within reach of its process: its home, and the devices of all who share it."""
+        return (self.home, *self.reach, *(device.address for device in self.devices))
+
 
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A line from a process to its executive; an empty line is a bare heartbeat.
+    """A line from a process to its executive; one with a number alone is a bare heartbeat.
 
-    `code` says by the list of codes what `reason` says; `learnt` are rows to be written down, by table. In a process
-    that several share, `capability` is whose report it is, and `thread` the kernel's number of the one that its loop
-    runs in.
+    `number` is the order by which the capability began that it is about. `code` says by the list of codes what `reason`
+    says; `learnt` are rows to be written down, by table; `thread` is the kernel's number of the one that its loop runs
+    in.
     """
 
+    number: int = 0
     phase: str = ""
     reason: str = ""
     code: ReasonCode = ""
     counts: dict[str, int] = {}
     learnt: dict[str, Raw] = {}
-    capability: str = ""
     thread: int = 0
 
 
 class Order(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A line to a process that several share: begin with one more, or let one end, by its name."""
+    """A line to a process: `start` a capability, or let the one end that was started by this number.
 
+    No number is given twice, so that nothing that was said of a start is taken for another's.
+    """
+
+    number: int
     start: ProcessConfig | None = None
-    stop: str = ""

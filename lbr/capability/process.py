@@ -1,110 +1,180 @@
-"""A capability's process: `python -m lbr.capability.process`, started by the executive.
+"""A process of capabilities: `python -m lbr.capability.process`, started by the executive.
 
-Its document comes as one line on standard input, which stays open as the lifeline: when it closes, the executive is
-gone, and the process stops its motion and ends, also if it was frozen. If it is shared, further lines are orders to
-begin with one more capability, or to let one end. Every way out that is not a requested stop ends in `os._exit(70)`,
+    executive ── Order, by standard input ──► main thread ──► a thread for each loop ── Report, by number ──► executive
+
+Orders begin with a capability, or let one end; most processes get but one. Standard input stays open as the lifeline:
+when it closes, the executive is gone, and the process stops its motion and ends, also if it was frozen.
+
+Those of one process share the interpreter, the session on the bus and its rights there. Each ends when it is asked to,
+without the others; what fails takes them along, because nobody knows what of the process is still good. One that does
+not even begin has done nothing, and leaves alone. Every way out that is not a requested stop ends in `os._exit(70)`,
 because a thread of the bus library would keep a process alive that Python has left.
 """
 
+import contextlib
 import os
 import signal
+import sys
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from types import FrameType
 
 import msgspec
 
 from lbr.bus import wire
 from lbr.capability import leaving, lifeline
-from lbr.capability.config import ProcessConfig
+from lbr.capability.config import Order, ProcessConfig
 from lbr.capability.confine import confine
-from lbr.capability.loop import Loop
-from lbr.capability.reporter import HEARTBEAT_VARIABLE, Reporter
-from lbr.capability.shared_process import SharedProcess
+from lbr.capability.loop import Garbage, Loop
+from lbr.capability.reporter import HEARTBEAT_VARIABLE, Reporter, Said
+
+PART_OF_CLOSING = 0.8
+"""How much of the time to leave the others get to end in order."""
+SWITCH_S = 0.0005
+"""So soon a loop gets the interpreter that another goes on using: the slowest of a hundred commands came to the motors
+after 5 ms instead of 8, and the usual one no later. Python's own 5 ms is as long as a command takes in all."""
 
 
-def _lines() -> Iterator[bytes]:
+class Member:
+    """A capability that runs here, in a thread of its own: `run(member)`."""
+
+    def __init__(
+        self, number: int, config: ProcessConfig, fd: int, garbage: Garbage, run: "Callable[[Member], None]"
+    ) -> None:
+        self.number = number
+        self.reporter = Reporter(fd, number)
+        self.loop = Loop(config, self.reporter, garbage)
+        self.thread = threading.Thread(target=run, args=(self,), name=config.name, daemon=True)
+
+
+class ProcessHost:
+    """Runs capabilities; `stop` may come from a signal handler. `fd` is the pipe of reports."""
+
+    def __init__(self, fd: int) -> None:
+        self._fd = fd
+        self._garbage = Garbage()
+        self._members: dict[int, Member] = {}
+        self._confined = self._stopping = False
+        self._crashing = threading.Lock()
+
+    def obey(self, order: Order) -> None:
+        """Do what an order says; none begins where all are to end."""
+        if order.start is None:
+            if order.number in self._members:
+                self._members[order.number].loop.stop()
+        elif not self._stopping:
+            self._begin(order.number, order.start)
+
+    def stop(self) -> None:
+        """Ask all of them to end, and the process with the last of them."""
+        self._stopping = True
+        for member in list(self._members.values()):
+            member.loop.stop()
+        self._leave_with_the_last()
+
+    def wait(self) -> None:
+        """Return when all have ended."""
+        for member in list(self._members.values()):
+            member.thread.join()
+
+    def crash(self, err: BaseException, of: Member | None = None) -> None:
+        """End the process, with each loop as far as there is time. Never returns."""
+        self._crashing.acquire()
+        try:
+            leaving.within(leaving.CLOSE_LIMIT_S)
+            members = list(self._members.values())
+            for member in [of] if of is not None else members:
+                member.reporter.phase("failed", leaving.told(err), "failed")
+            for member in members:
+                member.loop.stop()
+            leaving.trace(err)
+            if of is not None:
+                with contextlib.suppress(Exception):  # it has failed already, and the others are still to end
+                    of.loop.close()
+            until = time.monotonic() + PART_OF_CLOSING * leaving.CLOSE_LIMIT_S
+            for member in members:
+                if member.thread is not threading.current_thread() and member.thread.is_alive():
+                    member.thread.join(max(0.0, until - time.monotonic()))
+        finally:
+            os._exit(leaving.CRASHED)
+
+    def _begin(self, number: int, config: ProcessConfig) -> None:
+        member = self._members[number] = Member(number, config, self._fd, self._garbage, self._run)
+        if not self._confined:
+            self._confined = True
+            confine(config.places)
+        if len(self._members) > 1:
+            sys.setswitchinterval(SWITCH_S)
+        try:
+            member.thread.start()
+        except RuntimeError as err:  # this machine gives no more threads now
+            self._gone(member, _left(err))
+
+    def _run(self, member: Member) -> None:
+        try:
+            member.reporter.begins()
+            member.loop.run()
+        except BaseException as err:  # noqa: BLE001 - this thread's outermost frame: stop the motion and leave
+            if member.loop.began:
+                self.crash(err, member)
+            ended: Said = _left(err)
+        else:
+            ended = "ended", "", ""
+        if not self._crashing.locked():  # the process ends: who made it end is told, not this
+            self._gone(member, ended)
+
+    def _gone(self, member: Member, ended: Said) -> None:
+        member.reporter.phase(*ended)
+        del self._members[member.number]
+        self._leave_with_the_last()
+
+    def _leave_with_the_last(self) -> None:
+        if self._stopping and not self._members:
+            os._exit(0)
+
+
+def _left(err: BaseException) -> Said:
+    """Return what is reported of one that did not begin, and write down why."""
+    leaving.trace(err)
+    return "left", leaving.told(err), "failed"
+
+
+def _orders() -> Iterator[Order]:
     """Yield what comes on standard input, line by line, until it closes."""
+    decoder = msgspec.json.Decoder(Order)
     rest = b""
     while part := os.read(0, 65536):
         *lines, rest = (rest + part).split(b"\n")
-        yield from lines
+        yield from map(decoder.decode, lines)
 
 
-def _document(lines: Iterator[bytes]) -> ProcessConfig:
-    for line in lines:
-        return msgspec.json.decode(line, type=ProcessConfig)
-    raise SystemExit("no document on standard input; the executive starts this program")
-
-
-def _obey(lines: Iterator[bytes], process: SharedProcess | Loop) -> None:
-    """Follow orders until the executive is gone, and then end."""
-    for line in lines:
-        if isinstance(process, SharedProcess):
-            process.obey(line)
-    leaving.within(2 * leaving.CLOSE_LIMIT_S)
-    process.stop()
-
-
-def _crash(loop: Loop | None, reporter: Reporter, err: BaseException) -> None:
-    try:
-        leaving.within(leaving.CLOSE_LIMIT_S)
-        reporter.phase("failed", leaving.told(err), "failed")
-        try:
-            if loop is not None:
-                loop.close()
-        finally:
-            leaving.trace(err)
-    finally:
-        os._exit(leaving.CRASHED)
-
-
-def _heed(ends: SharedProcess | Loop) -> None:
+def _heed(host: ProcessHost) -> None:
     """End when asked by a signal."""
 
     def stop(_signal: int, _frame: FrameType | None) -> None:
-        ends.stop()
+        host.stop()
 
     signal.signal(signal.SIGTERM, stop)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole terminal; the executive decides
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
 
 
-def _share(config: ProcessConfig, lines: Iterator[bytes], fd: int) -> None:
-    """Be the process that several share; the main thread hears orders."""
-    shared = SharedProcess(fd)
-    try:
-        wire.on_callback_error = shared.crash
-        threading.excepthook = lambda args: shared.crash(args.exc_value or RuntimeError("thread died"))
-        _heed(shared)
-        shared.begin(config)
-        _obey(lines, shared)
-        shared.wait()
-    except BaseException as err:  # noqa: BLE001 - this thread's outermost frame: stop the motion and leave
-        shared.crash(err)
-
-
 def main() -> None:
-    """Read the document, run the capability, and leave for certain."""
-    fd = int(os.environ[HEARTBEAT_VARIABLE])
-    reporter = Reporter(fd)
-    loop: Loop | None = None
+    """Run what is ordered, and leave for certain."""
+    host = ProcessHost(int(os.environ[HEARTBEAT_VARIABLE]))
     try:
+        wire.on_callback_error = host.crash
+        threading.excepthook = lambda args: host.crash(args.exc_value or RuntimeError("thread died"))
         lifeline.wake(0, os.getpid())
-        lines = _lines()
-        config = _document(lines)
-        confine((config.home, *config.reach, *(device.address for device in config.devices)))
-        if config.process:
-            _share(config, lines, fd)
-        else:
-            loop = running = Loop(config, reporter)
-            wire.on_callback_error = lambda err: _crash(None, reporter, err)
-            threading.excepthook = lambda args: _crash(None, reporter, args.exc_value or RuntimeError("thread died"))
-            _heed(running)
-            threading.Thread(target=_obey, args=(lines, running), daemon=True).start()
-            running.run()
+        _heed(host)
+        for order in _orders():
+            host.obey(order)
+        leaving.within(2 * leaving.CLOSE_LIMIT_S)
+        host.stop()
+        host.wait()
     except BaseException as err:  # noqa: BLE001 - the outermost frame: whatever it is, stop the motion and leave
-        _crash(loop, reporter, err)
+        host.crash(err)
     os._exit(0)
 
 

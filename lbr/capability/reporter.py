@@ -18,8 +18,8 @@ Said = tuple[str, str, ReasonCode]
 BEAT_S = 0.2
 COUNTS_S = 1.0
 HEARTBEAT_VARIABLE = "LBR_HEARTBEAT_FD"
-_whose: ContextVar[str] = ContextVar("whose", default="")
-"""The capability that runs in this thread, in a process that several share."""
+_whose: ContextVar[int] = ContextVar("whose", default=0)
+"""The number by which the capability began that runs in this thread."""
 
 
 def final_report(phase: str, reason: str, code: Code) -> tuple[int, bytes]:
@@ -27,20 +27,19 @@ def final_report(phase: str, reason: str, code: Code) -> tuple[int, bytes]:
 
     To be called in the thread of the capability that it is about.
     """
-    said = Report(phase=phase, reason=reason, code=code, capability=_whose.get())
+    said = Report(phase=phase, reason=reason, code=code, number=_whose.get())
     return int(os.environ.get(HEARTBEAT_VARIABLE, "-1")), _encode(said)
 
 
 class Reporter:
-    """Writes reports to the pipe that the executive gave; one line each. `said` is the phase that it reported last.
-
-    In a process that several share, each has one, which says whose `name` it is.
+    """Writes what a capability reports, which began by order `number`, to the pipe that the executive gave; one line
+    each. `said` is the phase that it reported last.
     """
 
-    def __init__(self, fd: int, name: str = "") -> None:
+    def __init__(self, fd: int, number: int = 0) -> None:
         self._fd = fd
-        self._name = name
-        self._beat = _encode(Report(capability=name)) if name else b"\n"
+        self._number = number
+        self._beat = _encode(Report(number=number))
         self._beat_at = 0.0
         self._counts_at = 0.0
         self.said: Said = ("", "", "")
@@ -50,16 +49,16 @@ class Reporter:
         """Report a change of phase or reason."""
         if (phase, reason, code) != self.said:
             self.said = (phase, reason, code)
-            self._write(_encode(Report(phase=phase, reason=reason[:500], code=code, capability=self._name)))
+            self._write(_encode(Report(phase=phase, reason=reason[:500], code=code, number=self._number)))
 
     def begins(self) -> None:
-        """Report which thread the loop runs in; called by that, in a process that several share."""
-        _whose.set(self._name)
-        self._write(_encode(Report(capability=self._name, thread=threading.get_native_id())))
+        """Report which thread the loop runs in; called by that."""
+        _whose.set(self._number)
+        self._write(_encode(Report(number=self._number, thread=threading.get_native_id())))
 
     def learnt(self, rows: dict[str, msgspec.Raw]) -> None:
         """Report rows to be written down, which must fit into what a pipe takes whole; ValueError says so."""
-        line = _encode(Report(learnt=rows, capability=self._name))
+        line = _encode(Report(learnt=rows, number=self._number))
         if len(line) > PIPE_BUF:
             raise ValueError(f"rows of {len(line)} bytes are too many to learn at once: {PIPE_BUF} at most")
         self._write(line)
@@ -72,7 +71,7 @@ class Reporter:
         self._beat_at = now + BEAT_S
         if now >= self._counts_at:
             self._counts_at = now + COUNTS_S
-            self._write(_encode(Report(counts=counts, capability=self._name)))
+            self._write(_encode(Report(counts=counts, number=self._number)))
         else:
             self._write(self._beat)
 

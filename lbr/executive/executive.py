@@ -24,7 +24,6 @@ from lbr import home
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS
 from lbr.bus.stamp import Origin
-from lbr.capability.config import ProcessConfig
 from lbr.console.outlet import say
 from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
@@ -44,16 +43,15 @@ from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.watch import RowWatch
-from lbr.executive.processes.child import Child, Here, awaited
 from lbr.executive.processes.doors import EXECUTIVE, Doors, core_endpoint, inside_endpoint, local_endpoint
 from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.fork_server import ForkServer
-from lbr.executive.processes.logs import add, open_log, trim_all
+from lbr.executive.processes.logs import add, trim_all
 from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.plugging import Plugging
+from lbr.executive.processes.process_host import Child, ProcessHost
 from lbr.executive.processes.readiness import readiness
 from lbr.executive.processes.reaper import Reaper
-from lbr.executive.processes.shared_child import Member, SharedProcesses
 from lbr.executive.processes.supervisor import Supervisor
 from lbr.executive.remote import host_protocol
 from lbr.executive.remote.remote_hosts import RemoteHosts
@@ -125,7 +123,6 @@ class Executive:
             learnt=self._rows.learnt,
             at_once=machine.at_once(),
         )
-        self._shared = SharedProcesses()
         self._overview = Overview(self._supervisor)
 
     def run(self, *, console: bool) -> int:
@@ -143,6 +140,7 @@ class Executive:
                 closing(Doors(self.plan, self._site, self._main.wake)) as self._doors,
                 self._bus_again() as bus,
             ):
+                self._processes = ProcessHost(home.directory("logs"), self._reaper, self._forks)
                 self._open(bus)
                 try:
                     if console:
@@ -339,7 +337,6 @@ class Executive:
         leaving = terminal.leave()
         self._hosts.end()
         self._supervisor.shut_down(self._wait_and_answer)
-        self._shared.sweep()
         while leaving is not None and leaving.is_alive():  # its last lines may still ask something of this thread
             self._wait(0.02)
         self._external.close()
@@ -363,8 +360,7 @@ class Executive:
         while not self._stopping:
             now = time.monotonic()
             due = self._supervisor.step()
-            self._shared.sweep()
-            for text in self._doors.tidy(child.endpoint for child in self._children()):
+            for text in self._doors.tidy(child.endpoint for _slot, child in self._supervisor.children()):
                 self._happened("link_mended", "executive", text, "warning")
             again = min(self._emergency.step(now), self._hosts.step(now), self._pairings.step(now))
             self._journal.step(now)
@@ -391,10 +387,7 @@ class Executive:
     def _wait(self, timeout_s: float) -> None:
         self._notifier.beat()
         self._reaper.beat()
-        self._main.wait(*awaited(timeout_s, self._supervisor.children()))
-
-    def _children(self) -> list[Here]:
-        return [child for _slot, child in self._supervisor.children() if isinstance(child, Here)]
+        self._main.wait(*self._supervisor.awaited(timeout_s))
 
     def _wait_and_answer(self, timeout_s: float) -> None:
         self._wait(timeout_s)
@@ -476,34 +469,21 @@ class Executive:
         self._happened("restarting", name, why)
         self._supervisor.restart(name)
 
-    def _start(self, unit: ProcessSpec) -> Child | Member | None:
+    def _start(self, unit: ProcessSpec) -> Child | None:
         place = self._doors.place(unit)
         if place is None or self._forks.begins:
             return None
         self._emergency.forget(unit.name)
-        config = replace(unit.config, estop=self._emergency.state(), endpoints=(place.endpoint,))
+        mates = [other for other in self.plan.here.values() if other.process == unit.process]
+        reach = tuple(device.address for mate in mates for device in mate.config.devices)
+        config = replace(unit.config, estop=self._emergency.state(), endpoints=(place.endpoint,), reach=reach)
         if unit.lan is not None:
             bus_certificate()
             inside = inside_endpoint(self.plan.robot, unit.name)
             config = replace(
                 config, private=Raw(msgspec.json.encode(replace(unit.lan, upstream=place.router_id, inside=inside)))
             )
-        log = home.directory("logs") / unit.log
-        if unit.config.process:
-            return self._start_shared(unit, config, log)
-        with open_log(log) as file:
-            return Child(unit, config, file, self._reaper.mark(guarded=unit.guarded), self._forks)
-
-    def _start_shared(self, unit: ProcessSpec, config: ProcessConfig, log: Path) -> Member:
-        sharing = [one for one in self.plan.here.values() if one.config.process == config.process]
-        reach = tuple(device.address for one in sharing for device in one.config.devices)
-        return self._shared.start(
-            unit,
-            replace(config, reach=reach),
-            lambda: open_log(log),
-            self._reaper.mark,
-            self._forks,
-        )
+        return self._processes.start(unit, config)
 
     def _say_how_to_reach(self) -> None:
         robot = self.plan.robot

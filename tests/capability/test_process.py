@@ -16,9 +16,8 @@ import pytest
 from lbr.bus import keys, session, stamp, wire
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
 from lbr.executive.planning.process_specs import ProcessSpec
-from lbr.executive.processes.child import Child
 from lbr.executive.processes.fork_server import ForkServer
-from lbr.executive.processes.logs import open_log
+from lbr.executive.processes.process_host import ProcessHost
 from lbr.executive.processes.reaper import Reaper
 from lbr.executive.processes.restart import UNSEEN, ended_by
 from lbr.messages.system import EstopState
@@ -126,6 +125,7 @@ NOT_ENGAGED = EstopState(engaged=False, reason="")
 class Stage:
     def __init__(self, home: Path, forks: ForkServer | None = None) -> None:
         self.home = home
+        self.log = home / "r-probe.log"
         self.forks = forks
         (home / "capabilities").mkdir(mode=0o700)
         (home / "capabilities" / "probe.py").write_text(textwrap.dedent(PROBE))
@@ -154,8 +154,7 @@ class Stage:
         unit = ProcessSpec(
             name="probe", kind="probe", family="app", moves=True, restart="never", needs=(), config=config
         )
-        with open_log(self.home / "log.txt") as log:
-            self.child = Child(unit, config, log, self.reaper.mark(guarded=unit.guarded), self.forks)
+        self.child = ProcessHost(self.home, self.reaper, self.forks).start(unit, config)
         return self
 
     def heard(self, phase):
@@ -163,7 +162,7 @@ class Stage:
         return [report for report in self.said if report.phase == phase]
 
     def ready(self):
-        until(lambda: self.heard("ready"), what=f"ready; log: {(self.home / 'log.txt').read_text()}")
+        until(lambda: self.heard("ready"), what=f"ready; log: {self.log.read_text()}")
         until(lambda: self.ask("r/probe/count"), what="the process on the bus")
         return self
 
@@ -172,8 +171,16 @@ class Stage:
         return json.loads(answers[0].payload) if answers else None
 
     def ended(self, limit_s=5.0):
-        until(lambda: self.child.returncode() is not None, what="end of the process")
-        return self.child.returncode()
+        def code():
+            self.heard("")
+            return self.child.returncode()
+
+        until(lambda: code() is not None, what="end of the process", limit_s=limit_s)
+        return code()
+
+    def hang_up(self):
+        """Close the lifeline, as the kernel does when the executive dies."""
+        self.child._process._running.stdin.close()
 
     def close(self):
         if self.child is not None:
@@ -243,7 +250,7 @@ def test_a_forked_process_is_seen_by_its_own_words_and_mark(stage):
     assert words[own : own + 3] == ["lbr.capability.process", "r/probe", str(stage.home)]
     assert found.environ()["LBR_RUN"].startswith(f"{stage.reaper.token}.")
     assert os.getsid(found.pid) == found.pid
-    assert Path(f"/proc/{found.pid}/fd/1").resolve() == stage.home / "log.txt"
+    assert Path(f"/proc/{found.pid}/fd/1").resolve() == stage.log
 
 
 def test_a_forked_process_outlives_its_fork_server_and_another_takes_its_place(stage, own_forks):
@@ -398,20 +405,20 @@ def test_it_ends_in_order_when_asked_and_says_so(stage):
 
 def test_it_ends_when_its_executive_is_gone(stage):
     stage.start().ready()
-    stage.child._process.stdin.close()
+    stage.hang_up()
     assert stage.ended(limit_s=2.0) == 0
 
 
 def test_it_goes_on_and_ends_in_order_when_it_was_frozen_and_its_executive_is_gone(stage):
     stage.start().ready()
-    stage.child._signal(signal.SIGSTOP)
-    stage.child._process.stdin.close()
+    os.killpg(stage.child.pid, signal.SIGSTOP)
+    stage.hang_up()
     assert stage.ended(limit_s=2.0) == 0
 
 
 def test_a_frozen_process_that_is_asked_to_end_ends_in_order(stage):
     stage.start().ready()
-    stage.child._signal(signal.SIGSTOP)
+    os.killpg(stage.child.pid, signal.SIGSTOP)
     stage.child.terminate()
     assert stage.ended(limit_s=2.0) == 0
 
@@ -420,7 +427,7 @@ def test_one_that_holds_the_interpreter_is_killed_when_its_executive_is_gone(sta
     stage.start().ready()
     stage.ask("r/probe/do", {"what": "clutch"})
     until((stage.home / "held").exists, what="the interpreter held")
-    stage.child._process.stdin.close()
+    stage.hang_up()
     stage.reaper.close()
     assert stage.ended(limit_s=2.0) == -signal.SIGKILL
 
@@ -445,7 +452,7 @@ def test_what_was_raised_is_in_the_log_where_the_close_after_it_raises_too(stage
     stage.start().ready()
     stage.ask("r/probe/do", {"what": "raise twice"})
     assert stage.ended(limit_s=2.0) == 70
-    assert "ValueError: first cause" in (stage.home / "log.txt").read_text()
+    assert "ValueError: first cause" in stage.log.read_text()
 
 
 def test_a_hang_is_silence_on_the_heartbeat(stage):

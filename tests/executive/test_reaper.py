@@ -27,9 +27,9 @@ import os, signal, sys
 from subprocess import Popen
 from lbr.executive.processes.reaper import Reaper
 reaper = Reaper()
-mark = reaper.mark(guarded="guarded" in sys.argv)
+mark = reaper.mark()
 child = Popen(["/bin/sh", "-c", sys.argv[1]], env=os.environ | mark.environment, start_new_session=True)
-mark.began(child.pid)
+(mark.guards if "guarded" in sys.argv else mark.began)(child.pid)
 print(reaper._popen.pid, flush=True)
 signal.pause()
 """
@@ -187,11 +187,11 @@ def test_a_reaper_that_is_replaced_spares_the_guard_of_a_driver_that_has_ended(t
     monkeypatch.chdir(tmp_path)
     line = f"{lifeline.LAST_WORD}=60 {GUARD} & exec sleep 60"
     with closing(Reaper()) as reaper:
-        mark = reaper.mark(guarded=True)
+        mark = reaper.mark()
         driver = programs.start(
             ["/bin/sh", "-c", line], env=os.environ | SPEAKS | mark.environment, start_new_session=True
         )
-        mark.began(driver.pid)
+        mark.guards(driver.pid)
         (guard,) = until(lambda: pids(tmp_path))
         driver.kill()
         driver.wait()

@@ -10,7 +10,7 @@ from lbr.capability.config import ProcessConfig, Report
 from lbr.capability.program import ProgramSettings
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.process_specs import ProcessSpec
-from lbr.executive.processes.managed_process import TERM_S
+from lbr.executive.processes.process_host import TERM_S
 from lbr.executive.processes.starvation import Look, Thread
 from lbr.executive.processes.supervisor import (
     DEGRADED_PATIENCE_S,

@@ -46,9 +46,14 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
     lan: LanConfig | None = None
 
     @property
+    def process(self) -> str:
+        """Return the name of its process: of the one that it shares, or its own."""
+        return self.config.process or self.name
+
+    @property
     def log(self) -> str:
         """Return the name of its log, which is that of its process."""
-        return f"{self.config.robot}-{self.config.process or self.name}.log"
+        return f"{self.config.robot}-{self.process}.log"
 
     @property
     def guarded(self) -> bool:

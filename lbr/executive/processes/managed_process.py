@@ -1,46 +1,9 @@
 """One capability as the supervisor keeps it: its process, its phase, its past."""
 
-from typing import Protocol
-
-from lbr.capability.config import Report
 from lbr.executive.planning.process_specs import ProcessSpec
+from lbr.executive.processes.process_host import Child
 from lbr.executive.processes.starvation import Look
 from lbr.messages.system import CapabilityPhase
-
-TERM_S = 0.8
-"""How long a process may take to end when it is asked to."""
-
-
-class Started(Protocol):
-    """What the supervisor needs of a process."""
-
-    pid: int
-
-    @property
-    def thread(self) -> int:
-        """The kernel's number of the thread that its main loop runs in."""
-
-    @property
-    def patience_s(self) -> float:
-        """How long it may take to end when it is asked to."""
-
-    def reports(self) -> list[Report]:
-        """Return what it has said since the last call."""
-
-    def settle(self) -> None:
-        """Hear that it is ready for the first time."""
-
-    def terminate(self) -> None:
-        """Ask it to end."""
-
-    def kill(self) -> None:
-        """End it."""
-
-    def returncode(self) -> int | None:
-        """Return how it ended, or None."""
-
-    def close(self) -> None:
-        """Free what it holds, after its end."""
 
 
 class ManagedProcess:
@@ -57,7 +20,7 @@ class ManagedProcess:
         self.phase: CapabilityPhase = "waiting"
         self.reason = ""
         self.code: str = ""
-        self.child: Started | None = None
+        self.child: Child | None = None
         self.restarts = 0
         self.deaths: tuple[float, ...] = ()
         self.started_at = 0.0

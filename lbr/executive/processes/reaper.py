@@ -32,13 +32,13 @@ _LEFT: "list[subprocess.Popen[bytes]]" = []
 class Mark:
     """What one process is known by to the reaper, with all that it starts; `environment` goes into its own.
 
-    Only a process in the session of one that is `guarded` may be a guard.
+    Only a process in the session of one that `guards` may be a guard.
     """
 
-    def __init__(self, reaper: "Reaper", number: int, *, guarded: bool) -> None:
+    def __init__(self, reaper: "Reaper", number: int) -> None:
         self._reaper = reaper
         self._number = number
-        self._began = "*" if guarded else "+"
+        self._began = "+"
         self.environment = {
             lifeline.MARK: f"{reaper.token}.{number:09d}"
         }  # of one length: a forked process wears its own
@@ -82,9 +82,9 @@ class Reaper:
         except OSError as err:
             raise LbrError(f"the process that ends what is left over does not start: {err}; free some memory") from err
 
-    def mark(self, *, guarded: bool = False) -> Mark:
-        """Return a new mark, for a process that is about to start; `guarded` if it may leave a guard behind."""
-        return Mark(self, next(self._numbers), guarded=guarded)
+    def mark(self) -> Mark:
+        """Return a new mark, for a process that is about to start."""
+        return Mark(self, next(self._numbers))
 
     def beat(self) -> None:
         """Say that the main loop goes round; cheap to call at every turn, and to be called from nowhere else."""

@@ -16,7 +16,8 @@ from lbr.executive.planning.plan import Change
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import starvation as starving
 from lbr.executive.processes.busy import Busy
-from lbr.executive.processes.managed_process import TERM_S, ManagedProcess, Started
+from lbr.executive.processes.managed_process import ManagedProcess
+from lbr.executive.processes.process_host import TERM_S, Child
 from lbr.executive.processes.restart import CODES, HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.processes.scheduling import BACKGROUND, MOTION, niceness
 from lbr.executive.processes.starvation import OTHERS_STRETCH, RUNS_SHARE, STARTING_WORK_S, SUSPICIOUS_S, Look, verdict
@@ -30,6 +31,8 @@ HANG_DEGRADED_S = 4.0
 DEGRADED_PATIENCE_S = 1.5
 WAY_S = 0.02
 LOOK_AGAIN_S = 0.2
+HEARTBEATS_S = 0.05
+"""What ready processes report is read together, so often, unless they move something; an end is heard at once."""
 LOAD_S, BUSY_SHARE = 3.0, 0.4
 """Whose main thread has waited for so much of three seconds is late with everything; a start makes others wait for
 less."""
@@ -53,7 +56,7 @@ class Supervisor:
 
     def __init__(
         self,
-        start: Callable[[ProcessSpec], Started | None],
+        start: Callable[[ProcessSpec], Child | None],
         happened: Callable[[str, str, str, str, str], None],
         present: Callable[[str], bool] = lambda _name: True,
         *,
@@ -99,10 +102,23 @@ class Supervisor:
         self._retire(slot)
         self.slots[name] = ManagedProcess(slot.unit)
 
-    def children(self) -> list[tuple[ManagedProcess, Started]]:
+    def children(self) -> list[tuple[ManagedProcess, Child]]:
         """Return every process that still runs."""
         slots = {id(slot): slot for slot in (*self.slots.values(), *self._leaving)}
         return [(slot, slot.child) for slot in slots.values() if slot.child is not None]
+
+    def awaited(self, timeout_s: float) -> tuple[float, set[int]]:
+        """Return for how many seconds at most to wait for news of processes, and on which descriptors."""
+        fds: set[int] = set()
+        for slot, child in self.children():
+            if child.heard:
+                timeout_s = 0.0
+            if slot.phase == "ready" and not slot.unit.moves:
+                timeout_s = min(timeout_s, HEARTBEATS_S)
+                fds.add(child.fds[0])
+            else:
+                fds.update(child.fds)
+        return timeout_s, fds
 
     def settled(self) -> bool:
         """Say whether everything that should run does, or has given up; what is degraded gets a moment to recover.
@@ -203,7 +219,7 @@ class Supervisor:
                 self._phase(slot, *slot.said)
                 slot.said = None
 
-    def _listen(self, slot: ManagedProcess, child: Started, now: float) -> None:
+    def _listen(self, slot: ManagedProcess, child: Child, now: float) -> None:
         for report in child.reports():
             slot.beat_at = now
             if report.counts:
@@ -251,7 +267,7 @@ class Supervisor:
         elif slot.phase == "degraded":
             self._tell("degraded", slot, slot.reason, "warning")
 
-    def _watch(self, slot: ManagedProcess, child: Started, now: float) -> None:
+    def _watch(self, slot: ManagedProcess, child: Child, now: float) -> None:
         if slot.kill_at is not None and now >= slot.kill_at:
             slot.kill_at = None
             child.kill()
@@ -259,7 +275,7 @@ class Supervisor:
             slot.hung, slot.final_report = True, why
             child.kill()
 
-    def _why_hung(self, slot: ManagedProcess, child: Started, now: float) -> str:
+    def _why_hung(self, slot: ManagedProcess, child: Child, now: float) -> str:
         """Say why a process counts as hung, or nothing; a program is known by its token alone, if it has one."""
         if slot.unit.program is None:
             return f"no heartbeat for {now - slot.beat_at:.1f} s" if self._hangs(slot, child, now) else ""
@@ -270,7 +286,7 @@ class Supervisor:
         missing = f"its liveliness token is missing for {now - slot.beat_at:.1f} s"
         return missing if self._hangs(slot, child, now) else ""
 
-    def _hangs(self, slot: ManagedProcess, child: Started, now: float) -> bool:
+    def _hangs(self, slot: ManagedProcess, child: Child, now: float) -> bool:
         """Say whether a silence is a hang; who is not given the processor does not hang."""
         silent_s, patience_s = now - slot.beat_at, _patience_s(slot)
         if not silent_s > SUSPICIOUS_S or now < slot.look_at:
@@ -315,7 +331,7 @@ class Supervisor:
         if text:
             self._happened("too_busy", MACHINE, text, "warning", "busy")
 
-    def _ended(self, slot: ManagedProcess, child: Started, code: int, now: float) -> None:
+    def _ended(self, slot: ManagedProcess, child: Child, code: int, now: float) -> None:
         child.close()
         slot.child, slot.kill_at = None, None
         if not slot.wanted:
@@ -366,8 +382,8 @@ class Supervisor:
             return
         if slot.kill_at is None:
             slot.phase = "stopping"
-            slot.kill_at = self._clock() + (slot.child.patience_s if patience_s is None else patience_s)
             slot.child.terminate()
+            slot.kill_at = self._clock() + (slot.child.patience_s if patience_s is None else patience_s)
         if slot not in self._leaving:
             self._leaving.append(slot)
 

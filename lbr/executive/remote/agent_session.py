@@ -21,10 +21,10 @@ from lbr.errors import BusError, MalformedError
 from lbr.executive.planning import machine
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning.process_specs import ProcessSpec, with_learnt
-from lbr.executive.processes.child import Child
 from lbr.executive.processes.fork_server import ForkServer
-from lbr.executive.processes.logs import open_log, trim_all
+from lbr.executive.processes.logs import trim_all
 from lbr.executive.processes.mainthread import MainThread
+from lbr.executive.processes.process_host import Child, ProcessHost
 from lbr.executive.processes.reaper import Reaper
 from lbr.executive.processes.supervisor import Supervisor
 from lbr.executive.remote import host_protocol
@@ -86,6 +86,7 @@ class AgentSession:
             learnt=self._learnt,
             at_once=machine.at_once(),
         )
+        self._processes = ProcessHost(home.directory("logs"), reaper, forks)
         self._overview = Overview(self._supervisor)
         self._since = self._heard_at = time.monotonic()
         self._accepted = False
@@ -237,8 +238,7 @@ class AgentSession:
             home=self._home,
             estop=self._latch() if unit.moves else unit.config.estop,
         )
-        with open_log(home.directory("logs") / f"{self._found.robot}-{unit.name}.log") as log:
-            return Child(unit, config, log, self._reaper.mark(guarded=unit.guarded), self._forks)
+        return self._processes.start(unit, config)
 
     def _latch(self) -> EstopState:
         answers = wire.ask(
@@ -250,8 +250,7 @@ class AgentSession:
 
     def _wait(self, timeout_s: float) -> None:
         self._reaper.beat()
-        children = [child for _slot, child in self._supervisor.children() if isinstance(child, Child)]
-        self._main.wait(timeout_s, (fd for child in children for fd in child.fds))
+        self._main.wait(*self._supervisor.awaited(timeout_s))
 
     def _happened(self, kind: str, subject: str, text: str, level: str, code: str) -> None:
         self._say(f"{subject}: {text}")

@@ -23,7 +23,7 @@ from lbr.executive import beside
 from lbr.executive.planning.happened import Happened
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.wiring import EXECUTIVE
-from lbr.executive.processes.child import LARGEST_DOCUMENT_BYTES
+from lbr.executive.processes.process_host import LARGEST_DOCUMENT_BYTES
 from lbr.messages.faces import EditCommand, EditReply
 
 WAITED_FOR_S = 5.0

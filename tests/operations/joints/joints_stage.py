@@ -16,8 +16,7 @@ from lbr.bus import session, wire
 from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessConfig
 from lbr.capability.context import Device
 from lbr.executive.planning.process_specs import ProcessSpec
-from lbr.executive.processes.child import Child
-from lbr.executive.processes.logs import open_log
+from lbr.executive.processes.process_host import Child, ProcessHost
 from lbr.executive.processes.reaper import Reaper
 from lbr.messages.joints import Joint
 from lbr.messages.rows import row_set
@@ -99,6 +98,7 @@ class Stage:
         self.router = session.open_router(session.Router(listen=(endpoint,)))
         self.bus = session.open_client([endpoint])
         self.reaper = Reaper()
+        self.processes = ProcessHost(home, self.reaper)
         self.children: dict[str, Child] = {}
         self.client: subprocess.Popen[bytes] | None = None
         self.start("servos")
@@ -142,8 +142,7 @@ class Stage:
         )
         family = "driver" if name == "servos" else "operation"
         unit = ProcessSpec(name=name, kind=kind, family=family, moves=True, restart="never", needs=(), config=config)
-        with open_log(self.home / f"{name}.txt") as log:
-            self.children[name] = Child(unit, config, log, self.reaper.mark(guarded=unit.guarded))
+        self.children[name] = self.processes.start(unit, config)
 
     def ask(self, key, message=None):
         answers = wire.ask(self.bus, f"r/{key}", message, source="test")
@@ -157,7 +156,7 @@ class Stage:
         return self.state()["joints"]["left_knee"]
 
     def log(self, name):
-        return (self.home / f"{name}.txt").read_text()
+        return (self.home / f"r-{name}.log").read_text()
 
     def stand(self):
         """Give every joint torque, and have a client of its own move the left knee slowly; wait until it moves."""
@@ -189,7 +188,7 @@ class Stage:
 
     def reap(self, name):
         child = self.children.pop(name)
-        until(lambda: child.returncode() is not None)
+        until(lambda: [child.reports(), child.returncode()][-1] is not None)
         child.close()
 
     def close(self):

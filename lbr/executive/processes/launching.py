@@ -1,0 +1,138 @@
+"""Starting a process: its program, its environment, and the pipe of its reports."""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import IO
+
+from lbr import home
+from lbr.bus.codec import Decoder
+from lbr.bus.keys import alive
+from lbr.bus.session import client_settings, leaf_environment
+from lbr.capability.config import NOTHING, ProcessConfig, Report
+from lbr.capability.die_with_parent import dying_with_parent
+from lbr.capability.program import ProgramSettings
+from lbr.capability.reporter import HEARTBEAT_VARIABLE
+from lbr.console import token_store
+from lbr.errors import MalformedError
+from lbr.executive.processes.fork_server import Forked, ForkServer
+from lbr.executive.processes.reaper import Mark
+
+Running = subprocess.Popen[bytes] | Forked
+_reports = Decoder(Report)
+
+
+class Reports:
+    """What a process reports, by the pipe that is its alone; -1: none."""
+
+    def __init__(self, fd: int) -> None:
+        self._fd = fd
+        self._buffer = b""
+
+    @property
+    def fds(self) -> tuple[int, ...]:
+        """The pipe, while more may come."""
+        return (self._fd,) if self._fd >= 0 else ()
+
+    def take(self) -> list[Report]:
+        """Return what came since the last call."""
+        if self._fd < 0:
+            return []
+        try:
+            part = os.read(self._fd, 65536)
+        except BlockingIOError:
+            return []
+        if not part:  # it closed its end, and will say no more
+            self.close()
+        self._buffer = (self._buffer + part)[-65536:]
+        *lines, self._buffer = self._buffer.split(b"\n")
+        return [_decode(line) for line in lines]
+
+    def close(self) -> None:
+        """Hear no more."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
+
+
+def launch(
+    name: str, config: ProcessConfig, log: IO[bytes], mark: Mark, forks: ForkServer | None
+) -> tuple[Running, Reports]:
+    """Start the process `name`, which waits for orders on standard input; return it and its reports."""
+    words = (f"{config.robot}/{name}", config.home)
+    environment = _environment(config) | mark.environment
+    reports_fd, report_fd = os.pipe()
+    os.set_blocking(reports_fd, False)
+    try:
+        started: Running | None = None
+        if forks is not None and _is_leaf(config):
+            started = forks.fork(words, environment, log.fileno(), report_fd)
+        if started is None:
+            started = subprocess.Popen(
+                [sys.executable, "-P", "-m", "lbr.capability.process", *words],
+                stdin=subprocess.PIPE,
+                stdout=log,
+                stderr=log,
+                env=environment | {HEARTBEAT_VARIABLE: str(report_fd)},
+                pass_fds=(report_fd,),
+                start_new_session=True,
+            )
+    except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+        os.close(reports_fd)
+        raise
+    finally:
+        os.close(report_fd)
+    return started, Reports(reports_fd)
+
+
+def launch_program(program: ProgramSettings, config: ProcessConfig, log: IO[bytes], mark: Mark) -> Running:
+    """Start a program of the user's."""
+    environment = _environment(config) | program_environment(program, config) | mark.environment
+    return subprocess.Popen(
+        dying_with_parent(program.argv, within=config.home),
+        stdin=subprocess.DEVNULL,
+        stdout=log,
+        stderr=log,
+        env=environment | {"LBR_CONFIG": str(_way_in(config))},
+        start_new_session=True,
+    )
+
+
+def program_environment(program: ProgramSettings, config: ProcessConfig) -> dict[str, str]:
+    """Return what a program of kind `exec` learns about its wiring."""
+    return program.env | {
+        "LBR_ROBOT": config.robot,
+        "LBR_NAME": config.name,
+        "LBR_ALIVE": alive(config.robot, config.name),
+        "LBR_INPUTS": json.dumps({port: [wire.key for wire in wires] for port, wires in config.wiring.items()}),
+        "LBR_OUTPUTS": json.dumps({port: wires[0].key for port, wires in config.outputs.items()}),
+        "LBR_COMMANDS": json.dumps({name: f"{config.robot}/{config.name}/{name}" for name in program.commands}),
+    }
+
+
+def _environment(config: ProcessConfig) -> dict[str, str]:
+    environment = leaf_environment() if _is_leaf(config) else dict(os.environ)
+    environment.pop(token_store.VARIABLE, None)
+    return environment | {"LBR_HOME": config.home}
+
+
+def _is_leaf(config: ProcessConfig) -> bool:
+    """Say whether a process opens one session as a leaf; the door to other machines is a router."""
+    return config.private == NOTHING
+
+
+def _way_in(config: ProcessConfig) -> Path:
+    """Write down, in Zenoh's own words, how a program gets to the bus as itself; for its owner's eyes only."""
+    path = home.directory("run") / f"{config.robot}-{config.name}.json5"
+    with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "w") as file:
+        json.dump(client_settings(config.endpoints, config.credentials, certificate=config.certificate), file)
+    return path
+
+
+def _decode(line: bytes) -> Report:
+    with contextlib.suppress(MalformedError):
+        return _reports.decode(line)
+    return Report()

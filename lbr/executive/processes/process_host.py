@@ -1,0 +1,294 @@
+"""The processes that the executive runs, and the capabilities in them: its side of `lbr.capability.process`.
+
+    supervisor ── a Child for each capability ──► Process ── orders ──► the process
+                                                          ◄── reports, by number ──┘
+
+A process begins with its first capability and ends with its last; most have but one. To kill one is to kill all. A
+program of the user's is a process that takes no orders and reports nothing.
+"""
+
+import contextlib
+import fcntl
+import itertools
+import os
+import signal
+from pathlib import Path
+
+import msgspec
+from msgspec.structs import replace
+
+from lbr.capability import leaving
+from lbr.capability.config import Order, ProcessConfig, Report
+from lbr.capability.confine import needs_override
+from lbr.executive.planning.process_specs import ProcessSpec
+from lbr.executive.processes import scheduling
+from lbr.executive.processes.fork_server import Forked, ForkServer
+from lbr.executive.processes.launching import Reports, Running, launch, launch_program
+from lbr.executive.processes.logs import open_log
+from lbr.executive.processes.reaper import Mark, Reaper
+
+LARGEST_DOCUMENT_BYTES = 1 << 20
+PIPE_BYTES = 1 << 16
+TERM_S = 0.8
+"""How long a process may take to end when it is asked to."""
+SLOW_S = 5.0
+"""A capability that is asked to end gets longer where others would end with it: a start, or a device, may take its
+time."""
+
+
+class ProcessHost:
+    """Starts capabilities, each in its process; their logs are in a directory."""
+
+    def __init__(self, logs: Path, reaper: Reaper, forks: ForkServer | None = None) -> None:
+        self._logs = logs
+        self._reaper = reaper
+        self._forks = forks
+        self._numbers = itertools.count(1)
+        self._processes: dict[str, Process] = {}
+
+    def start(self, unit: ProcessSpec, config: ProcessConfig) -> "Child":
+        """Start a capability in its process, which begins if it is not there, or could not open the capability's
+        device; ValueError if it cannot be told so much.
+
+        In that case the others stay in the one of before, which has given up the right to.
+        """
+        number = next(self._numbers)
+        order = b"" if unit.program else _line(Order(number=number, start=config))
+        if len(order) > LARGEST_DOCUMENT_BYTES:
+            raise ValueError(f"its settings and wiring have {len(order)} bytes, more than a process can be given")
+        process = self._processes.get(unit.process)
+        if process is None or process.over or not process.reaches(config):
+            process = self._processes[unit.process] = self._begin(unit, config)
+        return process.start(unit, config, number, order)
+
+    def _begin(self, unit: ProcessSpec, config: ProcessConfig) -> "Process":
+        mark = self._reaper.mark()
+        with open_log(self._logs / unit.log) as log:
+            if unit.program is not None:
+                running, reports = launch_program(unit.program, config, log, mark), Reports(-1)
+            else:
+                running, reports = launch(unit.process, config, log, mark, self._forks)
+        mark.began(running.pid)  # before an order comes, it does nothing and hides nothing
+        return Process(unit.process, config, running, reports, mark)
+
+
+class Process:
+    """One of them. Nothing begins in one that is `over`: it ends, or is asked to, with all that it has."""
+
+    def __init__(self, name: str, config: ProcessConfig, running: Running, reports: Reports, mark: Mark) -> None:
+        self.name = name
+        self.over = False
+        self.culprit: Child | None = None
+        """Whose end is its end."""
+        self._children: dict[int, Child] = {}
+        self._override = needs_override(config.places)
+        self._running = running
+        self._reports = reports
+        self._mark = mark
+        self._unsent = b""
+        self._rank = scheduling.Rank(running.pid)
+        self.pid = running.pid
+        if running.stdin is not None:
+            os.set_blocking(running.stdin.fileno(), False)
+        try:
+            self._pid_fd = os.pidfd_open(self.pid)
+        except OSError:
+            self._signal(signal.SIGKILL)
+            running.wait()
+            self._release()
+            raise
+
+    @property
+    def fds(self) -> tuple[int, ...]:
+        """File descriptors that have news of it: of its end, and of what it reports."""
+        return (self._pid_fd, *self._reports.fds)
+
+    def reaches(self, config: ProcessConfig) -> bool:
+        """Say whether it may open what those who are to share it now have for devices."""
+        return self._override or not needs_override(config.places)
+
+    def code(self) -> int | None:
+        """Return how it ended, or None while it runs."""
+        code = self._running.poll()
+        self.over = self.over or code is not None
+        return code
+
+    def start(self, unit: ProcessSpec, config: ProcessConfig, number: int, order: bytes) -> "Child":
+        """Have it begin with a capability."""
+        if unit.guarded:
+            self._mark.guards(self.pid)
+        child = self._children[number] = Child(unit, config, number, self)
+        self.rank()
+        self._send(order)
+        return child
+
+    def end(self, child: "Child") -> None:
+        """Ask a capability to end; if it is frozen, it goes on, so that it hears."""
+        self._send(_line(Order(number=child.number)))
+        self._end_with_all()
+        self._signal(signal.SIGCONT)
+
+    def kill(self, child: "Child") -> None:
+        """End it and everything it started, because of one of its capabilities."""
+        self._blame(child)
+        self._signal(signal.SIGKILL)
+
+    def hear(self) -> None:
+        """Give every capability what was reported of it."""
+        self._rank.retry()
+        self._send(b"")
+        for report in self._reports.take():
+            child = self._children.get(report.number)
+            if child is None:  # it has been let go
+                continue
+            child.take(report)
+            if child.failed:
+                self._blame(child)
+            elif report.phase == "ended" and not child.asked:  # somebody else has asked the process to end
+                self.over = True
+        self._end_with_all()
+
+    def rank(self) -> None:
+        """Give it the niceness of the one that needs the best."""
+        self._rank.set(min(child.niceness for child in self._children.values()))
+
+    def let_go(self, child: "Child") -> None:
+        """Let a capability that has ended go; with the last, free what is held, and end what was left behind."""
+        del self._children[child.number]
+        if self._children:
+            self._end_with_all()
+        else:
+            self._signal(signal.SIGKILL)
+            os.close(self._pid_fd)
+            self._release()
+
+    def _end_with_all(self) -> None:
+        """Ask it to end, once that is asked of all that have not ended."""
+        if not self.over and all(child.asked or child.left for child in self._children.values()):
+            self.over = True
+            self._signal(signal.SIGTERM)
+
+    def _blame(self, child: "Child") -> None:
+        self.over = True
+        self.culprit = self.culprit or child
+
+    def _send(self, line: bytes) -> None:
+        """Write what it takes now, and keep the rest for later: who does not read holds up nobody."""
+        if self._running.stdin is None:
+            return
+        self._unsent += line
+        with contextlib.suppress(OSError):  # it takes no more now; its end is seen where every end is
+            if len(line) > PIPE_BYTES:  # if this user has pipes left
+                fcntl.fcntl(self._running.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)
+        with contextlib.suppress(BlockingIOError, BrokenPipeError):
+            while self._unsent:
+                self._unsent = self._unsent[os.write(self._running.stdin.fileno(), self._unsent) :]
+
+    def _signal(self, number: int) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.pid, number)
+
+    def _release(self) -> None:
+        if self._running.stdin is not None:
+            with contextlib.suppress(OSError):
+                self._running.stdin.close()
+        if isinstance(self._running, Forked):
+            self._running.close()
+        self._reports.close()
+        self._rank.close()
+        self._mark.ended()
+
+
+class Child:
+    """A capability in its process, or a program. `endpoint` is where it comes onto the bus."""
+
+    def __init__(self, unit: ProcessSpec, config: ProcessConfig, number: int, process: Process) -> None:
+        self.unit = unit
+        self.endpoint = next(iter(config.endpoints), "")
+        self.number = number
+        self.pid = process.pid
+        self.asked = False
+        """Whether it was asked to end."""
+        self.left = self.failed = False
+        """Whether it has ended and its process goes on, and whether its process ends because of it."""
+        self._process = process
+        self._heard: list[Report] = []
+        self._thread = 0
+        self._settled = self._told = False
+        self._code = 0
+
+    @property
+    def fds(self) -> tuple[int, ...]:
+        """File descriptors that have news of it, first of its end."""
+        return self._process.fds
+
+    @property
+    def thread(self) -> int:
+        """The kernel's number of the thread that its loop runs in, once it has said so."""
+        return self._thread or self.pid
+
+    @property
+    def heard(self) -> bool:
+        """Whether reports of it wait that came together with another's."""
+        return bool(self._heard)
+
+    @property
+    def niceness(self) -> int:
+        """The niceness that it needs now: starting takes a busy machine long enough as it is."""
+        found = scheduling.niceness(self.unit)
+        return found if self._settled else min(found, scheduling.USUAL)
+
+    @property
+    def patience_s(self) -> float:
+        """How long it may take to end when it is asked to."""
+        return TERM_S if self._process.over else SLOW_S
+
+    def take(self, report: Report) -> None:
+        """Take a report of it; one that has left without an end has failed before it began, and has ended alone."""
+        self._thread = report.thread or self._thread
+        self.failed = self.failed or report.phase in {"failed", "hung"}
+        self.left = self.left or report.phase in {"ended", "left"}
+        if report.phase == "left":
+            self._code, report = leaving.CRASHED, replace(report, phase="failed")
+        self._heard.append(report)
+
+    def settle(self) -> None:
+        """Hear that it is ready for the first time: it falls back to its rank."""
+        self._settled = True
+        self._process.rank()
+
+    def reports(self) -> list[Report]:
+        """Return what it has said since the last call; of an end that was another's doing, whose."""
+        ended = self._process.code() is not None
+        self._process.hear()
+        reports, self._heard = self._heard, []
+        if ended and not self._told:
+            self._told = True
+            culprit = self._process.culprit
+            if culprit is not None and culprit is not self and not (self.failed or self.left):
+                why = f"its process '{self._process.name}' ended with '{culprit.unit.name}', which shares it"
+                reports.append(Report(phase="taken_along", reason=why, code="failed"))
+        return reports
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        self.asked = True
+        self._process.end(self)
+
+    def kill(self) -> None:
+        """End its process, and all that share it."""
+        self._process.kill(self)
+
+    def returncode(self) -> int | None:
+        """Return how it ended, or None while it runs: the last to leave has ended with its process."""
+        if self.left and (self._told or not self._process.over):
+            return self._code
+        return self._process.code() if self._told else None
+
+    def close(self) -> None:
+        """Let it go, after its end."""
+        self._process.let_go(self)
+
+
+def _line(order: Order) -> bytes:
+    return msgspec.json.encode(order) + b"\n"
