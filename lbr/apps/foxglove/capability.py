@@ -38,7 +38,7 @@ from lbr.apps.web.api.robot_bus import Bus, Question, opened
 from lbr.apps.web.api.service import NO_BUS, NOT_YET, Api
 from lbr.apps.web.application import Gate, application, is_owners
 from lbr.apps.web.bridge import Bridge, until
-from lbr.apps.web.face import Client, Message, Refused, Request, Route, json, refuse_without
+from lbr.apps.web.face import Client, Message, Refused, Request, declared, get, json, post, refuse_without
 from lbr.apps.web.guards import Counts, address_of, headers_of
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.serving import Serving
@@ -296,16 +296,8 @@ class Foxglove(Capability[FoxgloveSettings]):
         settings, pages = self.ctx.settings, Pages(self.ctx.settings.cors)
         gate = Gate(Access((), self.ctx.rows(LanUser)), pages)
         door = Door(self, gate, Turns(settings.clients, settings.clients))
-        stop = Route(
-            method="POST", path="/stop", handle=self._stop, summary="Stop whatever moves", replies={200: Message},
-            role="view", regardless=True, within_s=LINE_S + 1.0, refuses={409: "The robot does not stop so."},
-        )  # fmt: skip
-        shown = Route(
-            method="GET", path="/layout.json", handle=self._layout, summary="A layout of Foxglove for this robot",
-            replies={200: dict[str, Any]}, page=True,
-        )  # fmt: skip
         return application(
-            [stop, shown],
+            declared(self),
             door,
             gate=gate,
             pages=pages,
@@ -315,17 +307,19 @@ class Foxglove(Capability[FoxgloveSettings]):
             in_loop=self._bridge.call,
         )
 
-    def _layout(self, _request: Request) -> Response:
+    @get("/layout.json", page=True)
+    def _layout(self) -> Response:
         known = self.api.known
         if known is None or not self.sources:
             raise Refused(503, NOT_YET, {"Retry-After": "1"}, "not_ready")
         drives = known.told.base is not None
         return json(layout(self.sources.values(), self.services.values(), drives=drives))
 
-    async def _stop(self, request: Request) -> Any:
+    @post("/stop", stops=True, within_s=LINE_S + 1.0)
+    async def _stop(self, request: Request) -> Message:
         self.api.stopped(request.came_s)
         question = self.api.line(STOP, role="view", source=source_of(request.client), timeout_s=LINE_S)
-        return json(Message(message=(await _result(question)).text))
+        return Message(message=(await _result(question)).text)
 
     def _opened(self) -> Bus:
         bus = opened(self.ctx)

@@ -22,7 +22,7 @@ from lbr.apps.navcam.source import Door
 from lbr.apps.program import Robot
 from lbr.apps.web.application import Gate, application
 from lbr.apps.web.cameras.routes import CamerasFace
-from lbr.apps.web.face import TEXT, Request, Route
+from lbr.apps.web.face import Route
 from lbr.apps.web.guards import Counts
 from lbr.apps.web.login import Login
 from lbr.apps.web.sessions import Sessions
@@ -69,7 +69,7 @@ def serve(robot: Robot, host: str, port: int, own_names: Iterable[str]) -> None:
 
 def _app(face: CamerasFace, login: Login, secret: str, own_names: Iterable[str]) -> ASGIApp:
     pages = Pages()
-    root = Route(method="GET", path="/", handle=_to_index, summary="", replies={301: TEXT}, role=None, page=True)
+    root = Route(method="GET", path="/", handle=_to_index, role=None, page=True)
     return application(
         [root, *face.routes(), *login.routes()],
         gate=Gate(TokenAccess(secret, login), pages),
@@ -87,7 +87,7 @@ async def _here(work: Coroutine[Any, Any, Response], *, timeout_s: float) -> Res
     return await asyncio.wait_for(work, timeout_s)
 
 
-def _to_index(_request: Request) -> Response:
+def _to_index() -> Response:
     return RedirectResponse("/index.html", 301)
 
 

@@ -26,6 +26,7 @@ COMPONENT = Component(
         "lbr.apps.web.application",
         "lbr.apps.web.bridge",
         "lbr.apps.web.cameras",
+        "lbr.apps.web.contract",
         "lbr.apps.web.face",
         "lbr.apps.web.guards",
         "lbr.apps.web.login",

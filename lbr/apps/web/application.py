@@ -5,7 +5,6 @@ import asyncio
 from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
 from dataclasses import replace
 from html import escape
-from inspect import isawaitable
 from math import inf
 from typing import Any, Protocol
 from urllib.parse import quote
@@ -21,6 +20,7 @@ from lbr.apps.http import names, peers, serving
 from lbr.apps.http.pages import Pages, is_visit
 from lbr.apps.http.rates import Rates
 from lbr.apps.web import routing
+from lbr.apps.web.contract import Contract, response
 from lbr.apps.web.face import HTML, Client, Refused, Request, Route, refuse_unknown, refuse_without, text
 from lbr.apps.web.guards import CAME, Answering, Counts, Hosts, Limits, address_of, headers_of
 from lbr.apps.web.routing import Endpoint, asked_path
@@ -92,16 +92,17 @@ class Gate:
         client = self._access.client(address_of(scope), headers, shown, port=port, owner=owner, whose=whose)
         return replace(client, whose=whose)
 
-    async def request(self, route: Route, scope: Scope, receive: Receive) -> Request:
-        """Return a request that may be answered, read as its route declares; Refused for all others."""
-        headers = headers_of(scope)
+    async def arguments(self, endpoint: Endpoint, scope: Scope, receive: Receive) -> dict[str, Any]:
+        """Return what a handler is called with for a request that may be answered; Refused for all others."""
+        route, contract, headers = endpoint.route, endpoint.contract, headers_of(scope)
         self.refuse_strangers(scope, headers, visit=route.page and is_visit(headers))
-        client = await self._client_of(route, scope, headers)
-        if not (route.regardless and names.is_loopback(client.address)):
-            refuse_without(client, route.role)
-        if route.private:
+        signs_in = route.role == "known" or "whose" in contract.takes
+        client = await self._client_of(route, scope, headers, signs_in=signs_in)
+        if not (route.stops is True and names.is_loopback(client.address)):
+            refuse_without(client, route.least)
+        if route.role == "known":
             refuse_unknown(client)
-        body, data = await _content(route, scope, receive, headers)
+        body, data = await _content(endpoint, scope, receive, headers)
         query = routing.parameters(scope["query_string"])
         request = Request(
             method=scope["method"],
@@ -109,25 +110,26 @@ class Gate:
             client=client,
             came_s=scope.get(CAME, inf),
             proven=bool(client.name) or self._pages.proven(headers),
-            keys=scope["path_params"],
             query=query,
             headers=headers,
             body=body,
-            params=routing.converted(query, route.params) if route.params and not route.lenient else None,
-            data=data,
         )
-        if route.role is not None and not route.regardless:
-            request.require(route.role)
-        return request
+        given = {"request": request, "client": client, "whose": client.whose, "query": query, **scope["path_params"]}
+        given["body"] = data if contract.decodes else body
+        if contract.reads and contract.params is not None:
+            given["params"] = routing.converted(query, contract.params)
+        if route.least is not None and route.stops is not True:
+            request.require(route.least)
+        return {name: given[name.removesuffix("_")] for name in contract.takes}
 
-    async def _client_of(self, route: Route, scope: Scope, headers: Mapping[str, str]) -> Client:
+    async def _client_of(self, route: Route, scope: Scope, headers: Mapping[str, str], *, signs_in: bool) -> Client:
         """Return who asks; what is for everybody is for who shows a wrong token as well, and stops are at this
         machine."""
         address = address_of(scope)
-        everybody = route.role is None or (route.regardless and names.is_loopback(address))
+        everybody = route.role is None or (route.stops is True and names.is_loopback(address))
         try:
             owner = not everybody and "authorization" not in headers and await is_owners(scope, address)
-            return await self.client(scope, headers, owner=owner, signs_in=route.private or route.signs_in)
+            return await self.client(scope, headers, owner=owner, signs_in=signs_in)
         except Refused:
             if not everybody:
                 raise
@@ -147,16 +149,15 @@ def application(
 ) -> Router:
     """Return the app: all routes behind their guards. `in_loop` runs the handlers that are coroutines."""
 
-    async def answer(route: Route, scope: Scope, receive: Receive) -> Response:
+    async def answer(endpoint: Endpoint, scope: Scope, receive: Receive) -> Response:
+        route = endpoint.route
         try:
-            request = await gate.request(route, scope, receive)
-            answered = route.handle(request)
-            return await in_loop(answered, timeout_s=route.within_s) if isawaitable(answered) else answered
+            arguments = await gate.arguments(endpoint, scope, receive)
+            if endpoint.contract.waits:
+                return await in_loop(_answered(route, arguments), timeout_s=route.within_s)
+            return response(route.handle(**arguments))
         except Refused as err:
-            if err.status == 401 and route.otherwise is not None:
-                return route.otherwise()
-            err.bare = route.bare
-            raise
+            return route.refused(err)
 
     async def otherwise(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "websocket":
@@ -166,7 +167,7 @@ def application(
 
     closest = sorted(_also_for_all(routes), key=lambda route: (not route.accept, route.path.count("{")))
     endpoints = [Endpoint(route, answer) for route in closest]
-    stops = [endpoint for endpoint in endpoints if endpoint.route.regardless]
+    stops = [endpoint for endpoint in endpoints if endpoint.route.stops is True]
     return Router(
         [*endpoints, *sockets],
         redirect_slashes=False,
@@ -179,6 +180,10 @@ def application(
             Middleware(Hosts, own=own_names, where=names_are),
         ],
     )
+
+
+async def _answered(route: Route, arguments: Mapping[str, Any]) -> Response:
+    return response(await route.handle(**arguments))
 
 
 def _also_for_all(routes: Iterable[Route]) -> Iterator[Route]:
@@ -243,35 +248,38 @@ async def _whose(scope: Scope) -> str | None:
     return connection.whose
 
 
-async def _content(route: Route, scope: Scope, receive: Receive, headers: Mapping[str, str]) -> tuple[bytes, object]:
+async def _content(
+    endpoint: Endpoint, scope: Scope, receive: Receive, headers: Mapping[str, str]
+) -> tuple[bytes, object]:
     """Return a body, and what it says."""
-    if not route.regardless:
+    contract, stops = endpoint.contract, endpoint.route.stops
+    if stops is not True:
         body, left = await _body(scope, receive, headers)
-        data = _data(route, headers, body)
-        if left and not (route.stops is not None and route.stops(scope["path_params"], data)):
+        data = _data(contract, headers, body)
+        if left and not (callable(stops) and stops({**scope["path_params"], "body": data})):
             raise ClientDisconnect
         return body, data
-    if route.body is None:
+    if not contract.decodes:
         return b"", None
     try:
         async with asyncio.timeout(REGARDLESS_S):
             body, _left = await _body(scope, receive, headers)
-        return body, routing.decoded(body, route.body) if body else None
+        return body, routing.decoded(body, contract.body) if body else None
     except (Refused, TimeoutError, ClientDisconnect):
         return b"", None
 
 
-def _data(route: Route, headers: Mapping[str, str], body: bytes) -> object:
-    if route.body is None or route.lenient:
+def _data(contract: Contract, headers: Mapping[str, str], body: bytes) -> object:
+    if not contract.decodes:
         return None
     if not body:
-        if route.body_required:
+        if contract.body_required:
             raise Refused(400, "this needs a body: JSON")
         return None
     media = headers.get("content-type", "").partition(";")[0].strip().lower()
     if media != "application/json":
         raise Refused(415, f"the body must be JSON, 'Content-Type: application/json', not '{media[:80]}'")
-    return routing.decoded(body, route.body)
+    return routing.decoded(body, contract.body)
 
 
 async def _body(scope: Scope, receive: Receive, headers: Mapping[str, str]) -> tuple[bytes, bool]:

@@ -18,6 +18,7 @@ from lbr.apps.web.api.requests import source_of
 from lbr.apps.web.api.robot_bus import Question
 from lbr.apps.web.api.service import Api
 from lbr.apps.web.bridge import until
+from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import (
     HTML,
     SVG,
@@ -25,9 +26,11 @@ from lbr.apps.web.face import (
     Refused,
     Request,
     Route,
+    declared,
     encoded,
+    get,
     html,
-    json,
+    post,
     text,
 )
 from lbr.apps.web.faces import Faces
@@ -44,7 +47,7 @@ STOPS = ("halt", "stop_motion")
 """The request ports that stop, first those to whatever moves by itself: once it stands, the robot does."""
 NOTICED_S = 0.5
 RESET_S, STOP_S = 3.0, 1.0
-PAGE = "text/css", "text/javascript"
+PAGE = {"/docs": HTML, "/docs.js": "text/javascript", "/docs.css": "text/css"}
 _results = Decoder(ConsoleResult)
 
 
@@ -77,50 +80,14 @@ class BuiltinRoutes:
         self._refused: Refused | None = None
 
     def routes(self) -> list[Route]:
-        """Return them."""
-        moves: dict[str, Any] = {"replies": {200: Message}, "role": "view"}
-        page: dict[str, Any] = {"role": None, "page": True, "hidden": True}
-        return [
+        """Return them, and the page that shows the document."""
+        page = [
             Route(
-                method="GET", path="/state", handle=self._state, summary="The newest state of everything that moves",
-                description="The WebSocket `/ws?rate_hz=20` sends the same whenever it changes.", replies={200: State},
-            ),
-            Route(
-                method="POST", path="/stop", handle=self._stop, summary="Stop: wheels stand, joints hold where they are",
-                regardless=True, refuses={409: "The robot does not stop so."}, within_s=2 * STOP_S + 1.0, **moves,
-            ),
-            Route(
-                method="POST", path="/estop", handle=self._estop, summary="Latch the emergency stop",
-                description="Whatever the body is: one that is not JSON only gives no reason.",
-                replies={200: EstopAnswer}, body=EstopBody, body_required=False, regardless=True,
-            ),
-            Route(
-                method="POST", path="/estop/reset", handle=self._reset, summary="Release the emergency stop",
-                description="By itself this moves nothing.", replies={200: Message}, role="operate",
-                refuses={409: "It stays latched."},
-            ),
-            Route(
-                method="GET", path="/openapi.json", handle=self._openapi, summary="This document",
-                replies={200: dict[str, Any]}, role=None, page=True,
-            ),
-            Route(
-                method="GET", path="/qr.svg", handle=self._qr_svg, summary="The server's address as a QR code",
-                replies={200: SVG}, role=None, page=True, refuses={404: "Only this machine reaches it."},
-            ),
-            Route(
-                method="GET", path="/qr", handle=self._qr, summary="The same on a page", replies={200: HTML},
-                role=None, page=True,
-            ),
-            Route(method="GET", path="/docs", handle=_static("docs.html", HTML), summary="", replies={200: HTML}, **page),
-            Route(
-                method="GET", path="/docs.js", handle=_static("docs.js", PAGE[1]), summary="", replies={200: PAGE[1]},
-                **page,
-            ),
-            Route(
-                method="GET", path="/docs.css", handle=_static("docs.css", PAGE[0]), summary="", replies={200: PAGE[0]},
-                **page,
-            ),
+                method="GET", path=path, handle=_static("docs.html" if media == HTML else path[1:], media), role=None, page=True
+            )
+            for path, media in PAGE.items()
         ]  # fmt: skip
+        return [*declared(self), *page]
 
     def describe(self, routes: Sequence[Route], version: str) -> None:
         """Make the document of all routes there are."""
@@ -131,15 +98,19 @@ class BuiltinRoutes:
             version=version,
         )
 
-    def _state(self, _request: Request) -> Response:
+    @get("/state")
+    def _state(self) -> Annotated[Response, {200: State}]:
+        """The newest state of everything that moves.
+
+        The WebSocket `/ws?rate_hz=20` sends the same whenever it changes.
+        """
         return encoded(self._states.encoded(self._robot.snapshot))
 
-    async def _stop(self, request: Request) -> Response:
-        """Stop whatever is wired, and say so.
-
-        Many may stop at once: those who came while others are being answered are answered together by the next round,
-        so that what stops is never asked more often than it hears.
-        """
+    @post("/stop", stops=True, within_s=2 * STOP_S + 1.0)
+    async def _stop(self, request: Request) -> Annotated[Message, Refuses({409: "The robot does not stop so."})]:
+        """Stop: wheels stand, joints hold where they are."""
+        # Those who came while others are being answered are answered together by the next round, so that what stops is
+        # never asked more often than it hears.
         why = f"stopped by {request.client}"
         self._api.stopped(request.came_s)
         self._faces.stopped(why)
@@ -153,7 +124,7 @@ class BuiltinRoutes:
                 self._ended = self._begun
         if self._refused is not None:
             raise self._refused
-        return json(Message(message="stopped"))
+        return Message(message="stopped")
 
     async def _stop_all(self, why: str, source: str) -> Refused | None:
         """Ask all that is wired; return why something does not stop. What moves by itself stands once it says so.
@@ -189,8 +160,13 @@ class BuiltinRoutes:
     def _wired(self) -> list[str]:
         return [request for request in STOPS if self._robot.ctx.targets(request)]
 
-    async def _estop(self, request: Request) -> Response:
-        given = request.data.reason if request.data is not None else ""
+    @post("/estop", stops=True)
+    async def _estop(self, request: Request, body: EstopBody | None = None) -> EstopAnswer:
+        """Latch the emergency stop.
+
+        Whatever the body is: one that is not JSON only gives no reason.
+        """
+        given = body.reason if body is not None else ""
         why = f"{given} ({request.client})" if given else f"by {request.client}"
         self._api.stopped(request.came_s)
         self._robot.ctx.engage_estop(why)
@@ -199,31 +175,42 @@ class BuiltinRoutes:
         await until(lambda: self._is_latched() or self._robot.now() >= end)
         state, noticed = self._api.estop, self._robot.snapshot.is_latched
         message = (state.text if state is not None else "") or "the emergency stop is engaged"
-        return json(EstopAnswer(message=message, engaged=True, noticed=noticed))
+        return EstopAnswer(message=message, engaged=True, noticed=noticed)
 
     def _is_latched(self) -> bool:
         state = self._api.estop
         return self._robot.snapshot.is_latched and (state is None or state.engaged)
 
-    async def _reset(self, _request: Request) -> Response:
+    @post("/estop/reset", role="operate")
+    async def _reset(self) -> Annotated[Message, Refuses({409: "It stays latched."})]:
+        """Release the emergency stop.
+
+        By itself this moves nothing.
+        """
         reply = await self._robot.ask("estop_reset", EstopResetCommand(), timeout_s=RESET_S)
         if not reply.accepted:
             raise Refused(409, reply.why)
-        return json(Message(message=reply.reason or "released"))
+        return Message(message=reply.reason or "released")
 
-    def _openapi(self, _request: Request) -> Response:
+    @get("/openapi.json", role=None, page=True)
+    def _openapi(self) -> Annotated[Response, {200: dict[str, Any]}]:
+        """This document."""
         known = self._api.known
         if self._encoded[0] is not known:
             whole = with_robot(self._document, known) if known is not None else self._document
             self._encoded = known, msgspec.json.encode(whole)
         return encoded(self._encoded[1])
 
-    def _qr_svg(self, _request: Request) -> Response:
+    @get("/qr.svg", role=None, page=True)
+    def _qr_svg(self) -> Annotated[Response, SVG, Refuses({404: "Only this machine reaches it."})]:
+        """The server's address as a QR code."""
         if not self._place.open or not self._place.url:
             raise Refused(404, self._place.words())
         return Response(qr.drawing(self._place.url), media_type=SVG)
 
-    def _qr(self, _request: Request) -> Response:
+    @get("/qr", role=None, page=True)
+    def _qr(self) -> Annotated[Response, HTML]:
+        """The same on a page."""
         lines = "".join(f"<p>{escape(line)}</p>" for line in self._place.words().splitlines())
         picture = '<img src="/qr.svg" alt="the address as a QR code">' if self._place.open and self._place.url else ""
         head = '<meta name="viewport" content="width=device-width"><link rel="stylesheet" href="/docs.css">'
@@ -249,6 +236,6 @@ def _unless_done(said: Question) -> Refused | None:
     return None if result.code == 0 else Refused(409, heard(result.reason_code or "refused", result.text))
 
 
-def _static(name: str, media: str) -> Callable[[Request], Response]:
+def _static(name: str, media: str) -> Callable[[], Response]:
     content = (resources.files("lbr.apps.web") / "pages" / name).read_text(encoding="utf-8")
-    return lambda _request: text(content, media=media)
+    return lambda: text(content, media=media)

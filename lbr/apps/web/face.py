@@ -1,13 +1,14 @@
-"""What a face is: declared routes, from which both the answers and the OpenAPI document come, and a share of the loop.
+"""What a face is: methods that are declared as routes, and a share of the loop. Each route's answers and its part of
+the OpenAPI document come from its method's signature and docstring: see `contract`.
 
 A face lives in the capability's loop, on one thread: there run `step`, `stopped` and each handler that is a coroutine.
 A handler that is a plain function is answered on the server's thread at once; it may read only what does not change.
 """
 
-from collections.abc import Callable, Coroutine, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import inf
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict, TypeVar, Unpack
 
 import msgspec
 from msgspec import Struct
@@ -53,7 +54,7 @@ class Refused(Exception):  # noqa: N818 - an answer, not a fault
     """An answer `{"message": ..., "code": ...}` with a status, from wherever it is noticed.
 
     A `Reason` brings its own code; else it is the one given, or what the status says. The code is in the header
-    `Reason-Code` as well, and there alone if the body must be `bare`, as older clients know it.
+    `Reason-Code` as well.
     """
 
     def __init__(
@@ -65,7 +66,11 @@ class Refused(Exception):  # noqa: N818 - an answer, not a fault
         own = message.code if isinstance(message, Reason) else None
         self.code: Code = code or own or CODES.get(status, "refused")
         self.headers = dict(headers or {})
-        self.bare = False
+
+    def response(self) -> Response:
+        """Return it as an answer."""
+        told = Message(message=self.message, code=self.code)
+        return json(told, self.status, **{"Reason-Code": self.code, **self.headers})
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,24 +104,25 @@ class Client:
         return f"{name} at {self.address}" if name else self.address
 
 
+Query = tuple[tuple[str, str], ...]
+"""A query's parameters as they came."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Request:
-    """A request: `keys` out of the path, `query` as it came, `params` and `data` as the route declares them.
+    """A request: its `query` as it came, and its `body` where the route takes one.
 
-    Of a route that is `lenient`, `params` and `data` are None: it reads `query` and `body` itself. `proven`: no foreign
-    web page can have sent it. `came_s` is when its head was read, by the monotonic clock; infinite is just now.
+    `proven`: no foreign web page can have sent it. `came_s` is when its head was read, by the monotonic clock; infinite
+    is just now.
     """
 
     method: str
     path: str
     client: Client
     proven: bool = False
-    keys: Mapping[str, str] = field(default_factory=dict)
-    query: tuple[tuple[str, str], ...] = ()
+    query: Query = ()
     headers: Mapping[str, str] = field(default_factory=dict)
     body: bytes = b""
-    params: Any = None
-    data: Any = None
     came_s: float = inf
 
     def require(self, role: Role) -> None:
@@ -190,47 +196,77 @@ def _named(headers: Mapping[str, str]) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Route:
-    """One method of one path, such as `/motion/{key}` or `/files/{rest*}`: what it takes and returns, who may, who
-    answers.
+    """One method of one path, such as `/motion/{key}` or `/files/{rest:path}`, who may ask, and who answers.
 
-    `params` are the query's; `body` is JSON. The server refuses what does not fit them, unless the route is `lenient`
-    and reads them itself: then they only say in the document what is meant, and a body is passed on unread. What one
-    that is `bare` refuses is told by its sentence alone, as clients of the old API know it. One that is `regardless` is
-    done whatever its body is: of one that is late, too large or wrong, `data` is None. `stops` says of a path's keys
-    and of what was said whether that is a stop: it is done although its sender has left meanwhile. `handle` returns an
-    answer: a coroutine does so in the capability's loop, within `within_s` (else 503), a plain function at once.
-    `replies` maps each status to what is then returned: a Struct, a media type, or None for no content; refusals need
-    not be named. `role` is the least that is needed, None for no role. A `page` may be opened by a link from any other
-    page, so it must change nothing; everything else is refused to foreign pages. A `hidden` route is not in the
-    document. What is `private` is for who is known (`Client.known`); `otherwise` is the page that others get, to sign
-    in. One that `signs_in` gives a cookie, so that it is looked up whose program asks. With `accept`, it is first for
-    who names that media type in `Accept`, such as a browser `text/html`; another route may answer all others at the
-    same path.
+    What it takes and returns is said by the signature of `handle`. A coroutine answers in the capability's loop, within
+    `within_s` (else 503), a plain function at once. `role` is the least that is needed, None for nobody's; `known` is
+    for who is known (`Client.known`). A `page` may be opened by a link from any other page, so it must change nothing;
+    everything else is refused to foreign pages. With `accept`, it is first for who names that media type in `Accept`,
+    such as a browser `text/html`; another route may answer all others at the same path.
+
+    What `stops` is done regardless of its body, to which the handler gets None where it is late, too large or wrong.
+    Where that depends on the path's keys and the body, a function says it of the arguments: then what stops is done
+    although its sender has left meanwhile.
     """
 
     method: Method
     path: str
-    handle: Callable[[Request], Response | Coroutine[Any, Any, Response]]
-    summary: str
-    replies: Mapping[int, Any]
-    description: str = ""
-    params: type[Struct] | None = None
-    body: Any = None
-    body_required: bool = True
-    lenient: bool = False
-    bare: bool = False
-    regardless: bool = False
-    stops: Callable[[Mapping[str, str], Any], bool] | None = None
-    role: Role | None = "view"
+    handle: Callable[..., Any]
+    role: Role | Literal["known"] | None = "view"
     page: bool = False
-    private: bool = False
-    signs_in: bool = False
-    otherwise: Callable[[], Response] | None = None
-    hidden: bool = False
     accept: str = ""
+    stops: bool | Callable[[Mapping[str, Any]], bool] = False
     within_s: float = ANSWER_S
-    refuses: Mapping[int, str] = field(default_factory=dict)
-    """Statuses that this route refuses with besides the server's own, each with when."""
+
+    @property
+    def least(self) -> Role | None:
+        """Return the role that is needed at least."""
+        return "view" if self.role == "known" else self.role
+
+    def refused(self, err: Refused) -> Response:
+        """Return what is answered where a request is refused; a subclass may have manners of its own."""
+        return err.response()
+
+
+class Options(TypedDict, total=False):
+    """What may be said of a route besides its method and path: see `Route`."""
+
+    role: Role | Literal["known"] | None
+    page: bool
+    accept: str
+    stops: bool | Callable[[Mapping[str, Any]], bool]
+    within_s: float
+
+
+H = TypeVar("H", bound=Callable[..., Any])
+
+
+def route(method: Method, path: str, kind: type[Route] = Route, **options: Unpack[Options]) -> Callable[[H], H]:
+    """Declare a method as what answers a route; several may be declared of one."""
+
+    def declare(handle: H) -> H:
+        vars(handle).setdefault("routes", []).insert(0, kind(method=method, path=path, handle=handle, **options))
+        return handle
+
+    return declare
+
+
+def get(path: str, kind: type[Route] = Route, **options: Unpack[Options]) -> Callable[[H], H]:
+    """Declare what answers a GET, and a HEAD."""
+    return route("GET", path, kind, **options)
+
+
+def post(path: str, kind: type[Route] = Route, **options: Unpack[Options]) -> Callable[[H], H]:
+    """Declare what answers a POST."""
+    return route("POST", path, kind, **options)
+
+
+def declared(owner: object) -> list[Route]:
+    """Return the routes that an object's methods are declared as, in their order."""
+    methods = [
+        (name, vars(method)["routes"]) for name, method in vars(type(owner)).items() if hasattr(method, "routes")
+    ]
+    return [replace(one, handle=getattr(owner, name)) for name, routes in methods for one in routes]
 
 
 class Face:
@@ -240,7 +276,7 @@ class Face:
 
     def routes(self) -> Sequence[Route]:
         """Return what it answers; asked for once."""
-        return ()
+        return declared(self)
 
     def step(self, now: float) -> None:
         """Do one round of work, in the capability's loop; must not block."""

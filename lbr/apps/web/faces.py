@@ -1,15 +1,14 @@
 """Chooses the faces that are shown: those that the row names, out of installed packages. What cannot be shown is
 refused in words."""
 
-from collections.abc import Callable, Coroutine, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import wraps
 from typing import Any
-
-from starlette.responses import Response
 
 from lbr import plugins
 from lbr.apps.web import openapi
-from lbr.apps.web.face import Face, Refused, Request, Route
+from lbr.apps.web.face import Face, Refused, Route
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.routing import Path
 from lbr.errors import InputError
@@ -60,13 +59,12 @@ class Shown:
             self.broken = f"{self._told}: it broke, and is shown no more: {plugins.told(err)}"
             return otherwise
 
-    def _guarded(
-        self, handle: Callable[[Request], Response | Coroutine[Any, Any, Response]]
-    ) -> Callable[[Request], Response | Coroutine[Any, Any, Response]]:
-        def guarded(request: Request) -> Response | Coroutine[Any, Any, Response]:
+    def _guarded(self, handle: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(handle)
+        def guarded(**arguments: Any) -> Any:
             if self.broken:
                 raise Refused(503, self.broken)
-            return handle(request)
+            return handle(**arguments)
 
         return guarded
 

@@ -76,7 +76,7 @@ class Answering:
         except (ClientDisconnect, WebSocketDisconnect):
             return
         except Refused as err:
-            await _answer(refusal(err), scope, receive, sealed, begun=begun)
+            await _answer(err.response(), scope, receive, sealed, begun=begun)
         except Exception as err:  # noqa: BLE001 - a fault in one answer must not silence the others
             traceback.print_exception(err)
             sys.stderr.flush()
@@ -165,12 +165,6 @@ def address_of(scope: Scope) -> str:
     """Return the address that a request comes from."""
     client = scope.get("client")
     return str(client[0]) if client else ""
-
-
-def refusal(err: Refused) -> Response:
-    """Return a refusal as an answer."""
-    told = {"message": err.message} if err.bare else {"message": err.message, "code": err.code}
-    return json(told, err.status, **{"Reason-Code": err.code, **err.headers})
 
 
 async def _answer(response: Response, scope: Scope, receive: Receive, send: Send, *, begun: bool) -> None:

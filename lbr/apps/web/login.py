@@ -3,12 +3,14 @@ else."""
 
 from collections.abc import Mapping
 from http.cookies import CookieError, SimpleCookie
-from typing import Any
+from typing import Annotated
 
 from starlette.responses import Response
 
-from lbr.apps.web.face import Refused, Request, Route
+from lbr.apps.web.face import Client, Refused, Route, declared, post, route
 from lbr.apps.web.sessions import LIFE_S, Sessions, name_in
+
+NoContent = Annotated[Response, {204: None}]
 
 
 class Login:
@@ -21,32 +23,20 @@ class Login:
 
     def routes(self) -> list[Route]:
         """Return how to sign in and out."""
-        done: dict[str, Any] = {"replies": {204: None}}
-        return [
-            Route(
-                method="POST", path="/session", handle=self._begin, summary="Give a browser a cookie for the token shown",
-                private=True, **done,
-            ),
-            Route(
-                method="DELETE", path="/session", handle=self._end, summary="End the session whose cookie is shown",
-                role=None, **done,
-            ),
-            Route(
-                method="DELETE", path="/sessions", handle=self._end_all, summary="End all sessions of its token",
-                private=True, **done,
-            ),
-        ]  # fmt: skip
+        return declared(self)
 
     def session(self, headers: Mapping[str, str], whose: str | None) -> str:
         """Return the mark of the session whose cookie a user shows; empty without, and where the user is unknown."""
         cookie = self._cookie(headers)
         return self._sessions.find(cookie, whose) if cookie and whose is not None else ""
 
-    def _begin(self, request: Request) -> Response:
-        if not request.client.name:
+    @post("/session", role="known")
+    def _begin(self, client: Client) -> NoContent:
+        """Give a browser a cookie for the token shown."""
+        if not client.name:
             raise Refused(401, "show the token itself: 'Authorization: Bearer TOKEN'")
         response = Response(status_code=204)
-        self.give(response, request.client.name, request.client.whose)
+        self.give(response, client.name, client.whose)
         return response
 
     def give(self, response: Response, name: str, whose: str | None) -> None:
@@ -58,12 +48,16 @@ class Login:
             self._name, cookie, max_age=LIFE_S, path="/", httponly=True, samesite="strict", secure=self._tls
         )
 
-    def _end(self, request: Request) -> Response:
-        self._sessions.end(request.client.session)
+    @route("DELETE", "/session", role=None)
+    def _end(self, client: Client) -> NoContent:
+        """End the session whose cookie is shown."""
+        self._sessions.end(client.session)
         return self._signed_out()
 
-    def _end_all(self, request: Request) -> Response:
-        self._sessions.end_all(request.client.name or name_in(request.client.session))
+    @route("DELETE", "/sessions", role="known")
+    def _end_all(self, client: Client) -> NoContent:
+        """End all sessions of its token."""
+        self._sessions.end_all(client.name or name_in(client.session))
         return self._signed_out()
 
     def _signed_out(self) -> Response:

@@ -6,11 +6,11 @@ from typing import Any
 
 import msgspec
 
+from lbr.apps.web.contract import Contract, contract
 from lbr.apps.web.face import JSON, Message, Route
 
 VERSION = "3.1.0"
 _TEMPLATE = "#/components/schemas/{name}"
-_KEY = re.compile(r"\{([a-z_]+)\}")
 ALWAYS: Mapping[int, str] = {
     400: "Something in it is not as it must be.",
     413: "The body is too large.",
@@ -28,17 +28,17 @@ WITH_BODY: Mapping[int, str] = {408: "The body did not come.", 415: "The body is
 
 def document(routes: Iterable[Route], *, title: str, description: str, version: str) -> dict[str, Any]:
     """Return the document of what these routes take and return."""
-    shown = [route for route in routes if not route.hidden]
+    shown = [(route, promised) for route in routes if (promised := contract(route)).summary]
     kinds: list[Any] = [Message]
-    for route in shown:
-        kinds += [kind for kind in (route.params, route.body) if kind is not None]
-        kinds += [reply for reply in route.replies.values() if reply is not None and not isinstance(reply, str)]
+    for _route, promised in shown:
+        kinds += [kind for kind in (promised.params, promised.body) if kind is not None]
+        kinds += [reply for reply in promised.replies.values() if reply is not None and not isinstance(reply, str)]
     kinds = list({id(kind): kind for kind in kinds}.values())
     found, components = msgspec.json.schema_components(kinds, ref_template=_TEMPLATE)
     schemas = {id(kind): schema for kind, schema in zip(kinds, found, strict=True)}
     paths: dict[str, dict[str, Any]] = {}
-    for route in shown:
-        paths.setdefault(route.path, {})[route.method.lower()] = _operation(route, schemas, components)
+    for route, promised in shown:
+        paths.setdefault(route.path, {})[route.method.lower()] = _operation(route, promised, schemas, components)
     return {
         "openapi": VERSION,
         "info": {"title": title, "description": description, "version": version},
@@ -56,27 +56,29 @@ def document(routes: Iterable[Route], *, title: str, description: str, version: 
     }
 
 
-def _operation(route: Route, schemas: Mapping[int, Any], components: Mapping[str, Any]) -> dict[str, Any]:
+def _operation(
+    route: Route, promised: Contract, schemas: Mapping[int, Any], components: Mapping[str, Any]
+) -> dict[str, Any]:
     parameters = [
         {"name": name, "in": "path", "required": True, "schema": {"type": "string", "minLength": 1}}
-        for name in _KEY.findall(route.path)
+        for name in promised.keys
     ]
     found: dict[str, Any] = {
         "operationId": _operation_id(route),
-        "summary": route.summary,
-        **({"description": route.description} if route.description else {}),
-        "x-role": route.role or "anybody",
+        "summary": promised.summary,
+        **({"description": promised.description} if promised.description else {}),
+        "x-role": route.least or "anybody",
         "security": [{}, {"token": []}] if route.role is not None else [{}],
-        "responses": _responses(route, schemas),
+        "responses": _responses(route, promised, schemas),
     }
-    if route.params is not None:
-        parameters += _query(schemas[id(route.params)], components)
+    if promised.params is not None:
+        parameters += _query(schemas[id(promised.params)], components)
     if parameters:
         found["parameters"] = parameters
-    if route.body is not None:
+    if promised.body is not None:
         found["requestBody"] = {
-            "required": route.body_required,
-            "content": {JSON: {"schema": schemas[id(route.body)]}},
+            "required": promised.body_required,
+            "content": {JSON: {"schema": schemas[id(promised.body)]}},
         }
     return found
 
@@ -96,17 +98,17 @@ def _query(schema: Mapping[str, Any], components: Mapping[str, Any]) -> list[dic
     ]
 
 
-def _responses(route: Route, schemas: Mapping[int, Any]) -> dict[str, Any]:
+def _responses(route: Route, promised: Contract, schemas: Mapping[int, Any]) -> dict[str, Any]:
     message = {JSON: {"schema": schemas[id(Message)]}}
     refusals = {
         **ALWAYS,
         **(WITH_ROLE if route.role is not None else {403: WITH_ROLE[403]}),
-        **(WITH_BODY if route.body is not None and not route.regardless else {}),
-        **route.refuses,
+        **(WITH_BODY if promised.body is not None and route.stops is not True else {}),
+        **promised.refuses,
     }
     found = {
-        str(status): {"description": route.summary} | _content(reply, schemas)
-        for status, reply in route.replies.items()
+        str(status): {"description": promised.summary} | _content(reply, schemas)
+        for status, reply in promised.replies.items()
     }
     found |= {
         str(status): {"description": why, "content": message}

@@ -14,7 +14,8 @@ from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from lbr.apps.web.access import Access
-from lbr.apps.web.face import JSON, Refused, Request, Route
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import JSON, Client, Refused, Route, declared, post
 from lbr.apps.web.login import Login
 from lbr.apps.web.robot import Robot
 from lbr.bus import tokens
@@ -24,6 +25,7 @@ from lbr.messages.system import Role
 
 PAIR_S = 5.0
 """A wrong code is answered late, on purpose."""
+REFUSES = Refuses({403: "The code is wrong, used or over.", 429: "Too many are tried at once."})
 STATUSES = {"token": 403, "busy": 429, "malformed": 400}
 
 
@@ -54,20 +56,18 @@ class PairingRoutes:
 
     def routes(self) -> list[Route]:
         """Return it."""
-        return [
-            Route(
-                method="POST", path="/api/pair", handle=self._pair, summary="Get a token for the code at the console",
-                description="The console's word `pair` shows six digits, good for two minutes, one device and four "
-                "mistakes. The answer gives a cookie as well, as `/session` does. Wrong digits are answered after a second.",
-                body=PairBody, replies={200: PairAnswer}, role=None, signs_in=True, within_s=PAIR_S + 1.0,
-                refuses={403: "The code is wrong, used or over.", 429: "Too many are tried at once."},
-            )
-        ]  # fmt: skip
+        return declared(self)
 
-    async def _pair(self, request: Request) -> Response:
-        asked = PairCommand(
-            digits=re.sub("[^0-9]", "", request.data.code), name=request.data.name, address=request.client.address[:64]
-        )
+    @post("/api/pair", role=None, within_s=PAIR_S + 1.0)
+    async def _pair(
+        self, client: Client, body: PairBody, whose: str | None
+    ) -> Annotated[Response, {200: PairAnswer}, REFUSES]:
+        """Get a token for the code at the console.
+
+        The console's word `pair` shows six digits, good for two minutes, one device and four mistakes. The answer gives
+        a cookie as well, as `/session` does. Wrong digits are answered after a second.
+        """
+        asked = PairCommand(digits=re.sub("[^0-9]", "", body.code), name=body.name, address=client.address[:64])
         reply: PairReply = await self._robot.ask("pair", asked, timeout_s=PAIR_S)
         if not reply.accepted:
             raise Refused(STATUSES.get(reply.code, 503), reply.reason, code=reply.code or "refused")  # type: ignore[arg-type]
@@ -76,7 +76,6 @@ class PairingRoutes:
         self._access.admit(user)
         self._robot.sessions.admit(user.name, secret)
         answer = PairAnswer(token=reply.token, name=reply.name, role=reply.role)
-        whose = request.client.whose
         return _WithCookie(answer, lambda response: self._login.give(response, reply.name, whose))
 
 

@@ -12,28 +12,27 @@ from urllib.parse import parse_qsl, unquote_to_bytes
 import msgspec
 from msgspec import Struct
 from starlette.responses import Response
-from starlette.routing import BaseRoute, Match
+from starlette.routing import BaseRoute, Match, compile_path
 from starlette.types import Receive, Scope, Send
 
-from lbr.apps.web.face import Refused, Route
+from lbr.apps.web.contract import contract
+from lbr.apps.web.face import Query, Refused, Route
 from lbr.messages.in_words import in_words
 from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 MOST_PARAMETERS = 64
-_KEY = re.compile(r"\{([a-z_]+\*?)\}")
 _PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`\Z")
 
 
 class Path:
-    """A path with keys in it, such as `/motion/{key}`, as it came: percent signs and all.
+    """A path in Starlette's language, such as `/motion/{key}`, as it came: percent signs and all.
 
-    A key is one part of a path; one such as `{rest*}` is all that follows, slashes too, or nothing.
+    A key such as `{rest:path}` is all that follows, slashes too, or nothing.
     """
 
     def __init__(self, path: str) -> None:
-        parts = _KEY.split(path.rstrip("/"))
-        joined = "".join(re.escape(part) if at % 2 == 0 else _group(part) for at, part in enumerate(parts))
-        self._pattern = re.compile(f"{joined}/?", re.IGNORECASE)
+        written = compile_path(path.rstrip("/"))[0].pattern.removesuffix("$")
+        self._pattern = re.compile(f"{written}/?", re.IGNORECASE)
 
     def fits(self, path: str) -> bool:
         """Say whether an asked path is this one."""
@@ -41,8 +40,8 @@ class Path:
 
     def keys(self, path: str) -> dict[str, str]:
         """Return the keys in an asked path; Refused (400) for what is no text."""
-        found = self._pattern.fullmatch(path)
-        return {} if found is None else {name: _decoded(value) for name, value in found.groupdict().items()}
+        match = self._pattern.fullmatch(path)
+        return {} if match is None else {name: _decoded(value) for name, value in match.groupdict().items()}
 
 
 class Endpoint(BaseRoute):
@@ -51,6 +50,7 @@ class Endpoint(BaseRoute):
     def __init__(self, route: Route, answer: "Answer") -> None:
         self.route = route
         self.path = Path(route.path)
+        self.contract = contract(route)
         self._methods = {"GET", "HEAD"} if route.method == "GET" else {route.method}
         self._accept = route.accept.encode()
         self._answer = answer
@@ -65,11 +65,11 @@ class Endpoint(BaseRoute):
 
     async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request."""
-        response = await self._answer(self.route, scope, receive)
+        response = await self._answer(self, scope, receive)
         await response(scope, receive, send)
 
 
-Answer = Callable[[Route, Scope, Receive], Awaitable[Response]]
+Answer = Callable[[Endpoint, Scope, Receive], Awaitable[Response]]
 
 
 def _accepts(scope: Scope, media: bytes) -> bool:
@@ -90,7 +90,7 @@ def methods(endpoints: Iterable[Endpoint], path: str) -> tuple[str, ...]:
     return tuple(sorted(there | ({"HEAD"} if "GET" in there else set())))
 
 
-def parameters(query_string: bytes) -> tuple[tuple[str, str], ...]:
+def parameters(query_string: bytes) -> Query:
     """Return the query's parameters in order; Refused (400) if there are too many."""
     try:
         text = query_string.decode("ascii", "replace")
@@ -133,10 +133,6 @@ def plain(err: Exception) -> str:
         return text
     said = text[: found.start()].replace("`", "'")
     return f"{found[1]}: {said}" if found[1] else said
-
-
-def _group(key: str) -> str:
-    return f"(?P<{key[:-1]}>.*)" if key.endswith("*") else f"(?P<{key}>[^/]+)"
 
 
 def _decoded(text: str) -> str:

@@ -21,11 +21,13 @@ from starlette.routing import Route
 
 from lbr.apps.bodies.model import model
 from lbr.apps.web import face
+from lbr.apps.web.contract import contract
 from lbr.apps.web.model.poses import key_pose
 from lbr.apps.web.model.routes import ModelFace
 from lbr.messages.faces import EditReply
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
 from tests.apps.web import page_robot as served
+from tests.apps.web.asking import called
 from tests.apps.web.page_robot import PageRobot, capability, commands, outputs
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -183,12 +185,12 @@ class JointedRobot(PageRobot):
 
     async def _answer(self, route: Any, received: Request) -> Response:
         """Answer by the server's own handlers, whose rounds are made here."""
-        body = msgspec.json.decode(await received.body(), type=route.body) if route.body else None
-        params = msgspec.convert(dict(received.query_params), route.params, strict=False) if route.params else None
+        told = contract(route)
+        body = msgspec.json.decode(await received.body(), type=told.body) if told.body else None
+        params = msgspec.convert(dict(received.query_params), told.params, strict=False) if told.params else None
         self.model_face.step(time.monotonic())
-        request = face.Request(method=route.method, path=route.path, client=PAGE, params=params, data=body)
         try:
-            answer = route.handle(request)
+            answer = called(route, PAGE, params=params, body=body)
             while not isinstance(answer, Response):
                 try:
                     answer.send(None)

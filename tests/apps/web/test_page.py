@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import lbr
-from lbr.apps.web.face import HTML, TEXT, Route, text
+from lbr.apps.web.face import HTML, Route, text
 from lbr.apps.web.page.files import NotBuiltError, PageFace, built, file
 from tests.apps.web.test_web_server import Plain
 from tests.apps.web.web_stage import Served, serving
@@ -171,8 +171,7 @@ def test_two_faces_may_not_answer_the_same_askers_at_one_path(served):
         name = "second"
 
         def routes(self):
-            page = {"replies": {200: TEXT}, "role": None, "page": True, "hidden": True, "accept": HTML}
-            return [Route(method="GET", path="/", handle=lambda _: text("mine"), summary="", **page)]
+            return [Route(method="GET", path="/", handle=lambda: text("mine"), role=None, page=True, accept=HTML)]
 
     with serving(PageFace((file("index.html", b"<!doctype html>"),)), Second(), faces=()) as found:
         assert b"doctype" in found.ask("GET", "/", headers=BROWSER).body

@@ -14,7 +14,7 @@ from tests.support import needs
 needs.modules("mujoco")
 
 from lbr.apps.bodies import motion_forms  # noqa: E402
-from lbr.apps.web.face import Client, Refused, Request  # noqa: E402
+from lbr.apps.web.face import Client, Refused  # noqa: E402
 from lbr.apps.web.model import face  # noqa: E402
 from lbr.apps.web.model.building import CheckBody, CheckParams, ReadBody, UploadBody, VersionParams, WriteBody  # noqa: E402
 from lbr.apps.web.model.routes import MotionBody  # noqa: E402
@@ -23,6 +23,7 @@ from lbr.apps.web.model.work import MOST_AT_ONCE, UNASKED_S, Work, Works  # noqa
 from lbr.messages.faces import EditReply  # noqa: E402
 from lbr.messages.joints import Joint, KeyFrame, Motion  # noqa: E402
 from lbr.messages.motion_work import LONGEST_CHECK_S, CheckJob, NotDone, ReadJob, VersionsJob  # noqa: E402
+from tests.apps.web.asking import called  # noqa: E402
 from tests.apps.web.jointed_robot import rows_of  # noqa: E402
 
 ELBOW = Joint(name="left_elbow", device_id=6, side="left", lower_rad=-1.9, upper_rad=0.1, speed_rps=3.0)
@@ -47,7 +48,7 @@ class Stage:
             name="bioloid", ctx=ctx, now=time.monotonic, joints=joints, motors=(), motions=(WAVE,), edit=self._edit
         )
         self.face = face(robot)
-        self.routes = {(route.method, route.path): route.handle for route in self.face.routes()}
+        self.routes = {(route.method, route.path): route for route in self.face.routes()}
 
     async def _edit(self, rows: Any, *, create: bool, by: str) -> EditReply:
         self.edits.append(rows)
@@ -55,7 +56,7 @@ class Stage:
 
     def ask(self, method: str, path: str, *, client: Client = PHONE, **more: Any) -> dict[str, Any]:
         """Ask, and go on for as long as the answer takes."""
-        answer = self.routes[method, path](Request(method=method, path=path, client=client, **more))
+        answer = called(self.routes[method, path], client, **more)
         while True:
             try:
                 answer.send(None)
@@ -68,11 +69,11 @@ class Stage:
         packed = gzip.compress(content)
         for part, at in enumerate(range(0, len(packed), size)):
             body = UploadBody(upload=name, part=part, content=packed[at : at + size])
-            self.ask("POST", "/api/motion/upload", data=body, client=client)
+            self.ask("POST", "/api/motion/upload", body=body, client=client)
         return name
 
     def check(self, **more: Any) -> dict[str, Any]:
-        number = self.ask("POST", "/api/motion/check", data=CheckBody(**more))["check"]
+        number = self.ask("POST", "/api/motion/check", body=CheckBody(**more))["check"]
         while True:
             self.face.step(time.monotonic())
             found = self.ask("GET", "/api/motion/check", params=CheckParams(check=number))
@@ -102,27 +103,27 @@ def frames(count: int) -> bytes:
 
 def test_a_motion_of_a_thousand_key_frames_is_kept_though_no_body_is_as_large(stage):
     stage.send(frames(1000))
-    stage.ask("POST", "/api/motion", data=MotionBody(name="bow", upload="a"))
+    stage.ask("POST", "/api/motion", body=MotionBody(name="bow", upload="a"))
     assert len(stage.edits[0]) == 1001
 
 
 def test_ten_thousand_key_frames_are_refused_with_what_may_be(stage):
     stage.send(frames(10_000))
     with pytest.raises(Refused, match="1000") as refused:
-        stage.ask("POST", "/api/motion", data=MotionBody(name="bow", upload="a"))
+        stage.ask("POST", "/api/motion", body=MotionBody(name="bow", upload="a"))
     assert refused.value.status == 400
 
 
 def test_a_motion_without_key_frames_is_not_kept(stage):
     with pytest.raises(Refused, match="no key frames"):
-        stage.ask("POST", "/api/motion", data=MotionBody(name="bow"))
+        stage.ask("POST", "/api/motion", body=MotionBody(name="bow"))
 
 
 def test_what_one_sends_another_cannot_name(stage):
     stage.send(frames(1))
     other = Client("192.168.1.9", name="ben", role="operate")
     with pytest.raises(Refused, match="was not sent"):
-        stage.ask("POST", "/api/motion/write", data=WriteBody(upload="a"), client=other)
+        stage.ask("POST", "/api/motion/write", body=WriteBody(upload="a"), client=other)
 
 
 def test_parts_follow_one_another_and_are_taken_once():
@@ -190,8 +191,8 @@ def test_a_check_is_bounded_in_what_it_plays(stage):
 
 
 def test_another_check_of_the_same_page_ends_the_first_and_each_is_its_own(stage):
-    first = stage.ask("POST", "/api/motion/check", data=CheckBody(motion="wave"))["check"]
-    second = stage.ask("POST", "/api/motion/check", data=CheckBody(motion="wave"))["check"]
+    first = stage.ask("POST", "/api/motion/check", body=CheckBody(motion="wave"))["check"]
+    second = stage.ask("POST", "/api/motion/check", body=CheckBody(motion="wave"))["check"]
     with pytest.raises(Refused, match=f"no check {first}"):
         stage.ask("GET", "/api/motion/check", params=CheckParams(check=first))
     other = Client("192.168.1.9", name="ben", role="operate")
@@ -244,16 +245,16 @@ def test_a_file_comes_back_as_it_was_written_and_a_foreign_one_is_named(humanoid
     humanoid.send(msgspec.json.encode({"name": "bow", "frames": STAND}))
     for form in (".json", ".mtn"):
         humanoid.send(msgspec.json.encode({"name": "bow", "frames": STAND}))
-        written = msgspec.convert(humanoid.ask("POST", "/api/motion/write", data=WriteBody(upload="a", form=form)), Any)
+        written = msgspec.convert(humanoid.ask("POST", "/api/motion/write", body=WriteBody(upload="a", form=form)), Any)
         content = msgspec.convert(written["content"], bytes)
         humanoid.send(content, "b")
-        found = humanoid.ask("POST", "/api/motion/read", data=ReadBody(upload="b", file=f"bow{form}"))
+        found = humanoid.ask("POST", "/api/motion/read", body=ReadBody(upload="b", file=f"bow{form}"))
         (motion,) = found["motions"]
         assert motion["name"] == "bow"
         assert abs(motion["frames"][-1]["positions"]["left_elbow"] + 0.5) < 0.01
     humanoid.send(b"\x89PNG no motion", "c")
     with pytest.raises(Refused, match="not a motion") as refused:
-        humanoid.ask("POST", "/api/motion/read", data=ReadBody(upload="c", file="photo.png"))
+        humanoid.ask("POST", "/api/motion/read", body=ReadBody(upload="c", file="photo.png"))
     assert refused.value.status == 400
 
 
@@ -263,7 +264,7 @@ def test_without_a_database_there_are_no_versions_and_it_is_said_why(stage):
 
 
 def test_the_forms_are_told_with_what_is_only_read(stage):
-    answer = stage.routes["GET", "/api/motion/forms"](Request(method="GET", path="", client=PHONE))
+    answer = called(stage.routes["GET", "/api/motion/forms"], PHONE)
     known = {one["suffix"]: one["writes"] for one in msgspec.json.decode(answer.body)["forms"]}
     assert known == {".json": True, ".mtn": True, ".rbm": False}
     assert {one for one, _, writes in motion_forms.known("uxa90") if writes} == {".json", ".rbm"}

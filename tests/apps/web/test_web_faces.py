@@ -15,8 +15,8 @@ from tests.robots.uxa90.uxa90_bench import SHIPPED
 from tests.support.packages import imported_from, package
 from tests.support.waiting import until
 
-FACE = """
-from lbr.apps.web.face import Face, Message, Route, json
+FACE = '''
+from lbr.apps.web.face import Face, Message, get, post
 
 class Hello(Face):
     name = "hello"
@@ -24,28 +24,29 @@ class Hello(Face):
     def __init__(self, robot):
         self.robot = robot
 
-    def routes(self):
-        return [Route(method="GET", path="/hello", handle=self.hello, summary="h", replies={200: Message}),
-                Route(method="GET", path="/whom", handle=self.whom, summary="w", replies={200: Message}),
-                Route(method="POST", path="/break", handle=self.end, summary="b", replies={200: Message})]
+    @get("/hello")
+    def hello(self) -> Message:
+        """Say hello."""
+        return Message(message="hello")
 
-    def hello(self, request):
-        return json(Message(message="hello"))
-
-    async def whom(self, request):
+    @get("/whom")
+    async def whom(self) -> Message:
+        """Say whom."""
         reply = await self.robot.ask("halt", __import__("lbr.messages.leases", fromlist=["x"]).StopCommand())
-        return json(Message(message=str(reply.accepted)))
+        return Message(message=str(reply.accepted))
 
-    async def end(self, request):
+    @post("/break")
+    async def end(self) -> Message:
+        """Break."""
         self.step = self.broken
-        return json(Message(message="soon"))
+        return Message(message="soon")
 
     def broken(self, now):
         raise KeyError("gone")
 
     def state(self):
         return {"here": True}
-"""
+'''
 
 
 class Packages:
@@ -108,8 +109,9 @@ def trouble(served: Served) -> str:
         (FACE, {"entry": "Goodbye"}, "it does not load: AttributeError"),
         (FACE.replace('name = "hello"', 'name = "hi"'), {}, "calls itself 'hi'"),
         (FACE.replace('"/hello"', '"/State/"'), {}, "GET /State/ is taken by the server"),
-        (FACE.replace("replies={200: Message}", "replies={200: object()}"), {}, "cannot be described"),
-        (FACE.replace("def routes(self):", "def routes(self): return 5\n    def other(self):"), {}, "cannot be described"),
+        (FACE.replace("-> Message", "-> object"), {}, "cannot be described"),
+        (FACE.replace("def hello(self)", "def hello(self, hat)"), {}, "GET /hello takes hat, which no request has"),
+        (FACE + "    def routes(self): return 5", {}, "cannot be described"),
         (FACE, {"needs": "lbr>=99"}, "it requires lbr >=99, and this is lbr 0.1.0"),
     ],
 )  # fmt: skip

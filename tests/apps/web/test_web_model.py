@@ -7,12 +7,13 @@ from typing import Any
 import msgspec
 import pytest
 
-from lbr.apps.web.face import Client, Refused, Request
+from lbr.apps.web.face import Client, Refused, Route
 from lbr.apps.web.model import PORTS, face
 from lbr.apps.web.model.poses import key_pose
 from lbr.apps.web.model.routes import MotionBody, MotionParams
 from lbr.messages.faces import EditReply
 from lbr.messages.joints import Joint, KeyFrame, Motion
+from tests.apps.web.asking import called
 
 ELBOW = Joint(name="left_elbow", device_id=6, side="left", lower_rad=-1.9, upper_rad=0.1, speed_rps=3.0)
 
@@ -32,32 +33,32 @@ def routes(tmp_path) -> dict[str, Any]:
     robot: Any = SimpleNamespace(
         name="bioloid", ctx=ctx, now=time.monotonic, joints=(ELBOW,), motors=(), motions=(WAVE,)
     )
-    return {route.path: route.handle for route in face(robot).routes() if route.method == "GET"}
+    return {route.path: route for route in face(robot).routes() if route.method == "GET"}
 
 
-def request(**more: Any) -> Request:
-    return Request(method="GET", path="", client=Client("127.0.0.1", role="view"), **more)
+def asked(route: Route, **more: Any) -> Any:
+    return called(route, Client("127.0.0.1", role="view"), **more)
 
 
 def test_the_body_is_answered_with_limits_and_told_once(routes):
-    first = routes["/api/model"](request())
+    first = asked(routes["/api/model"])
     told = msgspec.json.decode(first.body)
     assert (told["robot"], told["joints"]["left_elbow"]["lower"]) == ("bioloid", -1.9)
     assert len(told["links"]) == 19
-    again = routes["/api/model"](request(headers={"if-none-match": first.headers["etag"]}))
+    again = asked(routes["/api/model"], headers={"if-none-match": first.headers["etag"]})
     assert (again.status_code, again.body) == (304, b"")
 
 
 def test_a_body_of_the_owners_own_is_read_again_when_it_changed(routes, tmp_path):
-    before = routes["/api/model"](request()).headers["etag"]
+    before = asked(routes["/api/model"]).headers["etag"]
     own = tmp_path / "models" / "bioloid.xml"
     own.parent.mkdir()
     own.write_text("<mujoco/>")
-    told = msgspec.json.decode(routes["/api/model"](request()).body)
+    told = msgspec.json.decode(asked(routes["/api/model"]).body)
     assert str(own) in told["reason"]
     assert told["joints"]["left_elbow"]["drawn"] is False
     own.unlink()
-    assert routes["/api/model"](request()).headers["etag"] == before
+    assert asked(routes["/api/model"]).headers["etag"] == before
 
 
 def run(work: Any) -> Any:
@@ -68,16 +69,16 @@ def run(work: Any) -> Any:
 
 
 def test_a_motion_is_shown_by_the_pose_that_is_furthest_from_its_ends(routes):
-    answer = run(routes["/api/poses"](request()))
+    answer = run(asked(routes["/api/poses"]))
     assert msgspec.json.decode(answer.body) == {"poses": {"wave": {"arm": 1.5, "hand": -0.4}}}
     assert key_pose(Motion(name="still", frames=())) == {}
     assert key_pose(Motion(name="sit", frames=(frame(arm=1.0), frame(hand=0.3)))) == {"arm": 1.0, "hand": 0.3}
 
 
 def test_a_motion_is_answered_with_its_key_frames(routes):
-    answer = run(routes["/api/motion"](request(params=MotionParams(motion="wave"))))
+    answer = run(asked(routes["/api/motion"], params=MotionParams(motion="wave")))
     assert msgspec.json.decode(answer.body, type=Motion) == WAVE
-    handler = routes["/api/motion"](request(params=MotionParams(motion="nod")))
+    handler = asked(routes["/api/motion"], params=MotionParams(motion="nod"))
     with pytest.raises(Refused, match="no motion 'nod'"):
         handler.send(None)
 
@@ -101,8 +102,8 @@ def kept(tmp_path, reply: EditReply, **given: Any) -> tuple[Editor, Any]:
     robot: Any = SimpleNamespace(
         name="bioloid", ctx=ctx, now=time.monotonic, joints=(ELBOW,), motors=(), motions=(WAVE,), edit=editor.edit
     )
-    post = next(route.handle for route in face(robot).routes() if route.method == "POST")
-    return editor, post(request(data=MotionBody(frames=(frame(left_elbow=-0.5),), **given)))
+    post = next(route for route in face(robot).routes() if route.method == "POST")
+    return editor, asked(post, body=MotionBody(frames=(frame(left_elbow=-0.5),), **given))
 
 
 def test_a_motion_is_kept_as_rows(tmp_path):

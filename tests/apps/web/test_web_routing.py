@@ -1,5 +1,5 @@
-import json
-from typing import Any
+import json as json_
+from typing import Annotated, Any
 
 import pytest
 from hypothesis import given
@@ -9,14 +9,11 @@ from starlette.responses import Response
 from starlette.routing import Match
 
 from lbr.apps.web import openapi, routing
-from lbr.apps.web.face import Message, Refused, Request, Route
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import TEXT, Client, Message, Query, Refused, Route, declared, get, json, post, route, text
 from lbr.apps.web.routing import Endpoint
 from lbr.apps.web.streams import StreamParams
 from lbr.messages.units import Name
-
-
-async def nothing(_ask: Request) -> Response:
-    return Response()
 
 
 class Body(Struct, forbid_unknown_fields=True):
@@ -27,17 +24,21 @@ class Named(Struct):
     name: Name
 
 
-def route(method: str, path: str, **more: Any) -> Route:
-    return Route(method=method, path=path, handle=nothing, summary="s", replies={200: Message}, **more)
+def nothing() -> None:
+    return None
 
 
-async def unasked(_route: Route, _scope: Any, _receive: Any) -> Response:
+def of(method: Any, path: str) -> Route:
+    return Route(method=method, path=path, handle=nothing)
+
+
+async def unasked(_endpoint: Endpoint, _scope: Any, _receive: Any) -> Response:
     return Response()
 
 
 TABLE = [
     Endpoint(one, unasked)
-    for one in (route("GET", "/"), route("GET", "/motion"), route("GET", "/motion/{key}"), route("POST", "/stop"))
+    for one in (of("GET", "/"), of("GET", "/motion"), of("GET", "/motion/{key}"), of("POST", "/stop"))
 ]
 
 
@@ -73,16 +74,16 @@ def test_a_path_is_found_in_either_case_and_with_a_slash_at_its_end(method, path
 @pytest.mark.parametrize(
     ("path", "asked", "rest"),
     [
-        ("/files/{rest*}", "/files/a/b.txt", "a/b.txt"),
-        ("/files/{rest*}", "/files/", ""),
-        ("/files/{rest*}", "/files", None),
-        ("/files{rest*}", "/files", ""),
-        ("/files{rest*}", "/FILES/%41", "/A"),
-        ("/{rest*}", "/", ""),
-        ("/{rest*}", "/a//b/", "a//b/"),
+        ("/files/{rest:path}", "/files/a/b.txt", "a/b.txt"),
+        ("/files/{rest:path}", "/files/", ""),
+        ("/files/{rest:path}", "/files", None),
+        ("/files{rest:path}", "/files", ""),
+        ("/files{rest:path}", "/FILES/%41", "/A"),
+        ("/{rest:path}", "/", ""),
+        ("/{rest:path}", "/a//b/", "a//b/"),
     ],
 )
-def test_a_key_with_a_star_is_all_that_follows(path, asked, rest):
+def test_a_key_of_the_kind_path_is_all_that_follows(path, asked, rest):
     found = routing.Path(path)
     assert found.fits(asked) is (rest is not None)
     assert found.keys(asked) == ({} if rest is None else {"rest": rest})
@@ -144,20 +145,48 @@ def test_what_is_nested_too_deeply_is_refused():
         routing.decoded(b"[" * 60_000, Body)
 
 
-def test_the_document_is_made_of_the_routes():
-    made = openapi.document(
-        [
-            route("GET", "/motion/{key}", params=StreamParams, refuses={409: "busy"}),
-            route("POST", "/things", body=Body, role="admin"),
-            route("GET", "/hidden", hidden=True),
-        ],
-        title="t",
-        description="d",
-        version="1",
-    )
-    made = json.loads(json.dumps(made))
-    assert set(made["paths"]) == {"/motion/{key}", "/things"}
+class Things:
+    """What a signature can say, once each."""
+
+    @get("/motion/{key}")
+    async def motion(self, key: str, params: StreamParams) -> Annotated[Message, Refuses({409: "busy"})]:
+        """Show a motion.
+
+        By its number,
+        or its name.
+        """
+        return Message(message=f"{key} at {params.rate_hz}")
+
+    @post("/things", role="admin")
+    async def make(self, client: Client, body: Body) -> Annotated[Response, {201: Message}]:
+        """Make a thing."""
+        return json(Message(message=f"{client} makes {body.count}"), 201)
+
+    @get("/old")
+    @post("/old")
+    def old(self, query: Annotated[Query, StreamParams], body: Annotated[bytes, Body]) -> Annotated[Response, TEXT]:
+        """Read what came as it came."""
+        return text(f"{query} {body!r}")
+
+    @route("DELETE", "/things/{id}", role="known")
+    def end(self, id_: str, body: Body | None = None) -> None:
+        """End a thing."""
+
+    @get("/hidden")
+    def hidden(self) -> Message:
+        return Message(message="")
+
+    @get("/any/{path:path}")
+    def whatever(self) -> Message:
+        """Answer at any path."""
+        return Message(message="")
+
+
+def test_the_document_is_made_of_signatures_and_docstrings():
+    made = json_.loads(json_.dumps(openapi.document(declared(Things()), title="t", description="d", version="1")))
+    assert list(made["paths"]) == ["/motion/{key}", "/things", "/old", "/things/{id}"]
     moved = made["paths"]["/motion/{key}"]["get"]
+    assert (moved["summary"], moved["description"]) == ("Show a motion", "By its number, or its name.")
     assert [(one["name"], one["in"], one["required"]) for one in moved["parameters"]] == [
         ("key", "path", True),
         ("rate_hz", "query", False),
@@ -167,7 +196,25 @@ def test_the_document_is_made_of_the_routes():
     made_one = made["paths"]["/things"]["post"]
     assert made_one["x-role"] == "admin"
     assert made_one["requestBody"]["required"]
+    assert "201" in made_one["responses"]
     assert made["components"]["schemas"]["Body"]["additionalProperties"] is False
+    assert set(made["paths"]["/old"]) == {"get", "post"}
+    old = made["paths"]["/old"]["post"]
+    assert [one["name"] for one in old["parameters"]] == ["rate_hz"]
+    assert old["requestBody"]["content"]["application/json"]["schema"] == {"$ref": "#/components/schemas/Body"}
+    assert "text/plain" in old["responses"]["200"]["content"]
+    ended = made["paths"]["/things/{id}"]["delete"]
+    assert (ended["x-role"], ended["requestBody"]["required"]) == ("view", False)
+    assert "content" not in ended["responses"]["204"]
+
+
+def test_a_handler_that_takes_what_no_request_has_is_refused():
+    class Wrong:
+        @get("/motion/{key}")
+        def motion(self, name: str) -> None: ...
+
+    with pytest.raises(TypeError, match=r"GET /motion/\{key\} takes name, which no request has"):
+        openapi.document(declared(Wrong()), title="", description="", version="")
 
 
 @pytest.mark.parametrize("body", [b'{"count":', b"count=1", b"", b"not"])

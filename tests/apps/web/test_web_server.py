@@ -23,7 +23,7 @@ from lbr.apps.web import application
 from lbr.apps.web.addresses import url
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
-from lbr.apps.web.face import Face, Request, Route, json, text
+from lbr.apps.web.face import Face, Query, get, json, text
 from lbr.apps.web.guards import TOO_OFTEN_S
 from lbr.apps.web.kind import WebSettings
 from lbr.console.printable import wrapped
@@ -46,33 +46,26 @@ class Plain(Face):
     def __init__(self) -> None:
         self.stops: list[str] = []
 
-    def routes(self) -> list[Route]:
-        def made(method: str, path: str, handle, **more):
-            return Route(method=method, path=path, handle=handle, summary=path, replies={200: "text/plain"}, **more)
-
-        return [
-            made("GET", "/", self._ok, role=None, page=True),
-            made("GET", "/move", self._move, role="operate"),
-            made("GET", "/broken", self._broken),
-            made("GET", "/echo", self._echo, lenient=True),
-        ]
-
     def stopped(self, reason: str) -> None:
         self.stops.append(reason)
 
     def state(self) -> dict[str, int]:
         return {"jobs": 0}
 
-    async def _ok(self, _ask: Request) -> Response:
+    @get("/", role=None, page=True)
+    async def _ok(self) -> Response:
         return text("OK")
 
-    async def _move(self, _ask: Request) -> Response:
+    @get("/move", role="operate")
+    async def _move(self) -> Response:
         return text("moved")
 
-    async def _echo(self, ask: Request) -> Response:
-        return json({"body": len(ask.body), "query": ask.query})
+    @get("/echo")
+    async def _echo(self, query: Query, body: bytes) -> Response:
+        return json({"body": len(body), "query": query})
 
-    async def _broken(self, _ask: Request) -> Response:
+    @get("/broken")
+    async def _broken(self) -> Response:
         raise ZeroDivisionError
 
 

@@ -3,15 +3,22 @@
 from typing import Annotated
 
 from msgspec import Meta, Struct
-from starlette.responses import Response
 
 from lbr.apps.call.messages import KeepCommand, Offer, Purpose, RingCommand, RingReply
-from lbr.apps.web.face import Face, Refused, Request, Route, json
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import Client, Face, Refused, post
 from lbr.apps.web.robot import Robot
 
 RING_S, KEEP_S = 2.0, 1.5
 STATUSES = {"role": 403, "busy": 409, "malformed": 400, "not_possible": 400, "idle": 409}
 LONGEST_ID = 40
+NOT_RUNG = Refuses(
+    {
+        403: "The row wants another role.",
+        409: "Another calls, or enough watch by WebRTC.",
+        503: "The call is not wired, or its process is away: there is MJPEG.",
+    }
+)
 
 
 class RingBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -37,41 +44,29 @@ class CallFace(Face):
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
 
-    def routes(self) -> list[Route]:
-        """Return what it answers."""
-        return [
-            Route(
-                method="POST", path="/call", handle=self._ring, summary="Call the robot, or watch it, by WebRTC",
-                description="The offer is a browser's (SDP), complete with its addresses. The answer to it comes by "
-                "`POST /call/{id}`, which has to be asked each second for as long as the call goes on.",
-                body=RingBody, replies={200: RingReply}, role="view", private=True, within_s=RING_S + 1.0,
-                refuses={403: "The row wants another role.", 409: "Another calls, or enough watch by WebRTC.",
-                         503: "The call is not wired, or its process is away: there is MJPEG."},
-            ),
-            Route(
-                method="POST", path="/call/{id}", handle=self._keep, summary="Go on with a call, or leave it",
-                body=KeepBody, body_required=False, replies={200: RingReply}, role="view", private=True,
-                within_s=KEEP_S + 1.0, refuses={404: "The call is over; the message says why."},
-            ),
-        ]  # fmt: skip
+    @post("/call", role="known", within_s=RING_S + 1.0)
+    async def _ring(self, client: Client, body: RingBody) -> Annotated[RingReply, NOT_RUNG]:
+        """Call the robot, or watch it, by WebRTC.
 
-    async def _ring(self, request: Request) -> Response:
-        client = request.client
-        asked = RingCommand(
-            purpose=request.data.purpose, offer=request.data.offer, by=str(client)[:120], role=client.role
-        )
+        The offer is a browser's (SDP), complete with its addresses. The answer to it comes by `POST /call/{id}`, which
+        has to be asked each second for as long as the call goes on.
+        """
+        asked = RingCommand(purpose=body.purpose, offer=body.offer, by=str(client)[:120], role=client.role)
         reply = await self._robot.ask("call_ring", asked, timeout_s=RING_S)
         return _answered(reply, STATUSES.get(reply.code, 503))
 
-    async def _keep(self, request: Request) -> Response:
-        name = request.keys["id"]
-        if not 1 <= len(name) <= LONGEST_ID:
+    @post("/call/{id}", role="known", within_s=KEEP_S + 1.0)
+    async def _keep(
+        self, id_: str, body: KeepBody | None = None
+    ) -> Annotated[RingReply, Refuses({404: "The call is over; the message says why."})]:
+        """Go on with a call, or leave it."""
+        if not 1 <= len(id_) <= LONGEST_ID:
             raise Refused(404, "there is no such call")
-        asked = KeepCommand(id=name, leave=request.data.leave if request.data is not None else False)
+        asked = KeepCommand(id=id_, leave=body is not None and body.leave)
         return _answered(await self._robot.ask("call_keep", asked, timeout_s=KEEP_S), 404)
 
 
-def _answered(reply: RingReply, status: int) -> Response:
+def _answered(reply: RingReply, status: int) -> RingReply:
     if not reply.accepted:
         raise Refused(status, reply.reason, code=reply.code or "refused")  # type: ignore[arg-type]
-    return json(reply)
+    return reply

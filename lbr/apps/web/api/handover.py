@@ -5,17 +5,18 @@ from collections.abc import Callable
 from typing import Annotated, Any
 
 from msgspec import Meta, Struct
-from starlette.responses import Response
 
 from lbr.apps.http.rates import Rates
 from lbr.apps.web.api.catalog import Catalog
 from lbr.apps.web.api.requests import source_of
-from lbr.apps.web.face import Message, Refused, Request, Route, json
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import Client, Message, Refused, post
 from lbr.messages.units import Name
 
 ASKED, HANDED = "asked_for", "handed_over"
 OFTEN_HZ = 0.5
 """A sentence in everybody's events: a person may say it again every two seconds."""
+REFUSES = Refuses({404: "Nothing of this name on this robot is held.", 429: "You said so two seconds ago."})
 Tell = Callable[[str, str, dict[str, Any]], None]
 
 
@@ -41,38 +42,31 @@ class Handover:
         self._clock = clock
         self._rates = Rates(OFTEN_HZ)
 
-    def routes(self) -> list[Route]:
-        """Return them."""
-        refuses = {404: "Nothing of this name on this robot is held.", 429: "You said so two seconds ago."}
-        return [
-            Route(
-                method="POST", path="/api/ask", handle=self._ask, summary="Ask the holder for what it holds",
-                description=f"Told as event `{ASKED}`, with `by` in its data; the holder's page shows it.",
-                replies={200: Message}, body=AskBody, role="operate", refuses=refuses,
-            ),
-            Route(
-                method="POST", path="/api/hand_over", handle=self._hand_over,
-                summary="Say that you released something for another",
-                description=f"Told as event `{HANDED}`, with `by` and `to` in its data. It moves and ends nothing.",
-                replies={200: Message}, body=HandOverBody, role="operate", refuses=refuses,
-            ),
-        ]  # fmt: skip
+    @post("/api/ask", role="operate")
+    async def _ask(self, client: Client, body: AskBody) -> Annotated[Message, REFUSES]:
+        """Ask the holder for what it holds.
 
-    async def _ask(self, request: Request) -> Response:
-        by, what = self._who(request), request.data.capability
+        Told as event `asked_for`, with `by` in its data; the holder's page shows it.
+        """
+        by, what = self._who("ask", client, body.capability), body.capability
         self._tell(ASKED, f"{by} asks for {what}", {"capability": what, "by": by})
-        return json(Message(message="told to who holds it"))
+        return Message(message="told to who holds it")
 
-    async def _hand_over(self, request: Request) -> Response:
-        by, what, to = self._who(request), request.data.capability, request.data.to
+    @post("/api/hand_over", role="operate")
+    async def _hand_over(self, client: Client, body: HandOverBody) -> Annotated[Message, REFUSES]:
+        """Say that you released something for another.
+
+        Told as event `handed_over`, with `by` and `to` in its data. It moves and ends nothing.
+        """
+        by, what, to = self._who("hand over", client, body.capability), body.capability, body.to
         self._tell(HANDED, f"{by} hands {what} over to {to}", {"capability": what, "by": by, "to": to})
-        return json(Message(message="told"))
+        return Message(message="told")
 
-    def _who(self, request: Request) -> str:
-        by, what = source_of(request.client), request.data.capability
+    def _who(self, says: str, client: Client, what: str) -> str:
+        by = source_of(client)
         held = (command.leased for name, command in self._catalog().commands.items() if name.startswith(f"{what}/"))
         if not any(held):
             raise Refused(404, f"there is nothing '{what}' on this robot that is held; GET /api names what there is")
-        if not self._rates.take(f"{request.path} {by}", self._clock()):
+        if not self._rates.take(f"{says} {by}", self._clock()):
             raise Refused(429, f"{by} said so two seconds ago", {"Retry-After": "2"})
         return by

@@ -7,7 +7,7 @@ from starlette.responses import Response
 
 from lbr.apps.web.api.requests import answered, payload_of, replied, source_of
 from lbr.apps.web.api.robot_bus import Question
-from lbr.apps.web.face import Request, Route
+from lbr.apps.web.face import Client, get, post
 from lbr.messages.manage import (
     MOST_CHANGES,
     MOST_EVENTS,
@@ -23,6 +23,7 @@ from lbr.messages.manage import (
 )
 
 ANSWER_S = 10.0
+WITHIN_S = ANSWER_S + 1.0
 STATUSES = {"unknown_name": 404, "busy": 503, "failed": 503}
 
 
@@ -38,6 +39,9 @@ class ManageRefusal(ManageReply, frozen=True, kw_only=True):
 
     accepted: bool = False
     message: str
+
+
+Managed = Annotated[Response, {200: ManageReply, **dict.fromkeys((400, 404, 409, 503), ManageRefusal)}]
 
 
 class NameBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -67,74 +71,52 @@ class Managing:
     def __init__(self, robot: Asks) -> None:
         self._robot = robot
 
-    def routes(self) -> list[Route]:
-        """Return what is answered."""
-        answered = {200: ManageReply, **dict.fromkeys((400, 404, 409, 503), ManageRefusal)}
-        return [
-            Route(
-                method="GET", path="/api/rows", handle=self._tables, summary="The tables of rows that the robot is made of",
-                replies=answered, role="operate", within_s=ANSWER_S + 1.0,
-            ),
-            Route(
-                method="GET", path="/api/rows/{table}", handle=self._rows, summary="A table: its schema, and its rows",
-                replies=answered, role="operate", within_s=ANSWER_S + 1.0,
-            ),
-            Route(
-                method="POST", path="/api/rows", handle=self._change, summary="Change rows, or try what that would do",
-                description="A row that is not any more as `before` says is refused with `changed`, and nothing is written.",
-                replies=answered, body=ChangesBody, role="admin", within_s=ANSWER_S + 1.0,
-            ),
-            Route(
-                method="POST", path="/api/devices", handle=self._devices, summary="What is plugged in, and the changes of rows it is worth",
-                description="Each is asked by a question that moves and changes nothing; `POST /api/rows` writes the `changes` of a proposal.",
-                replies=answered, role="admin", within_s=ANSWER_S + 1.0,
-            ),
-            Route(
-                method="GET", path="/api/tokens", handle=self._tokens, summary="Who may come in by a token",
-                replies=answered, role="admin", within_s=ANSWER_S + 1.0,
-            ),
-            Route(
-                method="POST", path="/api/tokens/revoke", handle=self._revoke, summary="Lock a token out",
-                replies=answered, body=NameBody, role="admin", within_s=ANSWER_S + 1.0,
-            ),
-            Route(
-                method="GET", path="/api/logs/{name}", handle=self._log, summary="The end of what a capability has written to its log",
-                replies=answered, role="operate", within_s=ANSWER_S + 1.0,
-            ),
-            Route(
-                method="GET", path="/api/events", handle=self._events, summary="What happened, the newest first, as it was written down",
-                replies=answered, params=EventsWanted, role="view", within_s=ANSWER_S + 1.0,
-            ),
-        ]  # fmt: skip
+    @get("/api/rows", role="operate", within_s=WITHIN_S)
+    async def _tables(self, client: Client) -> Managed:
+        """The tables of rows that the robot is made of."""
+        return await self._ask(client, LookAtRows())
 
-    async def _tables(self, request: Request) -> Response:
-        return await self._ask(request, LookAtRows())
+    @get("/api/rows/{table}", role="operate", within_s=WITHIN_S)
+    async def _rows(self, client: Client, table: str) -> Managed:
+        """A table: its schema, and its rows."""
+        return await self._ask(client, LookAtRows(table=table[:64]))
 
-    async def _rows(self, request: Request) -> Response:
-        return await self._ask(request, LookAtRows(table=request.keys["table"][:64]))
+    @post("/api/rows", role="admin", within_s=WITHIN_S)
+    async def _change(self, client: Client, body: ChangesBody) -> Managed:
+        """Change rows, or try what that would do.
 
-    async def _change(self, request: Request) -> Response:
-        body: ChangesBody = request.data
-        command = ChangeRows(changes=body.changes, write=body.write, by=source_of(request.client))
-        return await self._ask(request, command)
+        A row that is not any more as `before` says is refused with `changed`, and nothing is written.
+        """
+        return await self._ask(client, ChangeRows(changes=body.changes, write=body.write, by=source_of(client)))
 
-    async def _devices(self, request: Request) -> Response:
-        return await self._ask(request, LookAtDevices())
+    @post("/api/devices", role="admin", within_s=WITHIN_S)
+    async def _devices(self, client: Client) -> Managed:
+        """What is plugged in, and the changes of rows it is worth.
 
-    async def _tokens(self, request: Request) -> Response:
-        return await self._ask(request, LookAtTokens())
+        Each is asked by a question that moves and changes nothing; `POST /api/rows` writes the `changes` of a proposal.
+        """
+        return await self._ask(client, LookAtDevices())
 
-    async def _revoke(self, request: Request) -> Response:
-        return await self._ask(request, RevokeToken(name=request.data.name, by=source_of(request.client)))
+    @get("/api/tokens", role="admin", within_s=WITHIN_S)
+    async def _tokens(self, client: Client) -> Managed:
+        """Who may come in by a token."""
+        return await self._ask(client, LookAtTokens())
 
-    async def _log(self, request: Request) -> Response:
-        return await self._ask(request, LookAtLog(name=request.keys["name"][:64]))
+    @post("/api/tokens/revoke", role="admin", within_s=WITHIN_S)
+    async def _revoke(self, client: Client, body: NameBody) -> Managed:
+        """Lock a token out."""
+        return await self._ask(client, RevokeToken(name=body.name, by=source_of(client)))
 
-    async def _events(self, request: Request) -> Response:
-        wanted: EventsWanted = request.params
-        return await self._ask(request, LookAtEvents(subject=wanted.subject, level=wanted.level, limit=wanted.limit))
+    @get("/api/logs/{name}", role="operate", within_s=WITHIN_S)
+    async def _log(self, client: Client, name: str) -> Managed:
+        """The end of what a capability has written to its log."""
+        return await self._ask(client, LookAtLog(name=name[:64]))
 
-    async def _ask(self, request: Request, command: Any) -> Response:
-        source = source_of(request.client)
-        question = self._robot.manage(payload_of(command), source=source, timeout_s=ANSWER_S)
+    @get("/api/events", within_s=WITHIN_S)
+    async def _events(self, client: Client, params: EventsWanted) -> Managed:
+        """What happened, the newest first, as it was written down."""
+        return await self._ask(client, LookAtEvents(subject=params.subject, level=params.level, limit=params.limit))
+
+    async def _ask(self, client: Client, command: Any) -> Response:
+        question = self._robot.manage(payload_of(command), source=source_of(client), timeout_s=ANSWER_S)
         return replied(await answered(question, ANSWER_S), STATUSES)

@@ -13,13 +13,13 @@ from lbr.apps.web.api.feeds import sample_of
 from lbr.apps.web.api.robot_bus import Question
 from lbr.apps.web.api.stops import AT_ONCE, Said, is_stop
 from lbr.apps.web.bridge import until
-from lbr.apps.web.face import Client, Refused, Request, Route, encoded, json
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import Client, Refused, Request, encoded, get, json, post
 from lbr.bus import codec
 from lbr.bus.wire import RawMessage, encode
 from lbr.capability.kind import STOP
 from lbr.errors import MalformedError
 from lbr.messages.codes import MEANINGS
-from lbr.messages.leases import CommandReply
 from lbr.messages.system import RANKS, CapabilityStatus, Role
 from lbr.messages.why import Chain
 
@@ -59,13 +59,6 @@ class Described(Struct, frozen=True, kw_only=True):
     buttons: list[dict[str, Any]]
     phrases: list[dict[str, Any]]
     base: dict[str, Any] | None = None
-
-
-class Newest(Struct, frozen=True, kw_only=True):
-    """The newest message of a stream, and how old it is."""
-
-    age_s: float
-    message: dict[str, Any]
 
 
 class ConsoleAnswer(Struct, frozen=True, kw_only=True):
@@ -122,50 +115,18 @@ class Requests:
     def __init__(self, robot: Asks) -> None:
         self._robot = robot
 
-    def routes(self) -> list[Route]:
-        """Return what is answered."""
-        unknown = {404: "There is nothing of this name on this robot."}
-        return [
-            Route(
-                method="GET", path="/api", handle=self._describe, summary="What the robot is, and what you may",
-                replies={200: Described},
-            ),
-            Route(
-                method="POST", path="/api/console", handle=self._console, summary="Say a console line",
-                description="With the rights of who asks. 200 whatever became of it: `code` says that.",
-                replies={200: ConsoleAnswer}, body=ConsoleBody, within_s=LINE_S + 1.0,
-                stops=lambda _keys, said: is_stop(said.line),
-            ),
-            Route(
-                method="GET", path="/api/why", handle=self._why, summary="What holds the robot still",
-                replies={200: Chain}, within_s=WHY_S + 1.0,
-            ),
-            Route(
-                method="GET", path="/api/why/{part}", handle=self._why, summary="What holds a part still, and what to type",
-                description="`first` is the place among `links` of what is told; `state` is `ok` if nothing holds it.",
-                replies={200: Chain}, refuses=unknown, within_s=WHY_S + 1.0,
-            ),
-            Route(
-                method="GET", path="/api/{capability}/{name}", handle=self._newest, hidden=True,
-                summary="The newest message of a stream", replies={200: Newest}, refuses=unknown,
-            ),
-            Route(
-                method="POST", path="/api/{capability}/{name}", handle=self._command, hidden=True,
-                summary="Ask for a command", replies={200: CommandReply}, body=dict[str, Any], body_required=False,
-                refuses={**unknown, 409: "The robot refuses it now."}, within_s=COMMAND_S + 1.0,
-                stops=lambda keys, _said: keys["name"].lower() == STOP,
-            ),
-        ]  # fmt: skip
+    @get("/api")
+    async def _describe(self, client: Client) -> Annotated[Response, {200: Described}]:
+        """What the robot is, and what you may."""
+        return json(self._robot.document(client.role))
 
-    async def _describe(self, request: Request) -> Response:
-        return json(self._robot.document(request.client.role))
-
-    async def _newest(self, request: Request) -> Response:
-        name = _name(request)
+    @get("/api/{capability}/{name}")
+    async def _newest(self, client: Client, capability: str, name: str) -> Response:
+        name = f"{capability}/{name}".lower()
         catalog = self._robot.catalog()
         if name in WATCHED or name not in catalog.streams:
             raise Refused(404, f"there is no stream '{name[:81]}' on this robot; GET /api names them")
-        question = self._robot.query(name, b"", source=source_of(request.client), timeout_s=STREAM_S)
+        question = self._robot.query(name, b"", source=source_of(client), timeout_s=STREAM_S)
         await until(lambda: question.done or bool(question.replies))
         sample = sample_of(question.replies[0]) if question.replies else None
         if sample is None:
@@ -175,13 +136,16 @@ class Requests:
         age = max(0.0, self._robot.now() - sample.sent_s)
         return encoded(b'{"age_s":%.3f,"message":%s}' % (age, sample.text))
 
-    async def _command(self, request: Request) -> Response:
-        name, asked = _name(request), request.data or {}
+    @post("/api/{capability}/{name}", stops=lambda given: given["name"].lower() == STOP, within_s=COMMAND_S + 1.0)
+    async def _command(
+        self, request: Request, capability: str, name: str, body: dict[str, Any] | None = None
+    ) -> Response:
+        name = f"{capability}/{name}".lower()
         command = self._robot.catalog().commands.get(name)
         if command is None:
             raise Refused(404, f"there is no command '{name[:81]}' on this robot; GET /api names them")
         request.require(command.role)
-        source, payload = source_of(request.client), payload_of(asked)
+        source, payload = source_of(request.client), payload_of(body or {})
         capability, _, asks = name.partition("/")
         if asks == STOP:
             self._robot.stopped(request.came_s, capability)
@@ -196,9 +160,14 @@ class Requests:
             raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
         return replied(_decoded(question.replies[0]))
 
-    async def _console(self, request: Request) -> Response:
+    @post("/api/console", stops=lambda given: is_stop(given["body"].line), within_s=LINE_S + 1.0)
+    async def _console(self, request: Request, body: ConsoleBody) -> Annotated[Response, {200: ConsoleAnswer}]:
+        """Say a console line.
+
+        With the rights of who asks. 200 whatever became of it: `code` says that.
+        """
         role: Role = request.client.role or "view"
-        line = request.data.line
+        line = body.line
         if stops := is_stop(line):
             self._robot.stopped(request.came_s)
         said = AT_ONCE if stops else self._robot.said(request.came_s)
@@ -206,10 +175,24 @@ class Requests:
         answer = await answered(question, LINE_S)
         return json(answer, 200, Reason_Code=_code(answer.get("reason_code", "")))
 
-    async def _why(self, request: Request) -> Response:
-        part = request.keys.get("part", "")[:LONGEST_PART]
-        line, role = f"/why/{part}" if part else "why", request.client.role or "view"
-        question = self._robot.line(line, role=role, source=source_of(request.client), timeout_s=WHY_S)
+    @get("/api/why", within_s=WHY_S + 1.0)
+    async def _why(self, client: Client) -> Annotated[Response, {200: Chain}]:
+        """What holds the robot still."""
+        return await self._reason("why", client)
+
+    @get("/api/why/{part}", within_s=WHY_S + 1.0)
+    async def _why_part(
+        self, client: Client, part: str
+    ) -> Annotated[Response, {200: Chain}, Refuses({404: "There is nothing of this name on this robot."})]:
+        """What holds a part still, and what to type.
+
+        `first` is the place among `links` of what is told; `state` is `ok` if nothing holds it.
+        """
+        return await self._reason(f"/why/{part[:LONGEST_PART]}", client)
+
+    async def _reason(self, line: str, client: Client) -> Response:
+        role = client.role or "view"
+        question = self._robot.line(line, role=role, source=source_of(client), timeout_s=WHY_S)
         answer = await answered(question, WHY_S)
         if answer.get("code") != 0:
             raise Refused(404, str(answer.get("text", "")), code="unknown_name")
@@ -228,10 +211,6 @@ def source_of(client: Client) -> str:
     """Return who asks, as the robot is told: by a token's name, or from an address."""
     name = client.name or client.session.partition(":")[0]
     return f"{OF_PEOPLE}{name or client.address}"[:80]
-
-
-def _name(request: Request) -> str:
-    return f"{request.keys['capability']}/{request.keys['name']}".lower()
 
 
 def payload_of(message: Any) -> bytes:

@@ -17,7 +17,7 @@ from lbr.apps.web.api.patience import silent_s
 from lbr.apps.web.api.requests import Requests
 from lbr.apps.web.api.robot_bus import Bus, Feed, Question
 from lbr.apps.web.api.stops import AT_ONCE, Said, Stops
-from lbr.apps.web.face import Client, Refused, Route
+from lbr.apps.web.face import Client, Refused, Route, declared
 from lbr.apps.web.robot import Robot
 from lbr.bus import keys
 from lbr.bus.codec import Decoder
@@ -65,8 +65,8 @@ class Api:
 
     def routes(self) -> list[Route]:
         """Return what is answered."""
-        handover = Handover(self.catalog, self._tell_of, self.now)
-        return [*handover.routes(), *Managing(self).routes(), *Requests(self).routes()]
+        rooms = Handover(self.catalog, self._tell_of, self.now), Managing(self), Requests(self)
+        return [route for room in rooms for route in declared(room)]
 
     def step(self) -> None:
         """Do one round of work."""

@@ -1,7 +1,9 @@
 """What the cameras answer over HTTP, wherever their pictures come from."""
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from importlib import resources
+from types import MappingProxyType
 from typing import Annotated, Any, Protocol
 
 import msgspec
@@ -10,13 +12,15 @@ from starlette.responses import Response
 
 from lbr.apps.web.cameras.hub import Deal, Hub
 from lbr.apps.web.cameras.stream import MEDIA, Stream
-from lbr.apps.web.face import HTML, Face, Refused, Request, Route, json, text
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import HTML, Client, Face, Options, Refused, Route, declared, get, text
 from lbr.messages.camera import CameraState
 
 PREFIX = "camera_"
 OLDEST_S = 1.0
 """An older picture is none: the camera may be off."""
 SCRIPT, STYLE, JPEG = "text/javascript", "text/css", "image/jpeg"
+NO_PICTURE = Refuses({503: "There is no picture now, or too many watch."})
 SIGN_IN = {"WWW-Authenticate": 'Bearer realm="lbr"'}
 
 
@@ -52,6 +56,14 @@ class Source(Protocol):
         """Write down who watches."""
 
 
+class SignIn(Route):
+    """A page for who is known; others get the one to sign in."""
+
+    def refused(self, err: Refused) -> Response:
+        """Return the page to sign in to who is not known."""
+        return _page("signin.html", HTML, 401, SIGN_IN) if err.status == 401 else err.response()
+
+
 class CamerasFace(Face):
     """The routes; all but the page to sign in are `private`: to be at a place does not let anybody see."""
 
@@ -63,31 +75,15 @@ class CamerasFace(Face):
         source.on_sign_out(lambda: self._hub.end(source.knows))
 
     def routes(self) -> list[Route]:
-        """Return what it answers."""
-        camera: dict[str, Any] = {"params": CameraParams, "private": True, "method": "GET"}
-        part: dict[str, Any] = {"method": "GET", "summary": "", "hidden": True}
-        no_picture = {503: "There is no picture now, or too many watch."}
-        return [
-            Route(
-                method="GET", path="/index.html", handle=_page("index.html", HTML), summary="A page that shows the cameras",
-                replies={200: HTML}, private=True, page=True, otherwise=_page("signin.html", HTML, 401, SIGN_IN),
-            ),
-            Route(
-                path="/stream.mjpg", handle=self._stream, summary="Watch a camera (MJPEG), the newest pictures only",
-                replies={200: MEDIA}, refuses={404: "There is no such camera.", **no_picture}, **camera,
-            ),
-            Route(
-                path="/snapshot.jpg", handle=self._snapshot, summary="The newest picture", replies={200: JPEG},
-                refuses=no_picture, **camera,
-            ),
-            Route(
-                method="GET", path="/cameras", handle=self._states, summary="How each camera is", private=True,
-                replies={200: dict[str, dict[str, Any]]},
-            ),
-            Route(path="/page.js", handle=_page("page.js", SCRIPT), replies={200: SCRIPT}, private=True, **part),
-            Route(path="/page.css", handle=_page("page.css", STYLE), replies={200: STYLE}, role=None, page=True, **part),
-            Route(path="/signin.js", handle=_page("signin.js", SCRIPT), replies={200: SCRIPT}, role=None, page=True, **part),
-        ]  # fmt: skip
+        """Return what it answers, and the parts of its pages."""
+        everybody: Options = {"role": None, "page": True}
+        parts: tuple[tuple[str, str, Options], ...] = (
+            ("page.js", SCRIPT, {"role": "known"}),
+            ("page.css", STYLE, everybody),
+            ("signin.js", SCRIPT, everybody),
+        )
+        pages = [Route(method="GET", path=f"/{name}", handle=_shows(name, media), **who) for name, media, who in parts]
+        return [*declared(self), *pages]
 
     def step(self, now: float) -> None:
         """Take in what came."""
@@ -98,31 +94,48 @@ class CamerasFace(Face):
         """End the streams."""
         self._hub.close()
 
-    async def _states(self, _request: Request) -> Response:
-        states = await self._source.states()
-        return json(
-            {
-                name: {"status": "on" if state.on else "off", **msgspec.structs.asdict(state)}
-                for name, state in states.items()
-            }
-        )
+    @get("/index.html", SignIn, role="known", page=True)
+    def _index(self) -> Annotated[Response, HTML]:
+        """A page that shows the cameras."""
+        return _page("index.html", HTML)
 
-    async def _snapshot(self, request: Request) -> Response:
-        picture = await self._source.snapshot(request.params.camera)
+    @get("/stream.mjpg", role="known")
+    async def _stream(
+        self, client: Client, params: CameraParams
+    ) -> Annotated[Response, MEDIA, Refuses({404: "There is no such camera."} | NO_PICTURE)]:
+        """Watch a camera (MJPEG), the newest pictures only."""
+        camera = params.camera
+        there = await self._source.states() if camera else {}
+        if camera and camera not in there:
+            raise Refused(404, f"there is no such camera; there are {', '.join(there) or 'none'}")
+        return Stream(self._hub, camera, client, self._source.tell)
+
+    @get("/snapshot.jpg", role="known")
+    async def _snapshot(self, params: CameraParams) -> Annotated[Response, JPEG, NO_PICTURE]:
+        """The newest picture."""
+        picture = await self._source.snapshot(params.camera)
         if picture is None:
             raise Refused(503, "there is no picture now: the camera is off, or away")
         return Response(picture, headers={"Cache-Control": "no-cache, private"}, media_type=JPEG)
 
-    async def _stream(self, request: Request) -> Response:
-        camera = request.params.camera
-        there = await self._source.states() if camera else {}
-        if camera and camera not in there:
-            raise Refused(404, f"there is no such camera; there are {', '.join(there) or 'none'}")
-        return Stream(self._hub, camera, request.client, self._source.tell)
+    @get("/cameras", role="known")
+    async def _states(self) -> dict[str, dict[str, Any]]:
+        """How each camera is."""
+        states = await self._source.states()
+        return {
+            name: {"status": "on" if state.on else "off", **msgspec.structs.asdict(state)}
+            for name, state in states.items()
+        }
 
 
-def _page(
-    name: str, media: str, status: int = 200, headers: Mapping[str, str] | None = None
-) -> Callable[..., Response]:
-    content = (resources.files("lbr.apps.web.cameras") / "pages" / name).read_text(encoding="utf-8")
-    return lambda *_request: text(content, status, media, **dict(headers or {}))
+def _shows(name: str, media: str) -> Callable[[], Response]:
+    return lambda: _page(name, media)
+
+
+def _page(name: str, media: str, status: int = 200, headers: Mapping[str, str] = MappingProxyType({})) -> Response:
+    return text(_content(name), status, media, **headers)
+
+
+@cache
+def _content(name: str) -> str:
+    return (resources.files("lbr.apps.web.cameras") / "pages" / name).read_text(encoding="utf-8")

@@ -3,16 +3,16 @@
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import msgspec
 from msgspec import Meta, Struct
-from starlette.responses import Response
 
 from lbr import home
 from lbr.apps.bodies import motion_forms
 from lbr.apps.web.bridge import until
-from lbr.apps.web.face import Client, Refused, Request, Route, json
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import Client, Refused, get, post, route
 from lbr.apps.web.model.uploads import MOST_PACKED, Uploads
 from lbr.apps.web.model.work import BUSY, SHORT_S, Work, Works
 from lbr.apps.web.robot import Robot
@@ -37,9 +37,14 @@ from lbr.messages.motion_work import (
 from lbr.messages.units import Name
 
 LARGEST_PART = 48_000
+T = TypeVar("T", bound=Said)
 UploadName = Annotated[
     str, Meta(pattern="^[A-Za-z0-9-]{1,40}$(?!\\n)", description="the sender's own name for what it sends")
 ]
+SLOW = Refuses({503: "Too much is under way, or it took too long."})
+NOT_WRITTEN = Refuses({400: "That form is only read, or cannot say it.", 404: "What was sent in parts is not there."})
+NO_MOTION = Refuses({404: "There is no such motion, or what was sent in parts is not there."})
+NO_CHECK = Refuses({404: "There is no such check."})
 STATUS: Mapping[str, int] = {"busy": 503, "timeout": 503, "failed": 500, "cancelled": 410, "shutting_down": 503}
 
 
@@ -132,98 +137,6 @@ class Building:
         self._checks: dict[int, tuple[str, Work]] = {}
         self._number = 0
 
-    def routes(self) -> tuple[Route, ...]:
-        """Return them."""
-        slow = {503: "Too much is under way, or it took too long."}
-        return (
-            Route(
-                method="POST",
-                path="/api/motion/upload",
-                handle=self._upload,
-                summary="Send what is larger than a body, in parts",
-                description="Base64 of what gzip packed. It is kept for a minute, for the request that names it.",
-                body=UploadBody,
-                replies={200: Uploaded},
-                role="operate",
-                refuses={409: "A part is missing before this one.", 503: "Too much is sent at once."},
-            ),
-            Route(
-                method="GET",
-                path="/api/motion/forms",
-                handle=self._forms,
-                summary="The forms of motion files that can be read and written",
-                replies={200: Forms},
-            ),
-            Route(
-                method="POST",
-                path="/api/motion/read",
-                handle=self._read,
-                summary="Read the motions in a file, for this robot's joints; nothing is kept",
-                body=ReadBody,
-                replies={200: ReadMotions},
-                role="operate",
-                refuses={400: "It is no motion, or none of this robot's.", **slow},
-                within_s=SHORT_S + 1.0,
-            ),
-            Route(
-                method="POST",
-                path="/api/motion/write",
-                handle=self._write,
-                summary="Write a motion as a file, in base64, with what that form cannot say",
-                body=WriteBody,
-                replies={200: Written},
-                role="operate",
-                refuses={
-                    400: "That form is only read, or cannot say it.",
-                    404: "What was sent in parts is not there.",
-                    **slow,
-                },
-                within_s=SHORT_S + 1.0,
-            ),
-            Route(
-                method="GET",
-                path="/api/motion/versions",
-                handle=self._versions,
-                summary="What a motion was before, newest first",
-                params=VersionParams,
-                replies={200: Versions},
-                role="view",
-                refuses=slow,
-                within_s=SHORT_S + 1.0,
-            ),
-            Route(
-                method="POST",
-                path="/api/motion/check",
-                handle=self._check,
-                summary="Play a motion with the simulated body, to see whether it stays on its feet",
-                description="It moves no robot. Ask how far it is; what is not asked for in 5 s ends.",
-                body=CheckBody,
-                replies={200: Check},
-                role="operate",
-                refuses={404: "There is no such motion, or what was sent in parts is not there.", **slow},
-            ),
-            Route(
-                method="GET",
-                path="/api/motion/check",
-                handle=self._checked,
-                summary="How far a check is, and its report",
-                params=CheckParams,
-                replies={200: Check},
-                role="view",
-                refuses={404: "There is no such check.", 500: "It could not be done; the sentence says why."},
-            ),
-            Route(
-                method="DELETE",
-                path="/api/motion/check",
-                handle=self._cancel,
-                summary="End a check",
-                params=CheckParams,
-                replies={200: Check},
-                role="operate",
-                refuses={404: "There is no such check."},
-            ),
-        )
-
     def step(self) -> None:
         """Go on with what is under way."""
         self._works.step()
@@ -243,44 +156,60 @@ class Building:
         found: MotionGiven = decoded(self._uploads.take(str(client), upload), MotionGiven)
         return found
 
-    async def _upload(self, request: Request) -> Response:
-        given: UploadBody = request.data
-        size = self._uploads.add(str(request.client), given.upload, given.part, given.content)
-        return json(Uploaded(bytes=size))
+    @post("/api/motion/upload", role="operate")
+    async def _upload(
+        self, client: Client, body: UploadBody
+    ) -> Annotated[Uploaded, Refuses({409: "A part is missing before this one.", 503: "Too much is sent at once."})]:
+        """Send what is larger than a body, in parts.
 
-    def _forms(self, _request: Request) -> Response:
+        Base64 of what gzip packed. It is kept for a minute, for the request that names it.
+        """
+        return Uploaded(bytes=self._uploads.add(str(client), body.upload, body.part, body.content))
+
+    @get("/api/motion/forms")
+    def _forms(self) -> Forms:
+        """The forms of motion files that can be read and written."""
         known = motion_forms.known(self._robot.name)
-        return json(Forms(forms=tuple(Form(suffix=s, summary=t, writes=w) for s, t, w in known)))
+        return Forms(forms=tuple(Form(suffix=s, summary=t, writes=w) for s, t, w in known))
 
-    async def _read(self, request: Request) -> Response:
-        given: ReadBody = request.data
-        content = self._uploads.take(str(request.client), given.upload)
+    @post("/api/motion/read", role="operate", within_s=SHORT_S + 1.0)
+    async def _read(
+        self, client: Client, body: ReadBody
+    ) -> Annotated[ReadMotions, Refuses({400: "It is no motion, or none of this robot's."}), SLOW]:
+        """Read the motions in a file, for this robot's joints; nothing is kept."""
         job = ReadJob(
-            content=content,
-            suffix=Path(given.file).suffix.lower(),
+            content=self._uploads.take(str(client), body.upload),
+            suffix=Path(body.file).suffix.lower(),
             joints=self._robot.joints,
             motors=self._robot.motors,
         )
-        return json(await self._done(job, ReadMotions))
+        return await self._done(job, ReadMotions)
 
-    async def _write(self, request: Request) -> Response:
-        given: WriteBody = request.data
+    @post("/api/motion/write", role="operate", within_s=SHORT_S + 1.0)
+    async def _write(self, client: Client, body: WriteBody) -> Annotated[Written, NOT_WRITTEN, SLOW]:
+        """Write a motion as a file, in base64, with what that form cannot say."""
         job = WriteJob(
             robot=self._robot.name,
-            motion=self._meant(request.client, given.upload, given.motion),
-            suffix=given.form.lower(),
+            motion=self._meant(client, body.upload, body.motion),
+            suffix=body.form.lower(),
             joints=self._robot.joints,
             motors=self._robot.motors,
         )
-        return json(await self._done(job, Written))
+        return await self._done(job, Written)
 
-    async def _versions(self, request: Request) -> Response:
-        job = VersionsJob(robot=self._robot.name, database=self._database(), motion=request.params.motion)
-        return json(await self._done(job, Versions))
+    @get("/api/motion/versions", within_s=SHORT_S + 1.0)
+    async def _versions(self, params: VersionParams) -> Annotated[Versions, SLOW]:
+        """What a motion was before, newest first."""
+        job = VersionsJob(robot=self._robot.name, database=self._database(), motion=params.motion)
+        return await self._done(job, Versions)
 
-    async def _check(self, request: Request) -> Response:
-        given: CheckBody = request.data
-        motion = self._meant(request.client, given.upload, given.motion)
+    @post("/api/motion/check", role="operate")
+    async def _check(self, client: Client, body: CheckBody) -> Annotated[Check, NO_MOTION, SLOW]:
+        """Play a motion with the simulated body, to see whether it stays on its feet.
+
+        It moves no robot. Ask how far it is; what is not asked for in 5 s ends.
+        """
+        motion = self._meant(client, body.upload, body.motion)
         known = {one.name: one for one in self._robot.motions}
         lead_in = known.get(motion.lead_in)
         job = CheckJob(
@@ -290,9 +219,9 @@ class Building:
             joints=self._robot.joints,
             frames=motion.frames,
             lead_in=lead_in.frames if lead_in is not None else (),
-            start=given.start,
+            start=body.start,
         )
-        who = str(request.client)
+        who = str(client)
         for number, (whose, work) in tuple(self._checks.items()):
             if whose == who or work.result is not None:
                 work.end(work.result or NotDone(reason="another was asked for", code="cancelled"))
@@ -302,28 +231,34 @@ class Building:
             raise _refused(BUSY)
         self._number += 1
         self._checks[self._number] = who, work_
-        return json(Check(check=self._number))
+        return Check(check=self._number)
 
-    async def _checked(self, request: Request) -> Response:
-        work = self._the_check(request)
+    @get("/api/motion/check")
+    async def _checked(
+        self, client: Client, params: CheckParams
+    ) -> Annotated[Check, NO_CHECK, Refuses({500: "It could not be done; the sentence says why."})]:
+        """How far a check is, and its report."""
+        work = self._the_check(client, params.check)
         work.asked_s = self._robot.now()
         if isinstance(work.result, NotDone):
             raise _refused(work.result)
         report = work.result.report if isinstance(work.result, Checked) else None
         part = 1.0 if report is not None else work.part
-        return json(Check(check=request.params.check, part=part, report=report))
+        return Check(check=params.check, part=part, report=report)
 
-    async def _cancel(self, request: Request) -> Response:
-        work = self._the_check(request)
+    @route("DELETE", "/api/motion/check", role="operate")
+    async def _cancel(self, client: Client, params: CheckParams) -> Annotated[Check, NO_CHECK]:
+        """End a check."""
+        work = self._the_check(client, params.check)
         if work.result is None:
             work.end(NotDone(reason="it was cancelled", code="cancelled"))
-        self._checks.pop(request.params.check, None)
-        return json(Check(check=request.params.check, part=work.part))
+        self._checks.pop(params.check, None)
+        return Check(check=params.check, part=work.part)
 
-    def _the_check(self, request: Request) -> Work:
-        whose, work = self._checks.get(request.params.check, ("", None))
-        if work is None or whose != str(request.client):
-            raise Refused(404, f"there is no check {request.params.check} of yours: begin another")
+    def _the_check(self, client: Client, check: int) -> Work:
+        whose, work = self._checks.get(check, ("", None))
+        if work is None or whose != str(client):
+            raise Refused(404, f"there is no check {check} of yours: begin another")
         return work
 
     def _meant(self, client: Client, upload: str | None, name: str | None) -> Motion:
@@ -343,7 +278,7 @@ class Building:
             raise Refused(400, text, code="not_possible")
         return found
 
-    async def _done(self, job: Any, kind: type) -> Said:
+    async def _done(self, job: Any, kind: type[T]) -> T:
         """Have a job done, and return what came of it; Refused says why nothing did."""
         work = self._works.start(job)
         if work is None:

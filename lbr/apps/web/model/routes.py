@@ -12,8 +12,9 @@ from starlette.responses import Response
 
 from lbr.apps.bodies.model import body_file, model
 from lbr.apps.bodies.parts import RobotModel
-from lbr.apps.web.face import Face, Message, Refused, Request, Route, encoded, json
-from lbr.apps.web.model.building import Building, MotionGiven, UploadName
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import Client, Face, Message, Refused, Request, Route, declared, encoded, get, post
+from lbr.apps.web.model.building import Building, UploadName
 from lbr.apps.web.model.poses import key_pose
 from lbr.apps.web.robot import EDIT_S, Robot
 from lbr.messages.codes import heard
@@ -70,83 +71,57 @@ class ModelFace(Face):
         """Return how much of that is under way."""
         return self._building.jobs
 
-    def routes(self) -> tuple[Route, ...]:
+    def routes(self) -> list[Route]:
         """Return them."""
-        return (
-            Route(
-                method="GET",
-                path="/api/model",
-                handle=self._model,
-                summary="The robot's body: links, joints with their limits, shapes, sensors",
-                description="Metres and radians; x ahead, y left, z up. With `If-None-Match` it says 304 if nothing changed.",
-                replies={200: RobotModel, 304: None},
-            ),
-            Route(
-                method="GET",
-                path="/api/poses",
-                handle=self._poses,
-                summary="A pose of each motion that shows what it is",
-                replies={200: Poses},
-            ),
-            Route(
-                method="GET",
-                path="/api/motion",
-                handle=self._motion,
-                summary="A motion with all its key frames",
-                params=MotionParams,
-                replies={200: Motion},
-                refuses={404: "There is no such motion."},
-            ),
-            Route(
-                method="POST",
-                path="/api/motion",
-                handle=self._keep,
-                summary="Keep a motion in the robot's rows",
-                body=MotionBody,
-                replies={200: Message},
-                role="admin",
-                refuses={409: "It does not fit the robot, or there is one of this name."},
-                within_s=EDIT_S + 1.0,
-            ),
-            *self._building.routes(),
-        )
+        return [*declared(self), *declared(self._building)]
 
-    def _model(self, request: Request) -> Response:
+    @get("/api/model")
+    def _model(self, request: Request) -> Annotated[Response, {200: RobotModel, 304: None}]:
+        """The robot's body: links, joints with their limits, shapes, sensors.
+
+        Metres and radians; x ahead, y left, z up. With `If-None-Match` it says 304 if nothing changed.
+        """
         content, tag = self._newest()
         if request.headers.get("if-none-match") == tag:
             return Response(status_code=304, headers={"etag": tag, "cache-control": "no-cache"})
         return encoded(content, etag=tag, cache_control="no-cache")
 
-    async def _poses(self, _request: Request) -> Response:
+    @get("/api/poses")
+    async def _poses(self) -> Annotated[Response, {200: Poses}]:
+        """A pose of each motion that shows what it is."""
         motions = self._robot.motions
         if self._drawn is None or self._drawn[0] is not motions:
             poses = Poses(poses={one.name: pose for one in motions if (pose := key_pose(one))})
             self._drawn = motions, msgspec.json.encode(poses)
         return encoded(self._drawn[1])
 
-    async def _motion(self, request: Request) -> Response:
-        found = next((one for one in self._robot.motions if one.name == request.params.motion), None)
-        if found is None:
-            raise Refused(404, f"there is no motion '{request.params.motion}'")
-        return json(found)
+    @get("/api/motion")
+    async def _motion(self, params: MotionParams) -> Annotated[Motion, Refuses({404: "There is no such motion."})]:
+        """A motion with all its key frames."""
+        motion = self._named(params.motion)
+        if motion is None:
+            raise Refused(404, f"there is no motion '{params.motion}'")
+        return motion
 
-    async def _keep(self, request: Request) -> Response:
-        given: MotionBody = request.data
-        frames = given.frames
-        if given.upload is not None:
-            sent: MotionGiven = self._building.given(request.client, given.upload)
-            frames = sent.frames
+    @post("/api/motion", role="admin", within_s=EDIT_S + 1.0)
+    async def _keep(
+        self, client: Client, body: MotionBody
+    ) -> Annotated[Message, Refuses({409: "It does not fit the robot, or there is one of this name."})]:
+        """Keep a motion in the robot's rows."""
+        frames = body.frames if body.upload is None else self._building.given(client, body.upload).frames
         if not frames:
-            raise Refused(400, f"motion '{given.name}' has no key frames")
-        before = next((one for one in self._robot.motions if one.name == given.name), None)
-        kept = Motion(name=given.name, frames=frames, help=given.help)
-        if before is not None and given.replace:
-            kept = replace(kept, lead_in=before.lead_in, lead_out=before.lead_out, help=given.help or before.help)
-        who = str(request.client)[:80]
-        reply = await self._robot.edit(kept.rows, create=not given.replace, by=who)
+            raise Refused(400, f"motion '{body.name}' has no key frames")
+        before = self._named(body.name)
+        kept = Motion(name=body.name, frames=frames, help=body.help)
+        if before is not None and body.replace:
+            kept = replace(kept, lead_in=before.lead_in, lead_out=before.lead_out, help=body.help or before.help)
+        reply = await self._robot.edit(kept.rows, create=not body.replace, by=str(client)[:80])
         if not reply.accepted:
             raise Refused(409, heard(reply.code, reply.reason))
-        return json(Message(message=f"motion '{kept.name}' is kept"))
+        return Message(message=f"motion '{kept.name}' is kept")
+
+    def _named(self, name: str) -> Motion | None:
+        return next((motion for motion in self._robot.motions if motion.name == name), None)
 
     def _newest(self) -> tuple[bytes, str]:
         robot = self._robot

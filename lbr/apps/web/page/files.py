@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from hashlib import sha256
 from importlib import resources
 from importlib.resources.abc import Traversable
-from typing import Any
 
 import msgspec
 from starlette.responses import Response
 
-from lbr.apps.web.face import HTML, Face, Refused, Request, Route
+from lbr.apps.web.face import HTML, Face, Refused, Request, Route, declared, get
 from lbr.apps.web.guards import SECURITY
 from lbr.messages.unreadable import UNREADABLE
 
@@ -113,23 +112,21 @@ class PageFace(Face):
 
     def routes(self) -> list[Route]:
         """Return the page at `/` for browsers, its parts beside it, and what carries its content in its name."""
-        part: dict[str, Any] = {"method": "GET", "summary": "", "role": None, "page": True, "hidden": True}
-        beside = [one for one in self._files.values() if not one.lasts and one.name not in NOT_SERVED]
-        return [
-            Route(
-                method="GET", path="/", handle=self._of(INDEX), summary="The page", replies={200: HTML}, role=None,
-                page=True, hidden=True, accept=HTML,
-            ),
-            Route(path="/display", handle=self._of(INDEX), replies={200: HTML}, **part),
-            *(Route(path=f"/{one.name}", handle=self._of(one.name), replies={200: one.media}, **part) for one in beside),
-            Route(path=f"/{ASSETS}{{name}}", handle=self._asset, replies={200: "*/*"}, **part),
-        ]  # fmt: skip
+        beside = [one.name for one in self._files.values() if not one.lasts and one.name not in NOT_SERVED]
+        parts = [Route(method="GET", path=f"/{name}", handle=self._of(name), role=None, page=True) for name in beside]
+        return [*declared(self), *parts]
 
     def _of(self, name: str) -> Callable[[Request], Response]:
         return lambda request: served(self._files[name], request)
 
-    def _asset(self, request: Request) -> Response:
-        found = self._files.get(ASSETS + request.keys["name"])
+    @get("/", role=None, page=True, accept=HTML)
+    @get("/display", role=None, page=True)
+    def _index(self, request: Request) -> Response:
+        return served(self._files[INDEX], request)
+
+    @get(f"/{ASSETS}{{name}}", role=None, page=True)
+    def _asset(self, request: Request, name: str) -> Response:
+        found = self._files.get(ASSETS + name)
         if found is None:
             raise Refused(404, "this page is of another version: load it again")
         return served(found, request)

@@ -1,8 +1,7 @@
 """The old API as a face: its paths, and for each what it has always answered."""
 
 import time
-from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 from starlette.responses import Response
@@ -12,7 +11,8 @@ from lbr.apps.web import face as web
 from lbr.apps.web.bridge import until
 from lbr.apps.web.cameras.ports import Ports
 from lbr.apps.web.cameras.routes import CamerasFace
-from lbr.apps.web.face import Refused, Request, Route
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import Refused, Request, Route, declared, get, post, route
 from lbr.apps.web.robot import Robot
 from lbr.capability.context import Received
 from lbr.errors import InputError
@@ -38,6 +38,20 @@ NO_TOKEN = "show a token: 'User: NAME' and 'Authorization: TOK:TOKEN'; 'lbr toke
 ACT_S = 4.0
 """A motion may have to be asked for again, and a text is said after that."""
 ASK_S, CATCH_UP_S = 1.0, 1.0
+REFUSED = Refuses({400: "It makes no sense.", 401: "A token is needed.", 409: "The robot refuses it now."})
+NOT_VALID = Refuses({401: "The token is not valid."})
+Text = Annotated[Response, web.TEXT]
+
+
+class Acting(Route):
+    """A route by which something is done: a refusal is told by its sentence alone, and to who shows no token or a wrong
+    one without a body, as it always had none."""
+
+    def refused(self, err: Refused) -> Response:
+        """Return the refusal; the code is in the header."""
+        if err.status == 401:
+            return Response(status_code=401, headers={"Reason-Code": "token", **ASK_FOR_TOKEN})
+        return web.json({"message": err.message}, err.status, **{"Reason-Code": err.code, **err.headers})
 
 
 class LbrOriginalFace(web.Face):
@@ -55,10 +69,9 @@ class LbrOriginalFace(web.Face):
         self._told: dict[str, Any] = {}
         self._told_at: float | None = None
 
-    def routes(self) -> Sequence[Route]:
+    def routes(self) -> list[Route]:
         """Return what it answers; what fits any path comes last."""
-        pictures = [route for route in self._cameras.routes() if route.path != "/cameras"]
-        return [*self._actions(), *self._readings(), *pictures, *self._others()]
+        return [*declared(self), *(one for one in self._cameras.routes() if one.path != "/cameras")]
 
     def step(self, now: float) -> None:
         """Go on with what moves, and take pictures in."""
@@ -83,56 +96,18 @@ class LbrOriginalFace(web.Face):
         """Return for whom the base moves."""
         return {"holder": self._driver.holder}
 
-    def _actions(self) -> list[Route]:
-        act: dict[str, Any] = {"method": "POST", "lenient": True, "bare": True, "role": None, "otherwise": _no_token}
-        refuses = {400: "It makes no sense.", 401: "A token is needed.", 409: "The robot refuses it now."}
-        return [
-            Route(
-                path="/", handle=self._act, summary="Move, turn, stop, speak; the answer is the telemetry",
-                description="One of heading, turn, or level with angle, and range, sensor, duration; speech besides. "
-                "Where something is refused, the answer has `refused` besides the telemetry.",
-                replies={200: dict[str, Any]}, within_s=ACT_S, refuses=refuses, **act,
-            ),
-            Route(path="/say", handle=self._say, summary="Say a text", replies={200: None}, refuses=refuses, **act),
-            Route(
-                path="/docksignal", handle=self._dock, summary="Tell that a beam of the dock is seen",
-                replies={204: None}, refuses=refuses, **act,
-            ),
-            Route(path="/wakeup", handle=self._wake, summary="Nothing: it is awake", replies={204: None}, **act),
-            Route(
-                path="/camera/{name}", handle=self._camera, summary="Switch a camera on and the others off, or all off",
-                replies={200: web.TEXT}, refuses=refuses | {404: "There is no such camera."}, **act,
-            ),
-        ]  # fmt: skip
+    @post("/", Acting, role=None, within_s=ACT_S)
+    async def _act(self, request: Request, body: bytes) -> Annotated[Response, {200: dict[str, Any]}, REFUSED]:
+        """Move, turn, stop, speak; the answer is the telemetry.
 
-    def _readings(self) -> list[Route]:
-        found = []
-        for path, handle, summary, reply, role in (
-            ("/telemetry", self._telemetry, "All that is known, in the names of old", web.TEXT, "view"),
-            ("/cameras", self._states, "Which cameras there are, and which is on", dict[str, Any], "view"),
-            ("/validate", self._validate, "Say whether the token shown is valid", web.TEXT, None),
-        ):
-            route: dict[str, Any] = {"method": "GET", "handle": handle, "replies": {200: reply}, "role": role}
-            refuses = {401: "The token is not valid."}
-            found.append(Route(path=path, summary=summary, refuses=refuses, **route))
-            found.append(Route(path=path + "{more*}", summary="", hidden=True, **route))
-        return found
-
-    def _others(self) -> list[Route]:
-        other: dict[str, Any] = {"path": "/{path*}", "summary": "", "role": None, "hidden": True}
-        return [
-            Route(method="GET", handle=_nothing, replies={404: web.TEXT}, page=True, **other),
-            Route(method="POST", handle=_nothing, replies={404: web.TEXT}, lenient=True, **other),
-            Route(method="OPTIONS", handle=_options, replies={200: None}, **other),
-        ]
-
-    async def _act(self, request: Request) -> Response:
-        """Do what a body asks for; whatever becomes of it, the answer has the telemetry."""
+        One of heading, turn, or level with angle, and range, sensor, duration; speech besides. Where something is
+        refused, the answer has `refused` besides the telemetry.
+        """
         who = Who.of(request)
         if not _may_stop(request):
             _require(request, "operate")
         try:
-            asked = wishes.asked(request.body)
+            asked = wishes.asked(body)
         except InputError as err:
             if isinstance(err, NotFiniteError):
                 self._driver.stop_own(who, str(err))
@@ -156,20 +131,23 @@ class LbrOriginalFace(web.Face):
             _require(request, "operate")
             await self._speak(asked.speech)
 
-    async def _say(self, request: Request) -> Response:
+    @post("/say", Acting, role=None)
+    async def _say(self, request: Request, body: bytes) -> Annotated[Response, {200: None}, REFUSED]:
+        """Say a text."""
         _require(request, "operate")
         try:
-            text = wishes.speech(request.body)
+            text = wishes.speech(body)
         except InputError as err:
             raise Refused(400, str(err)) from None
         await self._speak(text)
         return Response(status_code=200)
 
-    async def _dock(self, request: Request) -> Response:
-        """Take note of a beam for as long as it counts, and tell the receiver, if the robot has one."""
+    @post("/docksignal", Acting, role=None)
+    async def _dock(self, request: Request, body: bytes) -> Annotated[None, REFUSED]:
+        """Tell that a beam of the dock is seen."""
         _require(request, "operate")
         try:
-            beams = wishes.beams(request.body)
+            beams = wishes.beams(body)
         except InputError as err:
             raise Refused(400, str(err)) from None
         for name, seen in beams.items():
@@ -178,15 +156,18 @@ class LbrOriginalFace(web.Face):
                 self._seen[name] = self._robot.now()
         if any(beams.values()) and self._robot.ctx.targets("dock_heard"):
             await self._robot.ask_all("dock_heard", DockHeard(**beams), timeout_s=ASK_S)
-        return Response(status_code=204)
 
-    async def _wake(self, request: Request) -> Response:
+    @post("/wakeup", Acting, role=None)
+    async def _wake(self, request: Request) -> None:
+        """Nothing: it is awake."""
         _require(request, "view")
-        return Response(status_code=204)
 
-    async def _camera(self, request: Request) -> Response:
+    @post("/camera/{name}", Acting, role=None)
+    async def _camera(
+        self, request: Request, name: str
+    ) -> Annotated[Text, REFUSED, Refuses({404: "There is no such camera."})]:
+        """Switch a camera on and the others off, or all off."""
         _require(request, "operate")
-        name = request.keys["name"]
         try:
             command = msgspec.convert({"name": name}, SelectCommand)
         except msgspec.ValidationError:
@@ -201,7 +182,10 @@ class LbrOriginalFace(web.Face):
         if not reply.accepted:
             raise Refused(409, reply.why)
 
-    async def _telemetry(self, request: Request) -> Response:
+    @get("/telemetry")
+    @get("/telemetry{more:path}")
+    async def _telemetry(self, request: Request) -> Annotated[Text, NOT_VALID]:
+        """All that is known, in the names of old."""
         if request.method == "GET":
             self._driver.beat(Who.of(request))
             await self._catch_up()
@@ -218,12 +202,27 @@ class LbrOriginalFace(web.Face):
 
         await until(lambda: is_new() or self._robot.now() >= late)
 
-    async def _states(self, _request: Request) -> Response:
-        return web.json(cameras(self._robot.ctx.latest("telemetry")))
+    @get("/cameras")
+    @get("/cameras{more:path}")
+    async def _states(self) -> Annotated[dict[str, Any], NOT_VALID]:
+        """Which cameras there are, and which is on."""
+        return cameras(self._robot.ctx.latest("telemetry"))
 
-    def _validate(self, request: Request) -> Response:
+    @get("/validate", role=None)
+    @get("/validate{more:path}", role=None)
+    def _validate(self, request: Request) -> Annotated[Text, NOT_VALID]:
+        """Say whether the token shown is valid."""
         valid = bool(request.client.name)
         return web.text(VALID) if valid else Response(INVALID, 401, ASK_FOR_TOKEN, web.TEXT)
+
+    @get("/{path:path}", role=None, page=True)
+    @post("/{path:path}", role=None)
+    def _nothing(self) -> Response:
+        return web.text(NOT_FOUND, 404)
+
+    @route("OPTIONS", "/{path:path}", role=None)
+    def _options(self) -> Response:
+        return Response(status_code=200, headers=ALLOWED)
 
     def _package(self) -> dict[str, Any]:
         now, latest = self._robot.now(), self._robot.ctx.latest
@@ -261,16 +260,3 @@ def _require(request: Request, role: Role) -> None:
     if not (client.name or client.legacy):
         raise Refused(401, NO_TOKEN)
     request.require(role)
-
-
-def _no_token() -> Response:
-    """Return the answer to who shows no token or a wrong one, which has no body, as it always had none."""
-    return Response(status_code=401, headers={"Reason-Code": "token", **ASK_FOR_TOKEN})
-
-
-def _nothing(_request: Request) -> Response:
-    return web.text(NOT_FOUND, 404)
-
-
-def _options(_request: Request) -> Response:
-    return Response(status_code=200, headers=ALLOWED)

@@ -1,122 +1,186 @@
-"""What answers each route, in the capability's loop: from a request to `Service` and rows, and back to an answer."""
+"""The routes of the UXA-90's API, in the capability's loop: from a request to `Service` and rows, and back to an
+answer."""
 
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 from starlette.responses import Response
 
 from lbr.apps.web import face as web
-from lbr.apps.web.face import Request
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import Query, Refused, Request, Route, get, post, route
 from lbr.apps.web.robot import Robot
 from lbr.messages.system import Role
 from lbr.messages.unreadable import UNREADABLE, keyed_once
 from lbr.robots.uxa90.rest import parsing
-from lbr.robots.uxa90.rest.answers import MotionsAnswer
-from lbr.robots.uxa90.rest.bodies import MotionRowAnswer, MotorRowAnswer
+from lbr.robots.uxa90.rest.answers import MotionsAnswer, MotorAnswer, MultiAnswer, PlayedAnswer
+from lbr.robots.uxa90.rest.bodies import (
+    MotionBody,
+    MotionRowAnswer,
+    MotorBody,
+    MotorParams,
+    MotorRowAnswer,
+    MultiBody,
+    MultiParams,
+    NewMotorBody,
+)
 from lbr.robots.uxa90.rest.editing import Editor
 from lbr.robots.uxa90.rest.jobs import JobReply, JobsReply
 from lbr.robots.uxa90.rest.service import Service
 
+REFUSED = Refuses({400: "It makes no sense.", 409: "It is not there, is busy, held by another, or not allowed."})
+MOVE_S = 4.0
+"""A motion's answer may need three others': the joints given back, motions, joints again."""
+EDIT_S = 7.0
+EDIT = Refuses(
+    {
+        400: "The body makes no sense.",
+        403: "It is built in.",
+        404: "It is not there.",
+        409: "It cannot be so.",
+        412: "It was changed since the version that was quoted.",
+    }
+)
+NO_ROW, NO_JOB = Refuses({404: "it is not there"}), Refuses({404: "there is no such job"})
+
+
+class Moving(Route):
+    """A route of the first days: what it refuses is told by its sentence alone, as its clients know it."""
+
+    def refused(self, err: Refused) -> Response:
+        """Return the sentence; the code is in the header."""
+        return web.json({"message": err.message}, err.status, **{"Reason-Code": err.code, **err.headers})
+
 
 class Handlers:
-    """What may be asked; plain functions are answered at once, from what does not change."""
+    """What may be asked."""
 
     def __init__(self, robot: Robot, work: Service) -> None:
         self._work = work
         self._editor = Editor(robot, work.motors, work.buttons)
 
-    async def motor(self, request: Request) -> Response:
-        """List, show or move."""
-        query = _query(request)
+    @get("/", role=None, page=True)
+    def there(self) -> Annotated[Response, web.TEXT]:
+        """Say that it is there."""
+        return web.text("OK")
+
+    @get("/motor", Moving, within_s=MOVE_S)
+    async def motor(self, request: Request, query: Annotated[Query, MotorParams]) -> Annotated[MotorAnswer, REFUSED]:
+        """List motors, read one, or move one.
+
+        Without `id`: all. With `id`: that one. With `pos` as well: it moves (role operate).
+        """
+        asked = _by_name(query)
 
         def require(role: Role) -> None:
             _refuse_head(request)
             request.require(role)
 
-        wanted = parsing.flag(query, "measured") if "id" in query or "measured" in query else False
-        return web.json(await self._work.motor(query, require, measured=wanted, came_s=request.came_s))
+        measured = parsing.flag(asked, "measured") if "id" in asked or "measured" in asked else False
+        return await self._work.motor(asked, require, measured=measured, came_s=request.came_s)
 
-    async def several(self, request: Request) -> Response:
-        """Move several."""
+    @get("/multimotor", Moving, role="operate", within_s=MOVE_S)
+    @post("/multimotor", Moving, role="operate", within_s=MOVE_S)
+    async def several(
+        self, request: Request, query: Annotated[Query, MultiParams], body: Annotated[bytes, MultiBody]
+    ) -> Annotated[MultiAnswer, REFUSED]:
+        """Move several motors at once, or each after its delay.
+
+        All of the list is looked at first: if anything is wrong with it, nothing moves.
+        """
         _refuse_head(request)
-        return web.json(await self._work.several(_body(request), _query(request), request.came_s))
+        return await self._work.several(_json(request, body), _by_name(query), request.came_s)
 
-    async def motions(self, _request: Request) -> Response:
-        """List them."""
-        return web.json(MotionsAnswer(self._work.buttons.all()))
+    @get("/motion")
+    async def motions(self) -> MotionsAnswer:
+        """List motions."""
+        return MotionsAnswer(self._work.buttons.all())
 
-    async def play(self, request: Request) -> Response:
-        """Play one."""
+    @get("/motion/{key}", Moving, role="operate", within_s=MOVE_S)
+    @post("/motion/{key}", Moving, role="operate", within_s=MOVE_S)
+    async def play(self, request: Request, key: str) -> Annotated[PlayedAnswer, REFUSED]:
+        """Play a motion, by number or name.
+
+        It plays by itself after the answer; one at a time. 99, pc_control, only takes the main board over.
+        """
         _refuse_head(request)
-        return web.json(await self._work.play(request.keys["key"], request.came_s))
+        return await self._work.play(key, request.came_s)
 
-    async def jobs(self, _request: Request) -> Response:
-        """List them."""
-        return web.json(JobsReply(self._work.jobs.all()))
+    @get("/jobs")
+    async def jobs(self) -> JobsReply:
+        """List jobs."""
+        return JobsReply(self._work.jobs.all())
 
-    async def job(self, request: Request) -> Response:
-        """Show one."""
-        return web.json(JobReply(self._work.jobs.get(request.keys["job"])))
+    @get("/jobs/{job}")
+    async def job(self, job: str) -> Annotated[JobReply, NO_JOB]:
+        """Read a job."""
+        return JobReply(self._work.jobs.get(job))
 
-    async def cancel(self, request: Request) -> Response:
-        """Cancel one."""
-        return web.json(JobReply(self._work.jobs.cancel(request.keys["job"])))
+    @route("DELETE", "/jobs/{job}", role="operate")
+    async def cancel(self, job: str) -> Annotated[JobReply, NO_JOB, Refuses({409: "it is over"})]:
+        """Cancel a job: what has not begun does not begin."""
+        return JobReply(self._work.jobs.cancel(job))
 
-    async def show_motor(self, request: Request) -> Response:
-        """Show a row."""
-        return _row(await self._editor.show_motor(request.keys["id"]))
+    @get("/motors/{id}", within_s=EDIT_S)
+    async def show_motor(self, id_: str) -> Annotated[Response, {200: MotorRowAnswer}, NO_ROW]:
+        """Read a motor's row."""
+        return _row(await self._editor.show_motor(id_))
 
-    async def show_motion(self, request: Request) -> Response:
-        """Show a row."""
-        return _row(await self._editor.show_motion(request.keys["id"]))
+    @post("/motors", role="admin", within_s=EDIT_S)
+    async def add_motor(self, request: Request, body: NewMotorBody) -> Annotated[Response, {201: MotorRowAnswer}, EDIT]:
+        """Make a motor."""
+        return _row(await self._editor.add_motor(request, body), 201)
 
-    async def add_motor(self, request: Request) -> Response:
-        """Make a row."""
-        return _row(await self._editor.add_motor(request, request.data), 201)
+    @route("PUT", "/motors/{id}", role="admin", within_s=EDIT_S)
+    async def change_motor(
+        self, request: Request, id_: str, body: MotorBody
+    ) -> Annotated[Response, {200: MotorRowAnswer}, EDIT]:
+        """Change a motor that is not built in."""
+        return _row(await self._editor.change_motor(request, id_, body))
 
-    async def change_motor(self, request: Request) -> Response:
-        """Change a row."""
-        return _row(await self._editor.change_motor(request, request.keys["id"], request.data))
+    @get("/motions/{id}", within_s=EDIT_S)
+    async def show_motion(self, id_: str) -> Annotated[Response, {200: MotionRowAnswer}, NO_ROW]:
+        """Read a motion's row and its key frames; plays nothing."""
+        return _row(await self._editor.show_motion(id_))
 
-    async def add_motion(self, request: Request) -> Response:
-        """Make a row."""
-        return _row(await self._editor.add_motion(request, request.data), 201)
+    @post("/motions", role="admin", within_s=EDIT_S)
+    async def add_motion(self, request: Request, body: MotionBody) -> Annotated[Response, {201: MotionRowAnswer}, EDIT]:
+        """Make a motion of key frames."""
+        return _row(await self._editor.add_motion(request, body), 201)
 
-    async def change_motion(self, request: Request) -> Response:
-        """Change a row."""
-        return _row(await self._editor.change_motion(request, request.keys["id"], request.data))
-
-
-def ok(_request: Request) -> Response:
-    """Say that it is there."""
-    return web.text("OK")
+    @route("PUT", "/motions/{id}", role="admin", within_s=EDIT_S)
+    async def change_motion(
+        self, request: Request, id_: str, body: MotionBody
+    ) -> Annotated[Response, {200: MotionRowAnswer}, EDIT]:
+        """Change a motion that is not built in."""
+        return _row(await self._editor.change_motion(request, id_, body))
 
 
 def _refuse_head(request: Request) -> None:
     """Move nothing for a client that only asks what there is."""
     if request.method == "HEAD":
-        raise web.Refused(405, "HEAD moves nothing: use GET or POST", {"Allow": "GET, POST"})
+        raise Refused(405, "HEAD moves nothing: use GET or POST", {"Allow": "GET, POST"})
 
 
 def _row(answer: MotorRowAnswer | MotionRowAnswer, status: int = 200) -> Response:
     return web.json(answer, status, ETag=f'"{answer.version}"')
 
 
-def _query(request: Request) -> parsing.Query:
+def _by_name(query: Query) -> parsing.Query:
     found: dict[str, list[str]] = {}
-    for name, value in request.query:
+    for name, value in query:
         found.setdefault(name, []).append(value)
     return found
 
 
-def _body(request: Request) -> Any:
+def _json(request: Request, body: bytes) -> Any:
     """Return what a body says, whatever that is; refuse none, other kinds of it, and what is not JSON."""
     media = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if not request.body:
-        raise web.Refused(400, f"a body is needed: {parsing.EXAMPLE}, as application/json")
+    if not body:
+        raise Refused(400, f"a body is needed: {parsing.EXAMPLE}, as application/json")
     if media != web.JSON:
-        raise web.Refused(400, f"the body must be application/json, not '{media[:60]}'")
+        raise Refused(400, f"the body must be application/json, not '{media[:60]}'")
     try:
-        return msgspec.json.decode(keyed_once(request.body))
+        return msgspec.json.decode(keyed_once(body))
     except UNREADABLE as err:
-        raise web.Refused(400, f"the body is not JSON: {err}") from None
+        raise Refused(400, f"the body is not JSON: {err}") from None

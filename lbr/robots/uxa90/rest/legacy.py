@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lbr.apps.web import face as web
-from lbr.apps.web.face import Route
+from lbr.apps.web.face import Route, declared
 from lbr.apps.web.robot import Robot
-from lbr.robots.uxa90.rest import page, routes
+from lbr.robots.uxa90.rest import page
 from lbr.robots.uxa90.rest.handlers import Handlers
 from lbr.robots.uxa90.rest.service import Service
 
@@ -26,7 +26,7 @@ class Uxa90Face(web.Face):
 
     def routes(self) -> Sequence[Route]:
         """Return what it answers."""
-        return (*routes.declared(self._handlers), *page.routes())
+        return [*declared(self._handlers), *page.routes()]
 
     def step(self, now: float) -> None:
         """Renew what is borrowed, and begin what is due."""

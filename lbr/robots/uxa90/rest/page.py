@@ -2,36 +2,33 @@
 
 from collections.abc import Callable
 from importlib import resources
+from typing import Annotated
 
 from starlette.responses import Response
 
 from lbr.apps.web import face as web
-from lbr.apps.web.face import Request, Route
+from lbr.apps.web.face import Route
 
-PARTS = {
-    "/demo": ("demo.html", web.HTML),
-    "/demo.js": ("demo.js", "text/javascript"),
-    "/demo.css": ("demo.css", "text/css"),
-}
+PARTS = {"demo.js": "text/javascript", "demo.css": "text/css"}
 
 
-def routes() -> tuple[Route, ...]:
+def routes() -> list[Route]:
     """Return the page with the buttons, and its parts."""
-    return tuple(
-        Route(
-            method="GET",
-            path=path,
-            handle=_page(name, media),
-            summary="A page to move the head and to play motions",
-            replies={200: media},
-            role=None,
-            page=True,
-            hidden=path != "/demo",
-        )
-        for path, (name, media) in PARTS.items()
-    )
+    handlers = {"demo": _page, **{name: _part(name, media) for name, media in PARTS.items()}}
+    return [
+        Route(method="GET", path=f"/{path}", handle=handle, role=None, page=True) for path, handle in handlers.items()
+    ]
 
 
-def _page(name: str, media: str) -> Callable[[Request], Response]:
-    content = (resources.files("lbr.robots.uxa90.rest") / "pages" / name).read_text()
-    return lambda _request: web.text(content, media=media)
+def _page() -> Annotated[Response, web.HTML]:
+    """A page to move the head and to play motions."""
+    return web.html(_content("demo.html"))
+
+
+def _part(name: str, media: str) -> Callable[[], Response]:
+    content = _content(name)
+    return lambda: web.text(content, media=media)
+
+
+def _content(name: str) -> str:
+    return (resources.files("lbr.robots.uxa90.rest") / "pages" / name).read_text()
