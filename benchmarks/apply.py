@@ -16,7 +16,7 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 from benchmarks import Measured
-from lbr.database import past
+from lbr.database import changes
 from lbr.database.reading import RawTables
 from lbr.database.sources import wanted
 from lbr.database.store import Database
@@ -181,12 +181,12 @@ def _rows(home: Path) -> RawTables:
 def _wanted(home: Path) -> RawTables:
     with Database.open(home / "robot.db") as database:
         tables, schema = database.tables()
-        return past.done(tables, schema, wanted(home / "edit.sql", database.path)(tables, schema, database.tables_at))
+        return changes.applied(tables, schema, wanted(home / "edit.sql", database.path)(tables, schema))
 
 
 def _same(home: Path, one: RawTables, other: RawTables) -> bool:
     with Database.open(home / "robot.db") as database:
-        return not past.steps(one, other, database.tables()[1])
+        return not changes.between(one, other, database.tables()[1])
 
 
 def _trials(home: Path) -> int:

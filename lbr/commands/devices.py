@@ -19,10 +19,8 @@ if TYPE_CHECKING:
     from lbr.commands.attached import End
     from lbr.commands.proposing import Proposal
     from lbr.commands.recognised import Attached
-    from lbr.database.past import At, Became, Step
-    from lbr.database.reading import RawTables
+    from lbr.database.proposals import Proposed
     from lbr.database.store import Database
-    from lbr.database.tables import Schema
     from lbr.messages.manage import RowChange
 
 WAIT_S, LONGEST_WAIT_S = 2.0, 30.0
@@ -103,7 +101,7 @@ def command(
     return 2 if bad else 0
 
 
-def _agreed(looking: "Looking", looked: Looked, good: list[Offer], *, write: bool, as_json: bool) -> "Became | None":
+def _agreed(looking: "Looking", looked: Looked, good: list[Offer], *, write: bool, as_json: bool) -> "Proposed | None":
     """Tell what was found, and write what a person agrees to."""
     if as_json:
         became = looking.write(looked.robot, good) if write and good else None
@@ -164,7 +162,7 @@ class Looking:
             offers = [self._offer(rows, robot, one) for one in proposals]
         return Looked(robot=robot, devices=known, proposals=offers, hints=hints)
 
-    def write(self, robot: str, offers: Collection[Offer]) -> "Became":
+    def write(self, robot: str, offers: Collection[Offer]) -> "Proposed":
         """Write the rows of some proposals, all or none; a row that several of them want is written once."""
         from lbr.commands.row_past import end_left_trial  # noqa: PLC0415
 
@@ -182,7 +180,7 @@ class Looking:
         return robot_in(rows, running[0] if self._robot is None and len(running) == 1 else self._robot)
 
     def _offer(self, rows: "Database", robot: str, proposal: "Proposal") -> Offer:
-        from lbr.database import past  # noqa: PLC0415
+        from lbr.database import changes  # noqa: PLC0415
 
         if not proposal.changes:
             return Offer(address=proposal.address, text=proposal.text)
@@ -194,25 +192,21 @@ class Looking:
             address=proposal.address,
             text=proposal.text,
             changes=proposal.changes,
-            differences=tuple(map(str, past.told(became.steps))),
+            differences=tuple(map(str, changes.differences(became.changes))),
             problems=tuple(map(str, became.problems)),
         )
 
-    def _become(self, rows: "Database", robot: str, changes: "list[RowChange]", *, dry_run: bool) -> "Became":
+    def _become(self, rows: "Database", robot: str, changes: "list[RowChange]", *, dry_run: bool) -> "Proposed":
         from lbr.commands.row_past import running_here  # noqa: PLC0415
         from lbr.commands.row_touched import Touching  # noqa: PLC0415
-        from lbr.database import becoming, past, row_changes  # noqa: PLC0415
+        from lbr.database import forms, proposals  # noqa: PLC0415
         from lbr.database.rows import CORE  # noqa: PLC0415
 
         read = (each.row for kind in self.kinds.values() for each in kind.reads)
         classes = {row.TABLE: row for row in (*CORE, *read)}
-
-        def wanted(tables: "RawTables", schema: "Schema", _at: "At") -> "tuple[Step, ...]":
-            after = row_changes.changed(tables, schema, robot, changes, classes)
-            return past.steps(tables, after, schema, robot)
-
-        wrong: Any = Touching(rows, running_here(rows.path))
-        return becoming.become(rows, wanted, wrong, text="took what is plugged in", dry_run=dry_run)
+        wanted = forms.wanted(robot, changes, classes)
+        judge = Touching(rows, running_here(rows.path))
+        return proposals.command(rows, wanted, judge, text="took what is plugged in", dry_run=dry_run)
 
 
 def _held() -> dict[str, str]:

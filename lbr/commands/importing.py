@@ -7,15 +7,14 @@ import click
 from click.shell_completion import CompletionItem
 
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
-from lbr.commands.rows import opened, planned, problems_of
-from lbr.errors import InputError, RowError
+from lbr.commands.rows import opened, problems_of
+from lbr.errors import InputError
 from lbr.messages.plain import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from lbr.database.old_files import Given
-    from lbr.database.reading import Problem
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
     from lbr.database.taking import Here, Taken
@@ -62,8 +61,7 @@ def command(
     a file says something else, it is named and nothing is written, unless --replace is given. The report tells each
     thing that was changed, brought within limits or has no place here.
     """
-    from lbr.database import old_files  # noqa: PLC0415
-    from lbr.database.edits import Edit  # noqa: PLC0415
+    from lbr.database import edits, old_files  # noqa: PLC0415
     from lbr.robot.old_data import Choice  # noqa: PLC0415
 
     with opened(database) as rows:
@@ -75,7 +73,7 @@ def command(
         plan = _planned(rows, whose, of_robot, given, Choice(of), replacing=replacing)
         plan = _acceptable(rows, whose, plan, of_robot.revision)
         if plan.rows and not dry_run:
-            rows.edit(whose, Edit(rows=plan.rows, create=None, revision=of_robot.revision), problems_of)
+            edits.write_rows(rows, whose, plan.rows, problems_of, create=None, revision=of_robot.revision).good()
     notes = (*plan.notes, *others)
     written = bool(plan.rows) and not dry_run
     if as_json:
@@ -195,25 +193,15 @@ def _planned(
 
 def _acceptable(rows: "Database", robot: str, plan: "Taken", revision: int) -> "Taken":
     """Return the plan without those of its rows that a start would refuse: these have no place here."""
-    from lbr.database import taking  # noqa: PLC0415
-    from lbr.database.edits import Edit  # noqa: PLC0415
-
-    problems: list[Problem] = []
-
-    def judge(after: "RobotRows") -> list[str]:
-        problems[:] = planned(after)[1]
-        return [str(one) for one in problems]
+    from lbr.database import edits, taking  # noqa: PLC0415
 
     while plan.rows:
-        try:
-            rows.edit(robot, Edit(rows=plan.rows, create=None, revision=revision), judge, dry_run=True)
-        except RowError:
-            left = taking.without(plan, robot, problems)
-            if left.rows == plan.rows:  # what is wrong stands elsewhere
-                raise
-            plan = left
-        else:
+        tried = edits.write_rows(rows, robot, plan.rows, problems_of, create=None, revision=revision, dry_run=True)
+        left = taking.without(plan, robot, tried.problems)
+        if left.rows == plan.rows:
+            tried.good()  # or what is wrong stands elsewhere
             break
+        plan = left
     return plan
 
 

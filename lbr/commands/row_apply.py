@@ -14,8 +14,12 @@ from lbr.commands.rows import opened
 from lbr.errors import InputError
 
 if TYPE_CHECKING:
-    from lbr.database import past
+    from lbr.database.changes import Change
+    from lbr.database.proposals import Proposed, Wanted
+    from lbr.database.reading import RawTables
     from lbr.database.store import Database
+    from lbr.database.tables import Schema
+    from lbr.database.trials import Trial
 
 
 LONGEST_S = 600.0
@@ -146,11 +150,11 @@ def _apply(
     return code or (1 if trial is not None and trial.state != "kept" else 0)
 
 
-def _awaited(rows: "Database", revision: int) -> "past.Trial | None":
+def _awaited(rows: "Database", revision: int) -> "Trial | None":
     """Wait for what becomes of rows on trial; the executive goes on alone if this is killed."""
-    from lbr.database import becoming  # noqa: PLC0415
+    from lbr.database import trials  # noqa: PLC0415
 
-    trial = becoming.trial(rows)
+    trial = trials.newest(rows)
     if trial is not None:
         click.echo(f"revision {revision} is on trial by '{trial.robot}' for {trial.within_s:g} s", err=True)
         until = time.monotonic() + trial.within_s + GRACE_S
@@ -160,11 +164,11 @@ def _awaited(rows: "Database", revision: int) -> "past.Trial | None":
             if time.monotonic() >= until:
                 return replace(trial, text="its robot does not judge it: 'lbr status' says how it is")
             time.sleep(LOOK_S)
-            trial = becoming.trial(rows)
+            trial = trials.newest(rows)
     return trial
 
 
-def _wanted(source: Path, rows: "Database", robot: str | None) -> "past.Wanted":
+def _wanted(source: Path, rows: "Database", robot: str | None) -> "Wanted":
     from lbr.database import sources  # noqa: PLC0415
 
     return sources.wanted(source, rows.path, robot)
@@ -172,29 +176,29 @@ def _wanted(source: Path, rows: "Database", robot: str | None) -> "past.Wanted":
 
 def become(
     rows: "Database",
-    wanted: "past.Wanted",
+    wanted: "Wanted",
     text: str,
     touching: Touching,
     expected: int | None = None,
     within_s: float | None = None,
     *,
     dry_run: bool,
-) -> "past.Became":
+) -> "Proposed":
     """Have the rows as `wanted` makes them; `touching` judges them and keeps what their change does to processes."""
-    from lbr.database import becoming  # noqa: PLC0415
+    from lbr.database import proposals  # noqa: PLC0415
 
     if not dry_run:
         end_left_trial(rows)
 
-    def looked_at(*arguments: Any) -> "tuple[past.Step, ...]":
-        found = wanted(*arguments)
-        touching.look(found)
-        return found
+    def looked_at(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
+        changes = wanted(tables, schema)
+        touching.look(changes)
+        return changes
 
-    def on_trial(steps: "tuple[past.Step, ...]") -> tuple[str, float]:
-        return touching.judge_of(steps), within_s or 0.0
+    def on_trial(changes: "tuple[Change, ...]") -> tuple[str, float]:
+        return touching.judge_of(changes), within_s or 0.0
 
-    return becoming.become(
+    return proposals.command(
         rows,
         looked_at,
         touching,

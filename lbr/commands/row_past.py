@@ -10,18 +10,21 @@ import click
 from click.shell_completion import CompletionItem
 
 from lbr.commands.options import F, complete_robot, database_option, json_option, print_json
-from lbr.commands.rows import opened, planned
+from lbr.commands.rows import opened, problems_of
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 
 if TYPE_CHECKING:
     from lbr.commands.row_touched import Touched
-    from lbr.database import past
+    from lbr.database.changes import Change
     from lbr.database.difference import Difference
+    from lbr.database.past import HistoryEntry
+    from lbr.database.proposals import Proposed
     from lbr.database.reading import Problem, RawTables
-    from lbr.database.rows import RevisionRow, RobotRows
+    from lbr.database.rows import RevisionRow
     from lbr.database.store import Database
     from lbr.database.tables import Schema
+    from lbr.database.trials import Trial
     from lbr.home import Running
 
 
@@ -146,30 +149,29 @@ COMMANDS = (history, rollback, undo)
 
 def go_back(
     rows: "Database", number: int, robot: str | None, expected: int | None, *, dry_run: bool = False
-) -> "past.Became":
+) -> "Proposed":
     """Have the rows as they were at a revision; InputError says why that cannot be."""
-    from lbr.database import becoming, past  # noqa: PLC0415
+    from lbr.database import changes, proposals  # noqa: PLC0415
 
-    def wanted(tables: "RawTables", schema: "Schema", at: "past.At") -> "tuple[past.Step, ...]":
-        return past.steps(tables, at(number), schema, robot)
+    def wanted(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
+        return changes.between(tables, rows.tables_at(number), schema, robot)
 
     whose = f" of '{robot}'" if robot else ""
     check_robot(rows, robot)
     if not dry_run:
         end_left_trial(rows)
-    return becoming.become(
-        rows, wanted, problems, text=f"went back to revision {number}{whose}", expected=expected, dry_run=dry_run
-    )
+    text = f"went back to revision {number}{whose}"
+    return proposals.command(rows, wanted, problems_of, text=text, expected=expected, dry_run=dry_run)
 
 
 def end_left_trial(rows: "Database") -> str:
     """Take back what is on trial by a robot that does not run any more, as its next start would; return what was
     done."""
-    from lbr.database import becoming  # noqa: PLC0415
-    from lbr.executive.planning import trials  # noqa: PLC0415
+    from lbr.database import trials  # noqa: PLC0415
+    from lbr.executive.planning.trials import go_back  # noqa: PLC0415
 
-    trial = becoming.trial(rows)
-    return "" if trial is None or trial.robot in running_here(rows.path) else trials.go_back(rows, trial.robot)
+    trial = trials.newest(rows)
+    return "" if trial is None or trial.robot in running_here(rows.path) else go_back(rows, trial.robot)
 
 
 def running_here(path: Path) -> "dict[str, Running]":
@@ -188,35 +190,30 @@ def check_robot(rows: "Database", robot: str | None) -> None:
             raise
 
 
-def problems(rows: "RobotRows") -> "tuple[Problem, ...]":
-    """Return what a start would find wrong with a robot's rows."""
-    return planned(rows)[1]
-
-
 def between(rows: "Database", first: int, second: int | None) -> "tuple[Difference, ...]":
     """Return what differs between two revisions; now, if there is no second."""
-    from lbr.database import past  # noqa: PLC0415
+    from lbr.database import changes  # noqa: PLC0415
 
     now, schema = rows.tables()
     after = now if second is None else rows.tables_at(second)
-    return past.told(past.steps(rows.tables_at(first), after, schema))
+    return changes.differences(changes.between(rows.tables_at(first), after, schema))
 
 
 def tell(
-    became: "past.Became",
+    became: "Proposed",
     done: str,
     *,
     dry_run: bool,
     as_json: bool,
     touched: "tuple[Touched, ...]" = (),
     place: "Callable[[Problem], str]" = str,
-    trial: "past.Trial | None" = None,
+    trial: "Trial | None" = None,
 ) -> int:
     """Say what became of rows, and return the exit code: 2 if nothing was changed because of problems."""
-    from lbr.database import past  # noqa: PLC0415
+    from lbr.database import changes  # noqa: PLC0415
 
-    told = past.told(became.steps)
-    written = not (dry_run or became.problems or not became.steps)
+    told = changes.differences(became.changes)
+    written = not (dry_run or became.problems or not became.changes)
     if as_json:
         print_json(
             {
@@ -272,11 +269,11 @@ def _is_asked(revision: "RevisionRow", robot: str | None, table: str | None, row
     return mine and table in {None, revision.table} and (row is None or row in keys)
 
 
-def _numbers(change: "past.Change") -> str:
+def _numbers(change: "HistoryEntry") -> str:
     return str(change.last) if change.first == change.last else f"{change.first}-{change.last}"
 
 
-def _who(change: "past.Change") -> str:
+def _who(change: "HistoryEntry") -> str:
     if not change.program:
         return change.text
     return f"{change.source}, {change.program}" + (f": {change.text}" if change.text else "")
@@ -289,7 +286,7 @@ def _local(at: str) -> str:
         return at
 
 
-def _as_json(change: "past.Change", lines: "list[Difference]") -> dict[str, object]:
+def _as_json(change: "HistoryEntry", lines: "list[Difference]") -> dict[str, object]:
     return {
         "first": change.first,
         "last": change.last,

@@ -10,7 +10,7 @@ from lbr.commands.rows import planned
 from lbr.errors import InputError, LbrError
 
 if TYPE_CHECKING:
-    from lbr.database import past
+    from lbr.database.changes import Change
     from lbr.database.reading import Problem
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
@@ -55,20 +55,20 @@ class Touching:
         self._after.setdefault(rows.robot.name, made)
         return problems
 
-    def look(self, steps: "Iterable[past.Step]") -> None:
+    def look(self, changes: "Iterable[Change]") -> None:
         """Take note of what is to be done; InputError if a robot that runs would be taken out."""
-        whose = {step.robot for step in steps}
-        for step in steps:
-            if step.table == "robot" and step.after is None and step.key[0] in self._running:
-                raise InputError(f"robot '{step.key[0]}' runs, and would be taken out: end it first", "not_possible")
+        whose = {change.robot for change in changes}
+        for change in changes:
+            if change.table == "robot" and change.after is None and change.key[0] in self._running:
+                raise InputError(f"robot '{change.key[0]}' runs, and would be taken out: end it first", "not_possible")
         self._after.clear()
         names = [name for name in self._rows.robots() if {name, None} & whose]
         self._before = {name: self._planned(rows)[0] for name, rows in self._rows.load_all(names).items()}
 
-    def judge_of(self, steps: "Iterable[past.Step]") -> str:
-        """Return the robot that says whether steps work: the one that runs, and whose rows they are; else
+    def judge_of(self, changes: "Iterable[Change]") -> str:
+        """Return the robot that says whether changes work: the one that runs, and whose rows they are; else
         InputError."""
-        whose = {step.robot for step in steps}
+        whose = {change.robot for change in changes}
         found = sorted(name for name in self._running if {name, None} & whose)
         if not found or (len(found) > 1 and None not in whose):
             which = (

@@ -67,9 +67,9 @@ def said_by_kinds(database: "Database") -> "Callable[[str, RawRow], bool]":
     return lambda table, row: table == "verb" and (row["word"], row["pattern"]) in same.get(str(row["robot"]), ())
 
 
-def problems_of(rows: "RobotRows") -> list[str]:
+def problems_of(rows: "RobotRows") -> "tuple[Problem, ...]":
     """Return what a start would find wrong with a robot's rows."""
-    return judged(rows)[0]
+    return planned(rows)[1]
 
 
 def judged(rows: "RobotRows") -> tuple[list[str], list[str]]:

@@ -17,7 +17,7 @@ from lbr.names import near
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from lbr.database import past
+    from lbr.database.changes import Change
     from lbr.database.reading import RawTables
     from lbr.database.store import Database
     from lbr.database.tables import Schema
@@ -49,12 +49,12 @@ def command(
         running = running_here(rows.path)
         whose = meant(rows, robot, running)
 
-        def wanted(tables: "RawTables", schema: "Schema", _at: "past.At") -> "tuple[past.Step, ...]":
-            from lbr.database import edits, past  # noqa: PLC0415 - kept out of its `--help`
+        def wanted(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
+            from lbr.database import changes, edits  # noqa: PLC0415 - kept out of its `--help`
 
             refuse_unknown(part, (row["name"] for row in tables["capability"] if row["robot"] == whose), whose)
             after = edits.with_setting(tables, whose, part, name, _read(value))
-            return past.steps(tables, after, schema, whose)
+            return changes.between(tables, after, schema, whose)
 
         touching = Touching(rows, running)
         became = become(rows, wanted, f"set {part}.{name}", touching, expected, dry_run=dry_run)

@@ -1,120 +1,103 @@
-"""Edits of single rows that come from outside: what they make of the tables, and why not; pure but for `write`."""
+"""Whole rows in the place of those that are there, as capabilities and imports have them, and what is learnt."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import msgspec
-from msgspec import Struct
 
+from lbr.database import changes
+from lbr.database.changes import Change
 from lbr.database.columns import raw
-from lbr.database.connection import Connection, insert, quoted
+from lbr.database.proposals import Judge, Proposed, propose
 from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.rows import RevisionRow
+from lbr.database.store import Database
+from lbr.database.tables import Schema
 from lbr.errors import InputError
 from lbr.messages.faces import EditCommand
 from lbr.messages.rows import Row, shown
 from lbr.messages.unreadable import UNREADABLE
 
 Key = tuple[str, ...]
+RowKey = tuple[str, tuple[Any, ...]]
+"""Table and key of a row of one robot."""
 MAKE_PROCESSES = {ROBOT, "capability", "channel", "device", "verb", "external_command"}
 """What every robot has: such rows say which programs run, and what may reach what. No edit on another's behalf writes
 them."""
 
 
-DESCRIBE = ("model", "description", "owner")
-"""The columns of a robot's own row that an edit writes."""
-
-
-class Edit(Struct, frozen=True, kw_only=True):
-    """Rows to write, as `EditCommand` has them; read, and allowed to the asker.
-
-    `create` says whether they must be new, or there already; None takes both. `source` is the capability that asks.
-    """
-
-    rows: tuple[Row, ...]
-    create: bool | None = False
-    revision: int | None = None
-    by: str = ""
-    source: str = ""
-
-    @property
-    def author(self) -> str:
-        """Who makes it: the capability that asks, and for whom; empty for whose program this is."""
-        return " for ".join(filter(None, (self.source, self.by)))
-
-    def __str__(self) -> str:
-        return ", ".join(row.told for row in self.rows if not row.PART_OF)
-
-
-def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> Edit:
-    """Return an edit of rows of these tables; InputError names the table that is none of them, or what is no row."""
+def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> tuple[Row, ...]:
+    """Return an edit's rows of these tables; InputError names the table that is none of them, or what is no row."""
     tables = {row.TABLE: row for row in allowed if row.TABLE not in MAKE_PROCESSES}
     rows: list[Row] = []
-    for table, found in command.rows.items():
+    for table, of_table in command.rows.items():
         if table not in tables:
             raise InputError(f"rows of '{shown(table)}' are not for it to write; it may {_listed(tables)}", "denied")
         try:
-            rows += msgspec.json.decode(found, type=list[tables[table]])  # type: ignore[valid-type]
+            rows += msgspec.json.decode(of_table, type=list[tables[table]])  # type: ignore[valid-type]
         except UNREADABLE as err:
             raise InputError(f"malformed edit: {table}: {err}", "malformed") from err
-    return Edit(rows=tuple(rows), create=command.create, revision=command.revision, by=command.by)
+    return tuple(rows)
 
 
-def applied(tables: RawTables, robot: str, edit: Edit, since: Iterable[RevisionRow] = ()) -> RawTables:
-    """Return the tables as they are after an edit; InputError if it may not be made, in one sentence.
+def told(rows: Iterable[Row]) -> str:
+    """Return which rows those are, for people."""
+    return ", ".join(row.told for row in rows if not row.PART_OF)
 
-    `since` are the changes after the revision that the edit goes by.
+
+def write_rows(
+    database: Database,
+    robot: str,
+    rows: Sequence[Row],
+    judge: Judge,
+    *,
+    create: bool | None = False,
+    revision: int | None = None,
+    by: str = "",
+    dry_run: bool = False,
+) -> Proposed:
+    """Propose rows over those that are there, all or none; all of the robot's rows must be good then.
+
+    `create` says whether they must be new, or there already; None takes both. `revision` is the one since which none
+    of them may have changed. Parts of a row come with it, and are then all that it has. InputError says why it may not
+    be.
     """
-    rows = edit.rows
-    if not rows:
-        raise InputError("this edit has no rows")
-    changed = set(_changed(since, robot, {row.TABLE: row.PART_OF for row in rows}))
-    seen: set[tuple[str, Key]] = set()
-    parts = _parts(rows)
-    for row in rows:
-        key = row.TABLE, _texts(row.key)
-        if key in seen:
-            raise InputError(f"{row.told} is there twice")
-        seen.add(key)
-        if not row.PART_OF:
-            mine = (*_owned_by(row, robot), *key[1])
-            there = next((one for one in tables.get(row.TABLE, ()) if _key_of(row, one) == mine), None)
-            _refuse(row, there, edit, parts.pop(key, ()), newer=key in changed)
-    if parts:
-        (table, whole), (part, *_) = next(iter(parts.items()))
-        raise InputError(
-            f"{part.told} is a part of {table} '{'/'.join(whole)}', which this edit does not have", "bad_value"
-        )
-    after: dict[str, Sequence[RawRow]] = dict(tables)
-    for table, new in _by_table(rows).items():
-        written = [{**dict.fromkeys(_owned_by(row, ROBOT), robot), **raw(row)} for row in new]
-        gone = {_key_of(new[0], one) for one in written}
-        wholes = {(robot, *key) for whole, key in seen if whole == new[0].PART_OF}
-        keyed = ((_key_of(new[0], one), one) for one in tables.get(table, ()))
-        after[table] = [*(one for key, one in keyed if key not in gone and key[:2] not in wholes), *written]
-    return after
+
+    def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
+        newer = () if revision is None else database.touched(revision)
+        after = _with_rows(tables, schema, robot, rows, create, newer, revision)
+        return changes.between(tables, after, schema)
+
+    return propose(database, wanted, judge, robot=robot, mending=False, by=by, dry_run=dry_run)
 
 
-def write(connection: Connection, robot: str, rows: Sequence[Row]) -> None:
-    """Write rows over those that are there; rows that stay as they are make no revision, parts of others go with
-    them."""
-    for table, new in _by_table(rows).items():
-        if table == ROBOT:
-            _describe(connection, new)
-            continue
-        if part_of := new[0].PART_OF:
-            wholes = {row.key[0] for row in rows if part_of == row.TABLE}
-            _clear(connection, robot, table, new, wholes)
-        put(connection, robot, new, change=True)
+def write_setting(
+    database: Database, robot: str, capability: str, setting: str, value: Any, judge: Judge, *, by: str = ""
+) -> Proposed:
+    """Propose another setting of a capability; all its others stay, and all of the robot's rows must be good then."""
+
+    def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
+        return changes.between(tables, with_setting(tables, robot, capability, setting, value), schema)
+
+    return propose(database, wanted, judge, robot=robot, mending=False, by=by)
 
 
-def _describe(connection: Connection, rows: Sequence[Row]) -> None:
-    """Write what people say of a robot; the emergency stop and the times in its row are never an edit's."""
-    for row in rows:
-        values = raw(row)
-        settings = ", ".join(f"{name} = ?" for name in DESCRIBE)
-        statement = f"UPDATE robot SET {settings} WHERE name = ?"  # noqa: S608 - our names
-        connection.execute(statement, (*(values[name] for name in DESCRIBE), values["name"]))
+def learn(
+    database: Database,
+    robot: str,
+    rows: Sequence[Row],
+    known: Mapping[RowKey, Mapping[str, Any]] | None = None,
+    *,
+    by: str = "",
+) -> None:
+    """Write what a capability has learnt of its robot, all of it or none; on return it is on the disk.
+
+    Of rows that it had, `known` by table and key, only what differs is written: what others have edited stays, and so
+    does a row that is gone. Another row must not be there yet.
+    """
+    with database.writing(durable=True) as connection, database.noted(connection, by):
+        schema = Schema(connection)
+        changes.write(connection, [_learnt(row, robot, known or {}, schema) for row in rows], schema)
 
 
 def with_setting(tables: RawTables, robot: str, capability: str, setting: str, value: Any) -> RawTables:
@@ -135,103 +118,108 @@ def with_setting(tables: RawTables, robot: str, capability: str, setting: str, v
     return {**tables, "capability": [changed(row) for row in rows]}
 
 
-def write_setting(connection: Connection, robot: str, capability: str, setting: str, value: Any) -> None:
-    """Write one setting of a capability; the text of its others stays."""
-    statement = "UPDATE capability SET settings = json_set(settings, ?, json(?)) WHERE robot = ? AND name = ?"
-    connection.execute(statement, (f"$.{setting}", msgspec.json.encode(value).decode(), robot, capability))
-
-
-def put(connection: Connection, robot: str, rows: Sequence[Row], *, change: bool) -> None:
-    """Write rows of one table; those that are there are changed, or are in the way."""
-    table, key, owner = rows[0].TABLE, rows[0].KEY, _owner(connection, robot, rows[0].TABLE)
-    keys = ", ".join(quoted(name) for name in (*owner, *key))
-    others = [quoted(name) for name in rows[0].__struct_fields__ if name not in key]
-    update = "UPDATE SET " + ", ".join(f"{name} = excluded.{name}" for name in others) if others else "NOTHING"
-    insert(connection, table, [owner | raw(row) for row in rows], f"ON CONFLICT ({keys}) DO {update}" if change else "")
-
-
-def change(connection: Connection, robot: str, row: Row, before: Mapping[str, Any]) -> None:
-    """Write what is another in a row than `before`; nothing if the row is gone."""
-    after, key = (
-        msgspec.to_builtins(row),
-        _owner(connection, robot, row.TABLE) | dict(zip(row.KEY, row.key, strict=True)),
-    )
-    new = {name: value for name, value in raw(row).items() if after[name] != before.get(name)}
-    if new:
-        settings, where = (
-            join.join(f"{quoted(name)} = ?" for name in part) for join, part in ((", ", new), (" AND ", key))
+def _with_rows(
+    tables: RawTables,
+    schema: Schema,
+    robot: str,
+    rows: Sequence[Row],
+    create: bool | None,
+    newer: Iterable[RevisionRow],
+    revision: int | None,
+) -> RawTables:
+    """Return the tables as they are with these rows; InputError if that may not be, in one sentence."""
+    if not rows:
+        raise InputError("this edit has no rows")
+    by_table: dict[str, list[Row]] = {}
+    for row in rows:
+        by_table.setdefault(row.TABLE, []).append(row)
+    if missing := [table for table in by_table if table not in schema]:
+        raise InputError(f"there is no table '{missing[0]}'", "unknown_name")
+    part_of = {table: of_table[0].PART_OF for table, of_table in by_table.items()}
+    changed = set(_changed(newer, robot, schema, part_of))
+    here = {table: _own(tables, of_table[0], robot) for table, of_table in by_table.items()}
+    written: set[tuple[str, Key]] = set()
+    parts = _parts(rows)
+    for row in rows:
+        key = row.TABLE, _texts(row.key)
+        if key in written:
+            raise InputError(f"{row.told} is there twice")
+        written.add(key)
+        if not row.PART_OF:
+            _refuse(row, here[row.TABLE].get(key[1]), create, parts.pop(key, ()))
+            if key in changed:
+                raise InputError(f"{row.told} has changed since revision {revision}: look at it again", "changed")
+    if parts:
+        (table, whole), (part, *_) = next(iter(parts.items()))
+        raise InputError(
+            f"{part.told} is a part of {table} '{'/'.join(whole)}', which this edit does not have", "bad_value"
         )
-        statement = f"UPDATE {quoted(row.TABLE)} SET {settings} WHERE {where}"  # noqa: S608 - quoted
-        connection.execute(statement, (*new.values(), *key.values()))
+    after: dict[str, Sequence[RawRow]] = dict(tables)
+    for table, of_table in by_table.items():
+        mine = here[table]
+        others = [values for values in tables.get(table, ()) if values.get("robot", robot) != robot]
+        kept = {key: values for key, values in mine.items() if (part_of[table], key[:1]) not in written}
+        owner = _owner(table, robot, schema)
+        new = {_texts(row.key): {**mine.get(_texts(row.key), {}), **owner, **raw(row)} for row in of_table}
+        after[table] = [*others, *{**kept, **new}.values()]
+    return after
 
 
-def _owner(connection: Connection, robot: str, table: str) -> dict[str, Any]:
-    """Return the column that says whose a row is; none for rows that are every robot's."""
-    owned = connection.scalar("SELECT count(*) FROM pragma_table_info(?) WHERE name = 'robot'", (table,))
-    return {"robot": robot} if owned else {}
+def _learnt(row: Row, robot: str, known: Mapping[RowKey, Mapping[str, Any]], schema: Schema) -> Change:
+    values = {**_owner(row.TABLE, robot, schema), **raw(row)}
+    key = tuple(values[name] for name in schema.keys_of[row.TABLE])
+    before = known.get((row.TABLE, row.key))
+    if before is None:
+        return Change(row.TABLE, key, None, values)
+    now = msgspec.to_builtins(row)
+    return Change(row.TABLE, key, {}, {name: values[name] for name in now if now[name] != before.get(name)})
 
 
-def _clear(connection: Connection, robot: str, table: str, new: Sequence[Row], wholes: Iterable[Any]) -> None:
-    """Take out the parts of what is written that are not there any more."""
-    whole, part = map(quoted, new[0].KEY)
-    for one in wholes:
-        kept = [row.key[1] for row in new if row.key[0] == one]
-        marks = ", ".join(["?"] * len(kept))
-        connection.execute(
-            f"DELETE FROM {quoted(table)} WHERE robot = ? AND {whole} = ? AND {part} NOT IN ({marks})",  # noqa: S608
-            (robot, one, *kept),
-        )
-
-
-def _refuse(row: Row, there: RawRow | None, edit: Edit, parts: Sequence[Row], *, newer: bool) -> None:
+def _refuse(row: Row, there: RawRow | None, create: bool | None, parts: Sequence[Row]) -> None:
     """Raise InputError if a row may not be written."""
-    if edit.create is True and there is not None:
+    if create is True and there is not None:
         raise InputError(f"{row.told} is there already", "exists")
-    if (edit.create is False or row.TABLE == ROBOT) and there is None:
+    if (create is False or row.TABLE == ROBOT) and there is None:
         raise InputError(f"there is no {row.told}", "unknown_name")
     if why := row.refusal(there, parts):
         raise InputError(*why)
-    if newer:
-        raise InputError(f"{row.told} has changed since revision {edit.revision}: look at it again", "changed")
 
 
 def _parts(rows: Iterable[Row]) -> dict[tuple[str, Key], tuple[Row, ...]]:
     """Return the rows that are parts of others, by table and key of those."""
-    found: dict[tuple[str, Key], tuple[Row, ...]] = {}
+    parts: dict[tuple[str, Key], tuple[Row, ...]] = {}
     for row in rows:
         if row.PART_OF:
             whole = row.PART_OF, _texts(row.key[:1])
-            found[whole] = (*found.get(whole, ()), row)
-    return found
+            parts[whole] = (*parts.get(whole, ()), row)
+    return parts
 
 
 def _listed(tables: Iterable[str]) -> str:
     return "write " + ", ".join(sorted(tables)) if tables else "write none"
 
 
-def _changed(since: Iterable[RevisionRow], robot: str, parts: Mapping[str, str]) -> Iterator[tuple[str, Key]]:
+def _changed(
+    newer: Iterable[RevisionRow], robot: str, schema: Schema, part_of: Mapping[str, str]
+) -> Iterator[tuple[str, Key]]:
     """Yield table and key, without the robot, of rows that were changed; a part counts as its whole."""
-    for row in since:
-        if row.row_key[:1] == (robot,):
-            whole = parts.get(row.table, "")
-            own = row.row_key if row.table == ROBOT else row.row_key[1:]
+    for row in newer:
+        owned = "robot" in schema.get(row.table, ())
+        if not owned or row.row_key[:1] == (robot,):
+            own = row.row_key[1:] if owned else row.row_key
+            whole = part_of.get(row.table, "")
             yield (whole, own[:1]) if whole else (row.table, own)
 
 
-def _by_table(rows: Iterable[Row]) -> dict[str, list[Row]]:
-    found: dict[str, list[Row]] = {}
-    for row in rows:
-        found.setdefault(row.TABLE, []).append(row)
-    return found
+def _own(tables: RawTables, row: Row, robot: str) -> dict[Key, RawRow]:
+    """Return the robot's rows of a table, and what is every robot's, by their keys without the robot."""
+    rows = (values for values in tables.get(row.TABLE, ()) if values.get("robot", robot) == robot)
+    return {_texts(values.get(column) for column in row.KEY): values for values in rows}
 
 
-def _owned_by(row: Row, robot: str) -> Key:
-    """Return what goes before a row's key; a robot's own row is told by its name alone."""
-    return () if row.TABLE == ROBOT else (robot,)
-
-
-def _key_of(row: Row, values: RawRow) -> Key:
-    return _texts(values.get(column) for column in (*_owned_by(row, ROBOT), *row.KEY))
+def _owner(table: str, robot: str, schema: Schema) -> dict[str, str]:
+    """Return the column that says whose a row is; none for rows that are every robot's."""
+    return {"robot": robot} if "robot" in schema[table] else {}
 
 
 def _texts(key: Iterable[Any]) -> Key:

@@ -1,14 +1,17 @@
 """The rows that come with lbr and with packages, and what of a robot's is not in a database yet."""
 
 import sqlite3
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
-from lbr.database import packaged, past
+from lbr.database import changes, packaged
+from lbr.database.changes import Change
 from lbr.database.connection import Connection
 from lbr.database.difference import Difference
 from lbr.database.packaged import Judge
+from lbr.database.proposals import propose
 from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.store import Database
 from lbr.database.tables import Schema, read_tables
@@ -42,8 +45,10 @@ def differences(
         table: [row for row in rows if table == ROBOT or row.get("robot") is None or row["robot"] in there]
         for table, rows in before.items()
     }
-    found = past.steps(before, here, schema)
-    return past.told(one for one in found if one.before is not None or not implied(one.table, one.after or {}))
+    found = changes.between(before, here, schema)
+    return changes.differences(
+        one for one in found if one.before is not None or not implied(one.table, one.after or {})
+    )
 
 
 def add(database: Database, robot: str, judge: Judge = lambda _rows: ()) -> dict[str, int]:
@@ -55,16 +60,20 @@ def add(database: Database, robot: str, judge: Judge = lambda _rows: ()) -> dict
     if found is None:
         raise InputError(f"no package here brings a robot '{robot}': {', '.join(registry.names())} are there")
     if found.robot is not None and found.robot.rows is None:
-        rows, schema = shipped(robot_db_sql())
+        rows, _ = shipped(robot_db_sql())
         rows = {table: [row for row in of_table if _is_of(table, row, robot)] for table, of_table in rows.items()}
-        here, _ = database.tables()
     else:
         rows = packaged.rows_of(found, judge)
-        here, schema = database.tables()
-    missing = {table: _missing(key, rows.get(table, ()), here.get(table, ())) for table, key in schema.keys_of.items()}
-    new = {table: of_table for table, of_table in missing.items() if of_table}
-    database.add_rows(new)
-    return {table: len(of_table) for table, of_table in new.items()}
+
+    def wanted(here: RawTables, schema: Schema) -> tuple[Change, ...]:
+        return tuple(
+            Change(table, tuple(row[name] for name in key), None, row)
+            for table, key in schema.keys_of.items()
+            for row in _missing(key, rows.get(table, ()), here.get(table, ()))
+        )
+
+    added = propose(database, wanted, lambda _rows: ()).changes
+    return dict(Counter(change.table for change in added))
 
 
 def _missing(key: tuple[str, ...], rows: Sequence[RawRow], here: Sequence[RawRow]) -> list[RawRow]:

@@ -10,9 +10,10 @@ import time
 from contextlib import closing
 from pathlib import Path
 
-from lbr.database import constraints, copies, past, row_files
+from lbr.database import changes, constraints, copies, row_files
 from lbr.database.connection import LONGEST_BYTES, Connection, connect, pragma, sentences
 from lbr.database.packaged import READING
+from lbr.database.proposals import Wanted
 from lbr.database.reading import RawTables
 from lbr.database.store import Database
 from lbr.database.tables import Schema, read_tables
@@ -29,14 +30,14 @@ _CHANGING = {sqlite3.SQLITE_INSERT, sqlite3.SQLITE_UPDATE, sqlite3.SQLITE_DELETE
 _SCRIPT = "it may insert, update and delete rows that make robots, and do nothing else"
 
 
-def wanted(source: Path, database: Path, robot: str | None = None) -> past.Wanted:
+def wanted(source: Path, database: Path, robot: str | None = None) -> Wanted:
     """Return what has the rows of a database be as a source has them; of one robot alone, if so asked.
 
     InputError if there is no such source, RowError naming file, line, row and column if it cannot be taken.
     """
     if source.is_dir():
         files = row_files.read(source, robot)
-        return lambda tables, schema, _at: past.steps(tables, row_files.taken(files, tables, schema), schema, robot)
+        return lambda tables, schema: changes.between(tables, row_files.taken(files, tables, schema), schema, robot)
     try:
         about = source.stat()
         if not stat.S_ISREG(about.st_mode):  # a pipe without a writer would be waited for
@@ -48,7 +49,7 @@ def wanted(source: Path, database: Path, robot: str | None = None) -> past.Wante
         raise InputError(f"{source} cannot be read ({err.strerror})", "unknown_name") from err
     if begin == MAGIC:
         found, theirs = _of_copy(source)
-        return lambda tables, schema, _at: past.steps(tables, _fitting(source, found, theirs, schema), schema, robot)
+        return lambda tables, schema: changes.between(tables, _fitting(source, found, theirs, schema), schema, robot)
     if size > MOST_BYTES:
         raise InputError(f"{source} is too large: more than {MOST_BYTES} bytes are no edit of rows")
     try:
@@ -59,11 +60,7 @@ def wanted(source: Path, database: Path, robot: str | None = None) -> past.Wante
         ) from err
     if "\0" in script:
         raise InputError(f"{source} is neither SQL nor a robot's database: it has a NUL character in it")
-
-    def by_sql(tables: RawTables, schema: Schema, _at: past.At) -> tuple[past.Step, ...]:
-        return past.steps(tables, _run(source, script, database), schema, robot)
-
-    return by_sql
+    return lambda tables, schema: changes.between(tables, _run(source, script, database), schema, robot)
 
 
 def _of_copy(source: Path) -> tuple[RawTables, Schema]:

@@ -6,13 +6,12 @@ import pwd
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 from msgspec.structs import replace
 
@@ -20,13 +19,11 @@ from lbr.database import (
     adopted,
     audit,
     constraints,
-    edits,
     foreign,
     history,
     identity,
     packaged,
     past,
-    row_changes,
     tokens,
 )
 from lbr.database.connection import (
@@ -44,25 +41,19 @@ from lbr.database.connection import (
 from lbr.database.files import check_file, check_folder, log_files
 from lbr.database.migrate import bring_up_to_date
 from lbr.database.packaged import Brought, Judge
-from lbr.database.reading import Problem, RawTables
+from lbr.database.reading import RawTables
 from lbr.database.rows import AuditRow, GoodFor, RevisionRow, RobotRows, TokenRow
 from lbr.database.seen import Seen
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError, RowError
-from lbr.messages.manage import RowChange
-from lbr.messages.rows import Row
 from lbr.messages.system import Event, TokenRole
 from lbr.resources import robot_db_sql
 
-RowKey = tuple[str, tuple[Any, ...]]
-"""Table and key of a row of one robot."""
 PATIENCE_S = 0.1
 COMPUTED_S = 0.5
 """Of the processor, for one transaction of who must not be held up: fifty times what the shipped rows take."""
 LOOK_EVERY = 10_000
 """Steps of SQLite's machine, some more than the shipped rows take."""
-EDIT_TRIES = 5
-OTHERS_EDIT = "others edit the rows at the same time: try again"
 
 
 def account() -> str:
@@ -272,86 +263,15 @@ class Database:
         told = history.storable(reason)
         self._update_robot(robot, durable=True, patience_s=PATIENCE_S, estop_engaged=int(engaged), estop_reason=told)
 
-    def learn(
-        self,
-        robot: str,
-        rows: Sequence[Row],
-        known: Mapping[RowKey, Mapping[str, Any]] | None = None,
-        *,
-        by: str = "",
-    ) -> None:
-        """Write what a capability has learnt of its robot, all of it or none; on return it is on the disk.
-
-        Of rows that it had, `known` by table and key, only what differs is written: what others have edited stays.
-        Another row must not be there yet.
-        """
-        with self.writing(durable=True) as connection, self.noted(connection, by):
-            for row in rows:
-                before = (known or {}).get((row.TABLE, row.key))
-                if before is None:
-                    edits.put(connection, robot, [row], change=False)
-                else:
-                    edits.change(connection, robot, row, before)
-
     def revision(self) -> int:
         """Return the number of the last change of rows; 0 for none."""
         with self.reading() as connection:
             return adopted.revision(connection)
 
-    def edit(
-        self, robot: str, edit: edits.Edit, wrong: Callable[[RobotRows], Iterable[str]], *, dry_run: bool = False
-    ) -> int:
-        """Write an edit, all of it or none, if the rows as it makes them are good; return their revision.
-
-        `dry_run` does all but write.
-
-        InputError says why it may not be made, RowError what `wrong` or the tables say of the rows. On return it is on
-        the disk. The checks hold up no other writer; if one comes between, they begin again.
-        """
-
-        def applied(connection: Connection, tables: RawTables) -> RawTables:
-            with short_values(connection):
-                since = () if edit.revision is None else history.revisions(connection, edit.revision)
-            return edits.applied(tables, robot, edit, since)
-
-        def write(connection: Connection) -> None:
-            edits.write(connection, robot, edit.rows)
-
-        return self._change(robot, applied, None if dry_run else write, wrong, edit.author)
-
-    def change_rows(
-        self,
-        robot: str,
-        changes: Sequence[RowChange],
-        classes: row_changes.Classes,
-        wrong: Callable[[RobotRows], Iterable[Problem]],
-        *,
-        dry_run: bool = False,
-        by: str = "",
-    ) -> tuple[int, tuple[Problem, ...]]:
-        """Write changes as `edit` writes rows, and return the revision and what is in their way, if anything is.
-
-        What was wrong before is in nobody's way: rows that are bad can be mended one after the other.
-        """
-        for _ in range(EDIT_TRIES):
-            with self.reading() as connection:
-                seen = Seen.by(connection)
-            after = row_changes.changed(seen.tables, seen.schema, robot, changes, classes)
-            if found := tuple(wrong(seen.rows(robot, after))):
-                before = tuple(wrong(seen.rows(robot)))
-                if new := tuple(one for one in found if one not in before):
-                    return seen.revision, new
-            if dry_run:
-                return seen.revision, ()
-            write = partial(row_changes.write, before=seen.tables, after=after, schema=seen.schema, changes=changes)
-            if (revision := self._written(seen, write, by)) is not None:
-                return revision, ()
-        raise InputError(OTHERS_EDIT, "busy")
-
-    def changes(self, since: int = 0) -> tuple[past.Change, ...]:
+    def changes(self, since: int = 0) -> tuple[past.HistoryEntry, ...]:
         """Return every change of rows after revision `since`, oldest first: who made it, by what, and row by row."""
         with self.reading() as connection:
-            return past.changes(history.revisions(connection, since), history.makers(connection))
+            return past.entries(history.revisions(connection, since), history.makers(connection))
 
     def tables_at(self, revision: int) -> RawTables:
         """Return the rows of all robots as they were at a revision, 0 being a new database; InputError if that cannot
@@ -363,62 +283,6 @@ class Database:
             tables, schema = read_tables(connection)
             with short_values(connection):
                 return past.at(tables, schema, history.revisions(connection, revision))
-
-    def set_setting(
-        self,
-        robot: str,
-        capability: str,
-        setting: str,
-        value: Any,
-        wrong: Callable[[RobotRows], Iterable[str]],
-        *,
-        by: str = "",
-    ) -> int:
-        """Write one setting of a capability as `edit` writes rows; all its others stay. Return the revision."""
-        return self._change(
-            robot,
-            lambda _connection, tables: edits.with_setting(tables, robot, capability, setting, value),
-            lambda connection: edits.write_setting(connection, robot, capability, setting, value),
-            wrong,
-            by,
-        )
-
-    def _change(
-        self,
-        robot: str,
-        applied: Callable[[Connection, RawTables], RawTables],
-        write: Callable[[Connection], None] | None,
-        wrong: Callable[[RobotRows], Iterable[str]],
-        by: str,
-    ) -> int:
-        for _ in range(EDIT_TRIES):
-            with self.reading() as connection:
-                seen = Seen.by(connection)
-                problems = adopted.problems(connection, seen.revision, adopted.digest(seen.tables))
-                after = applied(connection, seen.tables)
-            if found := tuple(wrong(seen.rows(robot, after, problems=problems))):
-                raise RowError(found)
-            if write is None:
-                return seen.revision
-            if (revision := self._written(seen, write, by)) is not None:
-                return revision
-        raise InputError(OTHERS_EDIT, "busy")
-
-    def _written(self, seen: Seen, write: Callable[[Connection], None], by: str) -> int | None:
-        """Write what was judged by the rows as they were seen, durably, and return the revision; None if others have
-        edited them meanwhile."""
-        with self.writing(durable=True) as connection:
-            if adopted.revision(connection) != seen.revision:
-                return None
-            with self.noted(connection, by):
-                write(connection)
-            return adopted.revision(connection)
-
-    def add_rows(self, rows: RawTables) -> None:
-        """Write new rows, by table, in one transaction; durably."""
-        with self.writing(durable=True) as connection, self.noted(connection):
-            for table, found in rows.items():
-                insert(connection, table, found)
 
     def tokens(self) -> tuple[TokenRow, ...]:
         """Return every token's row, revoked and expired ones too."""
@@ -486,6 +350,10 @@ class Database:
                 text=text,
             )
             history.made(connection, change)
+
+    def edit_entry(self, text: str) -> AuditRow:
+        """Return an entry of the audit trail, now, of an edit of rows."""
+        return AuditRow(wall_ns=self.wall_ns(), kind="edit", subject="rows", source=self.program, text=text)
 
     def _begin(self) -> None:
         self._until_cpu_s = time.thread_time() + self._computed_s

@@ -1,34 +1,39 @@
 """Changes of rows on trial: begun in the transaction of the change, kept, or taken back row by row."""
 
 import msgspec
+from msgspec import Struct
 
-from lbr.database import history, past
+from lbr.database import audit, changes, history, past
 from lbr.database.connection import Connection, insert, selected, short_values
-from lbr.database.past import Became, Trial
+from lbr.database.store import Database
 from lbr.database.tables import read_tables
-from lbr.errors import InputError
+from lbr.errors import InputError, LbrError
 
 KEPT = 20
 """Trials that are over, to tell what became of one."""
 
 
-def begin(connection: Connection, became: Became, robot: str, within_s: float) -> None:
+class Trial(Struct, frozen=True, kw_only=True):
+    """Rows on trial, as the table `trial` has it: what goes back to the revision `back` unless it is ready in time."""
+
+    revision: int
+    back: int
+    robot: str
+    within_s: float
+    state: str = "running"
+    text: str = ""
+
+
+def begin(connection: Connection, trial: Trial) -> None:
     """Write down that what was just written is on trial."""
-    trial = Trial(revision=became.revision, back=became.before, robot=robot, within_s=within_s)
     insert(connection, "trial", [msgspec.structs.asdict(trial)])
     newest = "SELECT revision FROM trial ORDER BY revision DESC LIMIT ?"
     connection.execute(f"DELETE FROM trial WHERE revision NOT IN ({newest})", (KEPT,))  # noqa: S608 - our names
 
 
-def newest(connection: Connection) -> Trial | None:
-    """Return the newest trial, if there ever was one."""
-    found = selected(connection, "trial", "1 ORDER BY revision DESC LIMIT 1")
-    return Trial(**found[0]) if found else None
-
-
 def refuse_running(connection: Connection) -> None:
     """Raise InputError while rows are on trial: what is taken back must be what was tried."""
-    trial = newest(connection)
+    trial = _newest(connection)
     if trial is not None and trial.state == "running":
         raise InputError(
             f"revision {trial.revision} is on trial by '{trial.robot}' for {trial.within_s:g} s: wait for what becomes of it;"
@@ -37,20 +42,54 @@ def refuse_running(connection: Connection) -> None:
         )
 
 
-def end(connection: Connection, trial: Trial, state: str, text: str) -> Trial:
+def newest(database: Database) -> Trial | None:
+    """Return the newest change of rows that was on trial, or still is."""
+    with database.reading() as connection:
+        return _newest(connection)
+
+
+def judge(database: Database, trial: Trial, *, good: bool, text: str) -> Trial:
+    """End a trial, if it still runs: keep its rows, or take them back; return what became of it.
+
+    What others have changed since in the same rows stays. Rows that cannot be taken back are told in its text.
+    """
+    with database.writing(durable=True) as connection:
+        now = _newest(connection)
+        if now is None or (now.revision, now.state) != (trial.revision, "running"):
+            return now or trial
+        if good:
+            return _end(connection, trial, "kept", text)
+        back = f"went back to revision {trial.back}: {text}"
+        try:
+            connection.execute("SAVEPOINT going_back")
+            with database.noted(connection, text=back):
+                _take_back(connection, trial)
+        except LbrError as err:
+            connection.execute("ROLLBACK TO going_back")
+            return _end(connection, trial, "lost", f"{text}; and it cannot be taken back: {err}")
+        audit.append(connection, [database.edit_entry(back)])
+        return _end(connection, trial, "back", text)
+
+
+def _newest(connection: Connection) -> Trial | None:
+    rows = selected(connection, "trial", "1 ORDER BY revision DESC LIMIT 1")
+    return Trial(**rows[0]) if rows else None
+
+
+def _end(connection: Connection, trial: Trial, state: str, text: str) -> Trial:
     """Write down what became of a trial."""
     ended = msgspec.structs.replace(trial, state=state, text=history.storable(text))
     connection.execute("UPDATE trial SET state = ?, text = ? WHERE revision = ?", (state, ended.text, trial.revision))
     return ended
 
 
-def take_back(connection: Connection, trial: Trial) -> None:
+def _take_back(connection: Connection, trial: Trial) -> None:
     """Write the rows of a trial as they were before, but for those that others have changed since."""
     now, schema = read_tables(connection)
     with short_values(connection):
         since = history.revisions(connection, trial.back)
-    tried = past.at(now, schema, [one for one in since if one.id > trial.revision])
-    before = past.at(tried, schema, [one for one in since if one.id <= trial.revision])
-    changed = {(one.table, one.key) for one in past.steps(tried, now, schema)}
-    back = [one for one in past.steps(tried, before, schema) if (one.table, one.key) not in changed]
-    past.write(connection, back, schema)
+    tried = past.at(now, schema, [revision for revision in since if revision.id > trial.revision])
+    before = past.at(tried, schema, [revision for revision in since if revision.id <= trial.revision])
+    others = {(change.table, change.key) for change in changes.between(tried, now, schema)}
+    back = [one for one in changes.between(tried, before, schema) if (one.table, one.key) not in others]
+    changes.write_exactly(connection, back, schema)

@@ -27,7 +27,7 @@ from lbr.bus.stamp import Origin
 from lbr.console.outlet import say
 from lbr.console.toolbar import state_of
 from lbr.console.verbs import ExternalCall, Vocabulary
-from lbr.database import store
+from lbr.database import edits, store
 from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
 from lbr.errors import InputError, LbrError
@@ -58,15 +58,16 @@ from lbr.executive.remote.remote_hosts import RemoteHosts
 from lbr.executive.service import terminal
 from lbr.executive.service.conditions import Conditions
 from lbr.executive.service.console_service import ConsoleService
-from lbr.executive.service.desk import Desk
 from lbr.executive.service.dispatch import DONE, FAILED, Dispatcher
-from lbr.executive.service.edits import Edits, Written
+from lbr.executive.service.edits import Edits, oversized
 from lbr.executive.service.emergency import Emergency
 from lbr.executive.service.journal import Journal
 from lbr.executive.service.latch import Latch, LatchKeeper
 from lbr.executive.service.overview import Overview
+from lbr.executive.service.pages import Pages
 from lbr.executive.service.pairing import GOOD_FOR_S, Code, Pairing
 from lbr.executive.service.pairing_service import Grants, PairingService
+from lbr.executive.service.row_service import RowService
 from lbr.messages.system import CapabilityStatus, ConsoleResult, EstopState, Event, Role, Status
 from lbr.names import did_you_mean
 
@@ -204,7 +205,8 @@ class Executive:
 
     def listen_at(self, name: str, host: str, who: str) -> None:
         """Write where a server listens, a setting of its row, as an edit; RowError or InputError if it may not be."""
-        self._written.setting(name, "host", host, who)
+        with store.Database.open(self._database.path, program="executive") as database:
+            edits.write_setting(database, self.plan.robot, name, "host", host, self._judge, by=who).good()
         self.note("edit", f"{who} had '{name}' listen at {host}")
 
     def run_external(self, call: ExternalCall, who: str, origin: Origin, said_s: float) -> ConsoleResult:
@@ -271,21 +273,24 @@ class Executive:
             ways=self._lan,
             present=lambda name: name in self._presence.names,
         )
-        self._written = Written(self._database.path, robot, self._planned)
-        self._edits = Edits(
-            served(keys.edit(robot)),
+        path = self._database.path
+        self._row_service = RowService(
             self._rows,
-            self._written,
-            process=self._process,
-            happened=self._happened,
-            wake=self._main.wake,
-        )
-        self._desk = Desk(
-            served(keys.manage(robot)),
-            self._database.path,
-            plan=lambda: self.plan,
-            make=self._planned,
-            happened=self._happened,
+            Edits(
+                served(keys.edit(robot)),
+                path,
+                self._rows,
+                self._judge,
+                process=self._process,
+                happened=self._happened,
+            ),
+            Pages(
+                served(keys.manage(robot)),
+                path,
+                plan=lambda: self.plan,
+                make=self._planned,
+                happened=self._happened,
+            ),
             wake=self._main.wake,
         )
         self._pairing = Pairing()
@@ -342,8 +347,7 @@ class Executive:
         self._external.close()
         self._service.close()
         self._hosts.close()
-        self._edits.close()
-        self._desk.close()
+        self._row_service.close()
         self._pairings.close()
         self._main.close()
         self._journal.step(time.monotonic())
@@ -366,7 +370,7 @@ class Executive:
             self._journal.step(now)
             self._keeper.step(now, self.plan.rows.digest)
             self._plugging.step()
-            if self._edits.step() | self._desk.step():
+            if self._row_service.step():
                 rows_at = now
             if now >= rows_at:
                 rows_at = now + LOOK_AT_ROWS_S
@@ -406,12 +410,12 @@ class Executive:
 
     def _planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
         """Plan for rows that are not written yet; from any thread."""
-        return planner.make(
-            rows,
-            self._profile,
-            self._site,
-            machine.this_machine(machine.processes(self.plan.rows.capabilities, self.plan.here)),
-        )
+        on = machine.this_machine(machine.processes(self.plan.rows.capabilities, self.plan.here))
+        plan, problems = planner.make(rows, self._profile, self._site, on)
+        return plan, (*problems, *oversized(plan)) if plan is not None else problems
+
+    def _judge(self, rows: RobotRows) -> tuple[Problem, ...]:
+        return self._planned(rows)[1]
 
     def _begun_elsewhere(self, name: str) -> None:
         self._emergency.forget(name)

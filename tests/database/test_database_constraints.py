@@ -7,10 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lbr.database import edits
 from lbr.database.constraints import refused, words
 from lbr.database.store import Database, create
 from lbr.errors import RowError
 from lbr.messages.calibration import measured
+from lbr.messages.joints import Joint
 from lbr.resources import robot_db_sql
 from tests.support.robot import lbr
 
@@ -66,13 +68,10 @@ def test_what_lbr_itself_writes_is_told_so_too(tmp_path, wording):
     create(tmp_path / "robot.db")
     with Database.open(tmp_path / "robot.db") as database:
         with pytest.raises(RowError) as caught:
-            database.add_rows({"joint": [{"robot": "lbr", "name": "a", "device_id": 900, "lower_rad": 0, "upper_rad": 1,
-                                          "speed_rps": 1}]})  # fmt: skip
-        assert str(caught.value) == (
-            f"database {tmp_path / 'robot.db'} refuses the row: table joint, device_id: must be from 0 to 253"
-        )
+            edits.learn(database, "lbr", [Joint(name="a", device_id=900, lower_rad=0, upper_rad=1, speed_rps=1)])
+        assert str(caught.value) == "joint 'lbr/a': table joint, device_id: must be from 0 to 253"
         with wording.of(RowError):
-            database.learn("lbr", list(measured("gone", {"scale": 1.0})))
+            edits.learn(database, "lbr", list(measured("gone", {"scale": 1.0})))
 
 
 def test_rows_of_ones_own_that_are_refused_are_told_with_their_line(home, tmp_path):

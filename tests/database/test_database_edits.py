@@ -6,8 +6,8 @@ import pytest
 from msgspec import Raw
 from msgspec.structs import replace
 
-from lbr.database import store
-from lbr.database.edits import Edit, understood
+from lbr.database import edits, store
+from lbr.database.reading import Problem
 from lbr.errors import InputError, RowError
 from lbr.messages.faces import Button, EditCommand, Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionRow, MotionStep
@@ -27,7 +27,7 @@ BUTTON = Button(id=120, name="nod", button="N", motion="nod")
 
 
 def edit_of(motors=(), motions=(), buttons=(), **more):
-    return Edit(rows=(*motors, *(row for motion in motions for row in motion.rows), *buttons), **more)
+    return {"rows": (*motors, *(row for motion in motions for row in motion.rows), *buttons), **more}
 
 
 def new(motors=(MOTOR,), motions=(NOD,), buttons=(BUTTON,)):
@@ -46,11 +46,11 @@ def opened(tmp_path):
 
 def of_rows(rows):
     read = [problem for row in (Motor, Joint, MotionRow, MotionStep, Button) for problem in rows.tables.problems(row)]
-    return [str(problem) for problem in (*rows.problems, *read)]
+    return [*rows.problems, *read]
 
 
-def edit(database, command):
-    return database.edit("uxa90", command, of_rows)
+def edit(database, command, judge=of_rows):
+    return edits.write_rows(database, "uxa90", judge=judge, **command).good().revision
 
 
 def steps(database, name):
@@ -124,7 +124,7 @@ def test_rows_that_would_not_be_good_are_refused_as_an_edit_by_sqlite_would_be(o
 
 def test_who_plans_the_robot_may_refuse_too(opened):
     with pytest.raises(RowError, match="too many"):
-        opened.edit("uxa90", ALL, lambda _rows: ["too many"])
+        edit(opened, ALL, lambda _rows: [Problem("motor", "mine/23", "", "too many")])
 
 
 def test_an_edit_from_an_older_revision_is_refused_where_its_rows_have_changed_since(opened, tmp_path, wording):
@@ -149,7 +149,7 @@ def test_another_writer_between_check_and_writing_begins_it_anew(opened, tmp_pat
             other.close()
         return of_rows(rows)
 
-    opened.edit("uxa90", ALL, wrong)
+    edit(opened, ALL, wrong)
     assert len(looked) == 2
     assert steps(opened, "nod")
 
@@ -162,7 +162,7 @@ def test_an_edit_that_others_come_before_again_and_again_is_refused_as_busy(open
         return ()
 
     with pytest.raises(InputError, match="others edit") as refused:
-        opened.edit("uxa90", ALL, wrong)
+        edit(opened, ALL, wrong)
     assert refused.value.code == "busy"
 
 
@@ -184,10 +184,9 @@ def asked(*rows, **more):
 
 
 def test_rows_come_by_table_and_are_read_with_their_bounds():
-    found = understood(asked(MOTOR, *NOD.rows, BUTTON, create=True, revision=7, by="a phone"), ALLOWED)
-    assert found.rows == (MOTOR, *NOD.rows, BUTTON)
-    assert (found.create, found.revision, found.by) == (True, 7, "a phone")
-    assert str(found) == "motor 23 of layer 'mine', motion 'nod', button 120"
+    rows = edits.understood(asked(MOTOR, *NOD.rows, BUTTON), ALLOWED)
+    assert rows == (MOTOR, *NOD.rows, BUTTON)
+    assert edits.told(rows) == "motor 23 of layer 'mine', motion 'nod', button 120"
 
 
 @pytest.mark.parametrize(
@@ -203,7 +202,7 @@ def test_rows_come_by_table_and_are_read_with_their_bounds():
 )
 def test_what_it_may_not_write_or_what_is_no_row_is_refused_with_a_code(rows, wording, code):
     with wording.of(InputError) as found:
-        understood(EditCommand(rows=rows), ALLOWED)
+        edits.understood(EditCommand(rows=rows), ALLOWED)
     assert found.value.code == code
 
 
@@ -214,16 +213,16 @@ def test_rows_that_make_processes_are_never_written_whatever_a_kind_says(wording
         name: str
 
     with wording.of(InputError):
-        understood(asked(Programs(name="shell")), (Programs,))
+        edits.understood(asked(Programs(name="shell")), (Programs,))
 
 
 def test_parts_come_with_their_whole_so_that_no_key_frame_is_slipped_under_a_built_in_motion(opened, wording):
     before = opened.revision()
     step = MotionStep(motion="sit_down", step=1, duration_s=1.0, positions={"head_pitch": 0.1})
     with pytest.raises(InputError, match="key frame 1 of 'sit_down' is a part of motion 'sit_down', which this edit"):
-        edit(opened, Edit(rows=(step,)))
+        edit(opened, {"rows": (step,)})
     with wording.of(InputError):
-        edit(opened, Edit(rows=(MOTOR, step), create=True))
+        edit(opened, {"rows": (MOTOR, step), "create": True})
     assert opened.revision() == before
 
 
@@ -231,7 +230,7 @@ def test_an_edit_may_hold_new_rows_and_known_ones_and_may_only_be_tried(opened):
     edit(opened, new(motions=(), buttons=()))
     both = edit_of(motors=(replace(MOTOR, lowest=70), replace(MOTOR, id=24)), create=None)
     before = opened.revision()
-    assert opened.edit("uxa90", both, of_rows, dry_run=True) == opened.revision() == before
+    assert edit(opened, {**both, "dry_run": True}) == opened.revision() == before
     assert edit(opened, both) == before + 2
     assert {m.id: m.lowest for m in opened.load("uxa90").of(Motor) if m.layer == "mine"} == {23: 70, 24: 60}
 
@@ -240,12 +239,12 @@ def test_of_a_robots_own_row_an_edit_writes_what_people_say_of_it_and_never_its_
     seen = opened.load("uxa90").robot
     opened.set_estop("uxa90", engaged=True, reason="smoke")
     opened.record_start("uxa90")
-    edit(opened, Edit(rows=(replace(seen, owner="A Person"),), create=None))
+    edit(opened, {"rows": (replace(seen, owner="A Person"),), "create": None})
     robot = opened.load("uxa90").robot
     assert (robot.owner, robot.estop_engaged, robot.estop_reason) == ("A Person", True, "smoke")
     assert robot.last_start
     with pytest.raises(InputError, match="there is no robot 'other'"):
-        edit(opened, Edit(rows=(replace(seen, name="other"),), create=None))
-    since = Edit(rows=(replace(seen, owner="Another"),), create=None, revision=0)
+        edit(opened, {"rows": (replace(seen, name="other"),), "create": None})
+    since = {"rows": (replace(seen, owner="Another"),), "create": None, "revision": 0}
     with wording.of(InputError):
         edit(opened, since)

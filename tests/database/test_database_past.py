@@ -8,10 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.database import past
-from lbr.database.becoming import become
-from lbr.database.edits import Edit
+from lbr.database import changes, edits, past
 from lbr.database.past import ChangeRow
+from lbr.database.proposals import Proposed, command
 from lbr.database.reading import Problem
 from lbr.database.rows import RevisionRow
 from lbr.database.store import Database
@@ -22,10 +21,10 @@ from tests.support import databases
 FULL = "UPDATE capability SET settings = json_set(settings, '$.max_power', ?) WHERE robot = 'lbr' AND name = 'drive'"
 
 
-def back(database: Database, number: int, robot: str | None = None, **options) -> past.Became:
-    return become(
+def back(database: Database, number: int, robot: str | None = None, **options) -> Proposed:
+    return command(
         database,
-        lambda tables, schema, at: past.steps(tables, at(number), schema, robot),
+        lambda tables, schema: changes.between(tables, database.tables_at(number), schema, robot),
         options.pop("wrong", lambda _rows: ()),
         text=f"went back to revision {number}",
         **options,
@@ -48,17 +47,17 @@ def edited(database, client):
 def test_the_rows_of_every_revision_can_be_told(edited, client):
     now, schema = edited.tables()
     assert at(edited, 3) == now
-    assert [str(one) for one in past.told(past.steps(at(edited, 1), at(edited, 3), schema))] == [
+    assert [str(one) for one in changes.differences(changes.between(at(edited, 1), at(edited, 3), schema))] == [
         "channel 'lbr/motors.state/drive.motors' changed: rate_hz: None -> 5.0",
         "phrase 'ouch/en' added",
     ]
-    assert [one.table for one in past.steps(at(edited, 0), at(edited, 1), schema)] == ["capability"]
+    assert [one.table for one in changes.between(at(edited, 0), at(edited, 1), schema)] == ["capability"]
 
 
 def test_going_back_is_a_change_forward_and_is_taken_back_by_going_to_where_it_was(edited):
     there = at(edited, 3)
     became = back(edited, 0)
-    assert (became.before, became.revision, len(became.steps)) == (3, 6, 3)
+    assert (became.before, became.revision, len(became.changes)) == (3, 6, 3)
     assert edited.tables()[0] == at(edited, 0)
     back(edited, 3)
     assert edited.tables()[0] == there
@@ -70,12 +69,12 @@ def test_what_is_as_it_was_is_not_written(edited):
 
 
 def test_a_dry_run_changes_nothing(edited):
-    assert len(back(edited, 0, dry_run=True).steps) == 3
+    assert len(back(edited, 0, dry_run=True).changes) == 3
     assert edited.revision() == 3
 
 
 def test_rows_of_one_robot_alone_go_back(edited):
-    assert [one.table for one in back(edited, 0, "lbr").steps] == ["capability", "channel"]
+    assert [one.table for one in back(edited, 0, "lbr").changes] == ["capability", "channel"]
     assert any(row["name"] == "ouch" for row in edited.tables()[0]["phrase"])
 
 
@@ -92,8 +91,8 @@ def test_who_did_it_stands_beside_the_revisions(edited, path):
 
 
 def test_an_edit_on_request_is_told_with_who_asked(database):
-    edit = Edit(rows=(Phrase(name="ouch", language="en", text="Ouch."),), create=True, source="web", by="192.168.1.2")
-    database.edit("lbr", edit, lambda _rows: ())
+    phrase = Phrase(name="ouch", language="en", text="Ouch.")
+    edits.write_rows(database, "lbr", [phrase], lambda _rows: (), create=True, by="web for 192.168.1.2")
     (change,) = database.changes()
     assert (change.source, change.first) == ("web for 192.168.1.2", 1)
 
@@ -215,11 +214,11 @@ def test_a_row_that_would_go_with_another_is_refused_whole(database, client):
         "INSERT INTO motion_step (robot, motion, step, duration_s, positions) VALUES ('bioloid', 'nod', 1, 1, '{}')"
     )
 
-    def only_the_motion(tables, schema, at):
-        return tuple(one for one in past.steps(tables, at(0), schema) if one.table == "motion")
+    def only_the_motion(tables, schema):
+        return tuple(one for one in changes.between(tables, at(database, 0), schema) if one.table == "motion")
 
     with pytest.raises(InputError, match="motion_step 'bioloid/nod/1' would change with them"):
-        become(database, only_the_motion, lambda _rows: (), text="")
+        command(database, only_the_motion, lambda _rows: (), text="")
     assert database.revision() == 2
 
 
@@ -228,11 +227,11 @@ def test_a_row_that_refers_to_none_is_refused_whole(database, client):
     client.execute("DELETE FROM motion WHERE robot = 'bioloid' AND name = 'wave'")
     newest = database.revision()
 
-    def only_steps(tables, schema, at):
-        return tuple(one for one in past.steps(tables, at(0), schema) if one.table == "motion_step")
+    def only_steps(tables, schema):
+        return tuple(one for one in changes.between(tables, at(database, 0), schema) if one.table == "motion_step")
 
     with pytest.raises(RowError, match="would refer to a row of motion that is not there"):
-        become(database, only_steps, lambda _rows: (), text="")
+        command(database, only_steps, lambda _rows: (), text="")
     assert database.revision() == newest
 
 
@@ -250,7 +249,7 @@ def test_revisions_are_told_by_who_made_them_and_else_by_their_moments():
         revision(6, "not a time"),
     ]
     known = [ChangeRow(first_revision=4, last_revision=5, source="me", program="lbr")]
-    found = past.changes(revisions, known)
+    found = past.entries(revisions, known)
     assert [(one.first, one.last, one.program) for one in found] == [(1, 2, ""), (3, 3, ""), (4, 5, "lbr"), (6, 6, "")]
 
 
@@ -283,14 +282,14 @@ def test_every_revision_of_any_edits_is_reached_exactly(tmp_path_factory, statem
 def test_an_edit_that_comes_between_is_kept_and_looked_at(database, client):
     asked = []
 
-    def wanted(tables, schema, _at):
+    def wanted(tables, schema):
         asked.append(next(row["model"] for row in tables["robot"] if row["name"] == "lbr"))
         if len(asked) == 1:
             client.execute("UPDATE robot SET model = 'between' WHERE name = 'lbr'")
         after = {**tables, "robot": [{**row, "owner": "me"} for row in tables["robot"]]}
-        return past.steps(tables, after, schema, "lbr")
+        return changes.between(tables, after, schema, "lbr")
 
-    became = become(database, wanted, lambda _rows: (), text="")
+    became = command(database, wanted, lambda _rows: (), text="")
     assert (became.before, became.revision, asked[1]) == (1, 2, "between")
     (row,) = [row for row in database.tables()[0]["robot"] if row["name"] == "lbr"]
     assert (row["model"], row["owner"]) == ("between", "me")
@@ -300,14 +299,14 @@ def test_of_two_at_once_that_looked_at_the_same_rows_one_is_refused(path):
     begin = threading.Barrier(2)
 
     def apply(owner: str) -> str:
-        def wanted(tables, schema, _at):
+        def wanted(tables, schema):
             begin.wait(5.0)
             after = {**tables, "robot": [{**row, "owner": owner} for row in tables["robot"]]}
-            return past.steps(tables, after, schema, "lbr")
+            return changes.between(tables, after, schema, "lbr")
 
         with Database.open(path) as database:
             try:
-                become(database, wanted, lambda _rows: (), text="", expected=0)
+                command(database, wanted, lambda _rows: (), text="", expected=0)
             except InputError as err:
                 return str(err)
             return owner

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lbr.database import history
+from lbr.database import edits, history
 from lbr.database.checks import RobotRows
 from lbr.database.shipped import shipped
 from lbr.database.store import Database
@@ -119,7 +119,7 @@ def test_calibration_is_written_and_overwritten_whole(database):
     known = {("calibration", ("range_board", name)): {"name": name} for name in ("offset_cm", "scale")}
 
     def keep(device, values, known=known):
-        database.learn("lbr", list(measured(device, values)), known)
+        edits.learn(database, "lbr", list(measured(device, values)), known)
 
     def kept():
         return {(row.device, row.name): row.value for row in database.load("lbr").of(CalibrationValue)}

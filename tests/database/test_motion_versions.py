@@ -3,7 +3,7 @@
 from msgspec.structs import replace
 
 from lbr.apps.motions.commands.versions import MOST, TOGETHER_S, versions
-from lbr.database.edits import Edit
+from lbr.database import edits
 from lbr.messages.joints import KeyFrame, Motion, MotionRow, MotionStep, motions_of
 
 ROBOT = "bioloid"
@@ -24,7 +24,7 @@ class Story:
 
     def save(self, motion, apart=True, **more):
         before = max((one.id for one in self.database.revisions()), default=0)
-        self.database.edit(ROBOT, Edit(rows=motion.rows, **more), lambda _rows: ())
+        edits.write_rows(self.database, ROBOT, motion.rows, lambda _rows: (), **more)
         self.minutes += apart
         stamp = f"2026-03-01T10:{self.minutes:02d}:00.000Z"
         self.changes += [replace(one, changed_at=stamp) for one in self.database.revisions(before)]

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from lbr.database import becoming, past
+from lbr.database import changes
+from lbr.database.proposals import Proposed, command
 from lbr.database.store import Database, create
 from lbr.errors import InputError
 
@@ -20,9 +21,12 @@ def edited(path: Path, *statements: str) -> None:
             client.execute(statement)
 
 
-def back(database: Database, number: int) -> past.Became:
-    return becoming.become(
-        database, lambda tables, schema, at: past.steps(tables, at(number), schema), lambda _rows: (), text="went back"
+def back(database: Database, number: int) -> Proposed:
+    return command(
+        database,
+        lambda tables, schema: changes.between(tables, database.tables_at(number), schema),
+        lambda _rows: (),
+        text="went back",
     )
 
 
@@ -44,7 +48,7 @@ def test_edits_made_before_an_upgrade_are_taken_back_after_it(tmp_path):
         assert any(row["target"] == "drive.motors" for row in after["channel"])
         assert next(row["owner"] for row in after["robot"] if row["name"] == "lbr") == ""
         back(database, newest)
-        assert past.steps(tables, database.tables()[0], database.tables()[1]) == ()
+        assert changes.between(tables, database.tables()[0], database.tables()[1]) == ()
 
 
 def test_a_row_of_a_table_that_an_upgrade_took_away_is_in_the_way(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.database import past, row_files, sources
+from lbr.database import changes, row_files, sources
 from lbr.database.reading import Problem
 from lbr.database.row_files import File
 from lbr.database.shipped import shipped
@@ -29,9 +29,9 @@ def faults(file: File) -> tuple[str, ...]:
 
 def test_what_is_written_is_what_is_taken_in_the_database_and_in_an_empty_one():
     files = row_files.written(TABLES, SCHEMA)
-    assert past.steps(TABLES, row_files.taken(files, TABLES, SCHEMA), SCHEMA) == ()
+    assert changes.between(TABLES, row_files.taken(files, TABLES, SCHEMA), SCHEMA) == ()
     into_nothing = row_files.taken(files, dict.fromkeys(SCHEMA, ()), SCHEMA)
-    assert past.steps(TABLES, into_nothing, SCHEMA) == ()
+    assert changes.between(TABLES, into_nothing, SCHEMA) == ()
     assert row_files.written(into_nothing, SCHEMA) == files
 
 
@@ -67,7 +67,7 @@ def test_any_rows_come_back_as_they_were(tmp_path_factory, capabilities, phrases
     row_files.write(folder, files)
     read = row_files.read(folder)
     assert sorted(read, key=lambda file: file.name) == sorted(files, key=lambda file: file.name)
-    assert past.steps(tables, row_files.taken(read, TABLES, SCHEMA), SCHEMA) == ()
+    assert changes.between(tables, row_files.taken(read, TABLES, SCHEMA), SCHEMA) == ()
 
 
 def test_files_of_an_editor_that_marks_utf_8_and_ends_lines_its_own_way_are_read(tmp_path):
@@ -75,7 +75,7 @@ def test_files_of_an_editor_that_marks_utf_8_and_ends_lines_its_own_way_are_read
     row_files.write(tmp_path, files)
     for path in tmp_path.rglob("*.json"):
         path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b"\n", b"\r\n"))
-    assert past.steps(TABLES, row_files.taken(row_files.read(tmp_path), TABLES, SCHEMA), SCHEMA) == ()
+    assert changes.between(TABLES, row_files.taken(row_files.read(tmp_path), TABLES, SCHEMA), SCHEMA) == ()
 
 
 @given(st.sampled_from(row_files.written(TABLES, SCHEMA)), st.data())
@@ -112,8 +112,8 @@ def test_what_lbr_itself_writes_and_other_robots_stay_out_of_it():
 
 def test_a_table_without_a_file_stays_and_an_empty_one_is_emptied():
     after = row_files.taken(changed("channel", []), TABLES, SCHEMA)
-    assert {step.table for step in past.steps(TABLES, after, SCHEMA)} == {"channel"}
-    assert {step.robot for step in past.steps(TABLES, after, SCHEMA)} == {"lbr"}
+    assert {change.table for change in changes.between(TABLES, after, SCHEMA)} == {"channel"}
+    assert {change.robot for change in changes.between(TABLES, after, SCHEMA)} == {"lbr"}
 
 
 def test_a_column_that_is_left_out_has_its_default_and_a_latch_stays():

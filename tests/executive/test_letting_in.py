@@ -15,7 +15,8 @@ from lbr.bus import keys, tokens
 from lbr.bus.access import everything
 from lbr.bus.door import LanUser
 from lbr.commands.token import command
-from lbr.database import store
+from lbr.database import edits, store
+from lbr.database.reading import Problem
 from lbr.database.rows import TokenRow
 from lbr.errors import InputError, RowError
 from lbr.executive.planning import credentials, rights
@@ -228,17 +229,18 @@ def test_one_setting_is_written_as_a_revision_and_the_others_stay(tmp_path):
     other.close()
     with store.Database.open(path) as database:
         before = database.revision()
-        after = database.set_setting("uxa90", "web", "host", "0.0.0.0", lambda _rows: ())
+        after = edits.write_setting(database, "uxa90", "web", "host", "0.0.0.0", lambda _rows: ()).revision
         assert after == before + 1
         (row,) = [row for row in database.load("uxa90").capabilities if row.name == "web"]
         assert json.loads(row.settings) == {"port": 1234, "host": "0.0.0.0"}
         (change,) = database.revisions(before)
         assert (change.table, change.row_key) == ("capability", ("uxa90", "web"))
-        assert database.set_setting("uxa90", "web", "host", "0.0.0.0", lambda _rows: ()) == after
+        assert edits.write_setting(database, "uxa90", "web", "host", "0.0.0.0", lambda _rows: ()).revision == after
+        bad = Problem("capability", "uxa90/web", "settings", "no such host")
         with pytest.raises(RowError, match="no such host"):
-            database.set_setting("uxa90", "web", "host", "x", lambda _rows: ["no such host"])
+            edits.write_setting(database, "uxa90", "web", "host", "x", lambda _rows: [bad]).good()
         with pytest.raises(InputError, match="there is no capability 'nothing'"):
-            database.set_setting("uxa90", "nothing", "host", "x", lambda _rows: ())
+            edits.write_setting(database, "uxa90", "nothing", "host", "x", lambda _rows: ())
         assert database.revision() == after
 
 

@@ -12,8 +12,9 @@ from lbr.executive import start
 from lbr.executive.beside import NO_THREAD
 from lbr.executive.planning.kinds import KindsBeside
 from lbr.executive.planning.last_good_copy import AGAIN_AFTER_S, LastGoodCopy
-from lbr.executive.service.desk import Desk
 from lbr.executive.service.edits import Edits
+from lbr.executive.service.pages import Pages
+from lbr.executive.service.row_service import RowService
 from lbr.messages.faces import Motor
 from tests.support import databases
 from tests.support.waiting import until
@@ -81,25 +82,30 @@ def test_what_is_asked_by_pages_and_capabilities_is_refused_until_there_is_a_thr
     plan = SimpleNamespace(robot="lbr", rows=SimpleNamespace(revision=7), units={"face": unit}, kinds={"face": kind})
     rows = SimpleNamespace(plan=plan, held=False)
     woken = []
-    named = {"happened": lambda *_, **__: None, "wake": lambda: woken.append(True)}
     edit, look = Asked(b'{"rows": {}}', "face"), Asked(b'{"ask": "tokens"}')
-    waiting = {"edits": [edit], "desk": [look]}
-    edits = Edits(
-        SimpleNamespace(take=lambda: waiting.pop("edits", [])),
+    waiting = {"edits": [edit], "pages": [look]}
+    path, named = tmp_path / "robot.db", {"happened": lambda *_, **__: None}
+    service = RowService(
         rows,
-        lambda _edit: None,
-        process=lambda _name: None,
-        **named,
+        Edits(
+            SimpleNamespace(take=lambda: waiting.pop("edits", [])),
+            path,
+            rows,
+            lambda _rows: (),
+            process=lambda _name: None,
+            **named,
+        ),
+        Pages(
+            SimpleNamespace(take=lambda: waiting.pop("pages", [])),
+            path,
+            plan=lambda: plan,
+            make=lambda _rows: (None, ()),
+            **named,
+        ),
+        wake=lambda: woken.append(True),
     )
-    desk = Desk(
-        SimpleNamespace(take=lambda: waiting.pop("desk", [])),
-        tmp_path / "robot.db",
-        plan=lambda: plan,
-        make=lambda _rows: (None, ()),
-        **named,
-    )
-    for each in (edits, desk, edits, desk):
-        assert not each.step()
+    for _ in range(3):
+        assert not service.step()
     assert [(one.code, one.reason) for asked in (edit, look) for one in asked.replies] == [("busy", NO_THREAD)] * 2
     assert len(woken) == 2
     assert not rows.held

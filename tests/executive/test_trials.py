@@ -7,9 +7,10 @@ from contextlib import closing
 import pytest
 from msgspec.structs import replace
 
-from lbr.database import becoming, past
-from lbr.database.past import Trial
+from lbr.database import changes, proposals, trials
+from lbr.database.proposals import Proposed
 from lbr.database.store import Database
+from lbr.database.trials import Trial
 from lbr.errors import InputError
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.trials import STEADY_S, Trials, go_back, not_ready
@@ -30,13 +31,13 @@ def database(tmp_path) -> Iterator[Database]:
         yield opened
 
 
-def owner(tables, schema, at, name: str = "tried") -> tuple[past.Step, ...]:
+def owner(tables, schema, name: str = "tried") -> tuple[changes.Change, ...]:
     after = {**tables, "robot": [{**row, "owner": name} for row in tables["robot"]]}
-    return past.steps(tables, after, schema, "lbr")
+    return changes.between(tables, after, schema, "lbr")
 
 
-def apply(database: Database, within_s: float = 5.0, **options) -> past.Became:
-    return becoming.become(
+def apply(database: Database, within_s: float = 5.0, **options) -> Proposed:
+    return proposals.command(
         database, owner, lambda _rows: (), text="", on_trial=lambda _steps: ("lbr", within_s), **options
     )
 
@@ -71,7 +72,7 @@ class Bench:
     def end(self) -> Trial:
         def ended() -> Trial | None:
             self.look(0.0)
-            found = becoming.trial(self.database)
+            found = trials.newest(self.database)
             return found if found is not None and found.state != "running" and not self.trials.on else None
 
         return until(ended)
@@ -91,7 +92,7 @@ def test_rows_are_kept_once_all_that_they_touch_was_ready_for_a_moment(bench):
     bench.phase = "ready"
     bench.look()
     assert bench.trials.on
-    assert becoming.trial(bench.database).state == "running"
+    assert trials.newest(bench.database).state == "running"
     bench.look(STEADY_S)
     assert bench.end().state == "kept"
     assert owned_by(bench.database) == "tried"
@@ -175,7 +176,7 @@ def test_a_start_takes_back_what_was_on_trial_and_nothing_else(database, wording
 def test_a_second_change_is_refused_while_rows_are_on_trial(database):
     apply(database)
     with pytest.raises(InputError, match="revision 1 is on trial by 'lbr' for 5 s"):
-        becoming.become(
+        proposals.command(
             database, lambda *of: owner(*of, name="second"), lambda _rows: (), text="", on_trial=lambda _: ("lbr", 1.0)
         )
     assert database.revision() == 1
@@ -183,16 +184,16 @@ def test_a_second_change_is_refused_while_rows_are_on_trial(database):
 
 def test_a_trial_is_judged_once(database):
     apply(database)
-    trial = becoming.trial(database)
-    assert becoming.judge(database, trial, good=True, text="").state == "kept"
-    assert becoming.judge(database, trial, good=False, text="late").state == "kept"
+    trial = trials.newest(database)
+    assert trials.judge(database, trial, good=True, text="").state == "kept"
+    assert trials.judge(database, trial, good=False, text="late").state == "kept"
     assert owned_by(database) == "tried"
 
 
 def test_rows_that_cannot_be_taken_back_stay_and_are_told(database, wording):
     apply(database)
     database.outdo(0, "a copy")
-    ended = becoming.judge(database, becoming.trial(database), good=False, text="it is late")
+    ended = trials.judge(database, trials.newest(database), good=False, text="it is late")
     assert ended.state == "lost"
     wording(ended.text)
 

@@ -10,8 +10,9 @@ import msgspec
 from msgspec import Raw
 
 from lbr.capability.config import DeviceConfig
-from lbr.database.edits import Edit
-from lbr.database.store import Database, RowKey
+from lbr.database import edits
+from lbr.database.edits import RowKey
+from lbr.database.store import Database
 from lbr.errors import LbrError
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning.happened import Happened
@@ -113,7 +114,7 @@ class LiveRows:
         if not rows:
             return
         try:
-            self._database.learn(self.plan.robot, rows, self._known(name), by=name)
+            edits.learn(self._database, self.plan.robot, rows, self._known(name), by=name)
         except LbrError as err:
             what = ", ".join(dict.fromkeys(row.told for row in rows))
             text = f"the {what} holds until the next restart only, it could not be written down: {err}"
@@ -134,11 +135,6 @@ class LiveRows:
             self._happened("refused", name, f"what it has learnt cannot be written down: {err}", "warning")
             return ()
         return tuple(found)
-
-    def edited(self, name: str, edit: Edit) -> None:
-        """Take note of an edit that was written for a capability, which goes on with it, and is not restarted for
-        it."""
-        self.knows(name, edit.rows)
 
     def knows(self, name: str, rows: Collection[Row]) -> None:
         """Take note that a capability has rows already that are written, and is not restarted for them; unless it is

@@ -9,9 +9,9 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from lbr.database import becoming
-from lbr.database.past import Trial
+from lbr.database import trials
 from lbr.database.store import Database
+from lbr.database.trials import Trial
 from lbr.errors import LbrError
 from lbr.executive import beside
 from lbr.executive.planning.happened import Happened
@@ -51,10 +51,10 @@ def not_ready(before: Mapping[str, str], touched: Iterable[str], now: Iterable[C
 
 def go_back(database: Database, robot: str) -> str:
     """Take back what was on trial when a robot's executive ended; return what was done, for people, or nothing."""
-    trial = becoming.trial(database)
+    trial = trials.newest(database)
     if trial is None or trial.state != "running" or trial.robot != robot:
         return ""
-    ended = becoming.judge(database, trial, good=False, text="the executive ended before they were judged")
+    ended = trials.judge(database, trial, good=False, text="the executive ended before they were judged")
     return told(ended)
 
 
@@ -112,7 +112,7 @@ class Trials:
             self._step(problems)
         elif self._looked != (revision, problems):
             try:
-                found = becoming.trial(self._database)
+                found = trials.newest(self._database)
             except LbrError:
                 return  # asked again at the next look
             self._looked = (revision, problems)
@@ -172,4 +172,4 @@ class Trials:
 
 def _judge(path: Path, trial: Trial, good: bool, text: str) -> Trial:
     with Database.open(path, program="executive") as database:
-        return becoming.judge(database, trial, good=good, text=text)
+        return trials.judge(database, trial, good=good, text=text)

@@ -88,7 +88,7 @@ def import_(
     A robot that runs has it at once. If it is the one that is being run, its states count from when they are next
     entered.
     """
-    from lbr.database.edits import Edit  # noqa: PLC0415
+    from lbr.database import edits  # noqa: PLC0415
 
     called = name or _name_of(file)
     if not re.fullmatch(NAME_PATTERN, called) or len(called) > 40:
@@ -109,8 +109,7 @@ def import_(
         found = _read(file, called)
         compiled = _fits(file, table, found, rows)
         _complain(str(file), compiled.faults, found.lines)
-        edit = Edit(rows=(table, *found.rows), create=None)
-        there.edit(whose, edit, problems_of)
+        edits.write_rows(there, whose, (table, *found.rows), problems_of, create=None).good()
     if as_json:
         print_json({"robot": whose, "name": called, "rows": len(found.rows)})
     else:

@@ -112,8 +112,7 @@ def import_(
     A robot that runs takes it over at once; a motion that is being played is stopped for it. What the file asks of a
     joint beyond its limits is refused, and named.
     """
-    from lbr.database import motion_files  # noqa: PLC0415
-    from lbr.database.edits import Edit  # noqa: PLC0415
+    from lbr.database import edits, motion_files  # noqa: PLC0415
     from lbr.robot.old_data import merged  # noqa: PLC0415
 
     if name is not None and not re.fullmatch(NAME_PATTERN, name):
@@ -126,8 +125,7 @@ def import_(
         motion, cut = motion_files.within_limits(motion, rows.of(Joint), clip=clip)
         about = motion_files.summary(motion, rows.of(Joint), cut)
         if not dry_run:
-            edit = Edit(rows=motion.rows, create=not replacing)
-            there.edit(whose, edit, problems_of)
+            edits.write_rows(there, whose, motion.rows, problems_of, create=not replacing).good()
     if as_json:
         print_json(
             {
@@ -158,7 +156,7 @@ def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: P
     last row of motion_step says by hand whether the robot may go straight to where they lead.
     """
     from lbr.apps.motions.commands import standing as motion_standing  # noqa: PLC0415 - the engine is for those who ask for it
-    from lbr.database.edits import Edit  # noqa: PLC0415
+    from lbr.database import edits  # noqa: PLC0415
 
     told = []
     with opened(database) as there:
@@ -177,8 +175,7 @@ def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: P
                 {"name": motion.name, "frames": len(found), "stable": [at for at, one in enumerate(found, 1) if one]}
             )
             if not dry_run and frames != motion.frames:
-                edit = Edit(rows=replace(motion, frames=frames).rows, create=False)
-                there.edit(whose, edit, problems_of)
+                edits.write_rows(there, whose, replace(motion, frames=frames).rows, problems_of).good()
             if not as_json:
                 click.echo(one_line(f"{motion.name}: stands in {sum(found)} of {len(found)} key frames"))
     if as_json:

@@ -12,7 +12,8 @@ from lbr import home
 from lbr.apps.recorder.recording.recorded import RecordedRows
 from lbr.capability import registry
 from lbr.capability.kind import Emulation, Kind, KindError
-from lbr.database import becoming, past, store
+from lbr.database import changes, proposals, store
+from lbr.database.changes import Change
 from lbr.database.reading import ROBOT, RawTables
 from lbr.database.tables import Schema
 from lbr.errors import InputError
@@ -41,8 +42,8 @@ def prepare(place: Path, robot: str, rows: RecordedRows, lines: Collection[str])
     kinds, left_out = _running(rows, lines, place)
     store.create(database)
     with store.Database.open(database) as opened:
-        becoming.become(
-            opened, lambda tables, schema, _at: _steps(tables, schema, robot, rows), lambda _rows: (), text="recorded"
+        proposals.command(
+            opened, lambda tables, schema: _changes(tables, schema, robot, rows), lambda _rows: (), text="recorded"
         )
     devices = {}
     for row in rows.tables.get("device", []):
@@ -108,7 +109,7 @@ def _lacks(row: Mapping[str, Any], kinds: Mapping[str, Kind], left_out: Mapping[
     return next((str(one) for one in _decoded(row["needs"]) if one in left_out), "")
 
 
-def _steps(tables: RawTables, schema: Schema, robot: str, rows: RecordedRows) -> tuple[past.Step, ...]:
+def _changes(tables: RawTables, schema: Schema, robot: str, rows: RecordedRows) -> tuple[Change, ...]:
     """Return what makes of shipped rows the recorded ones; InputError for rows of another form."""
     after = dict(tables)
     if not any(row["name"] == robot for row in tables[ROBOT]):
@@ -124,7 +125,7 @@ def _steps(tables: RawTables, schema: Schema, robot: str, rows: RecordedRows) ->
                 raise InputError(f"the recording's rows of '{table}' have other columns ({names}): another lbr made it")
         others = [row for row in after.get(table, []) if row.get("robot", robot) != robot]
         after[table] = [*others, *recorded]
-    return past.steps(tables, after, schema)
+    return changes.between(tables, after, schema)
 
 
 def _decoded(text: Any) -> Any:

@@ -1,5 +1,4 @@
-"""What people ask from pages of rows, tokens and logs: read and written beside the main loop, one after the other, and
-answered.
+"""What people ask from pages of rows, tokens and logs.
 
 Only a server for people may ask here; it looks at the role of who asks before it does.
 """
@@ -21,17 +20,19 @@ from lbr.bus import wire
 from lbr.bus.codec import Decoder
 from lbr.capability import registry, twins
 from lbr.capability.kind import Kind, KindError
-from lbr.database import history, row_changes
+from lbr.database import forms, history
+from lbr.database.proposals import propose
 from lbr.database.reading import Problem
 from lbr.database.rows import CORE, CapabilityRow, DeviceRow, RobotRows
 from lbr.database.store import Database
-from lbr.errors import InputError, LbrError, MalformedError
-from lbr.executive import beside
+from lbr.errors import InputError
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning.happened import Happened
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.service import attached
+from lbr.executive.service.row_service import Job, Reply
+from lbr.messages.codes import Code
 from lbr.messages.manage import (
     LOG_BYTES,
     ChangeRows,
@@ -48,7 +49,6 @@ from lbr.messages.manage import (
 )
 from lbr.messages.rows import Row, shown
 
-MOST_WAITING = 16
 MOST_REMEMBERED = 256
 """Rows of which it is known which page changed them last; a form is not open for more changes."""
 LETS_IN = (
@@ -58,63 +58,76 @@ Make = Callable[[RobotRows], tuple[Plan | None, tuple[Problem, ...]]]
 _commands: Decoder[Any] = Decoder(ManageCommand)  # type: ignore[arg-type]  # a union is a type, too
 
 
-class Note(Struct, frozen=True):
-    """An event that a job leaves for the main thread."""
+class Pages:
+    """Reads what pages ask, and answers it by a connection of its own; `make` plans what would run."""
 
-    kind: str
-    text: str
-
-
-class Clerk:
-    """Does one job by a connection of its own; from any thread."""
-
-    def __init__(self, path: Path, plan: Callable[[], Plan], make: Make) -> None:
+    def __init__(
+        self, served: wire.QueryServer, path: Path, *, plan: Callable[[], Plan], make: Make, happened: Happened
+    ) -> None:
+        self.served = served
         self._path = path
         self._plan = plan
         self._make = make
+        self._happened = happened
         self._edited: deque[tuple[int, str, str, tuple[Any, ...]]] = deque(maxlen=MOST_REMEMBERED)
+        self._answers: dict[type[Struct], Callable[[Any], ManageReply]] = {
+            LookAtRows: self._rows,
+            ChangeRows: self._change,
+            LookAtTokens: self._tokens,
+            LookAtDevices: self._devices,
+            RevokeToken: self._revoke,
+            LookAtLog: self._log,
+            LookAtEvents: self._events,
+        }
 
-    def __call__(self, command: Any) -> tuple[ManageReply, tuple[Note, ...]]:
-        """Return what became of it, and what is to be told."""
+    def read(self, request: wire.Request) -> Job:
+        """Return the question of a page."""
+        command = _commands.decode(request.payload)
+        answer = partial(self._answers[type(command)], command)
+        return Job(request, self, answer, partial(self._end, command), slow=isinstance(command, LookAtDevices))
+
+    def refused(self, reason: str, code: Code) -> ManageReply:
+        """Return a refusal."""
+        return ManageReply(accepted=False, reason=reason, code=code)
+
+    def _end(self, command: Any, reply: Reply) -> bool:
+        """Tell what was written."""
+        revision = {"revision": reply.revision}
         match command:
-            case LookAtRows():
-                return self._rows(command.table), ()
-            case ChangeRows():
-                return self._change(command)
-            case LookAtTokens() | LookAtDevices():
-                return self._tokens() if isinstance(command, LookAtTokens) else self._devices(), ()
-            case RevokeToken():
-                return self._revoke(command)
-            case LookAtLog():
-                return self._log(command.name), ()
-            case LookAtEvents():
-                return self._events(command), ()
-        raise InputError("that is nothing to ask here", "unknown_command")
+            case ChangeRows(write=True) if reply.accepted:
+                text = f"{command.by or 'a page'} changed {_listed(command)}"
+                self._happened("edit", EXECUTIVE, text, "info", revision)
+                return True
+            case RevokeToken() if reply.accepted:
+                text = f"{command.by or 'a page'} revoked the token '{command.name}'"
+                self._happened("token", EXECUTIVE, text, "info", revision)
+                return True
+        return False
 
     def _classes(self) -> dict[str, type[Row]]:
         read = (read.row for kind in self._plan().kinds.values() for read in kind.reads)
         return {row.TABLE: row for row in (*CORE, *read)}
 
-    def _rows(self, table: str) -> ManageReply:
-        plan, classes = self._plan(), self._classes()
+    def _rows(self, command: LookAtRows) -> ManageReply:
+        table, plan, classes = command.table, self._plan(), self._classes()
         with Database.open(self._path) as database:
             tables, schema = database.tables()
             revision = database.revision()
         found = [
-            {"table": name, "rows": len(_own(tables, name, plan.robot)), "fixed": row_changes.fixed(row)}
+            {"table": name, "rows": len(_own(tables, name, plan.robot)), "fixed": forms.fixed(row)}
             for name, row in classes.items()
             if name in schema
         ]
         if not table:
             return ManageReply(accepted=True, revision=revision, data={"tables": found})
-        row = row_changes.of(table, schema, classes)
+        row = forms.of(table, schema, classes)
         data = {
             "table": table,
             "key": list(row.KEY),
-            "fixed": row_changes.fixed(row),
+            "fixed": forms.fixed(row),
             "schema": _schema(row),
             "settings": self._settings(row, plan),
-            "rows": [row_changes.told(row, one) for one in _own(tables, table, plan.robot)],
+            "rows": [forms.told(row, one) for one in _own(tables, table, plan.robot)],
         }
         return ManageReply(accepted=True, revision=revision, data=data)
 
@@ -126,11 +139,10 @@ class Clerk:
             return {one.name: found for one in plan.rows.devices if (found := _of_twin(one.type)) is not None}
         return {}
 
-    def _change(self, command: ChangeRows) -> tuple[ManageReply, tuple[Note, ...]]:
+    def _change(self, command: ChangeRows) -> ManageReply:
         before, new = self._plan(), None
-        problems: tuple[Problem, ...]
 
-        def wrong(rows: RobotRows) -> tuple[Problem, ...]:
+        def judge(rows: RobotRows) -> tuple[Problem, ...]:
             nonlocal new
             made, found = self._make(rows)
             new = new or made
@@ -138,17 +150,17 @@ class Clerk:
 
         with Database.open(self._path, program="executive") as database:
             try:
-                revision, problems = database.change_rows(
-                    before.robot,
-                    command.changes,
-                    self._classes(),
-                    wrong,
-                    dry_run=not command.write,
+                proposed = propose(
+                    database,
+                    forms.wanted(before.robot, command.changes, self._classes()),
+                    judge,
+                    robot=before.robot,
                     by=command.by or "a page",
+                    dry_run=not command.write,
                 )
-            except row_changes.ChangedError as err:
-                return self._changed(database, err), ()
-        touched = _touched(before, new)
+            except forms.ChangedError as err:
+                return self._changed(database, err)
+        touched, revision, problems = _touched(before, new), proposed.revision, proposed.problems
         if problems:
             told = tuple(
                 RowProblem(**asdict(replace(one, row=one.row.removeprefix(f"{before.robot}/")))) for one in problems
@@ -157,18 +169,16 @@ class Clerk:
             reason = f"{problems[0]}{more}"
             return ManageReply(
                 accepted=False, reason=reason, code="bad_value", revision=revision, problems=told, touched=touched
-            ), ()
-        note = Note("edit", f"{command.by or 'a page'} changed {_listed(command)}")
+            )
         if command.write:
             classes = self._classes()
             for one in command.changes:
                 values = one.before if one.before is not None else one.after or {}
                 key = tuple(values[name] for name in classes[one.table].KEY)
                 self._edited.append((revision, command.by, one.table, key))
-        done = ManageReply(accepted=True, revision=revision, touched=touched)
-        return done, (note,) if command.write else ()
+        return ManageReply(accepted=True, revision=revision, touched=touched)
 
-    def _changed(self, database: Database, err: row_changes.ChangedError) -> ManageReply:
+    def _changed(self, database: Database, err: forms.ChangedError) -> ManageReply:
         """Return the refusal of a change of a row that is another meanwhile: with who changed it, and when."""
         last = database.last_change(self._plan().robot, err.table, err.key)
         number, at = last or (0, "")
@@ -198,23 +208,22 @@ class Clerk:
         data = [{name: getattr(one, name) for name in told} for one in reversed(found)]
         return ManageReply(accepted=True, data={"events": data})
 
-    def _tokens(self) -> ManageReply:
+    def _devices(self, _command: LookAtDevices) -> ManageReply:
+        return ManageReply(accepted=True, data=attached.look(self._plan().robot, self._path))
+
+    def _tokens(self, _command: LookAtTokens) -> ManageReply:
         with Database.open(self._path) as database:
             found = database.tokens()
         data = [{name: value for name, value in asdict(one).items() if name != "hash"} for one in found]
         return ManageReply(accepted=True, data={"tokens": data})
 
-    def _devices(self) -> ManageReply:
-        return ManageReply(accepted=True, data=attached.look(self._plan().robot, self._path))
-
-    def _revoke(self, command: RevokeToken) -> tuple[ManageReply, tuple[Note, ...]]:
+    def _revoke(self, command: RevokeToken) -> ManageReply:
         with Database.open(self._path) as database:
             database.revoke_token(command.name)
-        note = Note("token", f"{command.by or 'a page'} revoked the token '{command.name}'")
-        return ManageReply(accepted=True, reason=f"'{command.name}' is revoked"), (note,)
+        return ManageReply(accepted=True, reason=f"'{command.name}' is revoked")
 
-    def _log(self, name: str) -> ManageReply:
-        plan = self._plan()
+    def _log(self, command: LookAtLog) -> ManageReply:
+        name, plan = command.name, self._plan()
         file = plan.log(name)
         if not file:
             raise InputError(f"there is no capability '{shown(name)}'", "unknown_name")
@@ -229,80 +238,6 @@ class Clerk:
             raise InputError(f"the log of '{name}' cannot be read: {err.strerror}", "failed") from err
         whole = text if len(text) < LOG_BYTES // 2 else text.partition("\n")[2]
         return ManageReply(accepted=True, data={"name": name, "text": whole})
-
-
-class _Job(Struct):
-    """A question under way."""
-
-    request: wire.Request
-    command: Any
-    reply: ManageReply | None = None
-    notes: tuple[Note, ...] = ()
-
-
-class Desk:
-    """Answers people's questions one after the other. The main thread calls `step`; a thread waits for the disk."""
-
-    def __init__(
-        self,
-        served: wire.QueryServer,
-        path: Path,
-        *,
-        plan: Callable[[], Plan],
-        make: Make,
-        happened: Happened,
-        wake: Callable[[], None],
-    ) -> None:
-        self._served = served
-        self._clerk = Clerk(path, plan, make)
-        self._happened = happened
-        self._wake = wake
-        self._waiting: deque[_Job] = deque()
-        self._job: _Job | None = None
-
-    def step(self) -> bool:
-        """Begin and end what is due; say whether rows were written."""
-        for request in self._served.take():
-            self._take(request)
-        job, written = self._job, False
-        if job is not None and job.reply is not None:
-            self._job = None
-            for note in job.notes:
-                self._happened(note.kind, EXECUTIVE, note.text, "info", {"revision": job.reply.revision})
-            job.request.reply(job.reply, EXECUTIVE)
-            written = bool(job.notes)
-        if self._job is None and self._waiting:
-            self._job = self._waiting.popleft()
-            if beside.begin(partial(self._run, self._job), "desk") is None:
-                self._job.reply = ManageReply(accepted=False, code="busy", reason=beside.NO_THREAD)
-                self._wake()
-        return written
-
-    def close(self) -> None:
-        """Take no more; one under way is written, or not, by itself."""
-        self._served.close()
-
-    def _take(self, request: wire.Request) -> None:
-        if len(self._waiting) >= MOST_WAITING:
-            request.reply(
-                ManageReply(accepted=False, reason="too much is asked at once; try again", code="busy"), EXECUTIVE
-            )
-            return
-        try:
-            self._waiting.append(_Job(request, _commands.decode(request.payload)))
-        except MalformedError as err:
-            request.reply(ManageReply(accepted=False, reason=str(err), code="malformed"), EXECUTIVE)
-
-    def _run(self, job: _Job) -> None:
-        try:
-            reply, job.notes = self._clerk(job.command)
-        except LbrError as err:
-            code = err.code if isinstance(err, InputError) else "failed"
-            reply = ManageReply(accepted=False, reason=str(err), code=code)
-        except Exception as err:  # noqa: BLE001 - the asker is to hear it
-            reply = ManageReply(accepted=False, reason=f"this is broken: {type(err).__name__}: {err}", code="failed")
-        job.reply = reply
-        self._wake()
 
 
 def _letting_in(before: RobotRows, after: RobotRows) -> Iterator[Problem]:

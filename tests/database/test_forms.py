@@ -4,7 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.database import row_changes
+from lbr.database import forms
+from lbr.database.proposals import propose
+from lbr.database.reading import Problem
 from lbr.database.rows import CORE, ChannelRow, DeviceRow
 from lbr.errors import InputError
 from lbr.messages.manage import RowChange
@@ -30,7 +32,7 @@ TABLES = {
     ],
     "channel": [],
 }
-BOARD = row_changes.told(DeviceRow, TABLES["device"][0])
+BOARD = forms.told(DeviceRow, TABLES["device"][0])
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
@@ -40,7 +42,7 @@ VALUES = st.none() | st.dictionaries(st.sampled_from(["name", "type", "address",
 
 
 def changed(*changes: RowChange) -> dict:
-    return row_changes.changed(TABLES, SCHEMA, "lbr", changes, CLASSES)
+    return forms.changed(TABLES, SCHEMA, "lbr", changes, CLASSES)
 
 
 def test_json_is_told_as_what_it_says_and_only_what_changes_is_written():
@@ -99,3 +101,16 @@ def test_any_change_gives_tables_or_a_refusal_and_touches_no_other_robot(changes
     for row in after["device"] + after["channel"]:
         assert all(value is None or isinstance(value, str | int | float) for value in row.values())
     assert ChannelRow.TABLE in after
+
+
+def test_what_refers_to_a_deleted_row_goes_with_it_and_bad_rows_are_mended_one_after_the_other(database, client):
+    client.execute("INSERT INTO device (robot, name, type, address) VALUES ('lbr', 'spare', 'roboteq', '/dev/spare')")
+    client.execute("INSERT INTO calibration (robot, device, name, value) VALUES ('lbr', 'spare', 'scale', 1.0)")
+    tables, _ = database.tables()
+    spare = forms.told(DeviceRow, next(row for row in tables["device"] if row["name"] == "spare"))
+    bad = Problem("capability", "lbr/drive", "settings", "was bad before")
+    wanted = forms.wanted("lbr", [RowChange(table="device", before=spare)], CLASSES)
+    tried = propose(database, wanted, lambda _rows: [bad], robot="lbr", dry_run=True)
+    assert (len(tried.changes), tried.revision, tried.problems) == (1, database.revision(), ())
+    assert propose(database, wanted, lambda _rows: [bad], robot="lbr").revision == tried.revision + 2
+    assert not [row for row in database.tables()[0]["calibration"] if row["device"] == "spare"]

@@ -1,4 +1,4 @@
-"""Changes of rows as people make them in forms: what they make of the tables, and why not; pure but for `write`."""
+"""Changes of rows as people make them in forms: what they make of the tables, and why not. Pure."""
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
@@ -6,12 +6,12 @@ from typing import Any
 
 import msgspec
 
+from lbr.database import changes
 from lbr.database.columns import Column, columns, json_strictly
-from lbr.database.connection import Connection, insert, quoted
-from lbr.database.edits import DESCRIBE
+from lbr.database.proposals import Wanted
 from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.rows import CapabilityRow, ExternalCommandRow
-from lbr.database.tables import Schema
+from lbr.database.tables import WRITTEN_BY_LBR, Schema
 from lbr.errors import InputError
 from lbr.messages.manage import RowChange
 from lbr.messages.rows import Row, shown
@@ -41,10 +41,15 @@ def told(row: type[Row], values: RawRow) -> dict[str, Any]:
     return {name: _told(column, values.get(name)) for name, column in columns(row).items()}
 
 
-def changed(tables: RawTables, schema: Schema, robot: str, changes: Sequence[RowChange], classes: Classes) -> RawTables:
+def wanted(robot: str, forms: Sequence[RowChange], classes: Classes) -> Wanted:
+    """Return what forms want of a robot's rows; ChangedError if one is not as it was when it was looked at."""
+    return lambda tables, schema: changes.between(tables, changed(tables, schema, robot, forms, classes), schema)
+
+
+def changed(tables: RawTables, schema: Schema, robot: str, forms: Sequence[RowChange], classes: Classes) -> RawTables:
     """Return the tables as they are after some changes; InputError says which row is in the way, and why."""
     after: dict[str, Sequence[RawRow]] = dict(tables)
-    for change in changes:
+    for change in forms:
         row = _class_of(change, schema, classes)
         key = _key(row, change)
         there = next((one for one in after.get(row.TABLE, ()) if _is(one, row, schema, robot, key)), None)
@@ -53,26 +58,6 @@ def changed(tables: RawTables, schema: Schema, robot: str, changes: Sequence[Row
         rest = [one for one in after.get(row.TABLE, ()) if one is not there]
         after[row.TABLE] = rest if change.after is None else [*rest, _raw(row, schema, robot, there, change.after)]
     return after
-
-
-def write(
-    connection: Connection, before: RawTables, after: RawTables, schema: Schema, changes: Iterable[RowChange]
-) -> None:
-    """Write what is another in the tables that were changed; what stays makes no revision."""
-    for table in dict.fromkeys(change.table for change in changes):
-        keys = schema.keys_of[table]
-        old = {tuple(row[name] for name in keys): row for row in before.get(table, ())}
-        new = {tuple(row[name] for name in keys): row for row in after.get(table, ())}
-        where = " AND ".join(f"{quoted(name)} = ?" for name in keys)
-        for key in old.keys() - new.keys():
-            connection.execute(f"DELETE FROM {quoted(table)} WHERE {where}", key)  # noqa: S608 - quoted
-        for key, row in new.items():
-            if key not in old:
-                insert(connection, table, [row])
-            elif values := {name: value for name, value in row.items() if value != old[key].get(name)}:
-                settings = ", ".join(f"{quoted(name)} = ?" for name in values)
-                statement = f"UPDATE {quoted(table)} SET {settings} WHERE {where}"  # noqa: S608 - quoted
-                connection.execute(statement, (*values.values(), *key))
 
 
 def of(table: str, schema: Schema, classes: Classes) -> type[Row]:
@@ -131,7 +116,9 @@ def _allow(row: type[Row], key: tuple[Any, ...], there: RawRow | None, change: R
     if row.TABLE == ROBOT:
         if change.after is None or change.before is None:
             raise InputError("a page makes and deletes no robot", "denied")
-        if others := [name for name in after if name not in DESCRIBE and after[name] != change.before.get(name)]:
+        if others := [
+            name for name in after if (ROBOT, name) in WRITTEN_BY_LBR and after[name] != change.before.get(name)
+        ]:
             raise InputError(f"{', '.join(others)} of the robot is written by lbr itself", "read_only")
     if row is CapabilityRow and PROGRAM_KIND in {(there or {}).get("kind"), after.get("kind")}:
         raise InputError(f"{_named(row, key)} {NAMES_PROGRAMS}", "denied")

@@ -1,0 +1,150 @@
+"""A changed row: what leads from some tables to others, in words, and in SQL. Pure but for `write`."""
+
+import sqlite3
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from msgspec import Struct
+
+from lbr.database import constraints
+from lbr.database.connection import Connection, insert, quoted
+from lbr.database.difference import Difference, changed_columns
+from lbr.database.reading import ROBOT, RawRow, RawTables
+from lbr.database.tables import WRITTEN_BY_LBR, Schema, read_tables
+from lbr.errors import InputError, RowError
+from lbr.messages.rows import shown
+
+Key = tuple[Any, ...]
+
+
+class Change(Struct, frozen=True):
+    """One row to write: as it is, and as it is to be; None for no row. Its key is in the order of its table."""
+
+    table: str
+    key: Key
+    before: RawRow | None
+    after: RawRow | None
+
+    @property
+    def robot(self) -> str | None:
+        """Whose row it is; None if it is every robot's."""
+        values = self.after or self.before or {}
+        return values.get("name" if self.table == ROBOT else "robot")
+
+    @property
+    def row(self) -> str:
+        """Its key as people read it."""
+        return "/".join(map(shown, self.key))
+
+    @property
+    def difference(self) -> Difference:
+        """The change as people read it."""
+        if self.before is None:
+            return Difference(table=self.table, row=self.row, change="added")
+        if self.after is None:
+            return Difference(table=self.table, row=self.row, change="removed")
+        columns = changed_columns(self.table, self.before, self.after)
+        return Difference(table=self.table, row=self.row, change="changed", columns=columns)
+
+
+def between(before: RawTables, after: RawTables, schema: Schema, robot: str | None = None) -> tuple[Change, ...]:
+    """Return what leads from some tables to others; of one robot alone, if so asked. What lbr writes itself is none of
+    it."""
+    changes = (change for table in schema.keys_of for change in _of_table(table, before, after, schema))
+    return tuple(change for change in changes if robot is None or change.robot == robot)
+
+
+def differences(changes: Iterable[Change]) -> tuple[Difference, ...]:
+    """Return changes as people read them."""
+    return tuple(change.difference for change in changes)
+
+
+def applied(tables: RawTables, schema: Schema, changes: Iterable[Change]) -> RawTables:
+    """Return the tables as they are after some changes."""
+    by_table: dict[str, list[Change]] = {}
+    for change in changes:
+        by_table.setdefault(change.table, []).append(change)
+    after = dict(tables)
+    for table, of_table in by_table.items():
+        rows = _by_key(tables, table, schema)
+        for change in of_table:
+            rows.pop(change.key, None)
+            if change.after is not None:
+                rows[change.key] = change.after
+        after[table] = [rows[key] for key in sorted(rows, key=_order)]
+    return after
+
+
+def write(connection: Connection, changes: Sequence[Change], schema: Schema) -> None:
+    """Write changes in the transaction that is under way; RowError names a row that SQLite refuses.
+
+    What refers to others may come before them. Updates go first: a row that refers to another now stays when the one
+    it referred to is taken out. What lbr alone writes stays.
+    """
+    dangling = _dangling(connection)
+    connection.execute("PRAGMA defer_foreign_keys = ON")
+    for change in sorted(changes, key=lambda change: (change.before is None, change.after is None)):
+        with _naming(change):
+            _write(connection, change, schema)
+    if new := sorted(_dangling(connection) - dangling, key=str):
+        table, parent = new[0][0], new[0][2]
+        raise RowError((f"a row of {table} would refer to a row of {parent} that is not there: nothing was changed",))
+
+
+def write_exactly(connection: Connection, changes: Sequence[Change], schema: Schema) -> None:
+    """Write changes as `write` does; InputError if other rows would change with them."""
+    before, _ = read_tables(connection)
+    write(connection, changes, schema)
+    after, _ = read_tables(connection)
+    if others := between(applied(before, schema, changes), after, schema):
+        raise InputError(
+            f"{others[0].table} '{others[0].row}' would change with them, because it refers to a row that is taken"
+            " out: nothing was changed",
+            "refused",
+        )
+
+
+def _write(connection: Connection, change: Change, schema: Schema) -> None:
+    where = " AND ".join(f"{quoted(name)} = ?" for name in schema.keys_of[change.table])
+    if change.after is None:
+        connection.execute(f"DELETE FROM {quoted(change.table)} WHERE {where}", change.key)  # noqa: S608 - quoted
+        return
+    own = {name: value for name, value in change.after.items() if (change.table, name) not in WRITTEN_BY_LBR}
+    if change.before is None:
+        insert(connection, change.table, [own])
+    elif values := {name: value for name, value in own.items() if value != change.before.get(name)}:
+        settings = ", ".join(f"{quoted(name)} = ?" for name in values)
+        statement = f"UPDATE {quoted(change.table)} SET {settings} WHERE {where}"  # noqa: S608 - quoted
+        connection.execute(statement, (*values.values(), *change.key))
+
+
+def _dangling(connection: Connection) -> set[tuple[Any, ...]]:
+    return set(connection.execute("PRAGMA foreign_key_check").fetchall())
+
+
+@contextmanager
+def _naming(change: Change) -> Iterator[None]:
+    """Name the row that SQLite refuses."""
+    try:
+        yield
+    except (sqlite3.IntegrityError, sqlite3.InterfaceError, OverflowError) as err:
+        why = constraints.words(str(err), getattr(err, "statement", ""))
+        raise RowError((f"{change.table} '{change.row}': {why}",)) from err
+
+
+def _of_table(table: str, before: RawTables, after: RawTables, schema: Schema) -> Iterator[Change]:
+    old, new = _by_key(before, table, schema), _by_key(after, table, schema)
+    for key in {**old, **new}:
+        was, now = old.get(key), new.get(key)
+        if was is None or now is None or changed_columns(table, was, now):
+            yield Change(table, key, was, now)
+
+
+def _by_key(tables: RawTables, table: str, schema: Schema) -> dict[Key, RawRow]:
+    return {tuple(row[name] for name in schema.keys_of[table]): row for row in tables.get(table, ())}
+
+
+def _order(key: Key) -> tuple[tuple[bool, Any], ...]:
+    """Sort keys as SQLite does, and those that no column can hold, too."""
+    return tuple((isinstance(part, str), 0 if part is None else part) for part in key)

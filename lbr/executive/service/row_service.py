@@ -1,0 +1,126 @@
+"""Answers who changes rows, or looks at them: beside the main loop, by connections of its own, as a client of SQLite's
+would.
+
+capabilities ──► executive.edit ──┐
+                                  ├──► one queue ──► a thread ──► the answer, and what it means for what runs
+pages ─────────► @manage ─────────┘
+"""
+
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Protocol
+
+from msgspec import Struct
+
+from lbr.bus import wire
+from lbr.errors import InputError, LbrError, MalformedError
+from lbr.executive import beside
+from lbr.executive.planning.wiring import EXECUTIVE
+from lbr.messages.codes import Code
+from lbr.messages.faces import EditReply
+from lbr.messages.manage import ManageReply
+
+MOST_WAITING = 16
+Reply = EditReply | ManageReply
+
+
+class Rows(Protocol):
+    """The rows in force; edits of others wait while they are held."""
+
+    held: bool
+
+
+class Job(Struct):
+    """A question under way: `work` answers it on a thread, `end` says on the main one whether rows were written.
+
+    What is `slow` is done beside the others. While one `holds` the rows, nobody else's edits come into force.
+    """
+
+    request: wire.Request
+    asked: "Asked"
+    work: Callable[[], Reply]
+    end: Callable[[Reply], bool]
+    slow: bool = False
+    holds: bool = False
+    reply: Reply | None = None
+
+
+class Asked(Protocol):
+    """One key that the service answers."""
+
+    @property
+    def served(self) -> wire.QueryServer:
+        """Return where requests come from."""
+
+    def read(self, request: wire.Request) -> Job:
+        """Return what is to be done; InputError or MalformedError says why nothing is."""
+
+    def refused(self, reason: str, code: Code) -> Any:
+        """Return a refusal."""
+
+
+class RowService:
+    """Answers one question after the other. The main thread calls `step`; a thread waits for the disk."""
+
+    def __init__(self, rows: Rows, *asked: Asked, wake: Callable[[], None]) -> None:
+        self._rows = rows
+        self._asked = asked
+        self._wake = wake
+        self._waiting: deque[Job] = deque()
+        self._running: dict[bool, Job] = {}
+
+    def step(self) -> bool:
+        """Begin and end what is due; say whether rows were written."""
+        for asked in self._asked:
+            for request in asked.served.take():
+                self._take(asked, request)
+        written = False
+        for slow, job in list(self._running.items()):
+            if job.reply is not None:
+                del self._running[slow]
+                if job.holds:
+                    self._rows.held = False
+                written |= job.end(job.reply)
+                job.request.reply(job.reply, EXECUTIVE)
+        if not written:  # else once those rows are in force
+            for job in list(self._waiting):
+                if job.slow not in self._running:
+                    self._begin(job)
+        return written
+
+    def close(self) -> None:
+        """Take no more; one under way is written, or not, by itself."""
+        for asked in self._asked:
+            asked.served.close()
+
+    def _take(self, asked: Asked, request: wire.Request) -> None:
+        try:
+            job = asked.read(request)
+        except MalformedError as err:
+            request.reply(asked.refused(str(err), "malformed"), EXECUTIVE)
+        except InputError as err:
+            request.reply(asked.refused(str(err), err.code), EXECUTIVE)
+        else:
+            if sum(waiting.asked is asked for waiting in self._waiting) < MOST_WAITING:
+                self._waiting.append(job)
+            else:
+                request.reply(asked.refused("too much is asked at once; try again", "busy"), EXECUTIVE)
+
+    def _begin(self, job: Job) -> None:
+        self._waiting.remove(job)
+        self._running[job.slow] = job
+        if job.holds:
+            self._rows.held = True
+        if beside.begin(partial(self._run, job), "rows") is None:
+            job.reply = job.asked.refused(beside.NO_THREAD, "busy")
+            self._wake()
+
+    def _run(self, job: Job) -> None:
+        try:
+            job.reply = job.work()
+        except LbrError as err:
+            job.reply = job.asked.refused(str(err), err.code if isinstance(err, InputError) else "failed")
+        except Exception as err:  # noqa: BLE001 - the asker is to hear it, and the rows are not held for ever
+            job.reply = job.asked.refused(f"this is broken: {type(err).__name__}: {err}", "failed")
+        self._wake()
