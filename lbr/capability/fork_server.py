@@ -1,8 +1,8 @@
 """Forks the processes of capabilities off an interpreter that has imported what all of them need.
 
-executive ── Order: words and environment, with standard input, log and pipe of reports ──► fork server ── fork ──► capability
-          ◄── Said: its number, by itself, once it leads its session ───────────────────────────────────────────────┘
-          ◄── Said: how it ended; Order to release it: only then is its number free ──────► fork server
+    executive ── ForkOrder: words, environment, standard input, log, pipe of reports ──► fork server ── fork ──► process
+              ◄── ForkReply: its number, by itself, once it leads its session ────────────────────────────────────┘
+              ◄── ForkReply: how it ended; ForkOrder to release it: only then is its number free ──► fork server
 
 `python -P -m lbr.capability.fork_server FD ROOM`, where FD is a socket that keeps messages apart. There must be neither
 a thread nor a session of the bus before a fork. When the executive is gone this process ends; the forked have lifelines
@@ -35,7 +35,7 @@ IGNORED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """It ends when the executive does, and not before."""
 
 
-class Order(Struct, frozen=True, kw_only=True, omit_defaults=True):
+class ForkOrder(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """Fork a process with these words and this environment, or release the number of one that has ended."""
 
     words: tuple[str, ...] = ()
@@ -43,7 +43,7 @@ class Order(Struct, frozen=True, kw_only=True, omit_defaults=True):
     release: int = 0
 
 
-class Said(Struct, frozen=True, kw_only=True, omit_defaults=True):
+class ForkReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """All is imported (neither), a process is there (its number), or has ended (with its code); or what is in the
     way."""
 
@@ -63,7 +63,7 @@ class Server:
 
     def serve(self) -> None:
         """Return when the executive is gone."""
-        self._say(Said())
+        self._say(ForkReply())
         while True:
             for fd, _ in self._poll.poll():
                 if fd != self._link.fileno():
@@ -72,9 +72,9 @@ class Server:
                 content, fds, _, _ = socket.recv_fds(self._link, LARGEST, 3)
                 if not content:
                     return
-                self._obey(msgspec.json.decode(content, type=Order), fds)
+                self._obey(msgspec.json.decode(content, type=ForkOrder), fds)
 
-    def _obey(self, order: Order, fds: list[int]) -> None:
+    def _obey(self, order: ForkOrder, fds: list[int]) -> None:
         if order.release:
             with suppress(ChildProcessError):
                 os.waitpid(order.release, 0)
@@ -87,7 +87,7 @@ class Server:
             self._running[fd] = pid
             self._poll.register(fd, select.POLLIN)
         except OSError as err:
-            self._say(Said(trouble=str(err)))
+            self._say(ForkReply(trouble=str(err)))
         finally:
             for one in fds:
                 os.close(one)
@@ -98,13 +98,13 @@ class Server:
         found = os.waitid(os.P_PID, self._running.pop(fd), os.WEXITED | os.WNOWAIT)
         if found is not None:
             code = found.si_status if found.si_code == os.CLD_EXITED else -found.si_status
-            self._say(Said(pid=found.si_pid, code=code))
+            self._say(ForkReply(pid=found.si_pid, code=code))
 
-    def _say(self, what: Said) -> None:
+    def _say(self, what: ForkReply) -> None:
         self._link.send(msgspec.json.encode(what))
 
 
-def become(order: Order, fds: list[int], link: socket.socket) -> None:
+def become(order: ForkOrder, fds: list[int], link: socket.socket) -> None:
     """Go on as the process that was ordered; never returns."""
     try:
         os.setsid()
@@ -117,7 +117,7 @@ def become(order: Order, fds: list[int], link: socket.socket) -> None:
         os.environ.update(order.environment | {HEARTBEAT_VARIABLE: str(reports)})
         sys.argv = [process.__file__, *order.words]
         wear((sys.executable, "-P", "-m", process.__name__, *order.words), order.environment.get(lifeline.MARK, ""))
-        link.send(msgspec.json.encode(Said(pid=os.getpid())))
+        link.send(msgspec.json.encode(ForkReply(pid=os.getpid())))
         for name in os.listdir("/proc/self/fd"):  # noqa: PTH208 - a name is all that is wanted
             if int(name) > 2 and int(name) != reports:
                 with suppress(OSError):

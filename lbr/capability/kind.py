@@ -202,7 +202,7 @@ class Kind:
         try:
             found = getattr(importlib.import_module(module), name)
         except Exception as err:
-            raise KindError(f"kind '{self.name}': its entry {self.entry} does not load: {leaving.told(err)}") from err
+            raise KindError(f"kind '{self.name}': its entry {self.entry} does not load: {leaving.text(err)}") from err
         if not isinstance(found, type):
             raise KindError(f"kind '{self.name}': its entry {self.entry} is not a class")
         return found

@@ -17,7 +17,7 @@ def within(seconds: float) -> None:
     signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
-def told(err: BaseException) -> str:
+def text(err: BaseException) -> str:
     """Say what was raised, and in which line of whose file: the last that is not the runtime's own."""
     try:
         frames = traceback.extract_tb(err.__traceback__)

@@ -14,7 +14,7 @@ from lbr.capability.base import Capability
 from lbr.capability.calls import BusCall
 from lbr.capability.config import ProcessConfig
 from lbr.capability.kind import Kind
-from lbr.capability.reporter import BEAT_S, Reporter, Said
+from lbr.capability.reporter import BEAT_S, Phase, Reporter
 from lbr.capability.runtime import Join, ProcessContext
 from lbr.capability.suspended import Suspended
 from lbr.errors import DeviceError
@@ -111,7 +111,7 @@ class Loop:
         self._suspended = Suspended()
         self._report_at = 0.0
         self._settled = False
-        self._said: Said = ("", "", "")
+        self._reported: Phase = ("", "", "")
         self._opened_s = self._due = self._retry_at = -inf
         self._open = self._begins = False
         self._retry_s, self._lost = RETRY_FIRST_S, Reason("failed", "")
@@ -197,7 +197,7 @@ class Loop:
             return self._wait_degraded(ctx, capability)
 
     def _open_it(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
-        self._said = self._reporter.said
+        self._reported = self._reporter.reported
         capability.open()
         if not self._settled:
             self._settled = True
@@ -214,11 +214,11 @@ class Loop:
             self._due = self._due + period if now < self._due + period else now + period
         self._round(ctx, capability)
         if self._begins and capability.answers():
-            lacks, own = capability.lacks(), self._reporter.said is not self._said
+            lacks, own = capability.lacks(), self._reporter.reported is not self._reported
             self._begins = lacks is not None
             if not own:  # what it has reported itself stands
                 ctx.warn(lacks) if lacks else ctx.ready()
-                self._said = self._reporter.said
+                self._reported = self._reporter.reported
         self._due = min(self._due, now + 1.0 / capability.rate_hz)  # its rate may have risen, as it began something
         return self._due
 
@@ -241,7 +241,7 @@ class Loop:
         except Exception as err:
             if call.open:
                 call.refuse(
-                    Reason(err.code, str(err)) if isinstance(err, DeviceError) else Reason("failed", leaving.told(err))
+                    Reason(err.code, str(err)) if isinstance(err, DeviceError) else Reason("failed", leaving.text(err))
                 )
             raise
 

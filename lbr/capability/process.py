@@ -27,7 +27,7 @@ from lbr.capability import leaving, lifeline
 from lbr.capability.config import Order, ProcessConfig
 from lbr.capability.confine import confine
 from lbr.capability.loop import Garbage, Loop
-from lbr.capability.reporter import HEARTBEAT_VARIABLE, Reporter, Said
+from lbr.capability.reporter import HEARTBEAT_VARIABLE, Phase, Reporter
 
 PART_OF_CLOSING = 0.8
 """How much of the time to leave the others get to end in order."""
@@ -85,7 +85,7 @@ class ProcessHost:
             leaving.within(leaving.CLOSE_LIMIT_S)
             members = list(self._members.values())
             for member in [of] if of is not None else members:
-                member.reporter.phase("failed", leaving.told(err), "failed")
+                member.reporter.phase("failed", leaving.text(err), "failed")
             for member in members:
                 member.loop.stop()
             leaving.trace(err)
@@ -118,13 +118,13 @@ class ProcessHost:
         except BaseException as err:  # noqa: BLE001 - this thread's outermost frame: stop the motion and leave
             if member.loop.began:
                 self.crash(err, member)
-            ended: Said = _left(err)
+            ended: Phase = _left(err)
         else:
             ended = "ended", "", ""
         if not self._crashing.locked():  # the process ends: who made it end is told, not this
             self._gone(member, ended)
 
-    def _gone(self, member: Member, ended: Said) -> None:
+    def _gone(self, member: Member, ended: Phase) -> None:
         member.reporter.phase(*ended)
         del self._members[member.number]
         self._leave_with_the_last()
@@ -134,10 +134,10 @@ class ProcessHost:
             os._exit(0)
 
 
-def _left(err: BaseException) -> Said:
+def _left(err: BaseException) -> Phase:
     """Return what is reported of one that did not begin, and write down why."""
     leaving.trace(err)
-    return "left", leaving.told(err), "failed"
+    return "left", leaving.text(err), "failed"
 
 
 def _orders() -> Iterator[Order]:

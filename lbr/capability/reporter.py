@@ -12,7 +12,7 @@ import msgspec
 from lbr.capability.config import Report
 from lbr.messages.codes import Code, ReasonCode
 
-Said = tuple[str, str, ReasonCode]
+Phase = tuple[str, str, ReasonCode]
 """A phase, its reason and its code."""
 
 BEAT_S = 0.2
@@ -27,13 +27,13 @@ def final_report(phase: str, reason: str, code: Code) -> tuple[int, bytes]:
 
     To be called in the thread of the capability that it is about.
     """
-    said = Report(phase=phase, reason=reason, code=code, number=_whose.get())
-    return int(os.environ.get(HEARTBEAT_VARIABLE, "-1")), _encode(said)
+    report = Report(phase=phase, reason=reason, code=code, number=_whose.get())
+    return int(os.environ.get(HEARTBEAT_VARIABLE, "-1")), _encode(report)
 
 
 class Reporter:
     """Writes what a capability reports, which began by order `number`, to the pipe that the executive gave; one line
-    each. `said` is the phase that it reported last.
+    each. `reported` is the phase that it reported last.
     """
 
     def __init__(self, fd: int, number: int = 0) -> None:
@@ -42,13 +42,13 @@ class Reporter:
         self._beat = _encode(Report(number=number))
         self._beat_at = 0.0
         self._counts_at = 0.0
-        self.said: Said = ("", "", "")
+        self.reported: Phase = ("", "", "")
         os.set_blocking(fd, False)
 
     def phase(self, phase: str, reason: str = "", code: ReasonCode = "") -> None:
         """Report a change of phase or reason."""
-        if (phase, reason, code) != self.said:
-            self.said = (phase, reason, code)
+        if (phase, reason, code) != self.reported:
+            self.reported = (phase, reason, code)
             self._write(_encode(Report(phase=phase, reason=reason[:500], code=code, number=self._number)))
 
     def begins(self) -> None:

@@ -22,7 +22,7 @@ from lbr.capability.calls import Answers
 from lbr.capability.config import InputWire, OutputWire, ProcessConfig
 from lbr.capability.kind import Kind
 from lbr.capability.loop import EARLY_S, Garbage, Loop
-from lbr.capability.reporter import Reporter, Said
+from lbr.capability.reporter import Phase, Reporter
 from lbr.capability.runtime import ProcessContext
 from lbr.messages.codes import ReasonCode
 from lbr.messages.leases import CommandReply
@@ -81,18 +81,18 @@ def alone(
 class StageReporter(Reporter):
     """Keeps what a capability reports of itself: its `phases`, and the rows that it `learnt`."""
 
-    def __init__(self, reported: Callable[[Said], None]) -> None:
+    def __init__(self, reported: Callable[[Phase], None]) -> None:
         self._reported = reported
-        self.said = ("", "", "")
-        self.phases: list[Said] = []
+        self.reported = ("", "", "")
+        self.phases: list[Phase] = []
         self.rows: list[Mapping[str, msgspec.Raw]] = []
 
     def phase(self, phase: str, reason: str = "", code: ReasonCode = "") -> None:
         """Keep a change of phase or reason."""
-        if (phase, reason, code) != self.said:
-            self.said = (phase, reason, code)
-            self.phases.append(self.said)
-            self._reported(self.said)
+        if (phase, reason, code) != self.reported:
+            self.reported = (phase, reason, code)
+            self.phases.append(self.reported)
+            self._reported(self.reported)
 
     def learnt(self, rows: Mapping[str, msgspec.Raw]) -> None:
         """Keep rows; nothing is written down."""
@@ -260,7 +260,7 @@ class Stage:
     def _keep(self, event: Event) -> None:
         self.told.append(Told(self.now, event.subject, event.kind, event.text, event.code))
 
-    def _reported(self, name: str, said: Said) -> None:
-        phase, reason, code = said
+    def _reported(self, name: str, reported: Phase) -> None:
+        phase, reason, code = reported
         if phase == "degraded":
             self.told.append(Told(self.now, name, phase, reason, code))

@@ -406,7 +406,7 @@ class Executive:
         here = self.plan.here
         self._doors.adopt(self.plan)
         self._hosts.adopt(self.plan.units.values())
-        self._supervisor.adopt(here, plans.only(change, here.keys() | self._supervisor.slots.keys()))
+        self._supervisor.adopt(here, plans.only(change, here.keys() | self._supervisor.parts.keys()))
 
     def _planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
         """Plan for rows that are not written yet; from any thread."""
@@ -421,16 +421,16 @@ class Executive:
         self._emergency.forget(name)
 
     def _process(self, name: str) -> object:
-        slot = self._supervisor.slots.get(name)
-        return slot.child if slot is not None else None
+        part = self._supervisor.parts.get(name)
+        return part.child if part is not None else None
 
     def _runs_since(self, name: str) -> float:
-        slot = self._supervisor.slots.get(name)
-        return slot.started_at if slot is not None else math.inf
+        part = self._supervisor.parts.get(name)
+        return part.started_at if part is not None else math.inf
 
     def _kept(self, name: str) -> None:
-        if name in self._supervisor.slots:
-            self._supervisor.slots[name].unit = self.plan.units[name]
+        if name in self._supervisor.parts:
+            self._supervisor.parts[name].spec = self.plan.units[name]
         self._hosts.adopt(self.plan.units.values())
 
     def _settled(self, *, announce: bool) -> None:
@@ -510,7 +510,7 @@ class Executive:
 
     def _movers(self) -> list[str]:
         here = [
-            name for name, slot in list(self._supervisor.slots.items()) if slot.unit.moves and slot.child is not None
+            name for name, part in list(self._supervisor.parts.items()) if part.spec.moves and part.child is not None
         ]
         return here + self._hosts.movers()
 

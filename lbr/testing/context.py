@@ -150,7 +150,7 @@ class FakeContext(ProcessContext):
         super().__init__(
             config,
             kind,
-            StageReporter(lambda _said: None),
+            StageReporter(lambda _phase: None),
             wake=lambda: None,
             wake_for_streams=None,
             join=lambda _config, *, alone: MemoryTransport(memory),  # noqa: ARG005

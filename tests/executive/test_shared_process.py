@@ -67,7 +67,7 @@ class Mate(Capability[NoSettings]):
         if what == "exit":
             sys.exit(0)
 
-KIND = Kind(name="mate", summary="counts", family="app", entry=Mate, inputs={"others": Count}, optional=("others",),
+KIND = Kind(name="mate", summary="counts", family="operation", entry=Mate, inputs={"others": Count}, optional=("others",),
             outputs={"count": Count}, commands={"do": Do})
 """
 TOUCHER = """

@@ -115,7 +115,7 @@ class Stage:
         self.supervisor.step()
 
     def phase(self, name):
-        return self.supervisor.slots[name].phase
+        return self.supervisor.parts[name].phase
 
     def starts(self, name):
         return self.log.count(("start", name))
@@ -239,7 +239,7 @@ def test_a_program_whose_token_vanishes_is_a_hang_and_one_without_a_token_is_nev
     stage.passes(0.5)
     assert ("kill", "token") in stage.log
     assert ("kill", "plain") not in stage.log
-    assert "hung: its liveliness token is missing" in stage.supervisor.slots["token"].last_end
+    assert "hung: its liveliness token is missing" in stage.supervisor.parts["token"].last_end
 
 
 def test_the_last_end_is_told_in_the_words_of_its_event_also_after_the_restart():
@@ -250,10 +250,10 @@ def test_the_last_end_is_told_in_the_words_of_its_event_also_after_the_restart()
     text = stage.told[-1][2]
     stage.passes(0.2)
     stage.says("motors")
-    slot = stage.supervisor.slots["motors"]
-    assert slot.reason == ""
-    assert slot.last_end.startswith("crashed: ValueError: out of cheese")
-    assert text.startswith(slot.last_end)
+    motors = stage.supervisor.parts["motors"]
+    assert motors.reason == ""
+    assert motors.last_end.startswith("crashed: ValueError: out of cheese")
+    assert text.startswith(motors.last_end)
 
 
 def test_heartbeats_keep_a_process_alive():
@@ -295,7 +295,7 @@ def test_an_edit_touches_only_what_it_names():
     stage.passes(0.3, beating=["a"])
     assert (stage.starts("a"), stage.starts("b"), stage.starts("d")) == (1, 2, 1)
     assert ("term", "a") not in stage.log
-    assert set(stage.supervisor.slots) == {"a", "b", "d"}
+    assert set(stage.supervisor.parts) == {"a", "b", "d"}
 
 
 def test_the_new_process_waits_until_the_old_one_has_let_go_of_its_device():
@@ -363,7 +363,7 @@ def test_what_waits_for_a_failed_need_says_so_and_does_not_hold_up_readiness():
     stage.dies("motors")
     assert stage.phase("motors") == "failed"
     assert stage.supervisor.settled()
-    assert stage.supervisor.slots["drive"].reason == "waits for 'motors', which is failed"
+    assert stage.supervisor.parts["drive"].reason == "waits for 'motors', which is failed"
 
 
 def test_ready_means_visible_on_the_bus():
@@ -417,7 +417,7 @@ def test_who_has_no_way_onto_the_bus_yet_waits_without_counting_as_an_end():
     assert (stage.phase("camera"), stage.starts("camera")) == ("waiting", 1)
     stage.closed = set()
     stage.passes(0.1)
-    assert (stage.phase("camera"), stage.supervisor.slots["camera"].restarts) == ("starting", 1)
+    assert (stage.phase("camera"), stage.supervisor.parts["camera"].restarts) == ("starting", 1)
 
 
 def test_who_is_not_given_the_processor_is_not_killed_and_the_machine_is_said_to_be_busy_once():
@@ -456,7 +456,7 @@ def test_what_is_degraded_while_the_machine_is_busy_is_told_if_it_lasts_beyond_t
     stage.says("camera", "degraded", "no picture")
     stage.passes(1.0, beating=("ranges",))
     assert "degraded" not in [kind for kind, *_ in stage.told]
-    assert stage.supervisor.slots["ranges"].reason == "no answer: cable and power?"
+    assert stage.supervisor.parts["ranges"].reason == "no answer: cable and power?"
     stage.says("camera")
     stage.busy = False
     stage.passes(14.0, beating=("ranges", "camera"))
@@ -465,27 +465,27 @@ def test_what_is_degraded_while_the_machine_is_busy_is_told_if_it_lasts_beyond_t
 
 def test_each_phase_and_each_event_of_a_process_says_why_by_a_code():
     stage = Stage(unit("motors"), unit("drive", needs=("motors",)), unit("camera", needs=("drive",)))
-    slots = stage.supervisor.slots
+    parts = stage.supervisor.parts
     stage.says("motors", "degraded", "no such device", "unreachable")
     stage.says("drive")
     stage.passes(SETTLING_S + 0.2, beating=["motors", "drive"])
-    assert (slots["motors"].code, stage.codes["degraded"]) == ("unreachable", "unreachable")
+    assert (parts["motors"].code, stage.codes["degraded"]) == ("unreachable", "unreachable")
     stage.says("motors")
-    assert slots["motors"].code == ""
+    assert parts["motors"].code == ""
     stage.dies("motors", -9)
-    assert (slots["motors"].code, slots["motors"].end_code, stage.codes["crashed"]) == ("failed",) * 3
+    assert (parts["motors"].code, parts["motors"].end_code, stage.codes["crashed"]) == ("failed",) * 3
     assert stage.codes["need_lost"] == "unreachable"
     stage.passes(0.2)
     stage.says("motors")
-    assert (slots["motors"].code, slots["motors"].end_code) == ("", "failed")
+    assert (parts["motors"].code, parts["motors"].end_code) == ("", "failed")
     for _ in range(100):
         if "hung" not in stage.codes:
             stage.passes(0.1, beating=["drive"])
-    assert stage.codes["hung"] == slots["motors"].end_code == "timeout"
+    assert stage.codes["hung"] == parts["motors"].end_code == "timeout"
 
 
 def test_who_waits_for_what_has_failed_says_so_by_a_code():
     stage = Stage(unit("bad", restart="never"), unit("camera", needs=("bad",)))
     stage.dies("bad")
     assert stage.supervisor.settled()
-    assert stage.supervisor.slots["camera"].code == "unreachable"
+    assert stage.supervisor.parts["camera"].code == "unreachable"

@@ -17,7 +17,7 @@ import msgspec
 
 from lbr import home
 from lbr.bus.session import leaf_environment
-from lbr.capability.fork_server import LARGEST, ROOM, Order, Said
+from lbr.capability.fork_server import LARGEST, ROOM, ForkOrder, ForkReply
 from lbr.console import token_store
 from lbr.errors import LbrError
 from lbr.executive.processes import scheduling
@@ -103,12 +103,12 @@ class ForkServer:
         theirs, ours = os.pipe()
         stdin = os.fdopen(ours, "wb")
         try:
-            order = msgspec.json.encode(Order(words=tuple(words), environment=dict(environment)))
+            order = msgspec.json.encode(ForkOrder(words=tuple(words), environment=dict(environment)))
             self._link.settimeout(ANSWERS_WITHIN_S)
             socket.send_fds(self._link, [order], [theirs, log, reports])
-            said = self._answer()
-            if said is not None and said.pid:
-                return Forked(self, self._generation, said.pid, stdin)
+            reply = self._answer()
+            if reply is not None and reply.pid:
+                return Forked(self, self._generation, reply.pid, stdin)
         except OSError:
             self._end()
         finally:
@@ -133,38 +133,38 @@ class ForkServer:
         """Let the number of a process that has ended go."""
         if self._tells_of(generation):
             with contextlib.suppress(OSError):
-                self._link.send(msgspec.json.encode(Order(release=pid)))
+                self._link.send(msgspec.json.encode(ForkOrder(release=pid)))
 
     def close(self) -> None:
         """End it."""
         self._end()
 
-    def _answer(self) -> Said | None:
+    def _answer(self) -> ForkReply | None:
         """Wait for the process that was ordered to say that it is there; one that does not answer in time is ended."""
         until = time.monotonic() + ANSWERS_WITHIN_S
         while self._state == "serves" and time.monotonic() < until:
-            said = self._hear(until - time.monotonic())
-            if said is not None and (said.pid or said.trouble):
-                return said
+            reply = self._hear(until - time.monotonic())
+            if reply is not None and (reply.pid or reply.trouble):
+                return reply
         self._end()
         return None
 
-    def _hear(self, patience_s: float) -> Said | None:
+    def _hear(self, patience_s: float) -> ForkReply | None:
         """Hear one thing, and return what is no end of a process."""
         if not _readable(self._link.fileno(), max(0.0, patience_s)):
             return None
         try:
             content = self._link.recv(LARGEST)
-            said = msgspec.json.decode(content, type=Said) if content else None
+            reply = msgspec.json.decode(content, type=ForkReply) if content else None
         except (OSError, *UNREADABLE):
-            said = None
-        if said is None:
+            reply = None
+        if reply is None:
             self._end()
-        elif said.code is not None:
-            self._codes[said.pid] = said.code
-        elif not said.pid and not said.trouble:
+        elif reply.code is not None:
+            self._codes[reply.pid] = reply.code
+        elif not reply.pid and not reply.trouble:
             self._state = "serves"
-        return said if said is not None and said.code is None else None
+        return reply if reply is not None and reply.code is None else None
 
     def _begin(self) -> None:
         self._since = time.monotonic()

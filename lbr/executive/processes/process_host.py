@@ -46,30 +46,30 @@ class ProcessHost:
         self._numbers = itertools.count(1)
         self._processes: dict[str, Process] = {}
 
-    def start(self, unit: ProcessSpec, config: ProcessConfig) -> "Child":
+    def start(self, spec: ProcessSpec, config: ProcessConfig) -> "Child":
         """Start a capability in its process, which begins if it is not there, or could not open the capability's
         device; ValueError if it cannot be told so much.
 
         In that case the others stay in the one of before, which has given up the right to.
         """
         number = next(self._numbers)
-        order = b"" if unit.program else _line(Order(number=number, start=config))
+        order = b"" if spec.program else _line(Order(number=number, start=config))
         if len(order) > LARGEST_DOCUMENT_BYTES:
             raise ValueError(f"its settings and wiring have {len(order)} bytes, more than a process can be given")
-        process = self._processes.get(unit.process)
+        process = self._processes.get(spec.process)
         if process is None or process.over or not process.reaches(config):
-            process = self._processes[unit.process] = self._begin(unit, config)
-        return process.start(unit, config, number, order)
+            process = self._processes[spec.process] = self._begin(spec, config)
+        return process.start(spec, config, number, order)
 
-    def _begin(self, unit: ProcessSpec, config: ProcessConfig) -> "Process":
+    def _begin(self, spec: ProcessSpec, config: ProcessConfig) -> "Process":
         mark = self._reaper.mark()
-        with open_log(self._logs / unit.log) as log:
-            if unit.program is not None:
-                running, reports = launch_program(unit.program, config, log, mark), Reports(-1)
+        with open_log(self._logs / spec.log) as log:
+            if spec.program is not None:
+                running, reports = launch_program(spec.program, config, log, mark), Reports(-1)
             else:
-                running, reports = launch(unit.process, config, log, mark, self._forks)
+                running, reports = launch(spec.process, config, log, mark, self._forks)
         mark.began(running.pid)  # before an order comes, it does nothing and hides nothing
-        return Process(unit.process, config, running, reports, mark)
+        return Process(spec.process, config, running, reports, mark)
 
 
 class Process:
@@ -113,11 +113,11 @@ class Process:
         self.over = self.over or code is not None
         return code
 
-    def start(self, unit: ProcessSpec, config: ProcessConfig, number: int, order: bytes) -> "Child":
+    def start(self, spec: ProcessSpec, config: ProcessConfig, number: int, order: bytes) -> "Child":
         """Have it begin with a capability."""
-        if unit.guarded:
+        if spec.guarded:
             self._mark.guards(self.pid)
-        child = self._children[number] = Child(unit, config, number, self)
+        child = self._children[number] = Child(spec, config, number, self)
         self.rank()
         self._send(order)
         return child
@@ -202,8 +202,8 @@ class Process:
 class Child:
     """A capability in its process, or a program. `endpoint` is where it comes onto the bus."""
 
-    def __init__(self, unit: ProcessSpec, config: ProcessConfig, number: int, process: Process) -> None:
-        self.unit = unit
+    def __init__(self, spec: ProcessSpec, config: ProcessConfig, number: int, process: Process) -> None:
+        self.spec = spec
         self.endpoint = next(iter(config.endpoints), "")
         self.number = number
         self.pid = process.pid
@@ -235,7 +235,7 @@ class Child:
     @property
     def niceness(self) -> int:
         """The niceness that it needs now: starting takes a busy machine long enough as it is."""
-        found = scheduling.niceness(self.unit)
+        found = scheduling.niceness(self.spec)
         return found if self._settled else min(found, scheduling.USUAL)
 
     @property
@@ -266,7 +266,7 @@ class Child:
             self._told = True
             culprit = self._process.culprit
             if culprit is not None and culprit is not self and not (self.failed or self.left):
-                why = f"its process '{self._process.name}' ended with '{culprit.unit.name}', which shares it"
+                why = f"its process '{self._process.name}' ended with '{culprit.spec.name}', which shares it"
                 reports.append(Report(phase="taken_along", reason=why, code="failed"))
         return reports
 

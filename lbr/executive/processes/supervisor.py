@@ -16,7 +16,7 @@ from lbr.executive.planning.plan import Change
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import starvation as starving
 from lbr.executive.processes.busy import Busy
-from lbr.executive.processes.managed_process import ManagedProcess
+from lbr.executive.processes.part import Part
 from lbr.executive.processes.process_host import TERM_S, Child
 from lbr.executive.processes.restart import CODES, HEALTHY_S, WINDOW_S, End, decide, ended_by
 from lbr.executive.processes.scheduling import BACKGROUND, MOTION, niceness
@@ -49,7 +49,7 @@ class Supervisor:
     """Owns every process of the plan. `happened(kind, subject, text, level, code)` is told whatever people should know.
 
     `present(name)` says whether a capability has announced itself on the bus; until then it is not ready for others.
-    `learnt(name, rows)` is told which rows a capability has learnt, by table. `start(unit)` returns None while its way
+    `learnt(name, rows)` is told which rows a capability has learnt, by table. `start(spec)` returns None while its way
     onto the bus is being opened. At most `at_once` start at a time; what moves, drives a device or serves waits for no
     place among them.
     """
@@ -66,8 +66,8 @@ class Supervisor:
         at_once: int = 1000,
         look: Callable[..., Look] | None = None,
     ) -> None:
-        self.slots: dict[str, ManagedProcess] = {}
-        self._leaving: list[ManagedProcess] = []
+        self.parts: dict[str, Part] = {}
+        self._leaving: list[Part] = []
         self._throttle = Throttle()
         self._start = start
         self._happened = happened
@@ -80,40 +80,40 @@ class Supervisor:
         self._clock = clock
         self._dice = dice or random.Random()
 
-    def adopt(self, units: Mapping[str, ProcessSpec], change: Change) -> None:
+    def adopt(self, specs: Mapping[str, ProcessSpec], change: Change) -> None:
         """Take over a plan's processes: stop what is gone, restart what changed, start what is new; leave the rest
         alone.
 
         Who is to be told of devices or rows goes on, unless it is still starting: then it may not hear of them.
         """
         told = (*change.plug, *change.follow)
-        starting = tuple(name for name in told if self.slots[name].phase == "starting")
+        starting = tuple(name for name in told if self.parts[name].phase == "starting")
         for name in (*change.stop, *change.restart, *starting):
-            self._retire(self.slots.pop(name))
+            self._retire(self.parts.pop(name))
         for name in (*change.restart, *starting, *change.start):
-            self.slots[name] = ManagedProcess(units[name])
+            self.parts[name] = Part(specs[name])
         for name in told:
-            self.slots[name].unit = units[name]
-        self.slots = {name: self.slots[name] for name in units}
+            self.parts[name].spec = specs[name]
+        self.parts = {name: self.parts[name] for name in specs}
 
     def restart(self, name: str) -> None:
         """Restart a capability, with its past forgotten."""
-        slot = self.slots[name]
-        self._retire(slot)
-        self.slots[name] = ManagedProcess(slot.unit)
+        part = self.parts[name]
+        self._retire(part)
+        self.parts[name] = Part(part.spec)
 
-    def children(self) -> list[tuple[ManagedProcess, Child]]:
+    def children(self) -> list[tuple[Part, Child]]:
         """Return every process that still runs."""
-        slots = {id(slot): slot for slot in (*self.slots.values(), *self._leaving)}
-        return [(slot, slot.child) for slot in slots.values() if slot.child is not None]
+        parts = {id(part): part for part in (*self.parts.values(), *self._leaving)}
+        return [(part, part.child) for part in parts.values() if part.child is not None]
 
     def awaited(self, timeout_s: float) -> tuple[float, set[int]]:
         """Return for how many seconds at most to wait for news of processes, and on which descriptors."""
         fds: set[int] = set()
-        for slot, child in self.children():
+        for part, child in self.children():
             if child.heard:
                 timeout_s = 0.0
-            if slot.phase == "ready" and not slot.unit.moves:
+            if part.phase == "ready" and not part.spec.moves:
                 timeout_s = min(timeout_s, HEARTBEATS_S)
                 fds.add(child.fds[0])
             else:
@@ -125,43 +125,43 @@ class Supervisor:
 
         Who says that it has just begun gets as long as its first troubles are not told.
         """
-        return not self._leaving and all(self._is_settled(slot) for slot in self.slots.values())
+        return not self._leaving and all(self._is_settled(part) for part in self.parts.values())
 
-    def _is_settled(self, slot: ManagedProcess) -> bool:
-        begins = slot.code in BEGINS
-        patience_over = self._clock() > (slot.settled_at if begins else slot.started_at + DEGRADED_PATIENCE_S)
-        return slot.phase in HELD | {"ready"} or (slot.phase == "degraded" and patience_over) or self._held_up(slot)
+    def _is_settled(self, part: Part) -> bool:
+        begins = part.code in BEGINS
+        patience_over = self._clock() > (part.settled_at if begins else part.started_at + DEGRADED_PATIENCE_S)
+        return part.phase in HELD | {"ready"} or (part.phase == "degraded" and patience_over) or self._held_up(part)
 
-    def _held_up(self, slot: ManagedProcess) -> bool:
+    def _held_up(self, part: Part) -> bool:
         """Say whether it waits for something that will not come by itself."""
-        needs = [self.slots[need] for need in slot.unit.needs if need in self.slots]
+        needs = [self.parts[need] for need in part.spec.needs if need in self.parts]
         lost = [need for need in needs if need.phase in HELD or (need.phase == "waiting" and self._held_up(need))]
-        if slot.phase != "waiting" or not lost:
+        if part.phase != "waiting" or not lost:
             return False
-        slot.reason, slot.code = f"waits for '{lost[0].unit.name}', which is {lost[0].phase}", "unreachable"
+        part.reason, part.code = f"waits for '{lost[0].spec.name}', which is {lost[0].phase}", "unreachable"
         return True
 
     def step(self) -> float:
         """Do what is due; return the seconds until the next thing that may be due without news from a process."""
         now = self._clock()
-        for slot, child in self.children():
-            self._listen(slot, child, now)
+        for part, child in self.children():
+            self._listen(part, child, now)
             code = child.returncode()
             if code is not None:
-                self._ended(slot, child, code, now)
+                self._ended(part, child, code, now)
             else:
-                self._watch(slot, child, now)
-        self._leaving = [slot for slot in self._leaving if slot.child is not None]
+                self._watch(part, child, now)
+        self._leaving = [part for part in self._leaving if part.child is not None]
         if now >= self._load_at:
             self._load_at = now + LOAD_S
             self._look_at_load(now)
         if text := self._busy.over(now):
             self._happened("busy_over", MACHINE, text, "info", "")
-        for slot in self.slots.values():
-            if slot.child is not None and slot.tell_at is not None and now >= slot.tell_at and not self._busy.on:
-                self._tell_phase(slot)
-            if slot.child is None and slot.due_at is not None and now >= slot.due_at and self._may_start(slot):
-                self._launch(slot, now)
+        for part in self.parts.values():
+            if part.child is not None and now >= part.announce_at and not self._busy.on:
+                self._announce_phase(part)
+            if part.child is None and now >= part.due_at and self._may_start(part):
+                self._launch(part, now)
         return self._next(now)
 
     def shut_down(self, tick: Callable[[float], None], limit_s: float = 2.5) -> None:
@@ -171,245 +171,242 @@ class Supervisor:
         """
         end = self._clock() + limit_s
         waves = [
-            [slot for slot in self.slots.values() if slot.unit.moves],
-            [slot for slot in self.slots.values() if slot.unit.family in {"app", "program"}],
-            [slot for slot in self.slots.values() if slot.unit.family == "operation"],
-            [slot for slot in self.slots.values() if slot.unit.family == "driver"],
-            list(self.slots.values()),
+            [part for part in self.parts.values() if part.spec.moves],
+            [part for part in self.parts.values() if part.spec.family in {"app", "program"}],
+            [part for part in self.parts.values() if part.spec.family == "operation"],
+            [part for part in self.parts.values() if part.spec.family == "driver"],
+            list(self.parts.values()),
         ]
         for wave in waves:
-            for slot in reversed(wave):
-                self._retire(slot, TERM_S)
-            while any(slot.child is not None for slot in wave) and self._clock() < end:
+            for part in reversed(wave):
+                self._retire(part, TERM_S)
+            while any(part.child is not None for part in wave) and self._clock() < end:
                 self.step()
                 tick(0.02)
-        for _slot, child in self.children():
+        for _part, child in self.children():
             child.kill()
         while self.children():
             self.step()
             tick(0.02)
 
-    def _may_start(self, slot: ManagedProcess) -> bool:
-        if any(leaving.unit.name == slot.unit.name for leaving in self._leaving):
+    def _may_start(self, part: Part) -> bool:
+        if any(leaving.spec.name == part.spec.name for leaving in self._leaving):
             return False
-        if niceness(slot.unit) != MOTION and self._starting() >= self._at_once:
+        if niceness(part.spec) != MOTION and self._starting() >= self._at_once:
             return False
-        return all(self.slots[need].phase in RUNNING for need in slot.unit.needs if need in self.slots)
+        return all(self.parts[need].phase in RUNNING for need in part.spec.needs if need in self.parts)
 
     def _starting(self) -> int:
-        return sum(slot.phase == "starting" for slot in self.slots.values())
+        return sum(part.phase == "starting" for part in self.parts.values())
 
-    def _launch(self, slot: ManagedProcess, now: float) -> None:
+    def _launch(self, part: Part, now: float) -> None:
         try:
-            child = self._start(slot.unit)
+            child = self._start(part.spec)
         except (OSError, ValueError, LbrError) as err:
-            self._after_end(slot, End.CRASHED, f"could not be started: {err}", now)
+            self._after_end(part, End.CRASHED, f"could not be started: {err}", now)
             return
         if child is None:
-            slot.due_at = now + WAY_S
+            part.due_at = now + WAY_S
             return
-        slot.child = child
-        slot.due_at, slot.hung, slot.taken_along, slot.started_at, slot.beat_at = None, False, False, now, now
-        slot.told, slot.tell_at = ("", ""), None
-        slot.reason = slot.code = slot.final_report = ""
-        slot.phase, slot.said = "starting", None
-        if slot.unit.program is not None:
-            slot.said = ("ready", "", "")
-            if slot.unit.program.ready == "start":
-                self._phase(slot, *slot.said)
-                slot.said = None
+        part.child = child
+        part.due_at, part.hung, part.taken_along, part.started_at, part.beat_at = inf, False, False, now, now
+        part.announced, part.announce_at = ("", ""), inf
+        part.reason = part.code = part.final_report = ""
+        part.phase, part.reported = "starting", None
+        if part.spec.program is not None:
+            part.reported = ("ready", "", "")
+            if part.spec.program.ready == "start":
+                self._phase(part, *part.reported)
+                part.reported = None
 
-    def _listen(self, slot: ManagedProcess, child: Child, now: float) -> None:
+    def _listen(self, part: Part, child: Child, now: float) -> None:
         for report in child.reports():
-            slot.beat_at = now
+            part.beat_at = now
             if report.counts:
-                self._count(slot, report.counts, now)
+                self._count(part, report.counts, now)
             if report.learnt:
-                self._learnt(slot.unit.name, report.learnt)
-            if report.phase in {"ready", "degraded", "stopping"} and slot.wanted:
-                slot.said = (report.phase, report.reason, report.code)
+                self._learnt(part.spec.name, report.learnt)
+            if report.phase in {"ready", "degraded", "stopping"} and part.wanted:
+                part.reported = (report.phase, report.reason, report.code)
             elif report.phase in {"failed", "hung", "taken_along"}:
-                slot.final_report = report.reason
-                slot.hung, slot.taken_along = report.phase == "hung", report.phase == "taken_along"
-        if slot.said is not None and self._present(slot.unit.name):
-            self._phase(slot, *slot.said)
-            slot.said = None
+                part.final_report = report.reason
+                part.hung, part.taken_along = report.phase == "hung", report.phase == "taken_along"
+        if part.reported is not None and self._present(part.spec.name):
+            self._phase(part, *part.reported)
+            part.reported = None
 
     @staticmethod
-    def _count(slot: ManagedProcess, counts: dict[str, int], now: float) -> None:
-        spent = now - slot.counted_at
-        if slot.counts and spent > 0:
-            slot.rates = {name: round((n - slot.counts.get(name, 0)) / spent, 1) for name, n in counts.items()}
-        slot.counts, slot.counted_at = counts, now
+    def _count(part: Part, counts: dict[str, int], now: float) -> None:
+        spent = now - part.counted_at
+        if part.counts and spent > 0:
+            part.rates = {name: round((n - part.counts.get(name, 0)) / spent, 1) for name, n in counts.items()}
+        part.counts, part.counted_at = counts, now
 
-    def _phase(self, slot: ManagedProcess, phase: str, reason: str, code: str) -> None:
-        slot.code = code
-        if slot.phase == phase and slot.reason == reason:
+    def _phase(self, part: Part, phase: str, reason: str, code: str) -> None:
+        part.code = code
+        if part.phase == phase and part.reason == reason:
             return
         now = self._clock()
-        if slot.phase == "starting":
-            slot.settled_at = now + SETTLING_S
-            if phase == "ready" and slot.child is not None:
-                slot.child.settle()
-        slot.phase, slot.reason = phase, reason  # type: ignore[assignment]
-        if phase == "degraded" and (now < slot.settled_at or self._busy.on):
-            slot.tell_at = max(now, slot.settled_at)
+        if part.phase == "starting":
+            part.settled_at = now + SETTLING_S
+            if phase == "ready" and part.child is not None:
+                part.child.settle()
+        part.phase, part.reason = phase, reason  # type: ignore[assignment]
+        if phase == "degraded" and (now < part.settled_at or self._busy.on):
+            part.announce_at = max(now, part.settled_at)
         elif phase in {"ready", "degraded"}:
-            self._tell_phase(slot)
+            self._announce_phase(part)
 
-    def _tell_phase(self, slot: ManagedProcess) -> None:
+    def _announce_phase(self, part: Part) -> None:
         """Tell how it is, unless that is what was told last."""
-        before, slot.told, slot.tell_at = slot.told, (slot.phase, slot.reason), None
-        if slot.told == before:
+        before, part.announced, part.announce_at = part.announced, (part.phase, part.reason), inf
+        if part.announced == before:
             return
-        if slot.phase == "ready":
-            self._tell("recovered" if before[0] else "started", slot, slot.reason or "ready", "info")
-        elif slot.phase == "degraded":
-            self._tell("degraded", slot, slot.reason, "warning")
+        if part.phase == "ready":
+            self._announce("recovered" if before[0] else "started", part, part.reason or "ready", "info")
+        elif part.phase == "degraded":
+            self._announce("degraded", part, part.reason, "warning")
 
-    def _watch(self, slot: ManagedProcess, child: Child, now: float) -> None:
-        if slot.kill_at is not None and now >= slot.kill_at:
-            slot.kill_at = None
+    def _watch(self, part: Part, child: Child, now: float) -> None:
+        if now >= part.kill_at:
+            part.kill_at = inf
             child.kill()
-        elif slot.wanted and not slot.hung and (why := self._why_hung(slot, child, now)):
-            slot.hung, slot.final_report = True, why
+        elif part.wanted and not part.hung and (why := self._why_hung(part, child, now)):
+            part.hung, part.final_report = True, why
             child.kill()
 
-    def _why_hung(self, slot: ManagedProcess, child: Child, now: float) -> str:
+    def _why_hung(self, part: Part, child: Child, now: float) -> str:
         """Say why a process counts as hung, or nothing; a program is known by its token alone, if it has one."""
-        if slot.unit.program is None:
-            return f"no heartbeat for {now - slot.beat_at:.1f} s" if self._hangs(slot, child, now) else ""
-        if slot.unit.program.ready == "start":
+        if part.spec.program is None:
+            return f"no heartbeat for {now - part.beat_at:.1f} s" if self._hangs(part, child, now) else ""
+        if part.spec.program.ready == "start":
             return ""
-        if self._present(slot.unit.name):
-            slot.beat_at = now
-        missing = f"its liveliness token is missing for {now - slot.beat_at:.1f} s"
-        return missing if self._hangs(slot, child, now) else ""
+        if self._present(part.spec.name):
+            part.beat_at = now
+        missing = f"its liveliness token is missing for {now - part.beat_at:.1f} s"
+        return missing if self._hangs(part, child, now) else ""
 
-    def _hangs(self, slot: ManagedProcess, child: Child, now: float) -> bool:
+    def _hangs(self, part: Part, child: Child, now: float) -> bool:
         """Say whether a silence is a hang; who is not given the processor does not hang."""
-        silent_s, patience_s = now - slot.beat_at, _patience_s(slot)
-        if not silent_s > SUSPICIOUS_S or now < slot.look_at:
+        silent_s, patience_s = now - part.beat_at, _patience_s(part)
+        if not silent_s > SUSPICIOUS_S or now < part.look_at:
             return False
         seen = self._look(child.pid, now, main=child.thread)
-        if slot.suspect is None or slot.suspect.at < slot.beat_at:
-            slot.suspect = slot.newest = seen
-        slot.newest = starving.following(slot.newest or slot.suspect, seen)
+        if part.suspect is None or part.suspect.at < part.beat_at:
+            part.suspect = part.newest = seen
+        part.newest = starving.following(part.newest or part.suspect, seen)
         if not silent_s > patience_s:
-            slot.look_at = min(now + LOOK_AGAIN_S, max(now, slot.beat_at + patience_s))
+            part.look_at = min(now + LOOK_AGAIN_S, max(now, part.beat_at + patience_s))
             return False
-        slot.look_at = now + WAY_S
-        program = slot.unit.program is not None  # its token is shown by any of its threads
+        part.look_at = now + WAY_S
+        program = part.spec.program is not None  # its token is shown by any of its threads
         said = verdict(
             silent_s,
             patience_s,
-            slot.suspect,
-            slot.newest,
+            part.suspect,
+            part.newest,
             stretch=inf if program else OTHERS_STRETCH,
-            may_run_s=inf if program or slot.phase not in RUNNING else RUNS_SHARE * patience_s,
-            work_s=STARTING_WORK_S if slot.phase == "starting" and not program else 0.0,
+            may_run_s=inf if program or part.phase not in RUNNING else RUNS_SHARE * patience_s,
+            work_s=STARTING_WORK_S if part.phase == "starting" and not program else 0.0,
         )
         if said == "starved":
-            slot.look_at = now + LOOK_AGAIN_S
-            self._starved(slot, silent_s, now)
+            part.look_at = now + LOOK_AGAIN_S
+            self._starved(part, silent_s, now)
         return said == "hung"
 
     def _look_at_load(self, now: float) -> None:
         """See who of those that run waits more for the processor than it has it; starting always takes a while."""
-        for slot, child in self.children():
-            before, slot.usual = slot.usual, None
-            if slot.phase not in RUNNING or niceness(slot.unit) == BACKGROUND:
+        for part, child in self.children():
+            before, part.usual = part.usual, None
+            if part.phase not in RUNNING or niceness(part.spec) == BACKGROUND:
                 continue
             seen = self._look(child.pid, now, all_threads=False, main=child.thread)
-            slot.usual = starving.following(before, seen) if before is not None else seen
-            waited_s = starving.waited_s(before, slot.usual) if before is not None else 0.0
+            part.usual = starving.following(before, seen) if before is not None else seen
+            waited_s = starving.waited_s(before, part.usual) if before is not None else 0.0
             if before is not None and waited_s > BUSY_SHARE * (now - before.at):
-                self._starved(slot, waited_s, now)
+                self._starved(part, waited_s, now)
 
-    def _starved(self, slot: ManagedProcess, waited_s: float, now: float) -> None:
-        text = self._busy.starved(slot.unit.name, waited_s, now)
+    def _starved(self, part: Part, waited_s: float, now: float) -> None:
+        text = self._busy.starved(part.spec.name, waited_s, now)
         if text:
             self._happened("too_busy", MACHINE, text, "warning", "busy")
 
-    def _ended(self, slot: ManagedProcess, child: Child, code: int, now: float) -> None:
+    def _ended(self, part: Part, child: Child, code: int, now: float) -> None:
         child.close()
-        slot.child, slot.kill_at = None, None
-        if not slot.wanted:
-            slot.phase, slot.reason, slot.code = "stopped", "", "done"
-            self._tell("stopped", slot, "stopped", "info")
+        part.child, part.kill_at = None, inf
+        if not part.wanted:
+            part.phase, part.reason, part.code = "stopped", "", "done"
+            self._announce("stopped", part, "stopped", "info")
             return
-        clean = code == 0 and slot.unit.program is not None
-        end = End.HUNG if slot.hung else End.TAKEN if slot.taken_along else End.CLEAN if clean else End.CRASHED
-        why = (
-            slot.final_report
-            if slot.final_report and end is not End.CLEAN
-            else ended_by(code, program=slot.unit.program is not None)
-        )
-        why += "" if end is End.CLEAN else f"; its log: logs/{slot.unit.log}"
-        if now - slot.started_at > HEALTHY_S:
-            slot.deaths = ()
-        self._after_end(slot, end, why, now)
+        program = part.spec.program is not None
+        clean = code == 0 and program
+        end = End.HUNG if part.hung else End.TAKEN if part.taken_along else End.CLEAN if clean else End.CRASHED
+        why = part.final_report if part.final_report and end is not End.CLEAN else ended_by(code, program=program)
+        why += "" if end is End.CLEAN else f"; its log: logs/{part.spec.log}"
+        if now - part.started_at > HEALTHY_S:
+            part.deaths = ()
+        self._after_end(part, end, why, now)
 
-    def _after_end(self, slot: ManagedProcess, end: End, why: str, now: float) -> None:
-        decision = decide(slot.unit.restart, end, slot.deaths, now, self._dice.uniform(-1, 1))
+    def _after_end(self, part: Part, end: End, why: str, now: float) -> None:
+        decision = decide(part.spec.restart, end, part.deaths, now, self._dice.uniform(-1, 1))
         if end is not End.TAKEN:
-            slot.deaths = (*(death for death in slot.deaths if now - death < WINDOW_S), now)
-        slot.rates, slot.counts = {}, {}
-        slot.reason = slot.last_end = f"{end.value}: {why}"
-        slot.code = slot.end_code = CODES[end]
+            part.deaths = (*(death for death in part.deaths if now - death < WINDOW_S), now)
+        part.rates, part.counts = {}, {}
+        part.reason = part.last_end = f"{end.value}: {why}"
+        part.code = part.end_code = CODES[end]
         if decision.what == "restart":
-            slot.restarts += 1
-            slot.phase, slot.due_at = "waiting", now + decision.delay_s
-            self._tell(end.value, slot, f"{slot.reason}; restart in {decision.delay_s:.1f} s", "error")
+            part.restarts += 1
+            part.phase, part.due_at = "waiting", now + decision.delay_s
+            self._announce(end.value, part, f"{part.reason}; restart in {decision.delay_s:.1f} s", "error")
         else:
-            slot.phase, slot.due_at = decision.what, None
-            slot.reason = slot.last_end = f"{slot.reason}; {decision.reason}"
+            part.phase, part.due_at = decision.what, inf
+            part.reason = part.last_end = f"{part.reason}; {decision.reason}"
             level = "info" if decision.what == "stopped" else "error"
-            self._tell(decision.what if end is End.CLEAN else end.value, slot, slot.reason, level)
-        self._tell_dependants(slot)
+            self._announce(decision.what if end is End.CLEAN else end.value, part, part.reason, level)
+        self._announce_loss(part)
 
-    def _tell_dependants(self, gone: ManagedProcess) -> None:
-        for slot in self.slots.values():
-            if gone.unit.name in slot.unit.needs and slot.phase in RUNNING:
-                text = f"'{gone.unit.name}', which it needs, has {gone.reason}"
-                self._tell("need_lost", slot, text, "warning", "unreachable")
+    def _announce_loss(self, gone: Part) -> None:
+        for part in self.parts.values():
+            if gone.spec.name in part.spec.needs and part.phase in RUNNING:
+                text = f"'{gone.spec.name}', which it needs, has {gone.reason}"
+                self._announce("need_lost", part, text, "warning", "unreachable")
 
-    def _retire(self, slot: ManagedProcess, patience_s: float | None = None) -> None:
-        slot.wanted = False
-        slot.due_at = None
-        if slot.child is None:
-            slot.phase = "stopped"
+    def _retire(self, part: Part, patience_s: float | None = None) -> None:
+        part.wanted = False
+        part.due_at = inf
+        if part.child is None:
+            part.phase = "stopped"
             return
-        if slot.kill_at is None:
-            slot.phase = "stopping"
-            slot.child.terminate()
-            slot.kill_at = self._clock() + (slot.child.patience_s if patience_s is None else patience_s)
-        if slot not in self._leaving:
-            self._leaving.append(slot)
+        if part.kill_at == inf:
+            part.phase = "stopping"
+            part.child.terminate()
+            part.kill_at = self._clock() + (part.child.patience_s if patience_s is None else patience_s)
+        if part not in self._leaving:
+            self._leaving.append(part)
 
     def _next(self, now: float) -> float:
-        times = [slot.due_at for slot in self.slots.values() if slot.due_at is not None and self._may_start(slot)]
-        times += [slot.kill_at for slot, _ in self.children() if slot.kill_at is not None]
+        times = [part.due_at for part in self.parts.values() if part.due_at < inf and self._may_start(part)]
+        times += [part.kill_at for part, _ in self.children()]
         if not self._busy.on:
-            times += [slot.tell_at for slot, _ in self.children() if slot.tell_at is not None]
-        times += [_look_due(slot) for slot, _ in self.children() if slot.unit.program is None and slot.wanted]
-        return max(0.0, min((due - now for due in times), default=1.0))
+            times += [part.announce_at for part, _ in self.children()]
+        times += [_look_due(part) for part, _ in self.children() if part.spec.program is None and part.wanted]
+        return max(0.0, min([1.0, *(due - now for due in times)]))
 
-    def _tell(self, kind: str, slot: ManagedProcess, text: str, level: str, code: str | None = None) -> None:
-        if not self._throttle.take(f"{slot.unit.name} {kind}", self._clock()):
+    def _announce(self, kind: str, part: Part, text: str, level: str, code: str | None = None) -> None:
+        if not self._throttle.take(f"{part.spec.name} {kind}", self._clock()):
             return
-        self._happened(kind, slot.unit.name, text, level, slot.code if code is None else code)
+        self._happened(kind, part.spec.name, text, level, part.code if code is None else code)
 
 
-def _look_due(slot: ManagedProcess) -> float:
+def _look_due(part: Part) -> float:
     """Return when its silence, if it lasts, is looked at next."""
-    if slot.suspect is None or slot.suspect.at < slot.beat_at:
-        return slot.beat_at + SUSPICIOUS_S + WAY_S
-    return slot.look_at
+    if part.suspect is None or part.suspect.at < part.beat_at:
+        return part.beat_at + SUSPICIOUS_S + WAY_S
+    return part.look_at
 
 
-def _patience_s(slot: ManagedProcess) -> float:
+def _patience_s(part: Part) -> float:
     patience = {"starting": HANG_STARTING_S, "degraded": HANG_DEGRADED_S}
-    waits = niceness(slot.unit) == BACKGROUND  # such a one runs when others leave it time
-    usual = HANG_MOVER_S if slot.unit.moves else HANG_APP_S if waits else HANG_S
-    return patience.get(slot.phase, usual if slot.unit.program is None else HANG_PROGRAM_S)
+    waits = niceness(part.spec) == BACKGROUND  # such a one runs when others leave it time
+    usual = HANG_MOVER_S if part.spec.moves else HANG_APP_S if waits else HANG_S
+    return patience.get(part.phase, usual if part.spec.program is None else HANG_PROGRAM_S)

@@ -262,5 +262,5 @@ class AgentSession:
         if name in self._placed:
             one = replace(self._placed[name], unit=with_learnt(self._placed[name].unit, rows))
             self._placed[name] = one
-            self._supervisor.slots[name].unit = one.unit
+            self._supervisor.parts[name].spec = one.unit
         self._learns.append(Learnt(name=name, rows=rows))

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import psutil
 
-from lbr.executive.processes.managed_process import ManagedProcess
+from lbr.executive.processes.part import Part
 from lbr.executive.processes.supervisor import Supervisor
 from lbr.messages.system import CapabilityStatus
 
@@ -13,7 +13,7 @@ Read = tuple[float | None, float | None, int | None]
 
 
 class Overview:
-    """Reads the supervisor's slots and the processes' meters; CPU is since the look before."""
+    """Reads the supervisor's capabilities and the processes' meters; CPU is since the look before."""
 
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor
@@ -21,30 +21,30 @@ class Overview:
 
     def capabilities(self, now: float) -> tuple[CapabilityStatus, ...]:
         """Return the status of every capability, in start order."""
-        slots = self._supervisor.slots
-        pids = {slot.child.pid for slot in slots.values() if slot.child is not None}
+        parts = self._supervisor.parts
+        pids = {part.child.pid for part in parts.values() if part.child is not None}
         self._meters = {pid: meter for pid, meter in self._meters.items() if pid in pids}
         read = {pid: self._read(pid) for pid in pids}
-        return tuple(self._one(name, slot, now, read) for name, slot in slots.items())
+        return tuple(self._one(name, part, now, read) for name, part in parts.items())
 
-    def _one(self, name: str, slot: ManagedProcess, now: float, read: Mapping[int, Read]) -> CapabilityStatus:
-        cpu, memory, nice = read[slot.child.pid] if slot.child is not None else (None, None, None)
+    def _one(self, name: str, part: Part, now: float, read: Mapping[int, Read]) -> CapabilityStatus:
+        cpu, memory, nice = read[part.child.pid] if part.child is not None else (None, None, None)
         return CapabilityStatus(
             name=name,
-            kind=slot.unit.kind,
-            phase=slot.phase,
-            pid=slot.child.pid if slot.child is not None else None,
-            restarts=slot.restarts,
-            uptime_s=round(now - slot.started_at, 1) if slot.child is not None else None,
-            reason=slot.reason,
-            code=slot.code,
-            last_end=slot.last_end,
-            end_code=slot.end_code,
-            rates_hz=slot.rates,
+            kind=part.spec.kind,
+            phase=part.phase,
+            pid=part.child.pid if part.child is not None else None,
+            restarts=part.restarts,
+            uptime_s=round(now - part.started_at, 1) if part.child is not None else None,
+            reason=part.reason,
+            code=part.code,
+            last_end=part.last_end,
+            end_code=part.end_code,
+            rates_hz=part.rates,
             cpu_percent=cpu,
             memory_mb=memory,
             nice=nice,
-            process=slot.unit.config.process,
+            process=part.spec.config.process,
         )
 
     def _read(self, pid: int) -> Read:

@@ -99,9 +99,9 @@ def test_a_handler_that_raises_is_the_answer_before_its_process_ends(odd):
 def test_a_device_that_is_lost_in_a_handler_is_the_answer_and_the_next_command_waits_for_it(odd):
     answer = odd.answer("odd", "do", Told(number=1.0))
     assert (answer.accepted, answer.code) == (False, "unplugged")
-    assert odd.members["odd"].reporter.said[::2] == ("degraded", "unplugged")
+    assert odd.members["odd"].reporter.reported[::2] == ("degraded", "unplugged")
     odd.run(1.0)
-    assert odd.members["odd"].reporter.said[0] == "ready"
+    assert odd.members["odd"].reporter.reported[0] == "ready"
 
 
 def test_a_question_to_one_that_is_frozen_ends_at_its_time_and_to_one_that_is_gone_at_once(odd):

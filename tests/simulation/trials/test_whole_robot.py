@@ -241,11 +241,11 @@ def test_a_controller_that_was_unplugged_does_not_go_on_when_it_is_back(robot):
     robot.driving()
     robot.twin.fault("unplug", value=True)
     robot.run(1.0)
-    assert robot.stage.members["motors"].reporter.said[::2] == ("degraded", "unplugged")
+    assert robot.stage.members["motors"].reporter.reported[::2] == ("degraded", "unplugged")
     assert not states[-1].armed
     robot.twin.fault("unplug", value=False)
     robot.run(3.0)
-    assert robot.stage.members["motors"].reporter.said[0] == "ready"
+    assert robot.stage.members["motors"].reporter.reported[0] == "ready"
     assert robot.stands()
     assert robot.driving()
 

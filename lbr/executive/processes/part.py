@@ -1,22 +1,27 @@
 """One capability as the supervisor keeps it: its process, its phase, its past."""
 
+from math import inf
+
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes.process_host import Child
 from lbr.executive.processes.starvation import Look
 from lbr.messages.system import CapabilityPhase
 
 
-class ManagedProcess:
-    """`reason` is about now, with its `code`; `final_report` is what was said of an end to come; `last_end` how it last
-    ended unasked.
+class Part:
+    """`child` is what runs of it now.
 
-    `suspect` is the first look at its threads in a silence, `newest` the last, `look_at` when to look again, and
-    `usual` the last look at how much it waits.  `told` is the phase and the reason that people know; `tell_at` is when
-    they are told of a start that does not settle.
+    - `reason` and `code` are about now.
+    - `final_report` announces an end; `last_end` is the last one that was not asked for.
+    - `reported` is a phase that counts once the capability is seen on the bus.
+    - `announced` is the phase and the reason that people know; `announce_at` is when a start that does not settle is
+      announced.
+    - `suspect` is the first look at its threads in a silence, `newest` the last; `look_at` is when to look again.
+    - `usual` is the last look at how much it waits.
     """
 
-    def __init__(self, unit: ProcessSpec) -> None:
-        self.unit = unit
+    def __init__(self, spec: ProcessSpec) -> None:
+        self.spec = spec
         self.phase: CapabilityPhase = "waiting"
         self.reason = ""
         self.code: str = ""
@@ -29,15 +34,15 @@ class ManagedProcess:
         self.newest: Look | None = None
         self.look_at = 0.0
         self.usual: Look | None = None
-        self.said: tuple[str, str, str] | None = None
-        self.told = ("", "")
+        self.reported: tuple[str, str, str] | None = None
+        self.announced = ("", "")
         self.settled_at = 0.0
-        self.tell_at: float | None = None
+        self.announce_at = inf
         self.final_report = ""
         self.last_end = ""
         self.end_code: str = ""
-        self.due_at: float | None = 0.0
-        self.kill_at: float | None = None
+        self.due_at = 0.0
+        self.kill_at = inf
         self.hung = self.taken_along = False
         self.wanted = True
         self.counts: dict[str, int] = {}
