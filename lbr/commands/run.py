@@ -41,9 +41,11 @@ class RunCommand(click.Command):
     is_flag=True,
     help="No prompt: print a JSON line when all is up, or what keeps the robot from being ready.",
 )
-def command(profile: str, database: Path | None, listen: tuple[str, ...], no_console: bool) -> int:
+@click.option("-v", "--verbose", is_flag=True, help="Show at the console what each part reports while it starts.")
+def command(profile: str, database: Path | None, listen: tuple[str, ...], no_console: bool, verbose: bool) -> int:
     """Start a robot with launch profile PROFILE (default lbr-sim); 'lbr robots' lists what there is.
 
+    The console shows the address of the page, how a phone gets in, and what does not work, with its cure.
     A robot of a package brings its rows into the database when it runs for the first time.
     End of input and Ctrl-C at the console stop the motors and shut the robot down in order.
     """
@@ -62,6 +64,6 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
         profiles.load(profile)  # a wrong one is told before what its console would lack
         surroundings.need_a_console()
     with unhurried():
-        code = run(profile, database, listen, console=not no_console)
+        code = run(profile, database, listen, console=not no_console, verbose=verbose)
     leave_for_certain()
     return code

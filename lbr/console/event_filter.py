@@ -9,6 +9,8 @@ from lbr.messages.system import ConsoleResult, Event
 
 TOLD_S = 3.0
 FOR_THE_RECORD = frozenset({"holder"})
+OWN_DEEDS = frozenset({"python", "external", "pair", "edit"})
+"""What an operator did by a line, whose answer tells it."""
 MOVERS = frozenset({"drive", "joints", "motions"})
 """How an own motion of theirs ended is told by the program that held it."""
 
@@ -32,7 +34,7 @@ class EventFilter:
 
     def _is_news(self, event: Event) -> bool:
         own = event.about == self._source
-        if event.kind in FOR_THE_RECORD or (own and (event.subject in MOVERS or event.kind in {"python", "external"})):
+        if event.kind in FOR_THE_RECORD or (own and (event.subject in MOVERS or event.kind in OWN_DEEDS)):
             return False
         relayed = event.subject in MOVERS and event.about in MOVERS
         if relayed and event.level == "info":

@@ -14,6 +14,7 @@ from typing import IO, cast
 from lbr import home
 from lbr.bus import session
 from lbr.console import target
+from lbr.console.greeting import Greeting
 from lbr.console.interrupt import told_to_leave
 from lbr.console.lines import Lines, read
 from lbr.console.operator import BusOperator
@@ -57,15 +58,20 @@ class _Open:
 _open = _Open()
 
 
-def run_local(robot: str, connect: Callable[[], session.Session], submit: Callable[[str, float], ConsoleResult]) -> int:
+def run_local(
+    robot: str,
+    connect: Callable[[], session.Session],
+    submit: Callable[[str, float], ConsoleResult],
+    greeting: Greeting,
+) -> int:
     """Run the robot's own console in this thread, until it is left; `submit` says a line directly, and how long it
-    waited."""
+    waited. A terminal shows the `greeting`."""
     _open.over.clear()
     atexit.register(leave)  # a thread must not be inside the bus library when the interpreter ends
     try:
         with connect() as bus, connect() as streams:
             operator = BusOperator(bus, robot, LOCAL_SOURCE, submit=submit, streams=streams)
-            return _run(operator, local=True)
+            return _run(operator, greeting=greeting)
     finally:
         _open.end()
         atexit.unregister(leave)
@@ -84,14 +90,14 @@ def run_remote(found: target.Target, *, hold_s: float | None = None) -> int:
         operator = BusOperator(
             bus, found.robot, target.source("console"), role=found.role, proof=found.proof, streams=streams
         )
-        return _run(operator, local=False, hold_s=hold_s)
+        return _run(operator, hold_s=hold_s)
 
 
-def _run(operator: BusOperator, *, local: bool, hold_s: float | None = None) -> int:
+def _run(operator: BusOperator, *, greeting: Greeting | None = None, hold_s: float | None = None) -> int:
     try:
         if sys.stdin.isatty() and sys.stdout.isatty():
-            return _run_terminal(operator, local=local)
-        return _run_lines(operator, local=local, hold_s=hold_s)
+            return _run_terminal(operator, greeting)
+        return _run_lines(operator, local=greeting is not None, hold_s=hold_s)
     finally:
         operator.close()
 
@@ -113,12 +119,12 @@ def _run_lines(operator: BusOperator, *, local: bool, hold_s: float | None) -> i
         outlet.close()
 
 
-def _run_terminal(operator: BusOperator, *, local: bool) -> int:
+def _run_terminal(operator: BusOperator, greeting: Greeting | None) -> int:
     from lbr.console.terminal import Terminal  # noqa: PLC0415 - prompt-toolkit is for those who have a terminal
 
     if _open.leaving:  # while that was loaded
         return 0
-    terminal = Terminal(operator, local=local, history=home.home() / "history")
+    terminal = Terminal(operator, greeting=greeting, history=home.home() / "history")
     _open.opened(terminal.close)
     modes = termios.tcgetattr(sys.stdin)
     try:

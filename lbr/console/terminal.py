@@ -30,6 +30,7 @@ from prompt_toolkit.styles import Style
 from lbr.console.completion import LineCompleter
 from lbr.console.confirmation import LET_BE, QUESTION, Confirmation
 from lbr.console.ear import BEAT_S, STUCK_S, Contact
+from lbr.console.greeting import Greeting
 from lbr.console.keyboard import CHARACTERS_AT_ONCE, CURSOR_IS_HERE, INTERRUPT, LINES_AT_ONCE, begin_again, listen
 from lbr.console.lease_keeper import Ending
 from lbr.console.operator import BusOperator
@@ -62,19 +63,22 @@ _PLAIN = "\x1b[0m"
 
 
 class Terminal:
-    """The console of one operator. `run` may be called in any thread; `close` ends it from any other."""
+    """The console of one operator. `run` may be called in any thread; `close` ends it from any other.
+
+    The robot's own has a `greeting`: when it is left, the robot shuts down.
+    """
 
     def __init__(
         self,
         operator: BusOperator,
         *,
-        local: bool = False,
+        greeting: Greeting | None = None,
         history: Path | None = None,
         source: Input | None = None,
         screen: Screen | None = None,
     ) -> None:
         self._operator = operator
-        self._local = local
+        self._greeting = greeting
         self._source = source
         self._screen = screen or Screen.on(sys.stdout, term=os.environ.get("TERM"))
         self._contact = Contact()
@@ -154,7 +158,7 @@ class Terminal:
                 loop.call_soon_threadsafe(self._leave, EOFError)
 
     def _parting(self) -> str:
-        if self._local:
+        if self._greeting is not None:
             return "Stopped; shutting down."
         if self._operator.telemetry().status_age_s > CONTACT_S:
             return "Leaving without contact: no stop was acknowledged. What you held has lapsed by itself."
@@ -316,9 +320,12 @@ class Terminal:
 
     def _follow(self) -> None:
         while not self._over.is_set():
-            for event in self._operator.events():
-                self._print(describe(event), event.level)
             status = self._operator.telemetry().status
+            for event in self._operator.events():
+                if self._greeting is None or self._greeting.shows(event):
+                    self._print(describe(event), event.level)
+            if self._greeting is not None and self._greeting.is_due(status):
+                self._print(self._greeting.text())
             revision = status.revision if status is not None else 0
             if revision != self._revision:
                 self._completer.entries = self._operator.words() or self._completer.entries

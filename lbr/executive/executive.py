@@ -126,8 +126,8 @@ class Executive:
         )
         self._overview = Overview(self._supervisor)
 
-    def run(self, *, console: bool) -> int:
-        """Open the bus, start everything, and stay until told to shut down."""
+    def run(self, *, console: terminal.Start | None) -> int:
+        """Open the bus, start everything and a console, and stay until told to shut down."""
         self._last_resort = LastResort(self._main.wake, signals=SIGNALS)
         noted = signal.set_wakeup_fd(self._last_resort.signal_fd, warn_on_full_buffer=False)
         for number in SIGNALS:
@@ -144,9 +144,9 @@ class Executive:
                 self._processes = ProcessHost(home.directory("logs"), self._reaper, self._forks)
                 self._open(bus)
                 try:
-                    if console:
-                        terminal.start(self.plan.robot, self._bus_again, self.dispatcher, self._console_ended)
-                    self._loop(announce=not console)
+                    if console is not None:
+                        console(self.plan.robot, self._bus_again, self.dispatcher, self._console_ended)
+                    self._loop(announce=console is None)
                 finally:
                     self._close()
         return self._code
@@ -198,16 +198,15 @@ class Executive:
     def pair(self, role: Role, who: str) -> Code:
         """Draw a code by which a device gets a token with a role; who asked for it is told, the code is not."""
         code = self._main.call(lambda: self._pairing.begin(role, who))
-        self.note(
-            "pair", f"{who} asked for a code: who types it within {GOOD_FOR_S:g} s gets a token with the role '{role}'"
-        )
+        text = f"{who} asked for a code: who types it within {GOOD_FOR_S:g} s gets a token with the role '{role}'"
+        self.note("pair", text, who)
         return code
 
     def listen_at(self, name: str, host: str, who: str) -> None:
         """Write where a server listens, a setting of its row, as an edit; RowError or InputError if it may not be."""
         with store.Database.open(self._database.path, program="executive") as database:
             edits.write_setting(database, self.plan.robot, name, "host", host, self._judge, by=who).good()
-        self.note("edit", f"{who} had '{name}' listen at {host}")
+        self.note("edit", f"{who} had '{name}' listen at {host}", who)
 
     def run_external(self, call: ExternalCall, who: str, origin: Origin, said_s: float) -> ConsoleResult:
         """Start an external command, and wait for a blocking one; who asked for what is written down before."""

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from functools import partial
 from pathlib import Path
 
 from lbr import home, plugins
@@ -13,13 +14,24 @@ from lbr.executive.executive import Executive
 from lbr.executive.planning import joining, machine, trials
 from lbr.executive.planning import profile as profiles
 from lbr.executive.processes import scheduling
+from lbr.executive.service import terminal
 
 NO_THREAD = "can't start new thread"
 """As Python words it."""
 
 
-def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...] = (), *, console: bool = True) -> int:
-    """Run a robot until it is told to shut down; return the exit code. Errors people can mend are LbrErrors."""
+def run(
+    profile_name: str,
+    database: Path | None = None,
+    listen: tuple[str, ...] = (),
+    *,
+    console: bool = True,
+    verbose: bool = False,
+) -> int:
+    """Run a robot until it is told to shut down; return the exit code. Errors people can mend are LbrErrors.
+
+    A `verbose` console shows how all start.
+    """
     profile = profiles.load(profile_name)
     lock, claim = home.RunLock(profile.robot), Claim(profile.robot)
     scheduling.rank(os.getpid(), scheduling.MOTION)  # it carries the router, and has no other thread yet
@@ -38,7 +50,7 @@ def run(profile_name: str, database: Path | None = None, listen: tuple[str, ...]
             )
             opened.bound()
             executive = Executive(profile, profile_name, opened, lock, listen)
-            return executive.run(console=console)
+            return executive.run(console=partial(terminal.start, verbose=verbose) if console else None)
     except RuntimeError as err:
         if NO_THREAD not in str(err):
             raise

@@ -30,7 +30,7 @@ def test_a_console_that_is_to_be_left_before_it_is_there_ends_at_once(monkeypatc
             monkeypatch.setattr(sys, "stdout", screen)
             monkeypatch.setattr(local, "BusOperator", mock.Mock())
             monkeypatch.setattr(terminal, "Terminal", mock.Mock(side_effect=AssertionError("no prompt is to be shown")))
-            assert local.run_local("lbr", connect, mock.Mock()) == 0
+            assert local.run_local("lbr", connect, mock.Mock(), mock.Mock()) == 0
         leaving.join(1.0)
         assert not leaving.is_alive()
         assert not local._open.leaving

@@ -20,7 +20,7 @@ from lbr.console.stops import stop_in
 from lbr.console.verbs import ExternalCall, ExternalStop, Parsed, PythonLine, VerbCall
 from lbr.errors import InputError, LbrError, MalformedError
 from lbr.executive.planning.wiring import EXECUTIVE
-from lbr.executive.service import looking, reports
+from lbr.executive.service import greeting, looking, reports
 from lbr.executive.service.completion_values import choices
 from lbr.executive.service.letting_in import OPERATE, LettingIn
 from lbr.executive.service.reports import Reports
@@ -140,6 +140,15 @@ class Dispatcher:
             return ConsoleResult(
                 code=FAILED, text=f"this word is broken: {type(err).__name__}: {err}", reason_code="failed"
             )
+
+    def greeting(self) -> str:
+        """Return what the robot's own console shows once all is up."""
+        page = no_page = ""
+        try:
+            page = self._letting_in.page()
+        except LbrError as err:
+            no_page = str(err)
+        return "\n".join(greeting.lines(self._robot.status(), page, no_page))
 
     def _run(self, parsed: Parsed, by: _Speaker, line: str) -> ConsoleResult:
         if isinstance(parsed, PythonLine):

@@ -40,6 +40,14 @@ class LettingIn:
         self._clock = clock
         self._pause = pause
 
+    def page(self) -> str:
+        """Return the address of the server; InputError says why there is none."""
+        name = self._server().name
+        place = self._serving(name)
+        if place is None:
+            raise InputError(f"'{name}' does not serve now", "unreachable")
+        return str(place.get("url") or "at this machine, which is in no network now")
+
     def phone(self, who: str) -> ConsoleResult:
         """Open the server as `open` does, unless it is open, and draw a code as `pair` does."""
         name = self._server().name
@@ -56,8 +64,8 @@ class LettingIn:
         if role not in get_args(Role):
             raise InputError(f"'{role[:40]}' is not a role that a phone may have: say {', '.join(get_args(Role))}")
         name = self._server().name
-        place = self._address(name, ADDRESS_S)
-        if place is None or not place.get("accepted"):
+        place = self._serving(name)
+        if place is None:
             text = f"'{name}' does not serve now, so that no phone could show a code; 'status' says why"
             return ConsoleResult(code=1, text=text, reason_code="unreachable")
         code = self._robot.pair(role, who)  # type: ignore[arg-type]
@@ -140,12 +148,17 @@ class LettingIn:
         plan = self._robot.plan
         return str(plan.kinds[name].parse(bytes(plan.units[name].config.settings)).host)
 
+    def _serving(self, name: str) -> dict[str, Any] | None:
+        """Return where a server listens; None if it does not serve."""
+        place = self._address(name, ADDRESS_S)
+        return place if place is not None and place.get("accepted") else None
+
     def _settled(self, name: str, *, is_open: bool) -> dict[str, Any] | None:
         """Wait until a server listens as its row says now, and return where; None if it takes long."""
         end = self._clock() + AGAIN_S
         while self._clock() < end:
-            place = self._address(name, ADDRESS_S)
-            if place is not None and place.get("accepted") and bool(place.get("open")) is is_open:
+            place = self._serving(name)
+            if place is not None and bool(place.get("open")) is is_open:
                 return place
             self._pause(LOOK_S)
         return None

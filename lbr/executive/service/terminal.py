@@ -10,11 +10,23 @@ from lbr.executive import beside
 from lbr.executive.service.dispatch import Dispatcher
 from lbr.messages.system import ConsoleResult
 
+Start = Callable[[str, Callable[[], Session], Dispatcher, Callable[[int, str], None]], None]
+"""Opens a console of a robot."""
+
 
 def start(
-    robot: str, connect: Callable[[], Session], dispatcher: Dispatcher, ended: Callable[[int, str], None]
+    robot: str,
+    connect: Callable[[], Session],
+    dispatcher: Dispatcher,
+    ended: Callable[[int, str], None],
+    *,
+    verbose: bool,
 ) -> None:
-    """Open the console; `ended` is told its exit code and why, when it is left or its input ends."""
+    """Open the console; `ended` is told its exit code and why, when it is left or its input ends.
+
+    `verbose` shows what each part reports while it starts.
+    """
+    from lbr.console.greeting import Greeting  # noqa: PLC0415 - for those who have a console
     from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console
 
     at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # what a pipe says, another program may have written
@@ -25,7 +37,7 @@ def start(
     def talk() -> None:
         code, why = 0, "console closed"
         try:
-            code = run_local(robot, connect, submit)
+            code = run_local(robot, connect, submit, Greeting(dispatcher.greeting, verbose=verbose))
         except LbrError as err:
             code, why = 1, str(err)
         except OSError as err:

@@ -1,0 +1,37 @@
+"""What the robot's own console shows of its start: a few lines once all is up, and until then only what is amiss."""
+
+from collections.abc import Callable
+
+from lbr.messages.system import Event, Status
+
+READY, NOT_READY = "ready", "not_ready"
+"""The executive's events of which the greeting tells more."""
+
+
+class Greeting:
+    """Chooses the events that are shown, and when the greeting is due: once the robot is ready, and before that
+    whenever it is told why it is not. `text` makes the greeting.
+
+    `verbose` shows the events of the start as well.
+    """
+
+    def __init__(self, text: Callable[[], str], *, verbose: bool) -> None:
+        self.text = text
+        self._verbose = verbose
+        self._ready = False
+        self._due = False
+
+    def shows(self, event: Event) -> bool:
+        """Say whether an event is shown; while all starts, the greeting tells which parts are degraded."""
+        if event.subject == "executive" and event.kind in {READY, NOT_READY}:
+            self._due = event.kind == NOT_READY
+            return self._verbose
+        return self._ready or self._verbose or (event.level != "info" and event.kind != "degraded")
+
+    def is_due(self, status: Status | None) -> bool:
+        """Say whether to show the greeting now; the next time only when there is news."""
+        due = self._due
+        if status is not None and status.ready and not self._ready:
+            self._ready = due = True
+        self._due = False
+        return due
