@@ -11,7 +11,7 @@ from msgspec import Struct
 from msgspec.structs import asdict
 
 from lbr.commands.options import Number, complete_robot, database_option, json_option, print_json
-from lbr.commands.rows import opened, robot_in
+from lbr.commands.rows import opened, robot_in, running_here
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 
@@ -164,18 +164,13 @@ class Looking:
 
     def write(self, robot: str, offers: Collection[Offer]) -> "Proposed":
         """Write the rows of some proposals, all or none; a row that several of them want is written once."""
-        from lbr.commands.row_past import end_left_trial  # noqa: PLC0415
-
         changes: list[RowChange] = []
         for one in offers:
             changes += (each for each in one.changes if each not in changes)
         with opened(self._database) as rows:
-            end_left_trial(rows)
             return self._become(rows, robot, changes, dry_run=False)
 
     def _whose(self, rows: "Database") -> str:
-        from lbr.commands.row_past import running_here  # noqa: PLC0415
-
         running = [*running_here(rows.path)]
         return robot_in(rows, running[0] if self._robot is None and len(running) == 1 else self._robot)
 
@@ -197,16 +192,14 @@ class Looking:
         )
 
     def _become(self, rows: "Database", robot: str, changes: "list[RowChange]", *, dry_run: bool) -> "Proposed":
-        from lbr.commands.row_past import running_here  # noqa: PLC0415
-        from lbr.commands.row_touched import Touching  # noqa: PLC0415
-        from lbr.database import forms, proposals  # noqa: PLC0415
+        from lbr.commands.row_touched import Touching, become  # noqa: PLC0415
+        from lbr.database import forms  # noqa: PLC0415
         from lbr.database.rows import CORE  # noqa: PLC0415
 
         read = (each.row for kind in self.kinds.values() for each in kind.reads)
         classes = {row.TABLE: row for row in (*CORE, *read)}
         wanted = forms.wanted(robot, changes, classes)
-        judge = Touching(rows, running_here(rows.path))
-        return proposals.command(rows, wanted, judge, text="took what is plugged in", dry_run=dry_run)
+        return become(rows, wanted, "took what is plugged in", Touching(rows), dry_run=dry_run)
 
 
 def _held() -> dict[str, str]:

@@ -8,8 +8,7 @@ from msgspec import Struct
 
 from lbr.commands.completing import complete_setting
 from lbr.commands.options import complete_robot, database_option, json_option, print_json
-from lbr.commands.row_past import running_here
-from lbr.commands.rows import opened
+from lbr.commands.rows import opened, running_here
 from lbr.commands.setting import meant, parted, refuse_unknown
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line

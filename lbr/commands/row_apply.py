@@ -8,17 +8,14 @@ import click
 from msgspec.structs import replace
 
 from lbr.commands.options import FileName, Number, complete_robot, database_option, json_option
-from lbr.commands.row_past import change_options, end_left_trial, running_here, tell
-from lbr.commands.row_touched import Touching
-from lbr.commands.rows import opened
+from lbr.commands.row_past import change_options, tell
+from lbr.commands.row_touched import Touching, become
+from lbr.commands.rows import opened, running_here
 from lbr.errors import InputError
 
 if TYPE_CHECKING:
-    from lbr.database.changes import Change
-    from lbr.database.proposals import Proposed, Wanted
-    from lbr.database.reading import RawTables
+    from lbr.database.proposals import Wanted
     from lbr.database.store import Database
-    from lbr.database.tables import Schema
     from lbr.database.trials import Trial
 
 
@@ -42,7 +39,7 @@ def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) 
     """
 
     with opened(database) as rows:
-        touching = Touching(rows, running_here(rows.path))
+        touching = Touching(rows)
         became = become(rows, _wanted(source, rows, robot), f"applied {source.name}", touching, dry_run=True)
         return tell(became, "", dry_run=True, as_json=as_json, touched=touching.told(), place=_place(source, rows))
 
@@ -129,12 +126,11 @@ def _apply(
 ) -> int:
 
     with opened(database) as rows:
-        running = running_here(rows.path)
-        if within_s is not None and not running:
+        if within_s is not None and not running_here(rows.path):
             raise InputError(
                 f"no robot runs from {rows.path} that could say whether it is ready: leave --within out", "not_possible"
             )
-        touching = Touching(rows, running)
+        touching = Touching(rows)
         wanted = _wanted(source, rows, robot)
         became = become(rows, wanted, f"applied {source.name}", touching, expected, within_s, dry_run=dry_run)
         trial = None if within_s is None or became.revision == became.before else _awaited(rows, became.revision)
@@ -172,41 +168,6 @@ def _wanted(source: Path, rows: "Database", robot: str | None) -> "Wanted":
     from lbr.database import sources  # noqa: PLC0415
 
     return sources.wanted(source, rows.path, robot)
-
-
-def become(
-    rows: "Database",
-    wanted: "Wanted",
-    text: str,
-    touching: Touching,
-    expected: int | None = None,
-    within_s: float | None = None,
-    *,
-    dry_run: bool,
-) -> "Proposed":
-    """Have the rows as `wanted` makes them; `touching` judges them and keeps what their change does to processes."""
-    from lbr.database import proposals  # noqa: PLC0415
-
-    if not dry_run:
-        end_left_trial(rows)
-
-    def looked_at(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
-        changes = wanted(tables, schema)
-        touching.look(changes)
-        return changes
-
-    def on_trial(changes: "tuple[Change, ...]") -> tuple[str, float]:
-        return touching.judge_of(changes), within_s or 0.0
-
-    return proposals.command(
-        rows,
-        looked_at,
-        touching,
-        text=text,
-        expected=expected,
-        dry_run=dry_run,
-        on_trial=on_trial if within_s is not None else None,
-    )
 
 
 def _place(source: Path, rows: "Database") -> Any:

@@ -10,12 +10,12 @@ import click
 from click.shell_completion import CompletionItem
 
 from lbr.commands.options import F, complete_robot, database_option, json_option, print_json
-from lbr.commands.rows import opened, problems_of
+from lbr.commands.row_touched import Touched, Touching, become, end_left_trial
+from lbr.commands.rows import opened
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 
 if TYPE_CHECKING:
-    from lbr.commands.row_touched import Touched
     from lbr.database.changes import Change
     from lbr.database.difference import Difference
     from lbr.database.past import HistoryEntry
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from lbr.database.store import Database
     from lbr.database.tables import Schema
     from lbr.database.trials import Trial
-    from lbr.home import Running
 
 
 def complete_table(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -151,34 +150,14 @@ def go_back(
     rows: "Database", number: int, robot: str | None, expected: int | None, *, dry_run: bool = False
 ) -> "Proposed":
     """Have the rows as they were at a revision; InputError says why that cannot be."""
-    from lbr.database import changes, proposals  # noqa: PLC0415
+    from lbr.database import changes  # noqa: PLC0415
 
     def wanted(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
         return changes.between(tables, rows.tables_at(number), schema, robot)
 
-    whose = f" of '{robot}'" if robot else ""
     check_robot(rows, robot)
-    if not dry_run:
-        end_left_trial(rows)
-    text = f"went back to revision {number}{whose}"
-    return proposals.command(rows, wanted, problems_of, text=text, expected=expected, dry_run=dry_run)
-
-
-def end_left_trial(rows: "Database") -> str:
-    """Take back what is on trial by a robot that does not run any more, as its next start would; return what was
-    done."""
-    from lbr.database import trials  # noqa: PLC0415
-    from lbr.executive.planning.trials import go_back  # noqa: PLC0415
-
-    trial = trials.newest(rows)
-    return "" if trial is None or trial.robot in running_here(rows.path) else go_back(rows, trial.robot)
-
-
-def running_here(path: Path) -> "dict[str, Running]":
-    """Return the robots that run from a database, by name."""
-    from lbr import home  # noqa: PLC0415
-
-    return {one.robot: one for one in home.running() if _is_same(Path(one.database), path)}
+    text = f"went back to revision {number}" + (f" of '{robot}'" if robot else "")
+    return become(rows, wanted, text, Touching(rows), expected, dry_run=dry_run)
 
 
 def check_robot(rows: "Database", robot: str | None) -> None:
@@ -205,7 +184,7 @@ def tell(
     *,
     dry_run: bool,
     as_json: bool,
-    touched: "tuple[Touched, ...]" = (),
+    touched: tuple[Touched, ...] = (),
     place: "Callable[[Problem], str]" = str,
     trial: "Trial | None" = None,
 ) -> int:
@@ -252,13 +231,6 @@ def tell(
 def local_time(seconds: float) -> str:
     """Return a moment as clocks here show it."""
     return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(seconds))
-
-
-def _is_same(one: Path, other: Path) -> bool:
-    try:
-        return one.samefile(other)
-    except OSError:
-        return False
 
 
 def _is_asked(revision: "RevisionRow", robot: str | None, table: str | None, row: str | None) -> bool:

@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
-from lbr.commands.rows import planned
+from lbr.commands.rows import planned, running_here
 from lbr.errors import InputError, LbrError
 
 if TYPE_CHECKING:
     from lbr.database.changes import Change
-    from lbr.database.reading import Problem
+    from lbr.database.proposals import Proposed, Wanted
+    from lbr.database.reading import Problem, RawTables
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
+    from lbr.database.tables import Schema
     from lbr.executive.planning.plan import Plan
-    from lbr.home import Running
 
 
 class Touched(Struct, frozen=True, kw_only=True):
@@ -43,15 +44,16 @@ class Touched(Struct, frozen=True, kw_only=True):
 class Touching:
     """Judges the rows of robots as their starts would, and remembers what they run before and after."""
 
-    def __init__(self, rows: "Database", running: "Mapping[str, Running]") -> None:
+    def __init__(self, rows: "Database") -> None:
         self._rows = rows
-        self._running = running
-        self._before: dict[str, Plan | None] = {}
+        self._running = running_here(rows.path)
+        self._before: Mapping[str, RobotRows] = {}
         self._after: dict[str, Plan | None] = {}
 
     def __call__(self, rows: "RobotRows") -> "tuple[Problem, ...]":
-        """Return what a start would find wrong with a robot's rows; those to come are asked for first."""
-        made, problems = self._planned(rows)
+        """Return what a start, or the robot that runs, would find wrong with rows; those to come are asked for
+        first."""
+        made, problems = self._planned(rows, self._before.get(rows.robot.name))
         self._after.setdefault(rows.robot.name, made)
         return problems
 
@@ -62,8 +64,7 @@ class Touching:
             if change.table == "robot" and change.after is None and change.key[0] in self._running:
                 raise InputError(f"robot '{change.key[0]}' runs, and would be taken out: end it first", "not_possible")
         self._after.clear()
-        names = [name for name in self._rows.robots() if {name, None} & whose]
-        self._before = {name: self._planned(rows)[0] for name, rows in self._rows.load_all(names).items()}
+        self._before = self._rows.load_all([name for name in self._rows.robots() if {name, None} & whose])
 
     def judge_of(self, changes: "Iterable[Change]") -> str:
         """Return the robot that says whether changes work: the one that runs, and whose rows they are; else
@@ -84,8 +85,8 @@ class Touching:
         from lbr.executive.planning import plan as plans  # noqa: PLC0415 - only who changes rows needs plans
 
         found = []
-        for name, before in self._before.items():
-            after = self._after.get(name)
+        for name, rows in self._before.items():
+            before, after = self._planned(rows)[0], self._after.get(name)
             if before is not None and after is not None:
                 change = plans.difference(before, after)
                 found.append(
@@ -100,7 +101,9 @@ class Touching:
                 )
         return tuple(found)
 
-    def _planned(self, rows: "RobotRows") -> "tuple[Plan | None, tuple[Problem, ...]]":
+    def _planned(
+        self, rows: "RobotRows", before: "RobotRows | None" = None
+    ) -> "tuple[Plan | None, tuple[Problem, ...]]":
         from lbr import home  # noqa: PLC0415 - see above
         from lbr.executive.planning import planner, profile  # noqa: PLC0415
         from lbr.executive.planning.run_identity import RunIdentity  # noqa: PLC0415
@@ -112,4 +115,50 @@ class Touching:
             chosen = profile.load(running.profile)
         except LbrError:  # a file that is not there any more, or was named from another folder
             return planned(rows)
-        return planner.make(rows, chosen, RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32)))
+        site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
+        return planner.make(rows, chosen, site, before=before)
+
+
+def become(
+    rows: "Database",
+    wanted: "Wanted",
+    text: str,
+    touching: Touching,
+    expected: int | None = None,
+    within_s: float | None = None,
+    *,
+    dry_run: bool,
+) -> "Proposed":
+    """Have the rows as `wanted` makes them; `touching` judges them and keeps what their change does to processes."""
+    from lbr.database import proposals  # noqa: PLC0415
+
+    if not dry_run:
+        end_left_trial(rows)
+
+    def looked_at(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
+        changes = wanted(tables, schema)
+        touching.look(changes)
+        return changes
+
+    def on_trial(changes: "tuple[Change, ...]") -> tuple[str, float]:
+        return touching.judge_of(changes), within_s or 0.0
+
+    return proposals.command(
+        rows,
+        looked_at,
+        touching,
+        text=text,
+        expected=expected,
+        dry_run=dry_run,
+        on_trial=on_trial if within_s is not None else None,
+    )
+
+
+def end_left_trial(rows: "Database") -> str:
+    """Take back what is on trial by a robot that does not run any more, as its next start would; return what was
+    done."""
+    from lbr.database import trials  # noqa: PLC0415
+    from lbr.executive.planning.trials import go_back  # noqa: PLC0415
+
+    trial = trials.newest(rows)
+    return "" if trial is None or trial.robot in running_here(rows.path) else go_back(rows, trial.robot)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
     from lbr.executive.planning.plan import Plan
+    from lbr.home import Running
 
 
 def opened(path: Path | None = None) -> "Database":
@@ -43,6 +44,20 @@ def robot_in(database: "Database", named: str | None = None) -> str:
     if len(names) != 1 and usual not in names:
         raise InputError(f"{database.path} has {len(names)} robots ({', '.join(names)}); say which with --robot NAME")
     return usual if usual in names else names[0]
+
+
+def running_here(path: Path) -> "dict[str, Running]":
+    """Return the robots that run from a database, by name."""
+    from lbr import home  # noqa: PLC0415
+
+    return {one.robot: one for one in home.running() if _is_same(Path(one.database), path)}
+
+
+def _is_same(one: Path, other: Path) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:
+        return False
 
 
 def with_words(rows: "RobotRows") -> "RobotRows":

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lbr.commands.completing import complete_setting
-from lbr.commands.row_apply import become
-from lbr.commands.row_past import change_options, running_here, tell
-from lbr.commands.row_touched import Touching
-from lbr.commands.rows import opened, robot_in
+from lbr.commands.row_past import change_options, tell
+from lbr.commands.row_touched import Touching, become
+from lbr.commands.rows import opened, robot_in, running_here
 from lbr.errors import InputError
 from lbr.messages.rows import shown
 from lbr.names import near
@@ -46,8 +45,7 @@ def command(
     if not name:
         raise InputError(f"'{shown(setting)}' names no setting: say PART.SETTING, such as drive.max_power")
     with opened(database) as rows:
-        running = running_here(rows.path)
-        whose = meant(rows, robot, running)
+        whose = meant(rows, robot, running_here(rows.path))
 
         def wanted(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
             from lbr.database import changes, edits  # noqa: PLC0415 - kept out of its `--help`
@@ -56,7 +54,7 @@ def command(
             after = edits.with_setting(tables, whose, part, name, _read(value))
             return changes.between(tables, after, schema, whose)
 
-        touching = Touching(rows, running)
+        touching = Touching(rows)
         became = become(rows, wanted, f"set {part}.{name}", touching, expected, dry_run=dry_run)
     return tell(became, f"{part}.{name} is {shown(value)}", dry_run=dry_run, as_json=as_json, touched=touching.told())
 

@@ -410,7 +410,7 @@ class Executive:
     def _planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
         """Plan for rows that are not written yet; from any thread."""
         on = machine.this_machine(machine.processes(self.plan.rows.capabilities, self.plan.here))
-        plan, problems = planner.make(rows, self._profile, self._site, on)
+        plan, problems = planner.make(rows, self._profile, self._site, on, before=self.plan.rows)
         return plan, (*problems, *oversized(plan)) if plan is not None else problems
 
     def _judge(self, rows: RobotRows) -> tuple[Problem, ...]:

@@ -7,11 +7,13 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
+from lbr.capability import registry
+from lbr.capability.kind import KindError, LackingError
 from lbr.database import store
 from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
 from lbr.errors import InputError
+from lbr.executive.planning import machine, planner
 from lbr.executive.planning import plan as plans
-from lbr.executive.planning import planner
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.profile import Profile, load
 from lbr.executive.planning.run_identity import RunIdentity
@@ -368,3 +370,32 @@ def test_a_pipe_in_place_of_a_launch_profile_is_refused_and_not_waited_for(tmp_p
     os.mkfifo(pipe)
     with pytest.raises(InputError, match=r"launch profile .*robot\.toml is no file"):
         load(str(pipe))
+
+
+def lacking(name, home):
+    """Find kinds where a broken component may have those that are not there."""
+    try:
+        return registry.find(name, home)
+    except KindError as err:
+        raise LackingError(f"{err}; it may be of a broken component") from err
+
+
+def test_what_a_broken_component_may_have_is_left_out_at_a_start_and_refused_where_it_is_new(rows):
+    speechless = edited(rows, "capabilities", "speech", kind="spech")
+    plan, found = planner.make(speechless, SIMULATED, SITE, find=lacking)
+    assert not found
+    assert "speech" not in plan.units
+    assert planner.make(speechless, SIMULATED, SITE, find=lacking, before=plan.rows)[1] == ()
+    for misspelt in (
+        edited(speechless, "capabilities", "box", kind="boks"),
+        replace(speechless, capabilities=(*speechless.capabilities, CapabilityRow(name="again", kind="spech"))),
+    ):
+        made, found = planner.make(misspelt, SIMULATED, SITE, find=lacking, before=plan.rows)
+        assert made is None
+        assert [(problem.table, problem.column) for problem in found] == [("capability", "kind")]
+
+
+def test_tokens_go_on_without_a_capability_that_was_left_out(rows):
+    plan, _ = planner.make(edited(rows, "capabilities", "speech", kind="spech"), SIMULATED, SITE, find=lacking)
+    again = planner.with_tokens(plan, (), SIMULATED, SITE, machine.ANY)
+    assert again.units.keys() == plan.units.keys()

@@ -32,16 +32,28 @@ Find = Callable[[str, Path], Kind]
 
 
 def make(
-    rows: RobotRows, profile: Profile, site: RunIdentity, on: Machine = machine.ANY, *, find: Find = registry.find
+    rows: RobotRows,
+    profile: Profile,
+    site: RunIdentity,
+    on: Machine = machine.ANY,
+    *,
+    find: Find = registry.find,
+    before: RobotRows | None = None,
 ) -> tuple[Plan | None, tuple[Problem, ...]]:
-    """Return the plan, or None and everything that is wrong with the rows, and on this machine."""
+    """Return the plan, or None and everything that is wrong with the rows, and on this machine.
+
+    At a start, a capability of a kind that a broken component may have is left out. Where rows are to follow others,
+    those `before`, this is so for the capabilities that these have: what is new must be there.
+    """
     known = cache(partial(_find, find, Path(site.home)))
     rows = _listening(rows, (*profile.listen, *site.listen))
     problems = list(rows.problems)
     kinds: dict[str, Kind] = {}
     settings: dict[str, Any] = {}
+    there = {(row.name, row.kind) for row in before.capabilities} if before is not None else set()
     for row, label, bad in _named(rows):
-        kind, parsed, found = _understand(row, label, known, bad)
+        may_lack = before is None or (row.name, row.kind) in there
+        kind, parsed, found = _understand(row, label, known, bad, may_lack=may_lack)
         problems += found
         if kind is not None and "name" not in bad and (parsed is not None or kind.settings is not ProgramSettings):
             kinds[row.name] = kind
@@ -83,7 +95,13 @@ def with_tokens(
 ) -> Plan | None:
     """Return the plan with other tokens and nothing else, whatever has become of the files of its kinds meanwhile."""
     kinds = {kind.name: kind for kind in plan.kinds.values()}
-    made, _ = make(replace(plan.rows, tokens=tokens), profile, site, on, find=lambda name, _home: kinds[name])
+
+    def find(name: str, _home: Path) -> Kind:
+        if name not in kinds:
+            raise LackingError(f"there is no kind '{name}'")
+        return kinds[name]
+
+    made, _ = make(replace(plan.rows, tokens=tokens), profile, site, on, find=find)
     if made is None:
         return None
     units = {name: _of_the_same_file(one, plan.units[name]) for name, one in made.units.items()}
@@ -114,7 +132,7 @@ def _find(find: Find, home: Path, kind: str) -> Kind | Exception:
 
 
 def _understand(
-    row: CapabilityRow, label: str, known: Callable[[str], Kind | Exception], bad: AbstractSet[str]
+    row: CapabilityRow, label: str, known: Callable[[str], Kind | Exception], bad: AbstractSet[str], *, may_lack: bool
 ) -> tuple[Kind | None, Any, list[Problem]]:
     """Return a capability's kind and settings, as far as its columns are not bad already, and what is wrong with
     them."""
@@ -125,7 +143,7 @@ def _understand(
         return None, None, []
     kind = known(row.kind)
     if isinstance(kind, Exception):
-        without = isinstance(kind, LackingError)  # the robot runs all the same
+        without = may_lack and isinstance(kind, LackingError)  # the robot runs all the same
         return None, None, [] if without else [Problem("capability", label, "kind", str(kind))]
     if "settings" in bad:  # by a device that is not there, perhaps, and in more
         return kind, None, _more(row, kind, label)

@@ -86,7 +86,8 @@ class RowWatch:
             self._version = UNKNOWN_VERSION
             return self._locked_out(plan, rows) if rows.tokens != plan.rows.tokens else None
         self._version, self._files = seen, files
-        new, problems = planner.make(rows, self._profile, self._site, self._room_beside(plan), find=self._kinds.find)
+        room, find = self._room_beside(plan), self._kinds.find
+        new, problems = planner.make(rows, self._profile, self._site, room, find=find, before=plan.rows)
         self._kinds.forget_faults()
         self._problems = tuple(str(problem) for problem in problems)
         if new is None and rows.tokens != plan.rows.tokens:
