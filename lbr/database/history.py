@@ -84,11 +84,18 @@ def makers(connection: Connection) -> tuple[ChangeRow, ...]:
     return tuple(ChangeRow(**row) for row in selected(connection, "change", "1 ORDER BY first_revision"))
 
 
-def last_change(connection: Connection, table: str, names: Sequence[Iterable[object]]) -> tuple[int, str] | None:
-    """Return number and time of a row's newest change; `names` are the sets of values that may be its key."""
+def last_change(
+    connection: Connection, table: str, names: Sequence[Iterable[object]], program: str
+) -> tuple[str, str] | None:
+    """Return the time of a row's newest change, and who made it, if it was by this program; `names` are the sets of
+    values that may be its key."""
     keys = [sorted(map(str, one)) for one in names]
     newest = selected(connection, "revision", "table_name = ? ORDER BY id DESC LIMIT ?", table, MOST_LOOKED_THROUGH)
-    return next(((row["id"], row["changed_at"]) for row in newest if sorted(_key(row["row_key"])) in keys), None)
+    for row in newest:
+        if sorted(_key(row["row_key"])) in keys:
+            made_by = "SELECT source FROM change WHERE ? BETWEEN first_revision AND last_revision AND program = ?"
+            return row["changed_at"], connection.scalar(made_by, (row["id"], program)) or ""
+    return None
 
 
 def outdo(connection: Connection, revision: int) -> None:

@@ -235,10 +235,11 @@ class Database:
         with self.reading() as connection:
             return history.newest_events(connection, limit, subject=subject, levels=levels)
 
-    def last_change(self, robot: str, table: str, key: Sequence[object]) -> tuple[int, str] | None:
-        """Return number and time of the newest change of one of a robot's rows, if it was changed lately."""
+    def last_change(self, robot: str, table: str, key: Sequence[object]) -> tuple[str, str] | None:
+        """Return the time of the newest change of one of a robot's rows, if it was changed lately; and who made it, if
+        this program did."""
         with self.reading() as connection:
-            return history.last_change(connection, table, [key, (robot, *key)])
+            return history.last_change(connection, table, [key, (robot, *key)], self.program)
 
     def revisions(self, since: int = 0) -> tuple[RevisionRow, ...]:
         """Return every change of rows after revision `since`, oldest first."""

@@ -2,7 +2,9 @@
 
 import sqlite3
 
+from lbr.database import edits
 from lbr.database.store import Database
+from lbr.messages.speech import Phrase
 from lbr.messages.system import Event
 
 
@@ -18,13 +20,15 @@ def test_events_are_told_of_one_subject_and_from_a_level_on(database: Database):
 def test_the_newest_change_of_a_row_is_found_also_of_one_that_is_gone(database: Database, client: sqlite3.Connection):
     assert database.last_change("lbr", "device", ("nonsense",)) is None
     client.execute("UPDATE device SET address = '/dev/x' WHERE robot = 'lbr' AND name = 'speaker'")
-    first = database.last_change("lbr", "device", ("speaker",))
-    assert first is not None
-    assert first[0] == database.revision()
+    (changed,) = database.revisions()
+    assert database.last_change("lbr", "device", ("speaker",)) == (changed.changed_at, "")
     client.execute("DELETE FROM device WHERE robot = 'lbr' AND name = 'speaker'")
-    gone = database.last_change("lbr", "device", ("speaker",))
-    assert gone is not None
-    assert gone[0] > first[0]
+    gone = database.revisions()[-1]
+    assert database.last_change("lbr", "device", ("speaker",)) == (gone.changed_at, "")
     assert database.last_change("another", "device", ("speaker",)) is None
-    client.execute("UPDATE phrase SET text = 'Hi.' WHERE name = 'hello' AND language = 'en'")
-    assert database.last_change("lbr", "phrase", ("hello", "en")) == (database.revision(), database.revisions(gone[0])[-1].changed_at)  # fmt: skip
+    hello = Phrase(name="hello", language="en", text="Hi.")
+    edits.write_rows(database, "lbr", [hello], lambda _rows: (), create=None, by="web for a phone")
+    newest = database.revisions()[-1]
+    assert database.last_change("lbr", "phrase", ("hello", "en")) == (newest.changed_at, "web for a phone")
+    with Database.open(database.path, program="another") as other:
+        assert other.last_change("lbr", "phrase", ("hello", "en")) == (newest.changed_at, "")

@@ -5,7 +5,6 @@ Only a server for people may ask here; it looks at the role of who asks before i
 
 import contextlib
 import os
-from collections import deque
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -49,8 +48,6 @@ from lbr.messages.manage import (
 )
 from lbr.messages.rows import Row, shown
 
-MOST_REMEMBERED = 256
-"""Rows of which it is known which page changed them last; a form is not open for more changes."""
 LETS_IN = (
     "decides who comes in, and a page changes none of that: say 'open' or 'close' at the console, or edit the row there"
 )
@@ -69,7 +66,6 @@ class Pages:
         self._plan = plan
         self._make = make
         self._happened = happened
-        self._edited: deque[tuple[int, str, str, tuple[Any, ...]]] = deque(maxlen=MOST_REMEMBERED)
         self._answers: dict[type[Struct], Callable[[Any], ManageReply]] = {
             LookAtRows: self._rows,
             ChangeRows: self._change,
@@ -170,30 +166,15 @@ class Pages:
             return ManageReply(
                 accepted=False, reason=reason, code="bad_value", revision=revision, problems=told, touched=touched
             )
-        if command.write:
-            classes = self._classes()
-            for one in command.changes:
-                values = one.before if one.before is not None else one.after or {}
-                key = tuple(values[name] for name in classes[one.table].KEY)
-                self._edited.append((revision, command.by, one.table, key))
         return ManageReply(accepted=True, revision=revision, touched=touched)
 
     def _changed(self, database: Database, err: forms.ChangedError) -> ManageReply:
         """Return the refusal of a change of a row that is another meanwhile: with who changed it, and when."""
-        last = database.last_change(self._plan().robot, err.table, err.key)
-        number, at = last or (0, "")
-        by = next(
-            (
-                by
-                for revision, by, *row in reversed(self._edited)
-                if last is not None and revision >= number and row == [err.table, err.key]
-            ),
-            "",
-        )
-        told = f" (by {by})" if by else ""
+        at, by = database.last_change(self._plan().robot, err.table, err.key) or ("", "")
+        reason = f"{err} (by {by})" if by else str(err)
         return ManageReply(
             accepted=False,
-            reason=f"{err}{told}",
+            reason=reason,
             code=err.code,
             revision=database.revision(),
             changed_by=by,
