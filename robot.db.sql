@@ -16,66 +16,64 @@ PRAGMA foreign_keys = ON;
 
 BEGIN;
 
--- The revision of the schema, kept by the migrations in lbr/database/migrations. Not to be edited.
-CREATE TABLE alembic_version (
-    version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
-) STRICT;
-INSERT INTO alembic_version (version_num) VALUES ('0015');
+-- The tables, written by docs/generate.py from their declarations: each is a class of rows in lbr.
 
--- The robots that this file describes; `lbr` runs one of them. Its name is the first part of every key on the bus.
+-- The robots of this database; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
     name          TEXT    NOT NULL PRIMARY KEY  -- by which a launch profile and every other table know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     model         TEXT    NOT NULL DEFAULT '',  -- what it is built as
     description   TEXT    NOT NULL DEFAULT '',  -- for people
     owner         TEXT    NOT NULL DEFAULT '',  -- for people
-    last_start    TEXT,                         -- when it last started; written by lbr
-    last_shutdown TEXT,                         -- when it last shut down in order; written by lbr
-    estop_engaged INTEGER NOT NULL DEFAULT 0    -- 1: the emergency stop is latched, and stays so over restarts
+    last_start    TEXT,  -- when it last started; written by lbr
+    last_shutdown TEXT,  -- when it last shut down in order; written by lbr
+    estop_engaged INTEGER NOT NULL DEFAULT 0  -- whether the emergency stop is latched, which outlasts restarts; written by lbr
         CHECK (estop_engaged IN (0, 1)),
-    estop_reason  TEXT    NOT NULL DEFAULT ''   -- why it was latched
+    estop_reason  TEXT    NOT NULL DEFAULT ''  -- why it was latched; written by lbr
 ) STRICT;
 
 -- What runs: one process for each enabled row, unless rows share one.
 CREATE TABLE capability (
-    robot    TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    robot    TEXT    NOT NULL,  -- whose it is
     name     TEXT    NOT NULL  -- the second part of its keys on the bus; `executive` is lbr itself
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40 AND name <> 'executive'),
     kind     TEXT    NOT NULL  -- which capability class: a registered one, or a file in $LBR_HOME/capabilities
         CHECK (kind GLOB '[a-z]*' AND kind NOT GLOB '*[^a-z0-9_]*' AND length(kind) <= 40),
-    enabled  INTEGER NOT NULL DEFAULT 1             -- 0: not started
+    enabled  INTEGER NOT NULL DEFAULT 1  -- whether it is started
         CHECK (enabled IN (0, 1)),
-    settings TEXT    NOT NULL DEFAULT '{}'          -- JSON object: what the kind may set; unknown keys are refused
+    settings TEXT    NOT NULL DEFAULT '{}'  -- JSON object: what the kind may set; unknown keys are refused
         CHECK (json_valid(settings) AND json_type(settings) = 'object'),
     restart  TEXT    NOT NULL DEFAULT 'on-failure'  -- when it ends: leave it, start it again after a failure, always
         CHECK (restart IN ('never', 'on-failure', 'always')),
-    needs    TEXT    NOT NULL DEFAULT '[]'          -- JSON list of capability names that start before it
+    needs    TEXT    NOT NULL DEFAULT '[]'  -- JSON list: the capabilities that start before it
         CHECK (json_valid(needs) AND json_type(needs) = 'array'),
-    help     TEXT    NOT NULL DEFAULT '',           -- for people
-    process  TEXT    NOT NULL DEFAULT ''            -- the process that it shares with all that say so; empty: its own
+    help     TEXT    NOT NULL DEFAULT '',  -- for people
+    process  TEXT    NOT NULL DEFAULT ''  -- the process that it shares with all that say so; empty: its own
         CHECK (process = '' OR (process GLOB '[a-z]*' AND process NOT GLOB '*[^a-z0-9_]*' AND length(process) <= 40)),
-    PRIMARY KEY (robot, name)
+    PRIMARY KEY (robot, name),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
 -- The wiring: which output feeds which input.
 CREATE TABLE channel (
-    robot   TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    robot   TEXT    NOT NULL,  -- whose it is
     source  TEXT    NOT NULL  -- capability.output
         CHECK (source GLOB '[a-z]*.[a-z]*' AND source NOT GLOB '*[^a-z0-9_.]*' AND source NOT GLOB '*.*.*'),
     target  TEXT    NOT NULL  -- capability.input
         CHECK (target GLOB '[a-z]*.[a-z]*' AND target NOT GLOB '*[^a-z0-9_.]*' AND target NOT GLOB '*.*.*'),
-    rate_hz REAL              -- at most this many messages a second; NULL: every one
-        CHECK (rate_hz > 0 AND rate_hz <= 1000000),
+    rate_hz REAL  -- at most this many messages a second; NULL: every one
+        CHECK (rate_hz IS NULL OR (rate_hz > 0 AND rate_hz <= 1000000)),
     history INTEGER NOT NULL DEFAULT 1  -- how many of the newest messages wait for the reader
         CHECK (history BETWEEN 1 AND 64),
-    enabled INTEGER NOT NULL DEFAULT 1  -- 0: not wired
+    enabled INTEGER NOT NULL DEFAULT 1  -- whether it is wired
         CHECK (enabled IN (0, 1)),
-    PRIMARY KEY (robot, source, target)
+    PRIMARY KEY (robot, source, target),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
 -- What is plugged in. A capability's setting `device` names a row of this table.
 CREATE TABLE device (
-    robot    TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    robot    TEXT NOT NULL,  -- whose it is
     name     TEXT NOT NULL  -- by which settings and calibrations know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     type     TEXT NOT NULL  -- what it is; a kind says which type it drives
@@ -84,26 +82,28 @@ CREATE TABLE device (
         CHECK (length(address) BETWEEN 1 AND 500),
     settings TEXT NOT NULL DEFAULT '{}'  -- JSON object: what its type may set, such as the faults of its emulated twin
         CHECK (json_valid(settings) AND json_type(settings) = 'object'),
-    PRIMARY KEY (robot, name)
+    PRIMARY KEY (robot, name),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
 -- The console's vocabulary. A word may have several patterns. `/r/{power}/{angle_deg}` binds the parts of a line to
 -- fields of the target command's message, `{text...}` takes the rest of the line with its slashes, and a pattern
 -- without a slash is an alias, to be typed as it stands.
 CREATE TABLE verb (
-    robot   TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    robot   TEXT NOT NULL,  -- whose it is
     word    TEXT NOT NULL  -- the first part of the pattern; capital letters count
         CHECK (word GLOB '[A-Za-z]*' AND word NOT GLOB '*[^A-Za-z0-9_]*' AND length(word) <= 40),
     pattern TEXT NOT NULL  -- a line's form, see above
         CHECK (pattern = word OR pattern = '/' || word OR substr(pattern, 1, length(word) + 2) = '/' || word || '/'),
     target  TEXT NOT NULL  -- capability.command, or executive.NAME for what lbr does by itself
         CHECK (target GLOB '[a-z]*.[a-z]*' AND target NOT GLOB '*[^a-z0-9_.]*' AND target NOT GLOB '*.*.*'),
-    payload TEXT           -- JSON object: fields of the message that the pattern does not bind; NULL: none
+    payload TEXT  -- JSON object: fields of the message that the pattern does not bind; NULL: none
         CHECK (payload IS NULL OR (json_valid(payload) AND json_type(payload) = 'object')),
     role    TEXT NOT NULL DEFAULT 'operate'  -- the least role that may say it
         CHECK (role IN ('view', 'operate', 'admin')),
-    help    TEXT NOT NULL DEFAULT '',        -- one line for people, with units and bounds
-    PRIMARY KEY (robot, word, pattern)
+    help    TEXT NOT NULL DEFAULT '',  -- one line for people, with units and bounds
+    PRIMARY KEY (robot, word, pattern),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
 -- Programs started at the console by name, without a shell. What follows the name is added to the arguments, as far as
@@ -111,21 +111,158 @@ CREATE TABLE verb (
 -- entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of the
 -- argument must fit, such as "[0-9]{1,3}". Nothing that begins with '-' is taken unless it stands in a list.
 CREATE TABLE external_command (
-    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    robot     TEXT    NOT NULL,  -- whose it is
     name      TEXT    NOT NULL  -- what to type
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    argv      TEXT    NOT NULL            -- JSON list of strings: the program's path, then its arguments
+    argv      TEXT    NOT NULL  -- JSON list: the program's path, then its arguments
         CHECK (json_valid(argv) AND json_type(argv) = 'array' AND json_array_length(argv) >= 1),
-    blocking  INTEGER NOT NULL DEFAULT 0  -- 1: the console waits for its end; 0: it runs until it ends or `stop NAME`
+    blocking  INTEGER NOT NULL DEFAULT 0  -- whether the console waits for its end; otherwise it runs until it ends or `stop NAME`
         CHECK (blocking IN (0, 1)),
-    enabled   INTEGER NOT NULL DEFAULT 1  -- 0: not offered
+    enabled   INTEGER NOT NULL DEFAULT 1  -- whether it is offered
         CHECK (enabled IN (0, 1)),
     help      TEXT    NOT NULL DEFAULT '',  -- one line for people
-    arguments TEXT                        -- JSON list of what may follow the name, see above; NULL: nothing
+    arguments TEXT  -- JSON list: what may follow the name, see above; NULL: nothing
         CHECK (arguments IS NULL OR (json_valid(arguments) AND json_type(arguments) = 'array')),
     role      TEXT    NOT NULL DEFAULT 'operate'  -- the least role that may start and end it
         CHECK (role IN ('view', 'operate', 'admin')),
-    PRIMARY KEY (robot, name)
+    PRIMARY KEY (robot, name),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
+-- Behaviours: state tables, edited in any spreadsheet (docs/behaviours.md).
+CREATE TABLE behaviour (
+    robot TEXT NOT NULL,  -- whose it is
+    name  TEXT NOT NULL  -- by which it is run
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    help  TEXT NOT NULL DEFAULT '',  -- one line for people
+    max_s REAL NOT NULL DEFAULT 600  -- the longest it may run; 0: until it ends or is stopped
+        CHECK (max_s BETWEEN 0 AND 86400),
+    PRIMARY KEY (robot, name),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
+-- The motions as a face to the outside numbers and names them; several numbers may mean one motion.
+CREATE TABLE button (
+    robot   TEXT    NOT NULL,  -- whose it is
+    id      INTEGER NOT NULL  -- the number
+        CHECK (id BETWEEN 0 AND 9999),
+    name    TEXT    NOT NULL  -- the name there; of several with the same, the lowest number is meant
+        CHECK (length(name) BETWEEN 1 AND 40),
+    button  TEXT    NOT NULL DEFAULT '',  -- what is written on the remote control's key
+    motion  TEXT    NOT NULL DEFAULT ''  -- which motion is played; empty: none, only the controller is taken over
+        CHECK (motion = '' OR (motion GLOB '[a-z]*' AND motion NOT GLOB '*[^a-z0-9_]*' AND length(motion) <= 40)),
+    builtin INTEGER NOT NULL DEFAULT 0  -- whether it is changed here only, not from the network
+        CHECK (builtin IN (0, 1)),
+    PRIMARY KEY (robot, id),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
+-- What the robots dance: one move after the other, to the beats of a song.
+CREATE TABLE choreography (
+    robot     TEXT    NOT NULL,  -- whose it is
+    dance     TEXT    NOT NULL  -- by which settings and commands know it
+        CHECK (dance GLOB '[a-z]*' AND dance NOT GLOB '*[^a-z0-9_]*' AND length(dance) <= 40),
+    step      INTEGER NOT NULL  -- the order, from 1; after the last comes the first
+        CHECK (step BETWEEN 1 AND 10000),
+    power     REAL    NOT NULL  -- fraction of full power, 0 to 1
+        CHECK (power BETWEEN 0 AND 1),
+    angle_deg REAL    NOT NULL  -- degrees clockwise: 0 ahead, 90 right, 180 back, 270 left
+        CHECK (angle_deg BETWEEN -360 AND 360),
+    beats     INTEGER NOT NULL DEFAULT 1  -- for how many beats
+        CHECK (beats BETWEEN 1 AND 64),
+    PRIMARY KEY (robot, dance, step),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
+-- Humanoids: the joints. The servo is at `zero_rad + sign * joint angle`.
+CREATE TABLE joint (
+    robot     TEXT    NOT NULL,  -- whose it is
+    name      TEXT    NOT NULL  -- by which motions know it
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    device_id INTEGER NOT NULL  -- the servo's number on its bus
+        CHECK (device_id BETWEEN 0 AND 253),
+    side      TEXT    NOT NULL DEFAULT 'centre'  -- which half of the body it belongs to
+        CHECK (side IN ('left', 'right', 'centre')),
+    sign      INTEGER NOT NULL DEFAULT 1  -- 1 or -1: whether the servo turns the way the joint counts
+        CHECK (sign IN (1, -1)),
+    zero_rad  REAL    NOT NULL DEFAULT 0  -- the servo's angle where the joint is at 0
+        CHECK (zero_rad BETWEEN -10 AND 10),
+    lower_rad REAL    NOT NULL  -- limits of the joint's angle
+        CHECK (lower_rad BETWEEN -10 AND 10),
+    upper_rad REAL    NOT NULL  -- see lower_rad
+        CHECK (upper_rad BETWEEN -10 AND 10),
+    speed_rps REAL    NOT NULL  -- the fastest it may move, radians a second
+        CHECK (speed_rps > 0 AND speed_rps <= 100),
+    bus       TEXT    NOT NULL DEFAULT ''  -- the device row of the line that its servo is on; empty: the robot has one
+        CHECK (bus = '' OR (bus GLOB '[a-z]*' AND bus NOT GLOB '*[^a-z0-9_]*' AND length(bus) <= 40)),
+    PRIMARY KEY (robot, name),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
+    CHECK (lower_rad < upper_rad)
+) STRICT;
+
+-- How the wheels move the base, which is one row; a robot without it has two driven wheels on the motors left and
+-- right.
+CREATE TABLE kinematics (
+    robot        TEXT NOT NULL,  -- whose it is
+    name         TEXT NOT NULL  -- what the base is called; a robot has one
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    kind         TEXT NOT NULL  -- what its wheels let it do: mecanum and omni move sideways
+        CHECK (kind IN ('differential', 'skid', 'mecanum', 'omni')),
+    track_factor REAL NOT NULL DEFAULT 1  -- a turn takes the wheels this many times as far as their places say: more than 1 where they slip
+        CHECK (track_factor BETWEEN 0.5 AND 5),
+    PRIMARY KEY (robot, name),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
+-- Humanoids: the named motions. One with a slot is kept and played by the robot's own controller.
+CREATE TABLE motion (
+    robot    TEXT    NOT NULL,  -- whose it is
+    name     TEXT    NOT NULL  -- by which it is played
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    help     TEXT    NOT NULL DEFAULT '',  -- one line for people
+    lead_in  TEXT    NOT NULL DEFAULT ''  -- the motion that is played once before it; empty: none
+        CHECK (lead_in = '' OR (lead_in GLOB '[a-z]*' AND lead_in NOT GLOB '*[^a-z0-9_]*' AND length(lead_in) <= 40)),
+    lead_out TEXT    NOT NULL DEFAULT ''  -- the motion that is played once after it, unless it was stopped; empty: none
+        CHECK (lead_out = '' OR (lead_out GLOB '[a-z]*' AND lead_out NOT GLOB '*[^a-z0-9_]*' AND length(lead_out) <= 40)),
+    slot     INTEGER  -- the number under which the robot's own controller keeps and plays it; or NULL
+        CHECK (slot IS NULL OR (slot BETWEEN 1 AND 255)),
+    slot_s   REAL  -- how long the controller takes for it
+        CHECK (slot_s IS NULL OR (slot_s > 0 AND slot_s <= 600)),
+    limp     INTEGER NOT NULL DEFAULT 0  -- whether the controller lets the joints go at its end
+        CHECK (limp IN (0, 1)),
+    builtin  INTEGER NOT NULL DEFAULT 0  -- whether it is changed here only, not from the network
+        CHECK (builtin IN (0, 1)),
+    PRIMARY KEY (robot, name),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
+    CHECK ((slot IS NULL) = (slot_s IS NULL))
+) STRICT;
+
+-- The servos as a face to the outside numbers, names and limits them, in the servos' own counts; in layers, of which a
+-- face uses one. Whatever a layer allows, the limits of the joints hold.
+CREATE TABLE motor (
+    robot       TEXT    NOT NULL,  -- whose it is
+    layer       TEXT    NOT NULL  -- by which a face's settings know it
+        CHECK (layer GLOB '[a-z]*' AND layer NOT GLOB '*[^a-z0-9_]*' AND length(layer) <= 40),
+    id          INTEGER NOT NULL  -- the servo's number on its bus
+        CHECK (id BETWEEN 0 AND 253),
+    name        TEXT    NOT NULL  -- for people
+        CHECK (length(name) BETWEEN 1 AND 40),
+    description TEXT    NOT NULL DEFAULT '',  -- for people
+    initial     INTEGER NOT NULL  -- which position a face tells before it was moved
+        CHECK (initial BETWEEN 0 AND 16383),
+    lowest      INTEGER NOT NULL  -- which positions are taken; what is beyond is brought within
+        CHECK (lowest BETWEEN 0 AND 16383),
+    highest     INTEGER NOT NULL  -- see lowest
+        CHECK (highest BETWEEN 0 AND 16383),
+    rest        INTEGER NOT NULL  -- where it belongs
+        CHECK (rest BETWEEN 0 AND 16383),
+    inverted    INTEGER NOT NULL DEFAULT 0  -- whether a percentage counts from its highest position down
+        CHECK (inverted IN (0, 1)),
+    builtin     INTEGER NOT NULL DEFAULT 0  -- whether it is changed here only, not from the network
+        CHECK (builtin IN (0, 1)),
+    PRIMARY KEY (robot, layer, id),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
+    CHECK (lowest < highest)
 ) STRICT;
 
 -- What the robots say, by name and language.
@@ -139,10 +276,11 @@ CREATE TABLE phrase (
     PRIMARY KEY (name, language)
 ) STRICT;
 
--- Sensors of distance: where each one sits on the base, where it looks, how wide and how far. Axes are REP 103's: x ahead, y
--- left, from the middle between the wheels; angles are anticlockwise. The name is the one that messages tell it by.
+-- Sensors of distance: where each one sits on the base, where it looks, how wide and how far. Axes are REP 103's: x
+-- ahead, y left, from the middle between the wheels; angles are anticlockwise. The name is the one that messages tell
+-- it by.
 CREATE TABLE range_sensor (
-    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    robot     TEXT    NOT NULL,  -- whose it is
     name      TEXT    NOT NULL  -- by which readings, scans, rules and the console know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     kind      TEXT    NOT NULL  -- by what it measures
@@ -166,26 +304,15 @@ CREATE TABLE range_sensor (
     rays      INTEGER NOT NULL DEFAULT 1  -- 1: it tells one distance; more: a scan of this many
         CHECK (rays BETWEEN 1 AND 4096),
     stop_m    REAL    DEFAULT 0.25  -- the base stops so far before what it sees; NULL: only rules of the drive that name it count
-        CHECK (stop_m > 0 AND stop_m <= 10),
+        CHECK (stop_m IS NULL OR (stop_m > 0 AND stop_m <= 10)),
     PRIMARY KEY (robot, name),
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
     CHECK (min_m < max_m)
-) STRICT;
-
--- How the wheels move the base, which is one row; a robot without it has two driven wheels on the motors left and right.
-CREATE TABLE kinematics (
-    robot        TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
-    name         TEXT NOT NULL  -- what the base is called; a robot has one
-        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    kind         TEXT NOT NULL  -- what its wheels let it do: mecanum and omni move sideways
-        CHECK (kind IN ('differential', 'skid', 'mecanum', 'omni')),
-    track_factor REAL NOT NULL DEFAULT 1  -- a turn takes the wheels this many times as far as their places say: more than 1 where they slip
-        CHECK (track_factor BETWEEN 0.5 AND 5),
-    PRIMARY KEY (robot, name)
 ) STRICT;
 
 -- The driven wheels. Axes are REP 103's: x ahead, y left, from the middle of the base; angles are anticlockwise.
 CREATE TABLE wheel (
-    robot      TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
+    robot      TEXT NOT NULL,  -- whose it is
     name       TEXT NOT NULL  -- by which people know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     motor      TEXT NOT NULL  -- which motor drives it; several wheels may be on one
@@ -200,154 +327,12 @@ CREATE TABLE wheel (
         CHECK (roller_rad BETWEEN -1.4 AND 1.4),
     diameter_m REAL NOT NULL  -- of the wheel, rollers included
         CHECK (diameter_m > 0 AND diameter_m <= 2),
-    PRIMARY KEY (robot, name)
-) STRICT;
-
--- What the robots dance: one move after the other, to the beats of a song.
-CREATE TABLE choreography (
-    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
-    dance     TEXT    NOT NULL  -- by which settings and commands know it
-        CHECK (dance GLOB '[a-z]*' AND dance NOT GLOB '*[^a-z0-9_]*' AND length(dance) <= 40),
-    step      INTEGER NOT NULL  -- the order, from 1; after the last comes the first
-        CHECK (step BETWEEN 1 AND 10000),
-    power     REAL    NOT NULL  -- 0 to 1 of full
-        CHECK (power BETWEEN 0 AND 1),
-    angle_deg REAL    NOT NULL  -- degrees clockwise: 0 ahead, 90 right, 180 back, 270 left
-        CHECK (angle_deg BETWEEN -360 AND 360),
-    beats     INTEGER NOT NULL DEFAULT 1  -- for how many beats
-        CHECK (beats BETWEEN 1 AND 64),
-    PRIMARY KEY (robot, dance, step)
-) STRICT;
-
--- Numbers measured on one device, written back by calibration runs; its driver gets them at its start.
-CREATE TABLE calibration (
-    robot       TEXT NOT NULL,  -- whose it is
-    device      TEXT NOT NULL,  -- which device was measured
-    name        TEXT NOT NULL  -- what was measured, with its unit as a suffix
-        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    value       REAL NOT NULL  -- the number
-        CHECK (value BETWEEN -1e300 AND 1e300),
-    measured_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
-    PRIMARY KEY (robot, device, name),
-    FOREIGN KEY (robot, device) REFERENCES device (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
-) STRICT;
-
--- Humanoids: the joints.
-CREATE TABLE joint (
-    robot     TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
-    name      TEXT    NOT NULL  -- by which motions know it
-        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    device_id INTEGER NOT NULL  -- the servo's number on its bus
-        CHECK (device_id BETWEEN 0 AND 253),
-    side      TEXT    NOT NULL DEFAULT 'centre'  -- which half of the body it belongs to
-        CHECK (side IN ('left', 'right', 'centre')),
-    sign      INTEGER NOT NULL DEFAULT 1  -- 1 or -1: whether the servo turns the way the joint counts
-        CHECK (sign IN (-1, 1)),
-    zero_rad  REAL    NOT NULL DEFAULT 0  -- the servo's angle where the joint is at 0
-        CHECK (zero_rad BETWEEN -10 AND 10),
-    lower_rad REAL    NOT NULL            -- limits of the joint's angle
-        CHECK (lower_rad BETWEEN -10 AND 10),
-    upper_rad REAL    NOT NULL  -- see lower_rad
-        CHECK (upper_rad BETWEEN -10 AND 10),
-    speed_rps REAL    NOT NULL            -- the fastest it may move, radians a second
-        CHECK (speed_rps > 0 AND speed_rps <= 100),
-    bus       TEXT    NOT NULL DEFAULT ''  -- the device row of the line that its servo is on; empty: the robot has one
-        CHECK (bus = '' OR (bus GLOB '[a-z]*' AND bus NOT GLOB '*[^a-z0-9_]*' AND length(bus) <= 40)),
     PRIMARY KEY (robot, name),
-    CHECK (lower_rad < upper_rad)
+    FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Humanoids: the named motions.
-CREATE TABLE motion (
-    robot    TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
-    name     TEXT NOT NULL  -- by which it is played
-        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    help     TEXT NOT NULL DEFAULT '',  -- one line for people
-    lead_in  TEXT NOT NULL DEFAULT ''  -- the motion that is played once before it; empty: none
-        CHECK (lead_in = '' OR (lead_in GLOB '[a-z]*' AND lead_in NOT GLOB '*[^a-z0-9_]*')),
-    lead_out TEXT NOT NULL DEFAULT ''  -- the motion that is played once after it, unless it was stopped; empty: none
-        CHECK (lead_out = '' OR (lead_out GLOB '[a-z]*' AND lead_out NOT GLOB '*[^a-z0-9_]*')),
-    slot     INTEGER                   -- the number under which the robot's own controller keeps and plays it; or NULL
-        CHECK (slot BETWEEN 1 AND 255),
-    slot_s   REAL                      -- how long the controller takes for it
-        CHECK (CASE WHEN slot IS NULL THEN slot_s IS NULL ELSE coalesce(slot_s > 0 AND slot_s <= 600, 0) END),
-    limp     INTEGER NOT NULL DEFAULT 0  -- 1: the controller lets the joints go at its end
-        CHECK (limp IN (0, 1)),
-    builtin  INTEGER NOT NULL DEFAULT 0  -- 1: is changed here only, not from the network
-        CHECK (builtin IN (0, 1)),
-    PRIMARY KEY (robot, name)
-) STRICT;
-
--- Humanoids: the key frames of a motion, in their order. Those of a motion in a slot say where it leads.
-CREATE TABLE motion_step (
-    robot      TEXT    NOT NULL,  -- whose it is
-    motion     TEXT    NOT NULL,  -- which motion it belongs to
-    step       INTEGER NOT NULL  -- the order, from 1
-        CHECK (step >= 1),
-    duration_s REAL    NOT NULL  -- the time to get there from the step before
-        CHECK (duration_s > 0 AND duration_s <= 60),
-    positions  TEXT    NOT NULL  -- JSON object: joint name to angle in radians; joints left out stay
-        CHECK (json_valid(positions) AND json_type(positions) = 'object'),
-    stable     INTEGER NOT NULL DEFAULT 0  -- 1: it stands here by itself; what is stopped on its way goes on to here
-        CHECK (stable IN (0, 1)),
-    PRIMARY KEY (robot, motion, step),
-    FOREIGN KEY (robot, motion) REFERENCES motion (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
-) STRICT;
-
--- The servos as a face to the outside numbers, names and limits them, in the servos' own counts; in layers, of which a
--- face uses one. Whatever a layer allows, the limits of the joints hold.
-CREATE TABLE motor (
-    robot       TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
-    layer       TEXT    NOT NULL  -- by which a face's settings know it
-        CHECK (layer GLOB '[a-z]*' AND layer NOT GLOB '*[^a-z0-9_]*' AND length(layer) <= 40),
-    id          INTEGER NOT NULL  -- the servo's number on its bus
-        CHECK (id BETWEEN 0 AND 253),
-    name        TEXT    NOT NULL             -- for people
-        CHECK (length(name) BETWEEN 1 AND 40),
-    description TEXT    NOT NULL DEFAULT '',  -- for people
-    initial     INTEGER NOT NULL  -- which position a face tells before it was moved
-        CHECK (initial BETWEEN 0 AND 16383),
-    lowest      INTEGER NOT NULL  -- which positions are taken; what is beyond is brought within
-        CHECK (lowest BETWEEN 0 AND 16383),
-    highest     INTEGER NOT NULL  -- see lowest
-        CHECK (highest BETWEEN 0 AND 16383),
-    rest        INTEGER NOT NULL  -- where it belongs
-        CHECK (rest BETWEEN 0 AND 16383),
-    inverted    INTEGER NOT NULL DEFAULT 0  -- 1: a percentage counts from its highest position down
-        CHECK (inverted IN (0, 1)),
-    builtin     INTEGER NOT NULL DEFAULT 0  -- 1: is changed here only, not from the network
-        CHECK (builtin IN (0, 1)),
-    PRIMARY KEY (robot, layer, id),
-    CHECK (lowest < highest)
-) STRICT;
-
--- The motions as a face to the outside numbers and names them; several numbers may mean one motion.
-CREATE TABLE button (
-    robot   TEXT    NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
-    id      INTEGER NOT NULL  -- the number
-        CHECK (id BETWEEN 0 AND 9999),
-    name    TEXT    NOT NULL             -- the name there; of several with the same, the lowest number is meant
-        CHECK (length(name) BETWEEN 1 AND 40),
-    button  TEXT    NOT NULL DEFAULT '',  -- what is written on the remote control's key
-    motion  TEXT    NOT NULL DEFAULT '',  -- which motion is played; empty: none, only the controller is taken over
-    builtin INTEGER NOT NULL DEFAULT 0   -- 1: is changed here only, not from the network
-        CHECK (builtin IN (0, 1)),
-    PRIMARY KEY (robot, id)
-) STRICT;
-
--- Behaviours: state tables, edited in any spreadsheet (docs/behaviours.md).
-CREATE TABLE behaviour (
-    robot TEXT NOT NULL REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,  -- whose it is
-    name  TEXT NOT NULL  -- by which it is run
-        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    help  TEXT NOT NULL DEFAULT '',  -- one line for people
-    max_s REAL NOT NULL DEFAULT 600  -- the longest it may run; 0: until it ends or is stopped
-        CHECK (max_s BETWEEN 0 AND 86400),
-    PRIMARY KEY (robot, name)
-) STRICT;
-
--- The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is taken. What is
--- wrong in a cell keeps the behaviour from being run, and nothing else.
+-- The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is taken.
+-- What is wrong in a cell keeps the behaviour from being run, and nothing else.
 CREATE TABLE behaviour_row (
     robot      TEXT    NOT NULL,  -- whose it is
     behaviour  TEXT    NOT NULL,  -- which behaviour it belongs to
@@ -363,67 +348,101 @@ CREATE TABLE behaviour_row (
         CHECK (json_valid(outputs) AND json_type(outputs) = 'object'),
     next_state TEXT    NOT NULL DEFAULT ''  -- where it leads
         CHECK (length(next_state) <= 80),
-    deadline_s REAL                       -- the longest that its state may last, then the behaviour fails; NULL: no such time
-        CHECK (deadline_s > 0 AND deadline_s <= 86400),
+    deadline_s REAL  -- the longest that its state may last, then the behaviour fails; NULL: no such time
+        CHECK (deadline_s IS NULL OR (deadline_s > 0 AND deadline_s <= 86400)),
     PRIMARY KEY (robot, behaviour, step),
     FOREIGN KEY (robot, behaviour) REFERENCES behaviour (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
+-- Numbers measured on one device, written back by calibration runs; its driver gets them at its start.
+CREATE TABLE calibration (
+    robot       TEXT NOT NULL,  -- whose it is
+    device      TEXT NOT NULL,  -- which device was measured
+    name        TEXT NOT NULL  -- what was measured, with its unit as a suffix
+        CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
+    value       REAL NOT NULL  -- the number
+        CHECK (value BETWEEN -1e+300 AND 1e+300),
+    measured_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
+    PRIMARY KEY (robot, device, name),
+    FOREIGN KEY (robot, device) REFERENCES device (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
+-- Humanoids: the key frames of a motion, in their order. Those of a motion in a slot say where it leads.
+CREATE TABLE motion_step (
+    robot      TEXT    NOT NULL,  -- whose it is
+    motion     TEXT    NOT NULL,  -- which motion it belongs to
+    step       INTEGER NOT NULL  -- the order, from 1
+        CHECK (step BETWEEN 1 AND 10000),
+    duration_s REAL    NOT NULL  -- the time to get there from the step before
+        CHECK (duration_s > 0 AND duration_s <= 60),
+    positions  TEXT    NOT NULL  -- JSON object: joint name to angle in radians; joints left out stay
+        CHECK (json_valid(positions) AND json_type(positions) = 'object'),
+    stable     INTEGER NOT NULL DEFAULT 0  -- whether it stands here by itself; what is stopped on its way goes on to here
+        CHECK (stable IN (0, 1)),
+    PRIMARY KEY (robot, motion, step),
+    FOREIGN KEY (robot, motion) REFERENCES motion (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
+) STRICT;
+
+-- The revision of the schema, kept by the migrations in lbr/database/migrations. Not to be edited.
+CREATE TABLE alembic_version (
+    version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
+) STRICT;
+
 -- Who may do what. The token itself is shown once and never stored.
 CREATE TABLE user_token (
-    name       TEXT NOT NULL PRIMARY KEY  -- whose it is
+    name        TEXT NOT NULL PRIMARY KEY  -- whose it is
         CHECK (length(name) BETWEEN 1 AND 40),
-    role       TEXT NOT NULL              -- look, move, change, or run a share of the robot
+    role        TEXT NOT NULL  -- look, move, change, or run a share of the robot
         CHECK (role IN ('view', 'operate', 'admin', 'host')),
-    hash       TEXT NOT NULL              -- of the token
+    hash        TEXT NOT NULL  -- of the token
         CHECK (length(hash) >= 32),
-    created_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
-    revoked_at TEXT,                      -- NULL: valid
-    expires_at TEXT,                      -- NULL: never
-    good_for   TEXT NOT NULL DEFAULT 'both'  -- where it lets in: the bus, the web server, or both
+    created_at  TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
+    revoked_at  TEXT,  -- NULL: valid
+    expires_at  TEXT,  -- NULL: never
+    good_for    TEXT NOT NULL DEFAULT 'both'  -- where it lets in: the bus, the web server, or both
         CHECK (good_for IN ('bus', 'web', 'both')),
-    paired_from TEXT                      -- the address that was given it for a code; NULL: made by hand
-        CHECK (paired_from IS NULL OR length(paired_from) BETWEEN 1 AND 64)
+    paired_from TEXT  -- the address that was given it for a code; NULL: made by hand
+        CHECK (paired_from IS NULL OR (length(paired_from) BETWEEN 1 AND 64))
 ) STRICT;
 
 -- Every change of the rows above that make the robot, kept by the triggers at the end of this file.
 CREATE TABLE revision (
     id         INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up, and is never used again
-    table_name TEXT NOT NULL,  -- which table
-    row_key    TEXT NOT NULL  -- JSON list: the row's primary key (after an update, the new one)
-        CHECK (json_valid(row_key)),
-    operation  TEXT NOT NULL  -- what was done to the row
+    table_name TEXT    NOT NULL,  -- which table
+    row_key    TEXT    NOT NULL  -- JSON list: the row's primary key (after an update, the new one)
+        CHECK (json_valid(row_key) AND json_type(row_key) = 'array'),
+    operation  TEXT    NOT NULL  -- what was done to the row
         CHECK (operation IN ('insert', 'update', 'delete')),
-    old_row    TEXT           -- JSON object: the row before; NULL for an insert
-        CHECK (old_row IS NULL OR json_valid(old_row)),
-    new_row    TEXT           -- JSON object: the row after; NULL for a delete
-        CHECK (new_row IS NULL OR json_valid(new_row)),
-    changed_at TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))  -- when
+    old_row    TEXT  -- JSON object: the row before; NULL for an insert
+        CHECK (old_row IS NULL OR (json_valid(old_row) AND json_type(old_row) = 'object')),
+    new_row    TEXT  -- JSON object: the row after; NULL for a delete
+        CHECK (new_row IS NULL OR (json_valid(new_row) AND json_type(new_row) = 'object')),
+    changed_at TEXT    NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))  -- when
 ) STRICT;
 
--- Who changed rows, and by what: written by lbr's own programs in the transaction of the change. A revision that none of
--- these has in it was made by another SQLite client.
+-- Who changed rows, and by what: written by lbr's own programs in the transaction of the change. A revision that none
+-- of these has in it was made by another SQLite client.
 CREATE TABLE change (
     first_revision INTEGER NOT NULL PRIMARY KEY,  -- its first revision
-    last_revision  INTEGER NOT NULL               -- its last one
+    last_revision  INTEGER NOT NULL  -- its last one
         CHECK (last_revision >= first_revision),
-    source         TEXT NOT NULL,                 -- who: an account here, a capability, or who asked at a page
-    program        TEXT NOT NULL,                 -- by what: lbr db rollback, executive ...
-    text           TEXT NOT NULL DEFAULT ''       -- what for, in one sentence
+    source         TEXT    NOT NULL,  -- who: an account here, a capability, or who asked at a page
+    program        TEXT    NOT NULL,  -- by what: lbr db rollback, executive ...
+    text           TEXT    NOT NULL DEFAULT ''  -- what for, in one sentence
 ) STRICT;
 
 -- Changes of rows on trial (`lbr db apply --within`): the robot goes back to the revision before, unless all that they
 -- touch is ready in time. The newest row alone counts. Written by lbr.
 CREATE TABLE trial (
     revision INTEGER NOT NULL PRIMARY KEY,  -- the last revision that is on trial
-    back     INTEGER NOT NULL               -- the revision to go back to
+    back     INTEGER NOT NULL  -- the revision to go back to
         CHECK (back >= 0),
-    robot    TEXT    NOT NULL,              -- whose executive judges
-    within_s REAL    NOT NULL               -- how long it may take
+    robot    TEXT    NOT NULL,  -- whose executive judges
+    within_s REAL    NOT NULL  -- how long it may take
         CHECK (within_s > 0 AND within_s <= 600),
     state    TEXT    NOT NULL DEFAULT 'running'  -- what became of it
         CHECK (state IN ('running', 'kept', 'back', 'lost')),
-    text     TEXT    NOT NULL DEFAULT ''    -- why, in one sentence
+    text     TEXT    NOT NULL DEFAULT ''  -- why, in one sentence
 ) STRICT;
 
 -- What happened; written by lbr, the oldest go when there are very many.
@@ -451,16 +470,19 @@ CREATE TABLE audit (
     source   TEXT    NOT NULL,  -- who said so, as robot/capability
     text     TEXT    NOT NULL,  -- one sentence
     previous TEXT    NOT NULL,  -- the hash of the row before; empty for the very first
-    hash     TEXT    NOT NULL   -- BLAKE2b over all of this row but itself
+    hash     TEXT    NOT NULL  -- BLAKE2b over all of this row but itself
 ) STRICT;
 
 -- The row sets that ran, so that rows which change without an edit are noticed. Written by lbr.
 CREATE TABLE adopted (
     revision INTEGER NOT NULL PRIMARY KEY,  -- the last change of rows that was in it; 0: none
-    hash     TEXT    NOT NULL,              -- BLAKE2b over the rows that make robots
-    wall_ns  INTEGER NOT NULL               -- when it was adopted first, nanoseconds since 1970
+    hash     TEXT    NOT NULL,  -- BLAKE2b over the rows that make robots
+    wall_ns  INTEGER NOT NULL  -- when it was adopted first, nanoseconds since 1970
         CHECK (wall_ns >= 0)
 ) STRICT;
+
+-- The revision of this schema, by which an older database is known.
+INSERT INTO alembic_version (version_num) VALUES ('0015');
 
 
 -- ---------------------------------------------------------------------------------------------------------------------
@@ -924,8 +946,8 @@ INSERT INTO behaviour_row (robot, behaviour, step, type, state, conditions, outp
 
 
 -- ---------------------------------------------------------------------------------------------------------------------
--- Triggers that keep the revisions, written by docs/generate.py from the columns; last, so that a new database begins at revision 0. What lbr itself writes into the
--- robot's row while it runs (last start and shutdown, emergency stop) is no revision.
+-- Triggers that keep the revisions, written by docs/generate.py as well; last, so that a new database begins at revision
+-- 0. What lbr itself writes into the robot's row while it runs (last start and shutdown, emergency stop) is no revision.
 
 CREATE TRIGGER robot_insert AFTER INSERT ON robot
 BEGIN
@@ -1111,6 +1133,228 @@ BEGIN
             NULL);
 END;
 
+CREATE TRIGGER behaviour_insert AFTER INSERT ON behaviour
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('behaviour', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'max_s', NEW.max_s));
+END;
+
+CREATE TRIGGER behaviour_update AFTER UPDATE ON behaviour
+WHEN (OLD.robot, OLD.name, OLD.help, OLD.max_s)
+     IS NOT (NEW.robot, NEW.name, NEW.help, NEW.max_s)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('behaviour', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'max_s', OLD.max_s),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'max_s', NEW.max_s));
+END;
+
+CREATE TRIGGER behaviour_delete AFTER DELETE ON behaviour
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('behaviour', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'max_s', OLD.max_s),
+            NULL);
+END;
+
+CREATE TRIGGER button_insert AFTER INSERT ON button
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('button', json_array(NEW.robot, NEW.id), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'id', NEW.id, 'name', NEW.name, 'button', NEW.button,
+            'motion', NEW.motion, 'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER button_update AFTER UPDATE ON button
+WHEN (OLD.robot, OLD.id, OLD.name, OLD.button, OLD.motion, OLD.builtin)
+     IS NOT (NEW.robot, NEW.id, NEW.name, NEW.button, NEW.motion, NEW.builtin)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('button', json_array(NEW.robot, NEW.id), 'update',
+            json_object('robot', OLD.robot, 'id', OLD.id, 'name', OLD.name, 'button', OLD.button,
+            'motion', OLD.motion, 'builtin', OLD.builtin),
+            json_object('robot', NEW.robot, 'id', NEW.id, 'name', NEW.name, 'button', NEW.button,
+            'motion', NEW.motion, 'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER button_delete AFTER DELETE ON button
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('button', json_array(OLD.robot, OLD.id), 'delete',
+            json_object('robot', OLD.robot, 'id', OLD.id, 'name', OLD.name, 'button', OLD.button,
+            'motion', OLD.motion, 'builtin', OLD.builtin),
+            NULL);
+END;
+
+CREATE TRIGGER choreography_insert AFTER INSERT ON choreography
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('choreography', json_array(NEW.robot, NEW.dance, NEW.step), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'dance', NEW.dance, 'step', NEW.step, 'power', NEW.power,
+            'angle_deg', NEW.angle_deg, 'beats', NEW.beats));
+END;
+
+CREATE TRIGGER choreography_update AFTER UPDATE ON choreography
+WHEN (OLD.robot, OLD.dance, OLD.step, OLD.power, OLD.angle_deg, OLD.beats)
+     IS NOT (NEW.robot, NEW.dance, NEW.step, NEW.power, NEW.angle_deg, NEW.beats)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('choreography', json_array(NEW.robot, NEW.dance, NEW.step), 'update',
+            json_object('robot', OLD.robot, 'dance', OLD.dance, 'step', OLD.step, 'power', OLD.power,
+            'angle_deg', OLD.angle_deg, 'beats', OLD.beats),
+            json_object('robot', NEW.robot, 'dance', NEW.dance, 'step', NEW.step, 'power', NEW.power,
+            'angle_deg', NEW.angle_deg, 'beats', NEW.beats));
+END;
+
+CREATE TRIGGER choreography_delete AFTER DELETE ON choreography
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('choreography', json_array(OLD.robot, OLD.dance, OLD.step), 'delete',
+            json_object('robot', OLD.robot, 'dance', OLD.dance, 'step', OLD.step, 'power', OLD.power,
+            'angle_deg', OLD.angle_deg, 'beats', OLD.beats),
+            NULL);
+END;
+
+CREATE TRIGGER joint_insert AFTER INSERT ON joint
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('joint', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
+            'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
+            'speed_rps', NEW.speed_rps, 'bus', NEW.bus));
+END;
+
+CREATE TRIGGER joint_update AFTER UPDATE ON joint
+WHEN (OLD.robot, OLD.name, OLD.device_id, OLD.side, OLD.sign, OLD.zero_rad, OLD.lower_rad, OLD.upper_rad,
+     OLD.speed_rps, OLD.bus)
+     IS NOT (NEW.robot, NEW.name, NEW.device_id, NEW.side, NEW.sign, NEW.zero_rad, NEW.lower_rad, NEW.upper_rad,
+     NEW.speed_rps, NEW.bus)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('joint', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
+            'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
+            'speed_rps', OLD.speed_rps, 'bus', OLD.bus),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
+            'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
+            'speed_rps', NEW.speed_rps, 'bus', NEW.bus));
+END;
+
+CREATE TRIGGER joint_delete AFTER DELETE ON joint
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('joint', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
+            'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
+            'speed_rps', OLD.speed_rps, 'bus', OLD.bus),
+            NULL);
+END;
+
+CREATE TRIGGER kinematics_insert AFTER INSERT ON kinematics
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind,
+            'track_factor', NEW.track_factor));
+END;
+
+CREATE TRIGGER kinematics_update AFTER UPDATE ON kinematics
+WHEN (OLD.robot, OLD.name, OLD.kind, OLD.track_factor)
+     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.track_factor)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind,
+            'track_factor', OLD.track_factor),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind,
+            'track_factor', NEW.track_factor));
+END;
+
+CREATE TRIGGER kinematics_delete AFTER DELETE ON kinematics
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('kinematics', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind,
+            'track_factor', OLD.track_factor),
+            NULL);
+END;
+
+CREATE TRIGGER motion_insert AFTER INSERT ON motion
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion', json_array(NEW.robot, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'lead_in', NEW.lead_in,
+            'lead_out', NEW.lead_out, 'slot', NEW.slot, 'slot_s', NEW.slot_s, 'limp', NEW.limp,
+            'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER motion_update AFTER UPDATE ON motion
+WHEN (OLD.robot, OLD.name, OLD.help, OLD.lead_in, OLD.lead_out, OLD.slot, OLD.slot_s, OLD.limp, OLD.builtin)
+     IS NOT (NEW.robot, NEW.name, NEW.help, NEW.lead_in, NEW.lead_out, NEW.slot, NEW.slot_s, NEW.limp, NEW.builtin)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion', json_array(NEW.robot, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'lead_in', OLD.lead_in,
+            'lead_out', OLD.lead_out, 'slot', OLD.slot, 'slot_s', OLD.slot_s, 'limp', OLD.limp,
+            'builtin', OLD.builtin),
+            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'lead_in', NEW.lead_in,
+            'lead_out', NEW.lead_out, 'slot', NEW.slot, 'slot_s', NEW.slot_s, 'limp', NEW.limp,
+            'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER motion_delete AFTER DELETE ON motion
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion', json_array(OLD.robot, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'lead_in', OLD.lead_in,
+            'lead_out', OLD.lead_out, 'slot', OLD.slot, 'slot_s', OLD.slot_s, 'limp', OLD.limp,
+            'builtin', OLD.builtin),
+            NULL);
+END;
+
+CREATE TRIGGER motor_insert AFTER INSERT ON motor
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motor', json_array(NEW.robot, NEW.layer, NEW.id), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'layer', NEW.layer, 'id', NEW.id, 'name', NEW.name,
+            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest,
+            'highest', NEW.highest, 'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER motor_update AFTER UPDATE ON motor
+WHEN (OLD.robot, OLD.layer, OLD.id, OLD.name, OLD.description, OLD.initial, OLD.lowest, OLD.highest, OLD.rest,
+     OLD.inverted, OLD.builtin)
+     IS NOT (NEW.robot, NEW.layer, NEW.id, NEW.name, NEW.description, NEW.initial, NEW.lowest, NEW.highest, NEW.rest,
+     NEW.inverted, NEW.builtin)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motor', json_array(NEW.robot, NEW.layer, NEW.id), 'update',
+            json_object('robot', OLD.robot, 'layer', OLD.layer, 'id', OLD.id, 'name', OLD.name,
+            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest,
+            'highest', OLD.highest, 'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
+            json_object('robot', NEW.robot, 'layer', NEW.layer, 'id', NEW.id, 'name', NEW.name,
+            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest,
+            'highest', NEW.highest, 'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
+END;
+
+CREATE TRIGGER motor_delete AFTER DELETE ON motor
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motor', json_array(OLD.robot, OLD.layer, OLD.id), 'delete',
+            json_object('robot', OLD.robot, 'layer', OLD.layer, 'id', OLD.id, 'name', OLD.name,
+            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest,
+            'highest', OLD.highest, 'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
+            NULL);
+END;
+
 CREATE TRIGGER phrase_insert AFTER INSERT ON phrase
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
@@ -1173,36 +1417,6 @@ BEGIN
             NULL);
 END;
 
-CREATE TRIGGER kinematics_insert AFTER INSERT ON kinematics
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind,
-            'track_factor', NEW.track_factor));
-END;
-
-CREATE TRIGGER kinematics_update AFTER UPDATE ON kinematics
-WHEN (OLD.robot, OLD.name, OLD.kind, OLD.track_factor)
-     IS NOT (NEW.robot, NEW.name, NEW.kind, NEW.track_factor)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('kinematics', json_array(NEW.robot, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind,
-            'track_factor', OLD.track_factor),
-            json_object('robot', NEW.robot, 'name', NEW.name, 'kind', NEW.kind,
-            'track_factor', NEW.track_factor));
-END;
-
-CREATE TRIGGER kinematics_delete AFTER DELETE ON kinematics
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('kinematics', json_array(OLD.robot, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'kind', OLD.kind,
-            'track_factor', OLD.track_factor),
-            NULL);
-END;
-
 CREATE TRIGGER wheel_insert AFTER INSERT ON wheel
 BEGIN
     INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
@@ -1230,258 +1444,6 @@ BEGIN
     VALUES ('wheel', json_array(OLD.robot, OLD.name), 'delete',
             json_object('robot', OLD.robot, 'name', OLD.name, 'motor', OLD.motor, 'x_m', OLD.x_m,
             'y_m', OLD.y_m, 'yaw_rad', OLD.yaw_rad, 'roller_rad', OLD.roller_rad, 'diameter_m', OLD.diameter_m),
-            NULL);
-END;
-
-CREATE TRIGGER choreography_insert AFTER INSERT ON choreography
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('choreography', json_array(NEW.robot, NEW.dance, NEW.step), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'dance', NEW.dance, 'step', NEW.step, 'power', NEW.power,
-            'angle_deg', NEW.angle_deg, 'beats', NEW.beats));
-END;
-
-CREATE TRIGGER choreography_update AFTER UPDATE ON choreography
-WHEN (OLD.robot, OLD.dance, OLD.step, OLD.power, OLD.angle_deg, OLD.beats)
-     IS NOT (NEW.robot, NEW.dance, NEW.step, NEW.power, NEW.angle_deg, NEW.beats)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('choreography', json_array(NEW.robot, NEW.dance, NEW.step), 'update',
-            json_object('robot', OLD.robot, 'dance', OLD.dance, 'step', OLD.step, 'power', OLD.power,
-            'angle_deg', OLD.angle_deg, 'beats', OLD.beats),
-            json_object('robot', NEW.robot, 'dance', NEW.dance, 'step', NEW.step, 'power', NEW.power,
-            'angle_deg', NEW.angle_deg, 'beats', NEW.beats));
-END;
-
-CREATE TRIGGER choreography_delete AFTER DELETE ON choreography
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('choreography', json_array(OLD.robot, OLD.dance, OLD.step), 'delete',
-            json_object('robot', OLD.robot, 'dance', OLD.dance, 'step', OLD.step, 'power', OLD.power,
-            'angle_deg', OLD.angle_deg, 'beats', OLD.beats),
-            NULL);
-END;
-
-CREATE TRIGGER calibration_insert AFTER INSERT ON calibration
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('calibration', json_array(NEW.robot, NEW.device, NEW.name), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'device', NEW.device, 'name', NEW.name, 'value', NEW.value,
-            'measured_at', NEW.measured_at));
-END;
-
-CREATE TRIGGER calibration_update AFTER UPDATE ON calibration
-WHEN (OLD.robot, OLD.device, OLD.name, OLD.value, OLD.measured_at)
-     IS NOT (NEW.robot, NEW.device, NEW.name, NEW.value, NEW.measured_at)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('calibration', json_array(NEW.robot, NEW.device, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'device', OLD.device, 'name', OLD.name, 'value', OLD.value,
-            'measured_at', OLD.measured_at),
-            json_object('robot', NEW.robot, 'device', NEW.device, 'name', NEW.name, 'value', NEW.value,
-            'measured_at', NEW.measured_at));
-END;
-
-CREATE TRIGGER calibration_delete AFTER DELETE ON calibration
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('calibration', json_array(OLD.robot, OLD.device, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'device', OLD.device, 'name', OLD.name, 'value', OLD.value,
-            'measured_at', OLD.measured_at),
-            NULL);
-END;
-
-CREATE TRIGGER joint_insert AFTER INSERT ON joint
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('joint', json_array(NEW.robot, NEW.name), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
-            'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
-            'speed_rps', NEW.speed_rps, 'bus', NEW.bus));
-END;
-
-CREATE TRIGGER joint_update AFTER UPDATE ON joint
-WHEN (OLD.robot, OLD.name, OLD.device_id, OLD.side, OLD.sign, OLD.zero_rad, OLD.lower_rad, OLD.upper_rad,
-     OLD.speed_rps, OLD.bus)
-     IS NOT (NEW.robot, NEW.name, NEW.device_id, NEW.side, NEW.sign, NEW.zero_rad, NEW.lower_rad, NEW.upper_rad,
-     NEW.speed_rps, NEW.bus)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('joint', json_array(NEW.robot, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
-            'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
-            'speed_rps', OLD.speed_rps, 'bus', OLD.bus),
-            json_object('robot', NEW.robot, 'name', NEW.name, 'device_id', NEW.device_id, 'side', NEW.side,
-            'sign', NEW.sign, 'zero_rad', NEW.zero_rad, 'lower_rad', NEW.lower_rad, 'upper_rad', NEW.upper_rad,
-            'speed_rps', NEW.speed_rps, 'bus', NEW.bus));
-END;
-
-CREATE TRIGGER joint_delete AFTER DELETE ON joint
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('joint', json_array(OLD.robot, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'device_id', OLD.device_id, 'side', OLD.side,
-            'sign', OLD.sign, 'zero_rad', OLD.zero_rad, 'lower_rad', OLD.lower_rad, 'upper_rad', OLD.upper_rad,
-            'speed_rps', OLD.speed_rps, 'bus', OLD.bus),
-            NULL);
-END;
-
-CREATE TRIGGER motion_insert AFTER INSERT ON motion
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('motion', json_array(NEW.robot, NEW.name), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'lead_in', NEW.lead_in,
-            'lead_out', NEW.lead_out, 'slot', NEW.slot, 'slot_s', NEW.slot_s, 'limp', NEW.limp,
-            'builtin', NEW.builtin));
-END;
-
-CREATE TRIGGER motion_update AFTER UPDATE ON motion
-WHEN (OLD.robot, OLD.name, OLD.help, OLD.lead_in, OLD.lead_out, OLD.slot, OLD.slot_s, OLD.limp, OLD.builtin)
-     IS NOT (NEW.robot, NEW.name, NEW.help, NEW.lead_in, NEW.lead_out, NEW.slot, NEW.slot_s, NEW.limp, NEW.builtin)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('motion', json_array(NEW.robot, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'lead_in', OLD.lead_in,
-            'lead_out', OLD.lead_out, 'slot', OLD.slot, 'slot_s', OLD.slot_s, 'limp', OLD.limp,
-            'builtin', OLD.builtin),
-            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'lead_in', NEW.lead_in,
-            'lead_out', NEW.lead_out, 'slot', NEW.slot, 'slot_s', NEW.slot_s, 'limp', NEW.limp,
-            'builtin', NEW.builtin));
-END;
-
-CREATE TRIGGER motion_delete AFTER DELETE ON motion
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('motion', json_array(OLD.robot, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'lead_in', OLD.lead_in,
-            'lead_out', OLD.lead_out, 'slot', OLD.slot, 'slot_s', OLD.slot_s, 'limp', OLD.limp,
-            'builtin', OLD.builtin),
-            NULL);
-END;
-
-CREATE TRIGGER motion_step_insert AFTER INSERT ON motion_step
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step,
-            'duration_s', NEW.duration_s, 'positions', NEW.positions, 'stable', NEW.stable));
-END;
-
-CREATE TRIGGER motion_step_update AFTER UPDATE ON motion_step
-WHEN (OLD.robot, OLD.motion, OLD.step, OLD.duration_s, OLD.positions, OLD.stable)
-     IS NOT (NEW.robot, NEW.motion, NEW.step, NEW.duration_s, NEW.positions, NEW.stable)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'update',
-            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step,
-            'duration_s', OLD.duration_s, 'positions', OLD.positions, 'stable', OLD.stable),
-            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step,
-            'duration_s', NEW.duration_s, 'positions', NEW.positions, 'stable', NEW.stable));
-END;
-
-CREATE TRIGGER motion_step_delete AFTER DELETE ON motion_step
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('motion_step', json_array(OLD.robot, OLD.motion, OLD.step), 'delete',
-            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step,
-            'duration_s', OLD.duration_s, 'positions', OLD.positions, 'stable', OLD.stable),
-            NULL);
-END;
-
-CREATE TRIGGER motor_insert AFTER INSERT ON motor
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('motor', json_array(NEW.robot, NEW.layer, NEW.id), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'layer', NEW.layer, 'id', NEW.id, 'name', NEW.name,
-            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest,
-            'highest', NEW.highest, 'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
-END;
-
-CREATE TRIGGER motor_update AFTER UPDATE ON motor
-WHEN (OLD.robot, OLD.layer, OLD.id, OLD.name, OLD.description, OLD.initial, OLD.lowest, OLD.highest, OLD.rest,
-     OLD.inverted, OLD.builtin)
-     IS NOT (NEW.robot, NEW.layer, NEW.id, NEW.name, NEW.description, NEW.initial, NEW.lowest, NEW.highest, NEW.rest,
-     NEW.inverted, NEW.builtin)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('motor', json_array(NEW.robot, NEW.layer, NEW.id), 'update',
-            json_object('robot', OLD.robot, 'layer', OLD.layer, 'id', OLD.id, 'name', OLD.name,
-            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest,
-            'highest', OLD.highest, 'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
-            json_object('robot', NEW.robot, 'layer', NEW.layer, 'id', NEW.id, 'name', NEW.name,
-            'description', NEW.description, 'initial', NEW.initial, 'lowest', NEW.lowest,
-            'highest', NEW.highest, 'rest', NEW.rest, 'inverted', NEW.inverted, 'builtin', NEW.builtin));
-END;
-
-CREATE TRIGGER motor_delete AFTER DELETE ON motor
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('motor', json_array(OLD.robot, OLD.layer, OLD.id), 'delete',
-            json_object('robot', OLD.robot, 'layer', OLD.layer, 'id', OLD.id, 'name', OLD.name,
-            'description', OLD.description, 'initial', OLD.initial, 'lowest', OLD.lowest,
-            'highest', OLD.highest, 'rest', OLD.rest, 'inverted', OLD.inverted, 'builtin', OLD.builtin),
-            NULL);
-END;
-
-CREATE TRIGGER button_insert AFTER INSERT ON button
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('button', json_array(NEW.robot, NEW.id), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'id', NEW.id, 'name', NEW.name, 'button', NEW.button,
-            'motion', NEW.motion, 'builtin', NEW.builtin));
-END;
-
-CREATE TRIGGER button_update AFTER UPDATE ON button
-WHEN (OLD.robot, OLD.id, OLD.name, OLD.button, OLD.motion, OLD.builtin)
-     IS NOT (NEW.robot, NEW.id, NEW.name, NEW.button, NEW.motion, NEW.builtin)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('button', json_array(NEW.robot, NEW.id), 'update',
-            json_object('robot', OLD.robot, 'id', OLD.id, 'name', OLD.name, 'button', OLD.button,
-            'motion', OLD.motion, 'builtin', OLD.builtin),
-            json_object('robot', NEW.robot, 'id', NEW.id, 'name', NEW.name, 'button', NEW.button,
-            'motion', NEW.motion, 'builtin', NEW.builtin));
-END;
-
-CREATE TRIGGER button_delete AFTER DELETE ON button
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('button', json_array(OLD.robot, OLD.id), 'delete',
-            json_object('robot', OLD.robot, 'id', OLD.id, 'name', OLD.name, 'button', OLD.button,
-            'motion', OLD.motion, 'builtin', OLD.builtin),
-            NULL);
-END;
-
-CREATE TRIGGER behaviour_insert AFTER INSERT ON behaviour
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('behaviour', json_array(NEW.robot, NEW.name), 'insert',
-            NULL,
-            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'max_s', NEW.max_s));
-END;
-
-CREATE TRIGGER behaviour_update AFTER UPDATE ON behaviour
-WHEN (OLD.robot, OLD.name, OLD.help, OLD.max_s)
-     IS NOT (NEW.robot, NEW.name, NEW.help, NEW.max_s)
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('behaviour', json_array(NEW.robot, NEW.name), 'update',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'max_s', OLD.max_s),
-            json_object('robot', NEW.robot, 'name', NEW.name, 'help', NEW.help, 'max_s', NEW.max_s));
-END;
-
-CREATE TRIGGER behaviour_delete AFTER DELETE ON behaviour
-BEGIN
-    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
-    VALUES ('behaviour', json_array(OLD.robot, OLD.name), 'delete',
-            json_object('robot', OLD.robot, 'name', OLD.name, 'help', OLD.help, 'max_s', OLD.max_s),
             NULL);
 END;
 
@@ -1518,6 +1480,66 @@ BEGIN
             json_object('robot', OLD.robot, 'behaviour', OLD.behaviour, 'step', OLD.step, 'type', OLD.type,
             'state', OLD.state, 'conditions', OLD.conditions, 'outputs', OLD.outputs,
             'next_state', OLD.next_state, 'deadline_s', OLD.deadline_s),
+            NULL);
+END;
+
+CREATE TRIGGER calibration_insert AFTER INSERT ON calibration
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('calibration', json_array(NEW.robot, NEW.device, NEW.name), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'device', NEW.device, 'name', NEW.name, 'value', NEW.value,
+            'measured_at', NEW.measured_at));
+END;
+
+CREATE TRIGGER calibration_update AFTER UPDATE ON calibration
+WHEN (OLD.robot, OLD.device, OLD.name, OLD.value, OLD.measured_at)
+     IS NOT (NEW.robot, NEW.device, NEW.name, NEW.value, NEW.measured_at)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('calibration', json_array(NEW.robot, NEW.device, NEW.name), 'update',
+            json_object('robot', OLD.robot, 'device', OLD.device, 'name', OLD.name, 'value', OLD.value,
+            'measured_at', OLD.measured_at),
+            json_object('robot', NEW.robot, 'device', NEW.device, 'name', NEW.name, 'value', NEW.value,
+            'measured_at', NEW.measured_at));
+END;
+
+CREATE TRIGGER calibration_delete AFTER DELETE ON calibration
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('calibration', json_array(OLD.robot, OLD.device, OLD.name), 'delete',
+            json_object('robot', OLD.robot, 'device', OLD.device, 'name', OLD.name, 'value', OLD.value,
+            'measured_at', OLD.measured_at),
+            NULL);
+END;
+
+CREATE TRIGGER motion_step_insert AFTER INSERT ON motion_step
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'insert',
+            NULL,
+            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step,
+            'duration_s', NEW.duration_s, 'positions', NEW.positions, 'stable', NEW.stable));
+END;
+
+CREATE TRIGGER motion_step_update AFTER UPDATE ON motion_step
+WHEN (OLD.robot, OLD.motion, OLD.step, OLD.duration_s, OLD.positions, OLD.stable)
+     IS NOT (NEW.robot, NEW.motion, NEW.step, NEW.duration_s, NEW.positions, NEW.stable)
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion_step', json_array(NEW.robot, NEW.motion, NEW.step), 'update',
+            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step,
+            'duration_s', OLD.duration_s, 'positions', OLD.positions, 'stable', OLD.stable),
+            json_object('robot', NEW.robot, 'motion', NEW.motion, 'step', NEW.step,
+            'duration_s', NEW.duration_s, 'positions', NEW.positions, 'stable', NEW.stable));
+END;
+
+CREATE TRIGGER motion_step_delete AFTER DELETE ON motion_step
+BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('motion_step', json_array(OLD.robot, OLD.motion, OLD.step), 'delete',
+            json_object('robot', OLD.robot, 'motion', OLD.motion, 'step', OLD.step,
+            'duration_s', OLD.duration_s, 'positions', OLD.positions, 'stable', OLD.stable),
             NULL);
 END;
 

@@ -1,6 +1,7 @@
-"""Write docs/reference/*.md from the rows, kinds, messages, settings and commands themselves, and the triggers of robot.db.sql.
+"""Write docs/reference/*.md, and the tables and triggers of robot.db.sql, from rows, kinds, messages, settings and commands.
 
-`python docs/generate.py` writes what has changed; with `--check` it writes nothing and fails if a page is stale.
+`python docs/generate.py` writes what has changed; with `--check` it writes nothing and fails if a page is stale. Where tables
+have changed, `--step NAME` writes the step, too, that brings an older database along.
 """
 
 import ast
@@ -10,6 +11,7 @@ import sys
 import tomllib
 from collections.abc import Iterable, Mapping
 from contextlib import closing
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
@@ -18,6 +20,7 @@ from typing import Any
 import click
 import msgspec
 from msgspec import Struct, inspect
+from sqlalchemy import Column, MetaData, Table
 
 from lbr import plugins
 from lbr.bus import keys
@@ -25,13 +28,12 @@ from lbr.capability import registry, twins
 from lbr.capability.kind import Kind
 from lbr.console.fields import Message
 from lbr.console.verbs import Vocabulary
-from lbr.database import builtin
+from lbr.database import builtin, migrate, schema
 from lbr.database.arguments import told
+from lbr.database.books import BOOKS
 from lbr.database.checks import check
-from lbr.database.rows import ExternalCommandRow, VerbRow
+from lbr.database.rows import CORE, ExternalCommandRow, VerbRow
 from lbr.database.shipped import shipped
-from lbr.database.tables import WRITTEN_BY_LBR
-from lbr.database.triggers import revision_triggers
 from lbr.drivers.wheels import contract
 from lbr.executive.planning import words
 from lbr.executive.planning.profile import Profile
@@ -45,7 +47,7 @@ from lbr.simulation import faults
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = ROOT / "docs" / "reference"
 NOWHERE = Path("/nowhere")
-HEAD = "<!-- Written by docs/generate.py; do not edit. -->\n\n"
+PAGE_HEAD = "<!-- Written by docs/generate.py; do not edit. -->\n\n"
 ROBOTS = ("lbr", "bioloid", "uxa90")
 FAMILIES = ("driver", "operation", "app", "program", "simulation")
 
@@ -55,6 +57,12 @@ def main(arguments: list[str]) -> int:
     if missing := not_installed():
         print(f"not installed yet: {', '.join(missing)}; run pip install -e . first", file=sys.stderr)
         return 1
+    named = arguments[arguments.index("--step") + 1 :] if "--step" in arguments else []
+    if (changed := other_tables()) and not named:
+        print(f"tables that are others now: {', '.join(changed)}; python docs/generate.py --step NAME", file=sys.stderr)
+        return 1
+    if changed:
+        write_step(named[0], changed)
     stale = []
     for name, text in pages().items():
         path = ROOT / name
@@ -83,17 +91,17 @@ def pages() -> dict[str, str]:
     """Return the text of every file that is written here, by its path."""
     sql = (ROOT / "robot.db.sql").read_text()
     references = {
-        "rows.md": HEAD + rows_page(sql),
-        "topics.md": HEAD + topics_page(kinds()),
-        "console.md": HEAD + console_page(),
-        "settings.md": HEAD + settings_page(kinds()),
-        "cli.md": HEAD + cli_page(),
-        "codes.md": HEAD + codes_page(),
+        "rows.md": PAGE_HEAD + rows_page(),
+        "topics.md": PAGE_HEAD + topics_page(kinds()),
+        "console.md": PAGE_HEAD + console_page(),
+        "settings.md": PAGE_HEAD + settings_page(kinds()),
+        "cli.md": PAGE_HEAD + cli_page(),
+        "codes.md": PAGE_HEAD + codes_page(),
         "lbr.1": man_page(),
     }
     written = {str((PAGES / name).relative_to(ROOT)): text for name, text in references.items()}
     drivers = with_contract((ROOT / "docs" / "drivers.md").read_text(), contract)
-    return {**written, "docs/drivers.md": drivers, "robot.db.sql": with_triggers(sql)}
+    return {**written, "docs/drivers.md": drivers, "robot.db.sql": with_schema(sql)}
 
 
 def kinds() -> list[Kind]:
@@ -102,26 +110,82 @@ def kinds() -> list[Kind]:
     return sorted(found, key=lambda kind: (FAMILIES.index(kind.family), kind.name))
 
 
-# -- triggers ---------------------------------------------------------------------------------------------------------
+# -- tables -----------------------------------------------------------------------------------------------------------
 
+_STAMP = re.compile(r"(INTO alembic_version \(version_num\) VALUES \()'\d+'")
+SCHEMA_HEAD = "-- The tables, written by docs/generate.py from their declarations: each is a class of rows in lbr.\n\n"
+_TABLES = re.compile(r"(?<=^BEGIN;\n\n).*?(?=^-- The revision of this schema)", re.MULTILINE | re.DOTALL)
 _TRIGGERS = re.compile(r"^CREATE TRIGGER robot_insert .*?(?=^-- The audit trail)", re.MULTILINE | re.DOTALL)
-_WITHOUT_REVISIONS = {"alembic_version", "user_token", "revision", "change", "trial", "event", "audit", "adopted"}
 
 
-def with_triggers(sql: str) -> str:
-    """Return robot.db.sql with the triggers that keep the revisions, as its tables' columns want them."""
-    written = []
+@cache
+def tables() -> MetaData:
+    """Return every table: what every robot has, what kinds read, and the books of lbr."""
+    books = {book.TABLE for book in BOOKS}
+    read = {read.row for kind in kinds() for read in kind.reads if read.row.TABLE not in books}
+    return schema.metadata((*CORE, *sorted(read, key=lambda row: (bool(row.whole()), row.TABLE)), *BOOKS))
+
+
+def other_tables() -> dict[str, str]:
+    """Return the SQL by which tables become what they are declared to be, of those that robot.db.sql has otherwise."""
+    books = {book.TABLE for book in BOOKS}
     with closing(sqlite3.connect(":memory:")) as database:
-        database.executescript(sql)
-        tables = database.execute("SELECT name FROM sqlite_schema WHERE type = 'table' ORDER BY rowid").fetchall()
-        for (table,) in tables:
-            if table in _WITHOUT_REVISIONS or table.startswith("sqlite_"):
+        database.executescript((ROOT / "robot.db.sql").read_text())
+        before = dict(database.execute("SELECT name, sql FROM sqlite_schema WHERE type = 'table'"))
+        found = {}
+        for table in tables().tables.values():
+            text, old = schema.text(table), before.get(table.name, "")
+            if _bare(text.partition("CREATE TABLE")[2]) == _bare(old.partition("CREATE TABLE")[2] + ";"):
                 continue
-            found = database.execute("SELECT name, pk FROM pragma_table_info(?)", (table,)).fetchall()
-            kept = [name for name, _ in found if (table, name) not in WRITTEN_BY_LBR]
-            key = [name for name, place in sorted(found, key=lambda one: one[1]) if place]
-            written.append(revision_triggers(table, kept, key))
-    return _TRIGGERS.sub(lambda _: "\n".join(written) + "\n", sql)
+            there = database.execute("SELECT name FROM pragma_table_info(?)", (table.name,)).fetchall()
+            kept = [name for (name,) in there if name in table.columns]
+            made = schema.rebuilt(table, kept) if old else text
+            found[table.name] = made + ("" if table.name in books else f"\n{schema.revision_triggers(table)}")
+        gone = before.keys() - tables().tables.keys() - {"sqlite_sequence"}
+    return found | {name: f"DROP TABLE {name};\n" for name in gone}
+
+
+def _bare(sql: str) -> str:
+    """Return SQL without comments, and with single blanks."""
+    return " ".join(re.sub(r"--.*", "", sql).replace(",", " , ").split())
+
+
+def write_step(name: str, changed: Mapping[str, str]) -> None:
+    """Write the step of an upgrade that has these tables become others; its number is the schema's."""
+    before, migrate.HEAD = migrate.HEAD, f"{int(migrate.HEAD) + 1:04d}"
+    path = ROOT / "lbr" / "database" / "migrations" / "versions" / f"v{migrate.HEAD}_{name.replace(' ', '_')}.py"
+    script = "\n".join(changed.values())
+    path.write_text(STEP.format(name=name, revision=migrate.HEAD, before=before, script=script))
+
+
+STEP = '''"""The schema after: {name}."""
+
+from lbr.database.migrate import run
+
+revision = "{revision}"
+down_revision = "{before}"
+SCRIPT = r"""
+{script}"""
+
+
+def upgrade() -> None:
+    """Change the schema, in the transaction of the caller."""
+    run(SCRIPT)
+
+
+def downgrade() -> None:
+    """Change nothing: an older database is kept as a backup whenever one is upgraded."""
+'''
+
+
+def with_schema(sql: str) -> str:
+    """Return robot.db.sql with its tables, and the triggers that keep the revisions, as they are declared."""
+    books = {book.TABLE for book in BOOKS}
+    every = [schema.text(table) for table in tables().tables.values()]
+    triggers = [schema.revision_triggers(table) for table in tables().tables.values() if table.name not in books]
+    sql = _TABLES.sub(lambda _: SCHEMA_HEAD + "\n".join(every) + "\n", sql)
+    sql = _TRIGGERS.sub(lambda _: "\n".join(triggers) + "\n", sql)
+    return _STAMP.sub(rf"\g<1>'{migrate.HEAD}'", sql)
 
 
 # -- contracts --------------------------------------------------------------------------------------------------------
@@ -157,78 +221,42 @@ def _one_line(text: str) -> str:
 
 # -- rows -------------------------------------------------------------------------------------------------------------
 
-_TABLE = re.compile(r"((?:^--[^\n]*\n)+)CREATE TABLE (\w+) \(\n(.*?)^\) STRICT;", re.MULTILINE | re.DOTALL)
-_COLUMN = re.compile(r"^    ([a-z_]+)\s+(TEXT|INTEGER|REAL)\b(.*)$")
-_CONSTRAINT = re.compile(r"^    (PRIMARY KEY|FOREIGN KEY|CHECK) ?(.*)$")
 
-
-def rows_page(sql: str) -> str:
+def rows_page() -> str:
     """Return the reference of tables and columns."""
     parts = [
         "# The rows\n",
-        "Every table of a robot database, from `robot.db.sql`. How to edit them is in [the rows](../rows.md).\n",
+        "Every table of a robot database, as `robot.db.sql` makes them. How to edit them is in [the rows](../rows.md).\n",
     ]
-    parts += [_table_section(name, comment, body) for comment, name, body in _TABLE.findall(sql)]
-    return "\n".join(parts)
+    return "\n".join(parts + [_table_section(table) for table in tables().tables.values()])
 
 
-def columns(body: str) -> list[dict[str, str]]:
-    """Return name, type, comment and constraints of each column of a table's body."""
-    found: list[dict[str, str]] = []
-    for line in body.splitlines():
-        code, _, comment = line.partition("-- ")
-        column = _COLUMN.match(code)
-        if column:
-            found.append({"name": column[1], "type": column[2], "rules": column[3], "comment": comment.strip()})
-        elif found and not _CONSTRAINT.match(line):
-            found[-1]["rules"] += " " + code.strip()
-    return found
-
-
-def _table_section(name: str, comment: str, body: str) -> str:
-    text = " ".join(line.lstrip("- ").strip() for line in comment.splitlines() if line.strip("- "))
-    rows = [
-        (f"`{c['name']}`", c["type"].lower(), _default(c["rules"]), c["comment"], _rules(c["rules"]))
-        for c in columns(body)
+def _table_section(table: Table) -> str:
+    columns = [
+        (f"`{one.name}`", str(one.type).lower(), _default(one), schema.comment(one), one.info.get("allowed", ""))
+        for one in table.columns
     ]
-    keys_ = [f"`{m[0].strip()}`" for line in body.splitlines() if (m := _CONSTRAINT.match(line.rstrip(",")))]
-    table = _table(("column", "type", "default", "meaning", "allowed"), rows)
-    return f"## {name}\n\n{text}\n\n{table}" + (f"\nOver all columns: {', '.join(keys_)}.\n" if keys_ else "")
+    over = "; ".join(f"`{rule}`" for rule in schema.over_all(table))
+    head = ("column", "type", "default", "meaning", "allowed")
+    return f"## {table.name}\n\n{table.comment}\n\n{_table(head, columns)}\nOver all columns: {over}.\n{_users(table.name)}"
 
 
-def _default(rules: str) -> str:
-    if found := re.search(r"DEFAULT (\(strftime[^)]*\)+|'[^']*'|-?[0-9.]+)", rules):
-        return "now" if "strftime" in found[1] else f"`{found[1]}`"
-    return "required" if "NOT NULL" in rules else "`NULL`"
-
-
-def _rules(rules: str) -> str:
+def _users(table: str) -> str:
+    """Return which kinds read a table, and which of them write it."""
     said = []
-    if "PRIMARY KEY" in rules:
-        said.append("the key")
-    if found := re.search(r"REFERENCES (\w+) \((\w+)\)", rules):
-        said.append(f"a `{found[1]}`")
-    if "GLOB '[a-z]*'" in rules and "length" in rules:
-        said.append("a name: `[a-z][a-z0-9_]*`, 40 characters at most")
-        rules = rules.replace("name <> 'executive'", "CHECK-NOT")
-        said += ["not `executive`"] if "CHECK-NOT" in rules else []
-    elif "GLOB '[a-z]*.[a-z]*'" in rules:
-        said.append("`capability.port`")
-    elif check := _checked(rules):
-        said.append(f"`{check}`")
-    return "; ".join(said)
+    for what, of in (("Read by", "reads"), ("Learnt by", "learns"), ("Edited by", "edits")):
+        users = [
+            kind.name for kind in kinds() if table in {getattr(one, "row", one).TABLE for one in getattr(kind, of)}
+        ]
+        said += [f"{what} {', '.join(f'`{name}`' for name in users)}."] if users else []
+    return f"\n{' '.join(said)}\n" if said else ""
 
 
-def _checked(rules: str) -> str:
-    start = rules.find("CHECK (")
-    if start < 0:
-        return ""
-    depth, begin = 0, start + len("CHECK (")
-    for place in range(begin - 1, len(rules)):
-        depth += {"(": 1, ")": -1}.get(rules[place], 0)
-        if depth == 0:
-            return " ".join(rules[begin:place].split())
-    return ""
+def _default(column: Column[Any]) -> str:
+    if column.server_default is None:
+        return "`NULL`" if column.nullable else "given" if "counted" in column.info else "required"
+    default = schema.default_of(column)
+    return "now" if "strftime" in default else f"`{default}`"
 
 
 # -- codes ------------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""`lbr db`: init, add, check, diff, audit and restore, and what it has from other modules: the rows' past."""
+"""`lbr db`: init, add, check, table, diff, audit and restore, and what it has from other modules: the rows' past."""
 
 from pathlib import Path
 
@@ -15,16 +15,14 @@ from lbr.messages.rows import shown
 
 @click.group("db")
 def command() -> None:
-    """Create, check, compare and restore the robot's rows. Edit them with any SQLite client; a running robot
-    follows."""
+    """Create, check, compare and restore robots' rows. Edit them with any SQLite client; a running robot follows."""
 
 
 @command.command("init")
 @database_option
 @click.option("--sql", type=FileName(exists=True, dir_okay=False), help="Instead of the rows of all robots.")
-def init(database: Path | None, sql: Path | None) -> int:
-    """Create the database with the rows of all robots that there are (lbr robots); a file that is there is left
-    alone."""
+def init(database: Path | None, sql: Path | None) -> None:
+    """Create the database with the rows of all robots (see 'lbr robots'); a file that is there is left alone."""
     from lbr import home  # noqa: PLC0415 - the database is for those who read rows
     from lbr.executive.planning import joining  # noqa: PLC0415
 
@@ -32,14 +30,13 @@ def init(database: Path | None, sql: Path | None) -> int:
     for left_out in joining.create(path, sql):
         click.echo(f"left out: {left_out}", err=True)
     click.echo(f"created {path}")
-    return 0
 
 
 @command.command("add")
 @click.argument("robot", shell_complete=complete_robot)
 @database_option
 @json_option
-def add(robot: str, database: Path | None, as_json: bool) -> int:
+def add(robot: str, database: Path | None, as_json: bool) -> None:
     """Add the rows of ROBOT that its package brings and that are not in the database yet; others stay as they are.
 
     A database that is older than a robot gets it at its first run, too; one that is older than some rows only this way.
@@ -54,7 +51,6 @@ def add(robot: str, database: Path | None, as_json: bool) -> int:
         click.echo(f"added to {rows.path}: " + ", ".join(f"{count} of {table}" for table, count in added.items()))
     else:
         click.echo(f"all rows that {robot} brings are in {rows.path}")
-    return 0
 
 
 @command.command("check")
@@ -87,6 +83,17 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
     return 2 if any(problems.values()) else 0
 
 
+@command.command("table")
+@click.argument("kind")
+def table(kind: str) -> None:
+    """Print the SQL of the tables that capabilities of KIND read, with the triggers that keep their changes."""
+    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
+    from lbr.capability import registry  # noqa: PLC0415
+    from lbr.database import schema  # noqa: PLC0415
+
+    click.echo("\n".join(schema.script(read.row) for read in registry.find(kind, home.home()).reads), nl=False)
+
+
 def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
     for name, found in problems.items():
         for problem in found:
@@ -106,8 +113,7 @@ def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
 def diff(first: int | None, second: int | None, database: Path | None, as_json: bool) -> int:
     """Show what differs from the rows that lbr and the robots' packages bring. Exit code 0 either way.
 
-    With revision A, show what has changed since then; with A and B, from one to the other ('lbr db history' lists
-    them).
+    With revision A, show what has changed since then; with A and B, from one to the other (see 'lbr db history').
     """
     from lbr.database.shipped import differences  # noqa: PLC0415
 

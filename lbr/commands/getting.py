@@ -39,7 +39,7 @@ class Setting(Struct, frozen=True):
 @click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="The settings of this robot's parts.")
 @database_option
 @json_option
-def command(setting: str, robot: str | None, database: Path | None, as_json: bool) -> int:
+def command(setting: str, robot: str | None, database: Path | None, as_json: bool) -> None:
     """Print a setting, all settings of a part, or what the rows of all parts set. 'lbr set' changes one."""
     part, name = parted(setting)
     with opened(database) as rows:
@@ -59,7 +59,6 @@ def command(setting: str, robot: str | None, database: Path | None, as_json: boo
             click.echo(one_line(str(one)))
         if not settings:
             click.echo(f"{shown(part)} has no settings" if part else f"no row of '{shown(whose)}' sets anything")
-    return 0
 
 
 def _of(row: "CapabilityRow") -> "Iterator[Setting]":

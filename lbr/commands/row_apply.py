@@ -88,7 +88,7 @@ def import_(
 @click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="Write the rows of one robot alone.")
 @database_option
 @json_option
-def export(folder: Path, robot: str | None, database: Path | None, as_json: bool) -> int:
+def export(folder: Path, robot: str | None, database: Path | None, as_json: bool) -> None:
     """Write the rows into DIR as text that git compares well: a folder for each robot, a file for each table.
 
     Files that are there are overwritten; tokens, events and the audit trail stay out of it.
@@ -108,7 +108,6 @@ def export(folder: Path, robot: str | None, database: Path | None, as_json: bool
         click.echo(
             f"wrote {len(files)} files of {len({one.robot for one in files})} folders into {folder}: revision {revision}"
         )
-    return 0
 
 
 COMMANDS = (plan, apply, export, import_)

@@ -51,11 +51,10 @@ def command() -> None:
 @power_off_option
 @motor_relay_option
 @root_option
-def show(profile: str, user: str | None, power_off: bool, motor_relay: str | None, root: Path) -> int:
+def show(profile: str, user: str | None, power_off: bool, motor_relay: str | None, root: Path) -> None:
     """Print the files that 'install' writes: unit, user, device rules."""
     for name, text in _files(profile, user, root, power_off=power_off, motor_relay=motor_relay).items():
         click.echo(f"# ---- {root / name}\n{text}")
-    return 0
 
 
 @command.command("install")

@@ -117,11 +117,10 @@ def list_tokens(database: Path | None, as_json: bool) -> int:
 @command.command("revoke")
 @click.argument("name", shell_complete=complete_token)
 @database_option
-def revoke(name: str, database: Path | None) -> int:
+def revoke(name: str, database: Path | None) -> None:
     """Take a token's rights away: who came in with it is out within a second, and stays out."""
     with _opened(database) as rows:
         rows.revoke_token(name)
-    return 0
 
 
 def _opened(path: Path | None) -> "Database":

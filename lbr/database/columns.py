@@ -5,17 +5,18 @@ import math
 import re
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, NoReturn, get_args
+from typing import Annotated, Any, Literal, NoReturn, get_args, get_origin
 
 import msgspec
 from msgspec import inspect
 
+from lbr.messages import shapes
 from lbr.messages.rows import Row, shown
 
 MAX_TEXT = 100_000
 _HALF = re.compile("[\ud800-\udfff]")
-_OBJECT = 'is not a JSON object like {"key": 1}'
-_LIST = 'is not a JSON list like ["a", "b"]'
+_OBJECT = f"is not {shapes.OBJECT.words}"
+_LIST = f"is not {shapes.LIST.words}"
 _TEXTS = 'is not a JSON list of strings like ["a", "b"]'
 
 
@@ -35,62 +36,77 @@ def raw(row: Row) -> dict[str, Any]:
 
 
 class Column:
-    """Reads and writes one column. `stand_in` is a harmless value for one that cannot be read."""
+    """Reads and writes one column. `stand_in` is a harmless value for one that cannot be read.
+
+    The changes of one that is `by_lbr` are no edits.
+    """
 
     def __init__(self, field: msgspec.structs.FieldInfo) -> None:
+        self.field = field
         self._type = field.type
-        info, self._extra, self._nullable = _bare(inspect.type_info(field.type))
-        self._info: Any = info
-        self._is_flag = isinstance(info, inspect.BoolType)
-        self._is_text = isinstance(info, inspect.StrType)
-        self._is_json = not self._is_flag and not isinstance(
+        self.info, self.extra, self.nullable = _bare(inspect.type_info(field.type))
+        info = self.info
+        self.is_flag = isinstance(info, inspect.BoolType)
+        self.is_text = isinstance(info, inspect.StrType)
+        self.is_json = not self.is_flag and not isinstance(
             info, inspect.StrType | inspect.IntType | inspect.FloatType | inspect.LiteralType
         )
+        shape = self.extra.get("shape")
+        self._meant = shape.words if shape is not None and self.is_text and info.pattern else ""
         self.stand_in: Any = self._stand_in(field)
-
-    @property
-    def is_flag(self) -> bool:
-        """Say whether it holds 0 or 1."""
-        return self._is_flag
+        self.by_lbr = "by_lbr" in self.extra
 
     @property
     def holds_json(self) -> bool:
         """Say whether it holds JSON, as text."""
-        return self._is_json or "json" in self._extra
+        return self.is_json or self.extra.get("shape") is shapes.OBJECT
 
     def read(self, value: Any) -> Any:
         """Return the value of a column; WrongError says what is wrong with it."""
-        if value is None and self._nullable:
+        if value is None and self.nullable:
             return None
-        if self._is_text and "meant" not in self._extra:
+        if self.is_text and not self._meant:
             self._check_text(value)
-        if self._is_flag and not (isinstance(value, int) and value in (0, 1)):
+        if self.is_flag and not (isinstance(value, int) and value in (0, 1)):
             raise WrongError(f"'{shown(value)}' is neither 0 nor 1")
-        plain = bool(value) if self._is_flag else self._json(value) if self._is_json else value
+        plain = bool(value) if self.is_flag else self._json(value) if self.is_json else value
         try:
             found = msgspec.convert(plain, self._type)
         except (msgspec.ValidationError, UnicodeError) as err:  # SQLite holds what is no text, too
             raise WrongError(self._sentence(plain, str(err))) from None
         if isinstance(found, float) and not math.isfinite(found):
             raise WrongError(self._number(plain))
-        if self._is_json and _texts(self._info) and any(map(text_fault, found)):
+        if self.is_json and _texts(self.info) and any(map(text_fault, found)):
             raise WrongError(_TEXTS)
-        if self._extra.get("json") == "object" and not isinstance(self._json(value), dict):
+        if self.extra.get("shape") is shapes.OBJECT and not isinstance(self._json(value), dict):
             raise WrongError(_OBJECT)
         return found
 
     def write(self, value: Any) -> Any:
         """Return what SQLite is to hold for a value."""
-        if value is None or not (self._is_flag or self._is_json):
+        if value is None or not (self.is_flag or self.is_json):
             return value
-        return int(value) if self._is_flag else json.dumps(msgspec.to_builtins(value), ensure_ascii=False)
+        return int(value) if self.is_flag else json.dumps(msgspec.to_builtins(value), ensure_ascii=False)
+
+    @property
+    def meaning(self) -> str:
+        """Return what is said of it in its annotation, or of its type."""
+        said = [*_said(self._type), *(told for told in (_described(inspect.type_info(self._type)),) if told)]
+        return said[0] if said else ""
+
+    def choices(self) -> tuple[Any, ...]:
+        """Return what a literal may be, in the order in which that was declared."""
+        literal = self._type
+        while get_origin(literal) is Annotated:
+            literal = get_args(literal)[0]
+        return get_args(literal) if get_origin(literal) is Literal else tuple(self.info.values)
 
     def _check_text(self, value: Any) -> None:
         if not isinstance(value, str):
             raise WrongError(f"is {_type(value)}, not a text")
         if fault := text_fault(value):
             raise WrongError(fault)
-        if self._info.min_length and not value.strip():
+        if self.info.min_length and not value.strip():
             raise WrongError("is empty")
 
     def _json(self, value: Any) -> Any:
@@ -107,12 +123,11 @@ class Column:
 
     def _sentence(self, value: Any, said: str) -> str:
         """Return what a value is not, as its annotation has it; or what msgspec says of it."""
-        info = self._info
-        if "meant" in self._extra and self._is_text:
-            return f"'{shown(value)}' is not {self._extra['meant']}"
+        info = self.info
+        if self._meant:
+            return f"'{shown(value)}' is not {self._meant}"
         if isinstance(info, inspect.LiteralType):
-            told = get_args(self._type) or info.values  # in the order in which they were declared
-            return f"'{shown(value)}' is not one of {', '.join(str(one) or 'an empty text' for one in told)}"
+            return f"'{shown(value)}' is not one of {', '.join(str(one) or 'an empty text' for one in self.choices())}"
         if isinstance(info, inspect.IntType):
             bounds = f" from {info.ge} to {info.le}" if info.ge is not None and info.le is not None else ""
             return f"'{shown(value)}' is not a whole number{bounds}"
@@ -124,13 +139,13 @@ class Column:
         return self._no_json(value, said)
 
     def _no_json(self, value: Any, said: str) -> str:
-        if isinstance(self._info, inspect.DictType):
+        if isinstance(self.info, inspect.DictType):
             return self._entries(value) or said if isinstance(value, dict) else _OBJECT
-        return _TEXTS if _texts(self._info) else _LIST if not isinstance(value, list) else said
+        return _TEXTS if _texts(self.info) else _LIST if not isinstance(value, list) else said
 
     def _number(self, value: Any) -> str:
-        info, zero = self._info, self._extra.get("zero")
-        null = " (or NULL)" if self._nullable else ""
+        info, zero = self.info, self.extra.get("zero")
+        null = " (or NULL)" if self.nullable else ""
         if info.gt is not None and zero is None:
             return f"'{shown(value)}' is not above {info.gt:g} and at most {info.le:g}{null}"
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
@@ -140,7 +155,7 @@ class Column:
 
     def _entries(self, value: Mapping[str, Any]) -> str:
         """Return what is wrong with the entries of an object, as far as their annotation says what is meant."""
-        _, extra, _ = _bare(self._info.value_type)
+        _, extra, _ = _bare(self.info.value_type)
         return "; ".join(
             f"'{shown(name)}': '{shown(one)}' is not {extra['meant']}"
             for name, one in value.items()
@@ -152,14 +167,14 @@ class Column:
             return field.default
         if field.default_factory is not msgspec.NODEFAULT:
             return field.default_factory()
-        if self._nullable:
+        if self.nullable:
             return None
-        info = self._info
+        info = self.info
         if isinstance(info, inspect.LiteralType):
             return info.values[0]
-        if self._is_json:
+        if self.is_json:
             return {} if isinstance(info, inspect.DictType) else ()
-        return "" if self._is_text else False if self._is_flag else 0
+        return "" if self.is_text else False if self.is_flag else 0
 
 
 def _fits(one: Any, of: Any, name: str) -> bool:
@@ -181,6 +196,16 @@ def _bare(info: Any) -> tuple[Any, dict[str, Any], bool]:
             bare, extra, _ = _bare(others[0]) if len(others) == 1 else (inspect.AnyType(), {}, True)
             return bare, extra, True
     return info, {}, False
+
+
+def _said(annotation: Any) -> list[str]:
+    """Return the texts in an annotation."""
+    texts = [one for one in getattr(annotation, "__metadata__", ()) if isinstance(one, str)]
+    return texts or [text for one in get_args(annotation) for text in _said(one)]
+
+
+def _described(info: Any) -> str:
+    return str((getattr(info, "extra_json_schema", None) or {}).get("description", ""))
 
 
 def _texts(info: Any) -> bool:

@@ -3,40 +3,15 @@ there."""
 
 import re
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 
 from lbr.messages.rows import shown
+from lbr.messages.shapes import SHAPES
 from lbr.resources import robot_db_sql
 
-_X = r"(?P<x>\w+)"
-_NAME = "small letters, digits, underscores; at most 40"
-_WORDS: tuple[tuple[str, Callable[[re.Match[str]], str]], ...] = (
-    (rf"{_X} GLOB '\[a-z\]\*' AND .*<> 'executive'", lambda _: f"a name ({_NAME}), and not 'executive'"),
-    (rf"{_X} GLOB '\[a-z\]\*' AND .*", lambda _: f"a name ({_NAME})"),
-    (rf"{_X} = '' OR \(.*\)", lambda _: f"a name ({_NAME}), or empty for none"),
-    (rf"{_X} GLOB '\[a-z\]\*\.\[a-z\]\*' AND .*", lambda _: "of the form capability.port"),
-    (rf"{_X} GLOB '\[A-Za-z\]\*' AND .*", lambda _: "a word (letters, digits, underscores; at most 40)"),
-    (rf"{_X} GLOB '\[a-z\]\[a-z\]\*' AND .*", lambda _: "a language tag in small letters, such as en"),
-    (r"(?P<x>pattern) = word OR .*", lambda _: "the row's word, or a path that begins with it: /word/{field}"),
-    (r"CASE WHEN slot IS NULL .*", lambda _: "above 0 and at most 600 if there is a slot, and NULL if there is none"),
-    (rf"{_X} IN \((?P<list>.*)\)", lambda m: "one of " + m["list"].replace("'", "")),
-    (
-        r"(?P<x>\w+) IS NULL OR length\(\w+\) BETWEEN (?P<a>\d+) AND (?P<b>\d+)",
-        lambda m: f"{m['a']} to {m['b']} characters, or NULL for none",
-    ),
-    (r"length\((?P<x>\w+)\) BETWEEN (?P<a>\d+) AND (?P<b>\d+)", lambda m: f"{m['a']} to {m['b']} characters"),
-    (r"length\((?P<x>\w+)\) <= (?P<b>\d+)", lambda m: f"at most {m['b']} characters"),
-    (r"length\((?P<x>\w+)\) >= (?P<a>\d+)", lambda m: f"at least {m['a']} characters"),
-    (rf"{_X} BETWEEN (?P<a>\S+) AND (?P<b>\S+)", lambda m: f"from {m['a']} to {m['b']}"),
-    (rf"{_X} > (?P<a>\S+) AND \w+ <= (?P<b>\S+)", lambda m: f"above {m['a']} and at most {m['b']}"),
-    (rf"{_X} >= (?P<a>\S+)", lambda m: f"at least {m['a']}"),
-    (r"(?P<y>\w+) < (?P<x>\w+)", lambda m: f"above {m['y']}"),
-    (r".*json_type\((?P<x>\w+)\) = 'object'.*", lambda _: 'a JSON object like {"key": 1}'),
-    (r".*json_type\((?P<x>\w+)\) = 'array'.*", lambda _: 'a JSON list like ["a", "b"]'),
-    (r".*json_valid\((?P<x>\w+)\)", lambda _: "JSON"),
-)
 _CHECK = re.compile(r"CHECK constraint failed: (.*)", re.DOTALL)
+_OPTIONAL = re.compile(r"\w+ IS NULL OR (?:\((?P<inner>.*)\)|(?P<plain>.*))")
 _COLUMNS = re.compile(r"(NOT NULL|UNIQUE) constraint failed: (.*)")
 _TYPE = re.compile(r"cannot store (\w+) value in (\w+) column (\w+)\.(\w+)")
 _TABLE = re.compile(
@@ -100,12 +75,11 @@ def _without_comments(statement: str) -> str:
 
 def _allowed(check: str) -> tuple[str, str]:
     """Return the column that a CHECK is about, and what it allows; empty if the CHECK is not of lbr's schema."""
-    one_line = " ".join(check.split())
-    for pattern, say in _WORDS:
-        if match := re.fullmatch(pattern, one_line):
-            column = match.groupdict().get("x") or "slot_s"
-            may_be_null = f"{column} IS NULL OR" in one_line
-            return column, say(match) + ", or NULL" * may_be_null
+    optional = _OPTIONAL.fullmatch(" ".join(check.split()))
+    bare = (optional["inner"] or optional["plain"]) if optional else " ".join(check.split())
+    for shape in SHAPES:
+        if found := shape.allowed(bare):
+            return found[0], found[1] + ", or NULL" * (optional is not None)
     return "", ""
 
 

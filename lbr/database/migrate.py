@@ -6,11 +6,13 @@ from typing import Any
 
 from lbr.database import claims
 from lbr.database.connection import Connection, pragma, transaction
+from lbr.database.constraints import statements
 from lbr.errors import RowError
 
-HEAD = "0015"
 NEW = "NEW.db"
 MIGRATIONS = Path(__file__).with_name("migrations")
+HEAD = max(step.stem[1:5] for step in MIGRATIONS.glob("versions/v*.py"))
+"""The schema of this version: the number of its newest step."""
 
 
 def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
@@ -86,6 +88,14 @@ def _upgrade(connection: Connection) -> None:
     connection.execute("DELETE FROM adopted")  # the same rows may look different now
     if _dangling(connection) > dangling:
         raise RowError(("the upgrade would leave rows that refer to none; nothing was changed: report this",))
+
+
+def run(script: str) -> None:
+    """Run SQL as a step of an upgrade, statement by statement."""
+    from alembic import op  # noqa: PLC0415
+
+    for _, statement in statements(script):
+        op.get_bind().exec_driver_sql(statement)
 
 
 class _Lent:

@@ -6,7 +6,7 @@ from typing import Any, TypeVar, cast
 from msgspec import Struct
 
 from lbr.database.columns import WrongError, columns
-from lbr.messages.rows import Row, shown
+from lbr.messages.rows import Fault, Others, Row, shown
 
 R = TypeVar("R", bound=Row)
 RawRow = Mapping[str, Any]
@@ -106,7 +106,7 @@ class Tables:
         """Return what is wrong with a table's rows, by themselves and among others."""
         if row not in self._judged:
             found = list(self._read[row][1]) if self.rows(row) or row in self._read else []
-            for check in row.CHECKS:
+            for check in (_of_a_whole, _ascending, _together, *row.CHECKS):
                 for one in self.rows(row):
                     for column, text in _told(check(one.view, self)):
                         one.wrong.add(column)
@@ -161,6 +161,25 @@ class Tables:
                 found[name] = column.stand_in
                 problems.append(Problem(row.TABLE, label, name, str(err)))
         return Read(label, row(**found), frozenset(unread), set(unread))
+
+
+def _of_a_whole(row: Row, others: Others) -> Iterator[Fault]:
+    whole = row.whole()
+    if whole and (name := getattr(row, row.KEY[0])) not in others.names(whole):
+        yield row.KEY[0], f"there is no {whole} '{shown(name)}'"
+
+
+def _ascending(row: Row, _: Others) -> Iterator[Fault]:
+    for low, high in row.ASCENDING:
+        if not getattr(row, low) < getattr(row, high):
+            yield high, f"{getattr(row, high):g} is not above {low}, {getattr(row, low):g}"
+
+
+def _together(row: Row, _: Others) -> Iterator[Fault]:
+    for pair in row.TOGETHER:
+        for name, other in (pair, pair[::-1]):
+            if getattr(row, name) is None and getattr(row, other) is not None:
+                yield name, f"is NULL, and {other} is not: they go together"
 
 
 def _label(row: type[Row], values: RawRow) -> str:

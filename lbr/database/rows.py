@@ -9,38 +9,44 @@ from msgspec import Meta, Struct, field
 from lbr.database import arguments, builtin, patterns
 from lbr.database.columns import json_strictly
 from lbr.database.reading import Problem, Tables
-from lbr.messages.rows import Fault, Others, Row, shown
+from lbr.messages import shapes
+from lbr.messages.rows import COUNTED, NOW, REQUIRED, Fault, Others, Row, shown
 from lbr.messages.system import Role, TokenRole
 from lbr.messages.units import Name, NameOrNone
 
 R = TypeVar("R", bound=Row)
 Restart = Literal["never", "on-failure", "always"]
 GoodFor = Literal["bus", "web", "both"]
-JsonObject = Annotated[str, Meta(extra={"json": "object"})]
+JsonObject = Annotated[str, Meta(extra={"shape": shapes.OBJECT})]
 """The text of a JSON object, for others to parse."""
-End = Annotated[
-    str,
-    Meta(pattern=r"^[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}$(?!\n)", extra={"meant": "of the form capability.port"}),
-]
+End = Annotated[str, Meta(pattern=r"^[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}$(?!\n)", extra={"shape": shapes.PORT})]
+BY_LBR = Meta(extra={"by_lbr": True})
+"""Of a column that lbr writes while a robot runs: its changes are no edits."""
 EXECUTIVE = "executive"
 """What verbs and channels may have as their target without a row of its own: lbr itself."""
 BUILT_IN = "is a word that every robot has, and no row changes: drop this row, or choose another word"
 
 
 class RobotRow(Row, frozen=True, kw_only=True):
-    """The robot itself; times are ISO 8601 in UTC. A latch that cannot be read is engaged."""
+    """The robots of this database; `lbr` runs one of them. Its name is the first part of every key on the bus.
+
+    Times are ISO 8601 in UTC. A latch that cannot be read is engaged.
+    """
 
     TABLE = "robot"
     KEY = ("name",)
+    SHARED = True
 
-    name: Name
-    model: str = ""
-    description: str = ""
-    owner: str = ""
-    last_start: str | None = None
-    last_shutdown: str | None = None
-    estop_engaged: bool = True
-    estop_reason: str = ""
+    name: Annotated[Name, "by which a launch profile and every other table know it"]
+    model: Annotated[str, "what it is built as"] = ""
+    description: Annotated[str, "for people"] = ""
+    owner: Annotated[str, "for people"] = ""
+    last_start: Annotated[str | None, BY_LBR, "when it last started"] = None
+    last_shutdown: Annotated[str | None, BY_LBR, "when it last shut down in order"] = None
+    estop_engaged: Annotated[
+        bool, BY_LBR, Meta(extra={"default": "0"}), "whether the emergency stop is latched, which outlasts restarts"
+    ] = True
+    estop_reason: Annotated[str, BY_LBR, "why it was latched"] = ""
 
 
 def _not_lbr(row: "CapabilityRow", _: Others) -> Iterator[Fault]:
@@ -80,21 +86,24 @@ def _used_device(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
 
 
 class CapabilityRow(Row, frozen=True, kw_only=True):
-    """One capability to run: `settings` is for the kind to parse; `needs` start before it; `process` is one that it
-    shares."""
+    """What runs: one process for each enabled row, unless rows share one."""
 
     TABLE = "capability"
     KEY = ("name",)
     CHECKS = (_not_lbr, _needs, _ring, _used_device)
 
-    name: Name
-    kind: Name
-    enabled: bool = True
-    settings: JsonObject = "{}"
-    restart: Restart = "on-failure"
-    needs: tuple[str, ...] = ()
-    process: NameOrNone = ""
-    help: str = ""
+    name: Annotated[
+        Name,
+        Meta(extra={"shape": shapes.CAPABILITY_NAME}),
+        "the second part of its keys on the bus; `executive` is lbr itself",
+    ]
+    kind: Annotated[Name, "which capability class: a registered one, or a file in $LBR_HOME/capabilities"]
+    enabled: Annotated[bool, "whether it is started"] = True
+    settings: Annotated[JsonObject, "what the kind may set; unknown keys are refused"] = "{}"
+    restart: Annotated[Restart, "when it ends: leave it, start it again after a failure, always"] = "on-failure"
+    needs: Annotated[tuple[str, ...], "the capabilities that start before it"] = ()
+    help: Annotated[str, "for people"] = ""
+    process: Annotated[NameOrNone, "the process that it shares with all that say so; empty: its own"] = ""
 
 
 def _source(row: "ChannelRow", others: Others) -> Iterator[Fault]:
@@ -112,17 +121,19 @@ def _capability_there(column: str, end: str, others: Others, known: str) -> Iter
 
 
 class ChannelRow(Row, frozen=True, kw_only=True):
-    """A wire from an output to an input, both `capability.port`; at most `rate_hz` (None: every one)."""
+    """The wiring: which output feeds which input."""
 
     TABLE = "channel"
     KEY = ("source", "target")
     CHECKS = (_source, _target)
 
-    source: End
-    target: End
-    rate_hz: Annotated[float, Meta(gt=0, le=1_000_000)] | None = None
-    history: Annotated[int, Meta(ge=1, le=64)] = 1
-    enabled: bool = True
+    source: Annotated[End, "capability.output"]
+    target: Annotated[End, "capability.input"]
+    rate_hz: (
+        Annotated[float, Meta(gt=0, le=1_000_000), "at most this many messages a second; NULL: every one"] | None
+    ) = None
+    history: Annotated[int, Meta(ge=1, le=64), "how many of the newest messages wait for the reader"] = 1
+    enabled: Annotated[bool, "whether it is wired"] = True
 
     @property
     def source_end(self) -> tuple[str, str]:
@@ -141,16 +152,20 @@ def _printable(row: "DeviceRow", _: Others) -> Iterator[Fault]:
 
 
 class DeviceRow(Row, frozen=True, kw_only=True):
-    """What is plugged in, and where."""
+    """What is plugged in. A capability's setting `device` names a row of this table."""
 
     TABLE = "device"
     KEY = ("name",)
     CHECKS = (_printable,)
 
-    name: Name
-    type: Name
-    address: Annotated[str, Meta(min_length=1, max_length=500)]
-    settings: dict[str, Any] = field(default_factory=dict)
+    name: Annotated[Name, "by which settings and calibrations know it"]
+    type: Annotated[Name, "what it is; a kind says which type it drives"]
+    address: Annotated[
+        str, Meta(min_length=1, max_length=500), "a path, usb:VID:PID[:SERIAL], by-id:GLOB, i2c:BUS:ADDRESS, unix:PATH"
+    ]
+    settings: Annotated[dict[str, Any], "what its type may set, such as the faults of its emulated twin"] = field(
+        default_factory=dict
+    )
 
 
 def _pattern(row: "VerbRow", _: Others) -> Iterator[Fault]:
@@ -197,7 +212,10 @@ def _same_lines(row: "VerbRow", others: Others) -> Iterator[Fault]:
 
 
 class VerbRow(Row, frozen=True, kw_only=True):
-    """One console line: `pattern` binds path fields to the target's message, `payload` fixes the others."""
+    """The console's vocabulary. A word may have several patterns. `/r/{power}/{angle_deg}` binds the parts of a line to
+    fields of the target command's message, `{text...}` takes the rest of the line with its slashes, and a pattern
+    without a slash is an alias, to be typed as it stands.
+    """
 
     TABLE = "verb"
     KEY = ("word", "pattern")
@@ -207,14 +225,15 @@ class VerbRow(Row, frozen=True, kw_only=True):
         str,
         Meta(
             pattern="^[A-Za-z][A-Za-z0-9_]{0,39}$(?!\\n)",
-            extra={"meant": "a word (letters, digits, underscores; at most 40)"},
+            extra={"shape": shapes.WORD},
         ),
+        "the first part of the pattern; capital letters count",
     ]
-    pattern: Annotated[str, Meta(min_length=1)]
-    target: End
-    role: Role
-    help: str
-    payload: dict[str, Any] | None = None
+    pattern: Annotated[str, Meta(min_length=1, extra={"shape": shapes.PATTERN}), "a line's form, see above"]
+    target: Annotated[End, "capability.command, or executive.NAME for what lbr does by itself"]
+    payload: Annotated[dict[str, Any] | None, "fields of the message that the pattern does not bind; NULL: none"] = None
+    role: Annotated[Role, "the least role that may say it"] = "operate"
+    help: Annotated[str, "one line for people, with units and bounds"] = ""
 
     @property
     def target_end(self) -> tuple[str, str]:
@@ -240,23 +259,25 @@ def _no_verb(row: "ExternalCommandRow", others: Others) -> Iterator[Fault]:
 
 
 class ExternalCommandRow(Row, frozen=True, kw_only=True):
-    """A program started by name, without a shell.
-
-    `arguments` says for each argument that may be typed after the name which words it may be, or the regular
-    expression that all of it must fit.
+    """Programs started at the console by name, without a shell. What follows the name is added to the arguments, as far
+    as the row allows it: `arguments` has an entry for each argument, in their order, and the last ones may be left out.
+    An entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of the
+    argument must fit, such as "[0-9]{1,3}". Nothing that begins with '-' is taken unless it stands in a list.
     """
 
     TABLE = "external_command"
     KEY = ("name",)
     CHECKS = (_program, _allowed, _no_verb)
 
-    name: Name
-    argv: tuple[str, ...]
-    blocking: bool = False
-    enabled: bool = True
-    help: str = ""
-    arguments: list[Any] | None = None
-    role: Role = "operate"
+    name: Annotated[Name, "what to type"]
+    argv: Annotated[tuple[str, ...], Meta(extra={"shape": shapes.PROGRAM}), "the program's path, then its arguments"]
+    blocking: Annotated[
+        bool, "whether the console waits for its end; otherwise it runs until it ends or `stop NAME`"
+    ] = False
+    enabled: Annotated[bool, "whether it is offered"] = True
+    help: Annotated[str, "one line for people"] = ""
+    arguments: Annotated[list[Any] | None, "what may follow the name, see above; NULL: nothing"] = None
+    role: Annotated[Role, "the least role that may start and end it"] = "operate"
 
 
 BUILT_IN_VERBS = tuple(
@@ -279,20 +300,26 @@ class RevisionRow(Struct, frozen=True, kw_only=True):
     changed_at: str
 
 
-class TokenRow(Struct, frozen=True, kw_only=True):
-    """A user's rights: `hash` is of the token; times are ISO 8601 in UTC, None for never.
+class TokenRow(Row, frozen=True, kw_only=True):
+    """Who may do what. The token itself is shown once and never stored."""
 
-    `paired_from` is the address of the device that was given it for a code, None if it was made by hand.
-    """
+    TABLE = "user_token"
+    KEY = ("name",)
+    SHARED = True
 
-    name: str
-    role: TokenRole
-    hash: str
-    created_at: str
-    revoked_at: str | None = None
-    expires_at: str | None = None
-    good_for: GoodFor = "both"
-    paired_from: str | None = None
+    name: Annotated[str, Meta(min_length=1, max_length=40), "whose it is"]
+    role: Annotated[TokenRole, "look, move, change, or run a share of the robot"]
+    hash: Annotated[str, Meta(min_length=32), "of the token"]
+    created_at: Annotated[str, NOW, "when"]
+    revoked_at: Annotated[str | None, "NULL: valid"] = None
+    expires_at: Annotated[str | None, "NULL: never"] = None
+    good_for: Annotated[GoodFor, "where it lets in: the bus, the web server, or both"] = "both"
+    paired_from: (
+        Annotated[
+            str, Meta(min_length=1, max_length=64), "the address that was given it for a code; NULL: made by hand"
+        ]
+        | None
+    ) = None
 
     def lets_in(self, door: Literal["bus", "web"]) -> bool:
         """Say whether it is one for that way in."""
@@ -308,17 +335,23 @@ class TokenRow(Struct, frozen=True, kw_only=True):
             return True
 
 
-class AuditRow(Struct, frozen=True, kw_only=True):
-    """One entry of the audit trail; number and hashes are given when it is written."""
+class AuditRow(Row, frozen=True, kw_only=True):
+    """The audit trail: who did what to the robot. Each row's hash covers the hash before it, so that `lbr db check` finds
+    a row that was changed or taken out; the oldest go when there are very many. Written by lbr, and never changed.
+    """
 
-    wall_ns: int
-    kind: str
-    subject: str
-    source: str
-    text: str
-    id: int = 0
-    previous: str = ""
-    hash: str = ""
+    TABLE = "audit"
+    KEY = ("id",)
+    SHARED = True
+
+    id: Annotated[int, COUNTED, "counts up without a gap"] = 0
+    wall_ns: Annotated[int, Meta(ge=0), "nanoseconds since 1970 by the wall clock"]
+    kind: Annotated[str, "run, shutdown, holder, stopped, estop, login, rows_changed, python ..."]
+    subject: Annotated[str, "the capability, or whom it is about"]
+    source: Annotated[str, "who said so, as robot/capability"]
+    text: Annotated[str, "one sentence"]
+    previous: Annotated[str, REQUIRED, "the hash of the row before; empty for the very first"] = ""
+    hash: Annotated[str, REQUIRED, "BLAKE2b over all of this row but itself"] = ""
 
 
 class Faulty(Struct, frozen=True):

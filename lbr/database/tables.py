@@ -2,10 +2,12 @@
 
 from typing import Any
 
+from lbr.database.columns import columns
 from lbr.database.connection import Connection, knowing, quoted, short_values
 from lbr.database.reading import RawRow, RawTables
+from lbr.database.rows import CORE
 
-WRITTEN_BY_LBR = {("robot", name) for name in ("last_start", "last_shutdown", "estop_engaged", "estop_reason")}
+WRITTEN_BY_LBR = {(row.TABLE, name) for row in CORE for name, column in columns(row).items() if column.by_lbr}
 """Columns that lbr writes while a robot runs; their changes are no edits."""
 
 _COLUMNS = """

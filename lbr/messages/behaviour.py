@@ -1,12 +1,11 @@
 """Messages and rows of `behaviour/*`: state tables that anyone can write, and how far the robot is in one."""
 
-from collections.abc import Iterator
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct, field
 
 from lbr.messages.codes import ReasonCode
-from lbr.messages.rows import Fault, Others, Row
+from lbr.messages.rows import Row
 from lbr.messages.units import Name, StepNumber
 
 MOST_ROWS = 4000
@@ -24,41 +23,46 @@ bad; what is done on entering the state; a comment."""
 
 
 class BehaviourTable(Row, frozen=True, kw_only=True):
-    """A state table: what it is for, and how long it may run; 0: until it ends or is stopped."""
+    """Behaviours: state tables, edited in any spreadsheet (docs/behaviours.md)."""
 
     TABLE = "behaviour"
     KEY = ("name",)
 
-    name: Name
-    help: str = ""
-    max_s: Annotated[float, Meta(ge=0.0, le=86400.0)] = 600.0
-
-
-def _of_a_table(row: "BehaviourRow", others: Others) -> Iterator[Fault]:
-    if row.behaviour not in others.names(BehaviourTable.TABLE):
-        yield "behaviour", f"there is no behaviour '{row.behaviour}'"
+    name: Annotated[Name, "by which it is run"]
+    help: Annotated[str, "one line for people"] = ""
+    max_s: Annotated[float, Meta(ge=0.0, le=86400.0), "the longest it may run; 0: until it ends or is stopped"] = 600.0
 
 
 class BehaviourRow(Row, frozen=True, kw_only=True):
-    """A row of a state table: in this state, if all conditions hold, do the outputs and go to the next state.
-
-    `conditions` are cells by the name of their column, `outputs` likewise. What is wrong in cells keeps the table from
-    being run, and nothing else.
+    """The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is taken.
+    What is wrong in a cell keeps the behaviour from being run, and nothing else.
     """
 
     TABLE = "behaviour_row"
     KEY = ("behaviour", "step")
     PART_OF = "behaviour"
-    CHECKS = (_of_a_table,)
 
-    behaviour: Name
-    step: StepNumber
-    type: RowType = ""
-    state: StateName = ""
-    conditions: dict[Heading, Cell] = field(default_factory=dict)
-    outputs: dict[Heading, Cell] = field(default_factory=dict)
-    next_state: StateName = ""
-    deadline_s: Annotated[float, Meta(gt=0.0, le=86400.0)] | None = None
+    behaviour: Annotated[Name, "which behaviour it belongs to"]
+    step: Annotated[StepNumber, "the order, from 1"]
+    type: Annotated[
+        RowType, "start: the first state; end and fail: ends, good and bad; entry: done on entering; #: a comment"
+    ] = ""
+    state: Annotated[StateName, "the state that it is a row of"] = ""
+    conditions: Annotated[dict[Heading, Cell], 'column to condition, such as {"Forward": "< 40"}'] = field(
+        default_factory=dict
+    )
+    outputs: Annotated[dict[Heading, Cell], 'what is done, such as {"level": "0.2", "angle": "0"}'] = field(
+        default_factory=dict
+    )
+    next_state: Annotated[StateName, "where it leads"] = ""
+    deadline_s: (
+        Annotated[
+            float,
+            Meta(gt=0.0, le=86400.0),
+            "the longest that its state may last, then the behaviour fails; NULL: no such time",
+        ]
+        | None
+    ) = None
 
 
 class RunBehaviour(Struct, frozen=True, kw_only=True):

@@ -6,26 +6,21 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from lbr.messages.rows import Fault, Others, Row
+from lbr.messages.rows import NOW, Row
 from lbr.messages.units import Name
 
 
-def _device(row: "CalibrationValue", others: Others) -> Iterator[Fault]:
-    if row.device not in others.names("device"):
-        yield "device", f"there is no device '{row.device}'"
-
-
 class CalibrationValue(Row, frozen=True, kw_only=True):
-    """One measured number of a device; `measured_at` is ISO 8601 in UTC."""
+    """Numbers measured on one device, written back by calibration runs; its driver gets them at its start."""
 
     TABLE = "calibration"
     KEY = ("device", "name")
-    CHECKS = (_device,)
+    OF = "device"
 
-    device: Name
-    name: Name
-    value: Annotated[float, Meta(ge=-1e300, le=1e300)]
-    measured_at: str
+    device: Annotated[Name, "which device was measured"]
+    name: Annotated[Name, "what was measured, with its unit as a suffix"]
+    value: Annotated[float, Meta(ge=-1e300, le=1e300), "the number"]
+    measured_at: Annotated[str, NOW, "when"]
 
     @property
     def told(self) -> str:

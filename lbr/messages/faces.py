@@ -1,13 +1,12 @@
 """What faces to the outside number and name motors and motions by, and changes of such rows."""
 
-from collections.abc import Iterator
 from typing import Annotated
 
 from msgspec import Meta, Raw, Struct
 
 from lbr.messages.codes import ReasonCode
 from lbr.messages.joints import motion_there
-from lbr.messages.rows import Fault, Others, Row
+from lbr.messages.rows import Row
 from lbr.messages.servos import ServoId
 from lbr.messages.units import Name, NameOrNone
 
@@ -17,28 +16,25 @@ Label = Annotated[str, Meta(min_length=1, max_length=40)]
 Text = Annotated[str, Meta(max_length=200)]
 
 
-def _bounds(row: "Motor", _: Others) -> Iterator[Fault]:
-    if not row.lowest < row.highest:
-        yield "highest", f"{row.highest} is not above lowest, {row.lowest}"
-
-
 class Motor(Row, frozen=True, kw_only=True):
-    """A servo as one layer of a face to the outside numbers, names and limits it, in the servo's own counts."""
+    """The servos as a face to the outside numbers, names and limits them, in the servos' own counts; in layers, of which
+    a face uses one. Whatever a layer allows, the limits of the joints hold.
+    """
 
     TABLE = "motor"
     KEY = ("layer", "id")
-    CHECKS = (_bounds,)
+    ASCENDING = (("lowest", "highest"),)
 
-    layer: Name
+    layer: Annotated[Name, "by which a face's settings know it"]
     id: ServoId
-    name: Label
-    description: str = ""
-    initial: Counts
-    lowest: Counts
-    highest: Counts
-    rest: Counts
-    inverted: bool = False
-    builtin: bool = False
+    name: Annotated[Label, "for people"]
+    description: Annotated[str, "for people"] = ""
+    initial: Annotated[Counts, "which position a face tells before it was moved"]
+    lowest: Annotated[Counts, "which positions are taken; what is beyond is brought within"]
+    highest: Annotated[Counts, "see lowest"]
+    rest: Annotated[Counts, "where it belongs"]
+    inverted: Annotated[bool, "whether a percentage counts from its highest position down"] = False
+    builtin: Annotated[bool, "whether it is changed here only, not from the network"] = False
 
     @property
     def told(self) -> str:
@@ -47,17 +43,17 @@ class Motor(Row, frozen=True, kw_only=True):
 
 
 class Button(Row, frozen=True, kw_only=True):
-    """A number and a name for a motion; of no motion, for taking the controller over."""
+    """The motions as a face to the outside numbers and names them; several numbers may mean one motion."""
 
     TABLE = "button"
     KEY = ("id",)
     CHECKS = (motion_there,)
 
-    id: Annotated[int, Meta(ge=0, le=9999)]
-    name: Label
-    button: str = ""
-    motion: NameOrNone = ""
-    builtin: bool = False
+    id: Annotated[int, Meta(ge=0, le=9999), "the number"]
+    name: Annotated[Label, "the name there; of several with the same, the lowest number is meant"]
+    button: Annotated[str, "what is written on the remote control's key"] = ""
+    motion: Annotated[NameOrNone, "which motion is played; empty: none, only the controller is taken over"] = ""
+    builtin: Annotated[bool, "whether it is changed here only, not from the network"] = False
 
     @property
     def told(self) -> str:

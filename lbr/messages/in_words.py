@@ -1,11 +1,12 @@
 """What a text may be, in words: who sends another is told that, not the regular expression."""
 
-from lbr.messages.units import A_NAME, FILE_STEM, FILE_STEM_PATTERN, NAME_OR_NONE_PATTERN, NAME_PATTERN
+from lbr.messages.shapes import NAME
+from lbr.messages.units import FILE_STEM, FILE_STEM_PATTERN, NAME_OR_NONE_PATTERN, NAME_PATTERN
 
 MEANT = {
     FILE_STEM_PATTERN: f"a file's name ({FILE_STEM})",
-    NAME_PATTERN: A_NAME["meant"],
-    NAME_OR_NONE_PATTERN: A_NAME["meant"],
+    NAME_PATTERN: NAME.words,
+    NAME_OR_NONE_PATTERN: NAME.words,
 }
 
 

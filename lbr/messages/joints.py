@@ -29,11 +29,6 @@ Interpolation = Literal["smooth", "linear"]
 MAX_FRAMES = 1000
 
 
-def _limits(row: "Joint", _: Others) -> Iterator[Fault]:
-    if not row.lower_rad < row.upper_rad:
-        yield "upper_rad", f"{row.upper_rad:g} is not above lower_rad, {row.lower_rad:g}"
-
-
 def _servo_of(joint: "Joint") -> tuple[str, int]:
     return joint.bus, joint.device_id
 
@@ -51,24 +46,22 @@ def _bus(row: "Joint", others: Others) -> Iterator[Fault]:
 
 
 class Joint(Row, frozen=True, kw_only=True):
-    """A joint: the servo is at `zero_rad + sign * joint angle`; how far and how fast it may go.
-
-    `bus` is the device row of the line that its servo is on; empty where the robot has one such line.
-    """
+    """Humanoids: the joints. The servo is at `zero_rad + sign * joint angle`."""
 
     TABLE = "joint"
     KEY = ("name",)
-    CHECKS = (_limits, _servo, _bus)
+    ASCENDING = (("lower_rad", "upper_rad"),)
+    CHECKS = (_servo, _bus)
 
-    name: Name
+    name: Annotated[Name, "by which motions know it"]
     device_id: ServoId
-    side: Literal["left", "right", "centre"] = "centre"
-    sign: Literal[1, -1] = 1
-    zero_rad: JointRad = 0.0
-    lower_rad: JointRad
-    upper_rad: JointRad
-    speed_rps: JointRps
-    bus: NameOrNone = ""
+    side: Annotated[Literal["left", "right", "centre"], "which half of the body it belongs to"] = "centre"
+    sign: Annotated[Literal[1, -1], "1 or -1: whether the servo turns the way the joint counts"] = 1
+    zero_rad: Annotated[JointRad, "the servo's angle where the joint is at 0"] = 0.0
+    lower_rad: Annotated[JointRad, "limits of the joint's angle"]
+    upper_rad: Annotated[JointRad, "see lower_rad"]
+    speed_rps: Annotated[JointRps, "the fastest it may move, radians a second"]
+    bus: Annotated[NameOrNone, "the device row of the line that its servo is on; empty: the robot has one"] = ""
 
 
 Slot = Annotated[int, Meta(ge=1, le=255)]
@@ -120,31 +113,22 @@ def _lead(name: str, column: str, other: str, others: Others) -> Iterator[Fault]
         yield column, f"there is no other motion '{other}'"
 
 
-def _slotted(row: "MotionRow", _: Others) -> Iterator[Fault]:
-    if row.slot is None and row.slot_s is not None:
-        yield "slot", "is NULL, and slot_s is not: a slot and the time for it go together"
-    if row.slot_s is None and row.slot is not None:
-        yield "slot_s", "is NULL, and slot is not: a slot and the time for it go together"
-
-
 class MotionRow(Row, frozen=True, kw_only=True):
-    """A motion without its key frames. `lead_in` and `lead_out` name what is played before and after.
-
-    One with a `slot` is kept and played by the robot's own controller, which takes `slot_s` for it.
-    """
+    """Humanoids: the named motions. One with a slot is kept and played by the robot's own controller."""
 
     TABLE = "motion"
     KEY = ("name",)
-    CHECKS = (_lead_in, _lead_out, _slotted)
+    TOGETHER = (("slot", "slot_s"),)
+    CHECKS = (_lead_in, _lead_out)
 
-    name: Name
-    help: str = ""
-    lead_in: NameOrNone = ""
-    lead_out: NameOrNone = ""
-    slot: Slot | None = None
-    slot_s: SlotS | None = None
-    limp: bool = False
-    builtin: bool = False
+    name: Annotated[Name, "by which it is played"]
+    help: Annotated[str, "one line for people"] = ""
+    lead_in: Annotated[NameOrNone, "the motion that is played once before it; empty: none"] = ""
+    lead_out: Annotated[NameOrNone, "the motion that is played once after it, unless it was stopped; empty: none"] = ""
+    slot: Annotated[Slot | None, "the number under which the robot's own controller keeps and plays it; or NULL"] = None
+    slot_s: Annotated[SlotS | None, "how long the controller takes for it"] = None
+    limp: Annotated[bool, "whether the controller lets the joints go at its end"] = False
+    builtin: Annotated[bool, "whether it is changed here only, not from the network"] = False
 
     def refusal(self, before: Mapping[str, Any] | None, parts: Sequence[Row]) -> tuple[str, Code] | None:
         """Return why an edit on another's behalf may not write it: what the controller keeps is entered at the
@@ -182,21 +166,18 @@ def _within(row: "MotionStep", others: Others) -> Iterator[Fault]:
 
 
 class MotionStep(Row, frozen=True, kw_only=True):
-    """A key frame: the angles that the named joints have `duration_s` after the step before.
-
-    `stable`: the robot may come to rest here; a stop on the way goes on to it.
-    """
+    """Humanoids: the key frames of a motion, in their order. Those of a motion in a slot say where it leads."""
 
     TABLE = "motion_step"
     KEY = ("motion", "step")
     PART_OF = "motion"
-    CHECKS = (motion_there, _joints, _within)
+    CHECKS = (_joints, _within)
 
-    motion: Name
-    step: StepNumber
-    duration_s: DurationS
-    positions: dict[str, JointRad]
-    stable: bool = False
+    motion: Annotated[Name, "which motion it belongs to"]
+    step: Annotated[StepNumber, "the order, from 1"]
+    duration_s: Annotated[DurationS, "the time to get there from the step before"]
+    positions: Annotated[dict[str, JointRad], "joint name to angle in radians; joints left out stay"]
+    stable: Annotated[bool, "whether it stands here by itself; what is stopped on its way goes on to here"] = False
 
     @property
     def told(self) -> str:

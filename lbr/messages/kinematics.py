@@ -96,22 +96,24 @@ class Base(Struct, frozen=True, kw_only=True):
 
 
 class Wheel(Row, frozen=True, kw_only=True):
-    """A driven wheel: where it is on the base (REP 103), along what it rolls, and which motor drives it.
-
-    `yaw_rad` is where it rolls to when its motor turns forward: 0 ahead, 1.5708 left. `roller_rad` is the angle from
-    its axle to that of the rollers which touch the floor, anticlockwise: 0.7854 or -0.7854 for mecanum wheels.
-    """
+    """The driven wheels. Axes are REP 103's: x ahead, y left, from the middle of the base; angles are anticlockwise."""
 
     TABLE = "wheel"
     KEY = ("name",)
 
-    name: Name
-    motor: Name
-    x_m: Place = 0.0
-    y_m: Place = 0.0
-    yaw_rad: Annotated[float, Meta(ge=-7.0, le=7.0)] = 0.0
-    roller_rad: Annotated[float, Meta(ge=-1.4, le=1.4)] = 0.0
-    diameter_m: Annotated[float, Meta(gt=0.0, le=2.0)]
+    name: Annotated[Name, "by which people know it"]
+    motor: Annotated[Name, "which motor drives it; several wheels may be on one"]
+    x_m: Annotated[Place, "how far ahead of the middle of the base it touches the floor"] = 0.0
+    y_m: Annotated[Place, "how far to the left of it"] = 0.0
+    yaw_rad: Annotated[
+        float, Meta(ge=-7.0, le=7.0), "where it rolls to when its motor turns forward: 0 ahead, 1.5708 left"
+    ] = 0.0
+    roller_rad: Annotated[
+        float,
+        Meta(ge=-1.4, le=1.4),
+        "from its axle to that of the rollers that touch the floor, anticlockwise; mecanum: 0.7854 or -0.7854",
+    ] = 0.0
+    diameter_m: Annotated[float, Meta(gt=0.0, le=2.0), "of the wheel, rollers included"]
 
 
 def _key(row: Wheel) -> str:
@@ -134,18 +136,21 @@ def _wheels_fit(row: "Kinematics", others: Others) -> Iterator[Fault]:
 
 
 class Kinematics(Row, frozen=True, kw_only=True):
-    """How the rows of `wheel` move the base. A robot without this row has two wheels on the motors `left` and `right`.
-
-    On wheels that have to slip, a turn takes them `track_factor` times as far as their places say.
+    """How the wheels move the base, which is one row; a robot without it has two driven wheels on the motors left and
+    right.
     """
 
     TABLE = "kinematics"
     KEY = ("name",)
     CHECKS = (_one_base, _wheels_fit)
 
-    name: Name
-    kind: BaseKind
-    track_factor: Annotated[float, Meta(ge=0.5, le=5.0)] = 1.0
+    name: Annotated[Name, "what the base is called; a robot has one"]
+    kind: Annotated[BaseKind, "what its wheels let it do: mecanum and omni move sideways"]
+    track_factor: Annotated[
+        float,
+        Meta(ge=0.5, le=5.0),
+        "a turn takes the wheels this many times as far as their places say: more than 1 where they slip",
+    ] = 1.0
 
 
 def differential(track_m: float) -> Base:

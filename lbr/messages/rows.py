@@ -1,4 +1,5 @@
-"""What a table is to the program: one struct, whose annotations are its constraints. The SQL beside it makes the table.
+"""What a table is: one struct. Its annotations are the constraints, texts in them what a column means, and its docstring
+what the table is for; the SQL that makes the table follows from it.
 
     robot.db ── read, checked (lbr.database) ──► Phrase(…) ── one document ──► ctx.rows(Phrase)
              ◄── written by key ─────────────── learnt ◄──── heartbeat pipe ── ctx.learn(Phrase(…))
@@ -10,11 +11,17 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Seq
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import msgspec
-from msgspec import Raw, Struct
+from msgspec import Meta, Raw, Struct
 
 from lbr.messages.codes import Code
 
 R = TypeVar("R", bound="Row")
+NOW = Meta(extra={"default": "(strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))"})
+"""Of a column that holds when its row was written, unless it says otherwise."""
+COUNTED = Meta(extra={"counted": True})
+"""Of a number that SQLite gives out, and never twice."""
+REQUIRED = Meta(extra={"default": None})
+"""Of a column that is never left out in SQL, whatever stands for it in Python."""
 Fault = tuple[str, str]
 """A column, and what is wrong there."""
 Check = Callable[[Any, "Others"], Iterator[Fault]]
@@ -32,16 +39,27 @@ class Others(Protocol):
 
 
 class Row(Struct, frozen=True, kw_only=True):
-    """A row of TABLE, told from others by KEY. A field is a column; whose robot's it is, is not one of them.
+    """A row of TABLE, told from others by KEY. A field is a column; whose robot's it is, is not one of them: that is a
+    column of every table but those that are SHARED by all robots.
 
-    CHECKS are what annotations cannot say. Rows that are PART_OF those of another table, whose key begins theirs, are
-    written together with them: those that are not there any more go.
+    Rows that are OF those of another table, whose names begin their keys, go with them. If they are PART_OF those, they
+    are written together, too: parts that are not there any more go. Of two columns that are ASCENDING the second is
+    greater, of two TOGETHER none is NULL without the other. CHECKS are what all this cannot say.
     """
 
     TABLE: ClassVar[str] = ""
     KEY: ClassVar[tuple[str, ...]] = ()
+    SHARED: ClassVar[bool] = False
+    OF: ClassVar[str] = ""
     PART_OF: ClassVar[str] = ""
+    ASCENDING: ClassVar[tuple[tuple[str, str], ...]] = ()
+    TOGETHER: ClassVar[tuple[tuple[str, str], ...]] = ()
     CHECKS: ClassVar[tuple[Check, ...]] = ()
+
+    @classmethod
+    def whole(cls) -> str:
+        """Return the table to whose rows these belong; empty for none."""
+        return cls.OF or cls.PART_OF
 
     @property
     def key(self) -> tuple[Any, ...]:

@@ -124,11 +124,6 @@ def _reading(value: float) -> Reading:
     return "Infinity" if value == inf else "-Infinity" if value == -inf else None
 
 
-def _limits(row: "RangeSensor", _: Others) -> Iterator[Fault]:
-    if not row.min_m < row.max_m:
-        yield "max_m", f"is not greater than min_m {row.min_m:g}"
-
-
 def _level(row: "RangeSensor", _: Others) -> Iterator[Fault]:
     if row.rays > 1 and abs(row.pitch_rad) > LEVEL_RAD:
         yield "pitch_rad", f"is beyond {LEVEL_RAD:g}: a scan is taken to be level"
@@ -138,28 +133,39 @@ Metres = Annotated[float, Meta(ge=-5.0, le=5.0)]
 
 
 class RangeSensor(Row, frozen=True, kw_only=True):
-    """A sensor of distance: where it sits and looks on the base (REP 103), how wide and how far.
-
-    With one of its `rays` it tells a distance, with more a scan. The base stops `stop_m` before what it sees; null:
-    only rules of the drive that name it count.
+    """Sensors of distance: where each one sits on the base, where it looks, how wide and how far. Axes are REP 103's: x
+    ahead, y left, from the middle between the wheels; angles are anticlockwise. The name is the one that messages tell
+    it by.
     """
 
     TABLE = "range_sensor"
     KEY = ("name",)
-    CHECKS = (_limits, _level)
+    ASCENDING = (("min_m", "max_m"),)
+    CHECKS = (_level,)
 
-    name: Name
-    kind: RangeKind
-    x_m: Metres = 0.0
-    y_m: Metres = 0.0
-    z_m: Annotated[float, Meta(ge=0.0, le=5.0)] = 0.2
-    yaw_rad: Annotated[float, Meta(ge=-7.0, le=7.0)] = 0.0
-    pitch_rad: Annotated[float, Meta(ge=-2.0, le=2.0)] = 0.0
-    fov_rad: Annotated[float, Meta(gt=0.0, le=6.2832)] = 0.4
-    min_m: Annotated[float, Meta(ge=0.0, le=100.0)] = 0.02
-    max_m: Annotated[float, Meta(gt=0.0, le=100.0)] = 4.0
-    rays: Annotated[int, Meta(ge=1, le=MOST_RAYS)] = 1
-    stop_m: Annotated[float, Meta(gt=0.0, le=10.0)] | None = 0.25
+    name: Annotated[Name, "by which readings, scans, rules and the console know it"]
+    kind: Annotated[RangeKind, "by what it measures"]
+    x_m: Annotated[Metres, "how far ahead of the middle between the wheels it sits"] = 0.0
+    y_m: Annotated[Metres, "how far to the left of it"] = 0.0
+    z_m: Annotated[float, Meta(ge=0.0, le=5.0), "how far above the floor"] = 0.2
+    yaw_rad: Annotated[float, Meta(ge=-7.0, le=7.0), "where it looks: 0 ahead, 1.5708 left, -1.5708 right"] = 0.0
+    pitch_rad: Annotated[
+        float, Meta(ge=-2.0, le=2.0), "how far down it looks; beyond 0.5 it sees nothing that stands in the way"
+    ] = 0.0
+    fov_rad: Annotated[
+        float, Meta(gt=0.0, le=6.2832), "how wide it sees, from one side to the other; 6.2832: all around"
+    ] = 0.4
+    min_m: Annotated[float, Meta(ge=0.0, le=100.0), "what is nearer it cannot measure"] = 0.02
+    max_m: Annotated[float, Meta(gt=0.0, le=100.0), "a number above this is a fault"] = 4.0
+    rays: Annotated[int, Meta(ge=1, le=MOST_RAYS), "1: it tells one distance; more: a scan of this many"] = 1
+    stop_m: (
+        Annotated[
+            float,
+            Meta(gt=0.0, le=10.0),
+            "the base stops so far before what it sees; NULL: only rules of the drive that name it count",
+        ]
+        | None
+    ) = 0.25
 
     @property
     def level(self) -> bool:

@@ -6,25 +6,26 @@ from msgspec import Meta, Struct
 
 from lbr.messages.codes import ReasonCode
 from lbr.messages.rows import Row
+from lbr.messages.shapes import LANGUAGE
 from lbr.messages.units import Name
 
 Language = Annotated[str, Meta(max_length=20, description="a language tag such as en; empty: the robot's own")]
 
 
 class Phrase(Row, frozen=True, kw_only=True):
-    """What the robot says, in one language; phrases are every robot's."""
+    """What the robots say, by name and language."""
 
     TABLE = "phrase"
     KEY = ("name", "language")
+    SHARED = True
 
-    name: Name
+    name: Annotated[Name, "by which programs know it"]
     language: Annotated[
         str,
-        Meta(
-            pattern="^[a-z]{2}[a-z0-9-]{0,18}$(?!\\n)", extra={"meant": "a language tag in small letters, such as en"}
-        ),
+        Meta(pattern="^[a-z]{2}[a-z0-9-]{0,18}$(?!\\n)", extra={"shape": LANGUAGE}),
+        "a language tag in small letters: en, de, pt-br",
     ]
-    text: Annotated[str, Meta(min_length=1)]
+    text: Annotated[str, Meta(min_length=1, max_length=1000), "what is said"]
 
 
 class SayCommand(Struct, frozen=True, kw_only=True):

@@ -4,6 +4,8 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from lbr.messages.shapes import NAME, NAME_OR_NONE
+
 Power = Annotated[float, Meta(ge=0.0, le=1.0, description="fraction of full power, 0 to 1")]
 SignedPower = Annotated[float, Meta(ge=-1.0, le=1.0, description="fraction of full power, forward positive, -1 to 1")]
 AngleDeg = Annotated[
@@ -16,9 +18,8 @@ NAME_LETTERS = "[a-z][a-z0-9_]*"
 NAME_PATTERN = f"^{NAME_LETTERS}$(?!\\n)"
 """Of the whole text: `$` alone lets a line's end follow."""
 NAME_OR_NONE_PATTERN = f"^$(?!\\n)|{NAME_PATTERN}"
-A_NAME = {"meant": "a name (small letters, digits, underscores; at most 40)"}
-Name = Annotated[str, Meta(pattern=NAME_PATTERN, max_length=40, extra=A_NAME)]
-NameOrNone = Annotated[str, Meta(pattern=NAME_OR_NONE_PATTERN, max_length=40, extra=A_NAME)]
+Name = Annotated[str, Meta(pattern=NAME_PATTERN, max_length=40, extra={"shape": NAME})]
+NameOrNone = Annotated[str, Meta(pattern=NAME_OR_NONE_PATTERN, max_length=40, extra={"shape": NAME_OR_NONE})]
 """A name, or empty for none."""
 FILE_STEM_PATTERN = r"^$(?!\n)|^[A-Za-z0-9][A-Za-z0-9_.-]*$(?!\n)"
 FileStem = Annotated[str, Meta(pattern=FILE_STEM_PATTERN, max_length=60)]

@@ -65,7 +65,9 @@ def core(tmp_path: Path) -> Path:
     shutil.copy(ROOT / "docs" / "examples" / "greetings.py", home / "capabilities")
     rows = sqlite3.connect(home / "robot.db")
     greetings = (ROOT / "docs" / "examples" / "greetings.sql").read_text().replace("'lbr'", "'tiny'")
-    rows.executescript((tmp_path / "robot.db.sql").read_text() + ROWS + greetings + PROGRAM)
+    code, table, err = lbr(tmp_path, "db", "table", "greetings")
+    assert code == 0, err
+    rows.executescript((tmp_path / "robot.db.sql").read_text() + ROWS + table + greetings + PROGRAM)
     rows.close()
     (home / "robot.db").chmod(0o600)
     (tmp_path / "tiny.toml").write_text(PROFILE)

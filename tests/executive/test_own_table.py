@@ -1,4 +1,4 @@
-"""A table of a user's own: a struct and a kind in one file, its SQL in another, and nothing of lbr is changed for it."""
+"""A table of a user's own: a class and a kind in one file, its rows in another, and nothing of lbr is changed for it."""
 
 import shutil
 import sqlite3
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.robot import Robot
+from tests.support.robot import Robot, lbr
 from tests.support.waiting import until
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
@@ -39,7 +39,8 @@ def test_a_kind_brings_its_table_reads_it_and_writes_back_what_it_learns(robot):
     missing = "'greetings' reads the table 'greeting', which is not there, or has not the triggers"
     until(lambda: any(missing in problem for problem in robot.status()["problems"]), what="the table is missed")
     sql(robot, "DELETE FROM capability WHERE name = 'early'")
-    sql(robot, (EXAMPLES / "greetings.sql").read_text())
+    made = lbr(robot.home, "db", "table", "greetings")
+    sql(robot, made.stdout + (EXAMPLES / "greetings.sql").read_text())
     until(lambda: greet(robot, "ann") == "Good day, Ann.", what="it greets by its rows")
     assert "there is no row of 'greeting' for eve" in greet(robot, "eve")
     pid = until(lambda: robot.capability("greetings")["pid"])

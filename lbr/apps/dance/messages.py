@@ -9,16 +9,16 @@ from lbr.messages.units import AngleDeg, Name, Power, StepNumber
 
 
 class DanceStep(Row, frozen=True, kw_only=True):
-    """One move of a dance: this power and angle, `beats` beats long."""
+    """What the robots dance: one move after the other, to the beats of a song."""
 
     TABLE = "choreography"
     KEY = ("dance", "step")
 
-    dance: Name
-    step: StepNumber
+    dance: Annotated[Name, "by which settings and commands know it"]
+    step: Annotated[StepNumber, "the order, from 1; after the last comes the first"]
     power: Power
     angle_deg: AngleDeg
-    beats: Annotated[int, Meta(ge=1, le=64)]
+    beats: Annotated[int, Meta(ge=1, le=64), "for how many beats"] = 1
 
 
 class DanceCommand(Struct, frozen=True, kw_only=True):

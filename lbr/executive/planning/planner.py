@@ -188,7 +188,7 @@ def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Proble
         elif name := readers.get(row, ""):
             text = (
                 f"'{kinds[name].name}' reads the table '{row.TABLE}', which is not there, or has not the triggers that keep"
-                " its changes: its SQL makes both, `lbr db check` prints the triggers of a table that has none"
+                f" its changes: `lbr db table {kinds[name].name}` prints the SQL that makes both"
             )
             yield Problem("capability", f"{rows.robot.name}/{name}", "kind", text)
 

@@ -1,0 +1,112 @@
+"""The tables in which lbr keeps books. None of their rows makes a robot, and no revision is kept of them."""
+
+from typing import Annotated, Any, Literal
+
+from msgspec import Meta, field
+
+from lbr.database.rows import AuditRow, TokenRow
+from lbr.messages.rows import COUNTED, NOW, Row
+from lbr.messages.shapes import Shape
+
+WallNs = Annotated[int, Meta(ge=0), "nanoseconds since 1970 by the wall clock"]
+
+
+class SchemaStamp(Row, frozen=True, kw_only=True):
+    """The revision of the schema, kept by the migrations in lbr/database/migrations. Not to be edited."""
+
+    TABLE = "alembic_version"
+    KEY = ("version_num",)
+    SHARED = True
+
+    version_num: Annotated[str, "a revision's identifier"]
+
+
+class RevisionEntry(Row, frozen=True, kw_only=True):
+    """Every change of the rows above that make the robot, kept by the triggers at the end of this file."""
+
+    TABLE = "revision"
+    KEY = ("id",)
+    SHARED = True
+
+    id: Annotated[int, COUNTED, "counts up, and is never used again"]
+    table_name: Annotated[str, "which table"]
+    row_key: Annotated[tuple[Any, ...], "the row's primary key (after an update, the new one)"]
+    operation: Annotated[Literal["insert", "update", "delete"], "what was done to the row"]
+    old_row: Annotated[dict[str, Any] | None, "the row before; NULL for an insert"] = None
+    new_row: Annotated[dict[str, Any] | None, "the row after; NULL for a delete"] = None
+    changed_at: Annotated[str, NOW, "when"]
+
+
+class ChangeEntry(Row, frozen=True, kw_only=True):
+    """Who changed rows, and by what: written by lbr's own programs in the transaction of the change. A revision that none
+    of these has in it was made by another SQLite client.
+    """
+
+    TABLE = "change"
+    KEY = ("first_revision",)
+    SHARED = True
+
+    first_revision: Annotated[int, "its first revision"]
+    last_revision: Annotated[
+        int, Meta(extra={"shape": Shape("{x} >= first_revision", "at least first_revision")}), "its last one"
+    ]
+    source: Annotated[str, "who: an account here, a capability, or who asked at a page"]
+    program: Annotated[str, "by what: lbr db rollback, executive ..."]
+    text: Annotated[str, "what for, in one sentence"] = ""
+
+
+class TrialEntry(Row, frozen=True, kw_only=True):
+    """Changes of rows on trial (`lbr db apply --within`): the robot goes back to the revision before, unless all that they
+    touch is ready in time. The newest row alone counts. Written by lbr.
+    """
+
+    TABLE = "trial"
+    KEY = ("revision",)
+    SHARED = True
+
+    revision: Annotated[int, "the last revision that is on trial"]
+    back: Annotated[int, Meta(ge=0), "the revision to go back to"]
+    robot: Annotated[str, "whose executive judges"]
+    within_s: Annotated[float, Meta(gt=0, le=600), "how long it may take"]
+    state: Annotated[Literal["running", "kept", "back", "lost"], "what became of it"] = "running"
+    text: Annotated[str, "why, in one sentence"] = ""
+
+
+class EventEntry(Row, frozen=True, kw_only=True):
+    """What happened; written by lbr, the oldest go when there are very many."""
+
+    TABLE = "event"
+    KEY = ("id",)
+    SHARED = True
+
+    id: Annotated[int, COUNTED, "counts up, and is never used again"]
+    wall_ns: WallNs
+    kind: Annotated[str, "started, stopped, crashed, refused, row_changed ..."]
+    subject: Annotated[str, "the capability, or whom it is about"] = ""
+    level: Annotated[Literal["info", "warning", "error"], "how much it matters"] = "info"
+    text: Annotated[str, "one sentence"] = ""
+    data: Annotated[dict[str, Any], "figures that belong to it"] = field(default_factory=dict)
+
+
+class AdoptedEntry(Row, frozen=True, kw_only=True):
+    """The row sets that ran, so that rows which change without an edit are noticed. Written by lbr."""
+
+    TABLE = "adopted"
+    KEY = ("revision",)
+    SHARED = True
+
+    revision: Annotated[int, "the last change of rows that was in it; 0: none"]
+    hash: Annotated[str, "BLAKE2b over the rows that make robots"]
+    wall_ns: Annotated[int, Meta(ge=0), "when it was adopted first, nanoseconds since 1970"]
+
+
+BOOKS: tuple[type[Row], ...] = (
+    SchemaStamp,
+    TokenRow,
+    RevisionEntry,
+    ChangeEntry,
+    TrialEntry,
+    EventEntry,
+    AuditRow,
+    AdoptedEntry,
+)

@@ -1,0 +1,199 @@
+"""Tables as SQLAlchemy has them, from the classes of their rows; and as SQL, for people to read.
+
+class Joint(Row): … ── metadata ──► Table ── text, revision_triggers ──► robot.db.sql, steps of an upgrade
+                                          └─ differences, by Alembic ──► what a database has otherwise
+
+Rows are read without any of this: SQLAlchemy takes long to load.
+"""
+
+import sqlite3
+from collections.abc import Iterable, Sequence
+from textwrap import wrap
+from typing import Any
+
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from msgspec import inspect
+from sqlalchemy import REAL, CheckConstraint, ForeignKeyConstraint, Integer, MetaData, Table, Text, create_engine, sql
+from sqlalchemy import Column as SqlColumn
+from sqlalchemy.dialects import sqlite
+from sqlalchemy.pool import StaticPool
+from sqlalchemy.schema import DropTable
+
+from lbr.database import triggers
+from lbr.database.columns import Column, columns
+from lbr.messages import shapes
+from lbr.messages.rows import Row
+from lbr.messages.shapes import Shape
+
+
+def metadata(rows: Iterable[type[Row]]) -> MetaData:
+    """Return the tables of these rows."""
+    known = MetaData()
+    for row in rows:
+        owned = () if row.SHARED else ("robot",)
+        table = Table(row.TABLE, known, comment=" ".join((row.__doc__ or "").partition("\n\n")[0].split()))
+        for name in owned:
+            table.append_column(SqlColumn(name, Text, primary_key=True, nullable=False, comment="whose it is"))
+        for name, column in columns(row).items():
+            part = bool(row.whole()) and name == row.KEY[0]
+            table.append_column(_column(name, column, key=name in row.KEY, checked=not part))
+        if row.whole() or owned:
+            own = (*owned, row.KEY[0]) if row.whole() else owned
+            other = (f"{row.whole() or 'robot'}.{name}" for name in (("robot", "name") if row.whole() else ("name",)))
+            table.append_constraint(ForeignKeyConstraint(own, tuple(other), onupdate="CASCADE", ondelete="CASCADE"))
+        pairs = [(shapes.ASCENDING, pair) for pair in row.ASCENDING]
+        for shape, (first, second) in (*pairs, *((shapes.TOGETHER, pair) for pair in row.TOGETHER)):
+            table.append_constraint(CheckConstraint(shape.check(second, y=first)))
+    return known
+
+
+def text(table: Table) -> str:
+    """Return the SQL that makes a table, to be read."""
+    name = max(len(column.name) for column in table.columns)
+    kind = max(len(str(column.type)) for column in table.columns)
+    key = [column.name for column in table.primary_key]
+    entries = [_entry(column, name, kind, key=key == [column.name]) for column in table.columns]
+    entries += [over for over in over_all(table) if len(key) > 1 or not over.startswith("PRIMARY KEY")]
+    lines = [_with_comma(entry) for entry in entries[:-1]] + entries[-1:]
+    introduction = wrap(str(table.comment), triggers.WIDTH - 3, break_long_words=False, break_on_hyphens=False)
+    begin = "".join(f"-- {line}\n" for line in introduction)
+    return f"{begin}CREATE TABLE {table.name} (\n" + "".join(f"    {line}\n" for line in lines) + ") STRICT;\n"
+
+
+def script(row: type[Row]) -> str:
+    """Return the SQL that makes the table of a kind of one's own, with its triggers."""
+    table = metadata([row]).tables[row.TABLE]
+    return f"{text(table)}\n{revision_triggers(table)}"
+
+
+def rebuilt(table: Table, kept: Sequence[str]) -> str:
+    """Return the SQL that makes a table anew, with what stood in the columns that are `kept`; its triggers go."""
+    known = MetaData()
+    new, old = table.to_metadata(known, name=f"{table.name}_new"), sql.table(table.name, *map(sql.column, kept))
+    copied = sql.insert(new).from_select(list(kept), sql.select(old), include_defaults=False)
+    lines = [str(copied.compile(dialect=sqlite.dialect())), str(DropTable(table))]
+    moved = f"ALTER TABLE {new.name} RENAME TO {table.name}"
+    return text(new) + "".join(f"{' '.join(line.split())};\n" for line in (*lines, moved))
+
+
+def over_all(table: Table) -> list[str]:
+    """Return what holds over several columns: the key, whose a row is, and checks."""
+    found = [f"PRIMARY KEY ({', '.join(column.name for column in table.primary_key)})"]
+    for own in table.foreign_key_constraints:
+        targets = [element.target_fullname.partition(".") for element in own.elements]
+        refers = f"{targets[0][0]} ({', '.join(name for _, _, name in targets)})"
+        keys = ", ".join(own.column_keys)
+        found.append(f"FOREIGN KEY ({keys}) REFERENCES {refers} ON UPDATE CASCADE ON DELETE CASCADE")
+    checks = [one for one in table.constraints if isinstance(one, CheckConstraint) and "of" not in one.info]
+    return found + sorted(f"CHECK ({check.sqltext})" for check in checks)
+
+
+def revision_triggers(table: Table) -> str:
+    """Return the SQL of the triggers that keep the changes of a table's rows, but what lbr itself writes there."""
+    kept = [column.name for column in table.columns if not column.info.get("by_lbr")]
+    return triggers.revision_triggers(table.name, kept, [column.name for column in table.primary_key])
+
+
+def differences(connection: sqlite3.Connection, known: MetaData) -> list[Any]:
+    """Return what Alembic finds otherwise in a database than in these tables."""
+    engine = create_engine("sqlite://", creator=lambda: connection, poolclass=StaticPool)
+    with engine.connect() as opened:
+        return list(compare_metadata(MigrationContext.configure(opened, opts={"compare_server_default": True}), known))
+
+
+def _column(name: str, column: Column, *, key: bool, checked: bool) -> SqlColumn[Any]:
+    check, allowed = "", ""
+    if checked and (found := _shape(column)):
+        shape, bounds = found
+        check = shape.check(name, **bounds)
+        allowed = (shape.allowed(check) or ("", ""))[1] + ", or NULL" * column.nullable
+        if column.nullable:
+            check = f"{name} IS NULL OR ({check})"
+    default = _default(column)
+    return SqlColumn(
+        name,
+        _type(column),
+        *([CheckConstraint(check, info={"of": name})] if check else []),
+        primary_key=key,
+        nullable=column.nullable,
+        server_default=None if default is None else sql.text(default),
+        comment=column.meaning,
+        info={**column.extra, "check": check, "allowed": allowed},
+    )
+
+
+def _type(column: Column) -> type[Any]:
+    info = column.info
+    if column.is_flag or isinstance(info, inspect.IntType):
+        return Integer
+    if isinstance(info, inspect.LiteralType) and isinstance(info.values[0], int):
+        return Integer
+    return REAL if isinstance(info, inspect.FloatType) else Text
+
+
+def _default(column: Column) -> str | None:
+    """Return what a new row has that leaves a column out; None if it must not be left out, or is NULL then."""
+    if "default" in column.extra:
+        return column.extra["default"]  # type: ignore[no-any-return]
+    if column.field.required or "counted" in column.extra:
+        return None
+    value = column.write(column.stand_in)
+    return None if value is None else f"{value:g}" if isinstance(value, float) else repr(value)
+
+
+def _shape(column: Column) -> tuple[Shape, dict[str, str]] | None:
+    """Return what a column may be, with the bounds that its annotation has; None if its type says it all."""
+    info = column.info
+    if "shape" in column.extra:
+        return column.extra["shape"], {}
+    if column.is_flag or isinstance(info, inspect.LiteralType):
+        values = (0, 1) if column.is_flag else column.choices()
+        return shapes.ONE_OF, {"list": ", ".join(map(repr, values))}
+    if column.is_json:
+        return (shapes.OBJECT if isinstance(info, inspect.DictType) else shapes.LIST), {}
+    if column.is_text:
+        return _bounded(info.min_length, info.max_length, shapes.LENGTH, shapes.LONGER, shapes.SHORTER)
+    if info.gt is not None:
+        return _bounded(info.gt, info.le, shapes.ABOVE, shapes.ABOVE, shapes.WITHIN)
+    return _bounded(info.ge, info.le, shapes.WITHIN, shapes.AT_LEAST, shapes.WITHIN)
+
+
+def _bounded(low: Any, high: Any, both: Shape, least: Shape, most: Shape) -> tuple[Shape, dict[str, str]] | None:
+    bounds = {name: _number(bound) for name, bound in (("a", low), ("b", high)) if bound is not None}
+    return (both if len(bounds) > 1 else least if "a" in bounds else most, bounds) if bounds else None
+
+
+def _number(bound: float) -> str:
+    return str(int(bound)) if abs(bound) < 2**53 and bound == int(bound) else repr(bound)
+
+
+def _entry(column: SqlColumn[Any], name: int, kind: int, *, key: bool) -> str:
+    rules = [
+        "" if column.nullable else "NOT NULL",
+        "PRIMARY KEY" + " AUTOINCREMENT" * ("counted" in column.info) if key else "",
+        f"DEFAULT {default_of(column)}" if column.server_default is not None else "",
+    ]
+    line = f"{column.name:<{name}} {column.type!s:<{kind}} {' '.join(filter(None, rules))}".rstrip()
+    check = column.info.get("check")
+    return f"{line}  -- {comment(column)}" + (f"\n        CHECK ({check})" if check else "")
+
+
+def comment(column: SqlColumn[Any]) -> str:
+    """Return what a column means, and in which form it stands there."""
+    check = column.info.get("check", "")
+    form = "JSON object: " if "= 'object'" in check else "JSON list: " if "= 'array'" in check else ""
+    return form + str(column.comment) + "; written by lbr" * ("by_lbr" in column.info)
+
+
+def default_of(column: SqlColumn[Any]) -> str:
+    """Return what a new row has that leaves a column out, as SQL."""
+    return str(column.server_default.arg)  # type: ignore[union-attr]
+
+
+def _with_comma(entry: str) -> str:
+    """Return an entry of a table that others follow: the comma stands before the comment that ends it, if one does."""
+    if "\n" in entry or "  -- " not in entry:
+        return f"{entry},"
+    code, _, said = entry.partition("  -- ")
+    return f"{code},  -- {said}"
