@@ -20,7 +20,7 @@ from lbr.console import token_store
 from lbr.database.store import create
 from lbr.errors import InputError
 from lbr.executive.planning import credentials
-from lbr.executive.service.latch import UNREADABLE, Latch
+from lbr.executive.service import latch
 from tests.support import needs, programs
 
 STRANGER = 4321
@@ -228,7 +228,7 @@ def test_a_record_that_is_no_file_says_nothing_and_keeps_nobody_waiting(monkeypa
     (home.directory("run") / "bioloid.json").write_bytes(b'{"robot": "\xff"}')
     assert home.running() == []
     os.mkfifo(home.directory("run") / "lbr.estop")
-    assert Latch(home.directory("run") / "lbr.estop").reason() == UNREADABLE
+    assert latch.read(home.directory("run") / "lbr.estop") == latch.UNREADABLE
 
 
 def test_a_robot_that_runs_makes_no_second_home_where_its_own_was(tmp_path, wording):

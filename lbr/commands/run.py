@@ -54,8 +54,8 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
     home.begin()
     surroundings.forget_runtime()
     from lbr.console.outlet import unhurried  # noqa: PLC0415
-    from lbr.executive.lastresort import leave_for_certain  # noqa: PLC0415
     from lbr.executive.planning import profile as profiles  # noqa: PLC0415
+    from lbr.executive.shutdown import leave_for_certain  # noqa: PLC0415
     from lbr.executive.start import run  # noqa: PLC0415
 
     surroundings.bound_heaps()

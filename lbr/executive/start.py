@@ -10,7 +10,7 @@ from lbr.capability.confine import OWNER_ONLY
 from lbr.database import copies, store
 from lbr.database.claims import Claim
 from lbr.errors import LbrError
-from lbr.executive.executive import Executive
+from lbr.executive import executive
 from lbr.executive.planning import joining, machine, trials
 from lbr.executive.planning import profile as profiles
 from lbr.executive.processes import scheduling
@@ -49,8 +49,8 @@ def run(
                 *plugins.broken(), *left_out, joining.join(opened, profile.robot), trials.go_back(opened, profile.robot)
             )
             opened.bound()
-            executive = Executive(profile, profile_name, opened, lock, listen)
-            return executive.run(console=partial(terminal.start, verbose=verbose) if console else None)
+            start = partial(terminal.start, verbose=verbose) if console else None
+            return executive.run(profile, profile_name, opened, lock, listen, console=start)
     except RuntimeError as err:
         if NO_THREAD not in str(err):
             raise

@@ -12,7 +12,8 @@ from lbr import home, surroundings
 from lbr.cli import cli
 from lbr.console import target
 from lbr.errors import BusError, InputError
-from lbr.executive.service.latch import LONGEST_REASON, Latch
+from lbr.executive.service import latch
+from lbr.executive.service.latch import LONGEST_REASON
 from tests.support import databases
 
 
@@ -84,13 +85,12 @@ def test_whatever_the_file_of_the_latch_holds_its_reason_is_one_short_line_that_
     tmp_path: Path, written: bytes
 ) -> None:
     (tmp_path / "lbr.estop").write_bytes(written)
-    reason = Latch(tmp_path / "lbr.estop").reason()
+    reason = latch.read(tmp_path / "lbr.estop")
     assert reason
     assert reason.isprintable()
     assert len(reason) <= LONGEST_REASON
 
 
 def test_the_longest_reason_is_read_as_it_was_written(tmp_path: Path) -> None:
-    latch = Latch(tmp_path / "lbr.estop")
-    latch.engage("€" * LONGEST_REASON)
-    assert latch.reason() == "€" * LONGEST_REASON
+    latch.write(tmp_path / "lbr.estop", "€" * LONGEST_REASON)
+    assert latch.read(tmp_path / "lbr.estop") == "€" * LONGEST_REASON

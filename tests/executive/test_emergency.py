@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from threading import Event, Thread
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -28,12 +29,10 @@ class LastGoodCopy:
             "lbr",
             lambda: session.open_client([endpoint]),
             EstopState(engaged=False, reason=""),
+            SimpleNamespace(happened=self._happened, trouble=lambda *_trouble: None),
             movers=lambda: ["motors"],
             seal=lambda _key: "00" * 16,
             persist=lambda engaged, reason: self.saved.append((engaged, reason)),
-            happened=lambda kind, _subject, text, _level: self.news.append((kind, text)),
-            trouble=lambda *_trouble: None,
-            reset=lambda _request: None,
             wake=self._wake,
         )
         self._end = Event()
@@ -44,6 +43,9 @@ class LastGoodCopy:
         self._end.set()
         self._thread.join()
         self.kept.close()
+
+    def _happened(self, kind: str, _subject: str, text: str, _level: str) -> None:
+        self.news.append((kind, text))
 
     def _wake(self) -> None:
         self.woken += 1

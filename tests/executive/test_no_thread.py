@@ -49,7 +49,7 @@ def test_a_thread_that_cannot_be_started_is_one_sentence_with_its_cure(tmp_path,
 
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
     tmp_path.chmod(0o700)
-    monkeypatch.setattr(start, "Executive", no_thread)
+    monkeypatch.setattr(start.executive, "run", no_thread)
     with pytest.raises(LbrError, match="ulimit -u"):
         start.run("lbr-sim", console=False)
 
@@ -80,8 +80,8 @@ def test_what_is_asked_by_pages_and_capabilities_is_refused_until_there_is_a_thr
     requests = {"edit": {"executive": keys.edit("lbr")}}
     unit, kind = SimpleNamespace(config=SimpleNamespace(requests=requests)), SimpleNamespace(edits=(Motor,))
     plan = SimpleNamespace(robot="lbr", rows=SimpleNamespace(revision=7), units={"face": unit}, kinds={"face": kind})
-    rows = SimpleNamespace(plan=plan, held=False)
-    woken = []
+    looked, woken = [], []
+    rows = SimpleNamespace(plan=plan, held=False, soon=lambda: looked.append(True))
     edit, look = Asked(b'{"rows": {}}', "face"), Asked(b'{"ask": "tokens"}')
     waiting = {"edits": [edit], "pages": [look]}
     path, named = tmp_path / "robot.db", {"happened": lambda *_, **__: None}
@@ -105,7 +105,8 @@ def test_what_is_asked_by_pages_and_capabilities_is_refused_until_there_is_a_thr
         wake=lambda: woken.append(True),
     )
     for _ in range(3):
-        assert not service.step()
+        service.step(0.0)
     assert [(one.code, one.reason) for asked in (edit, look) for one in asked.replies] == [("busy", NO_THREAD)] * 2
     assert len(woken) == 2
     assert not rows.held
+    assert not looked

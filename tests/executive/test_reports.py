@@ -10,6 +10,7 @@ from lbr.bus import session, wire
 from lbr.capability.config import OutputWire
 from lbr.capability.kind import Kind
 from lbr.drivers.camera import KIND as CAMERA
+from lbr.executive.planning.plan import Plan
 from lbr.executive.service.reports import Reports
 from lbr.messages.camera import JpegFrame
 from lbr.messages.telemetry import BatteryPart, Telemetry
@@ -60,7 +61,7 @@ def streams(tmp_path):
 
 @pytest.fixture
 def reports(streams) -> Reports:
-    plan = SimpleNamespace(robot="lbr", units={name: unit(name, kind) for name, kind in KINDS.items()}, kinds=KINDS)
+    plan = Plan(robot="lbr", units={name: unit(name, kind) for name, kind in KINDS.items()}, kinds=KINDS, rows=None)  # type: ignore[arg-type]
     status = SimpleNamespace(capabilities=())
     return Reports(SimpleNamespace(plan=plan, status=lambda: status), streams.bus)  # type: ignore[arg-type]
 

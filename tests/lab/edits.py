@@ -9,7 +9,7 @@ from contextlib import closing
 from pathlib import Path
 
 from lbr.database.store import Database
-from lbr.executive.service.latch import Latch, LatchKeeper
+from lbr.executive.service.latch import Latch
 
 HOME = Path("/var/lib/lbr")
 ROBOT = "lbr"
@@ -24,12 +24,12 @@ def main() -> None:
     os.umask(0o077)
     path = HOME / "robot.db"
     (HOME / LATCH).parent.mkdir(exist_ok=True)
-    keeper = LatchKeeper(Latch(HOME / LATCH), Database.open(path), ROBOT, lambda: None)
+    latch = Latch(HOME / LATCH, Database.open(path), ROBOT, lambda: None)
     with closing(sqlite3.connect(path, isolation_level=None, timeout=10.0)) as client:
         for number in range(1, 1_000_000):
             client.execute("UPDATE capability SET help = ? WHERE robot = ? AND name = 'motors'", (str(number), ROBOT))
             if number % TURN in {ENGAGES, RELEASES}:
-                keeper.persist(number % TURN == ENGAGES, f"edit {number}")
+                latch.persist(number % TURN == ENGAGES, f"edit {number}")
             print(number, flush=True)
 
 

@@ -182,10 +182,9 @@ class Executive:
             happened=lambda *about: self.told.append(about[:4]),
             learnt=lambda *learnt: self.learnt.append(learnt),
             begun=self.begun.append,
-            ways=lambda: ("tls/0.0.0.0:7447",),
             present=lambda name: name in self.present,
         )
-        self.hosts.adopt(plan.units.values())
+        self.hosts.adopt(plan)
 
     def answer(self, agent="one", **said):
         asked = Asked(HostReport(agent=agent, where="desk, pid 1", **said))

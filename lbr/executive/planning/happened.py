@@ -12,8 +12,8 @@ class Happened(Protocol):
         subject: str,
         text: str,
         level: str = "info",
-        data: dict[str, Any] | None = None,
-        *,
         code: str | None = None,
+        *,
+        data: dict[str, Any] | None = None,
     ) -> None:
         """Make it."""

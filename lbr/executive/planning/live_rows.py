@@ -3,70 +3,98 @@ itself."""
 
 import contextlib
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 import msgspec
 from msgspec import Raw
 
-from lbr.capability.config import DeviceConfig
 from lbr.database import edits
 from lbr.database.edits import RowKey
+from lbr.database.reading import Problem
+from lbr.database.rows import RobotRows
 from lbr.database.store import Database
 from lbr.errors import LbrError
 from lbr.executive.planning import plan as plans
-from lbr.executive.planning.happened import Happened
 from lbr.executive.planning.last_good_copy import LastGoodCopy
 from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.process_specs import read_by
 from lbr.executive.planning.said import vocabulary
 from lbr.executive.planning.trials import Trials
 from lbr.executive.planning.watch import RowWatch
+from lbr.executive.processes.plugging import Plugging
+from lbr.executive.processes.process_host import oversized
+from lbr.executive.processes.robot_processes import RobotProcesses
+from lbr.executive.service.journal import Journal
+from lbr.executive.services import Service
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.codes import Code
-from lbr.messages.rows import Row, RowsChanged, by_table
-from lbr.messages.system import CapabilityStatus
+from lbr.messages.rows import Row, by_table
 from lbr.messages.unreadable import UNREADABLE
 
+LOOK_S = 0.2
+LOOK_SHARE = 5.0
+"""Rows that are slow to read are looked at less often: they get a fifth of the main thread's time."""
 PROBLEMS_TOLD = 3
 """How many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
 
 
-class LiveRows:
+class LiveRows(Service):
     """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force, `code` which sort of why.
 
-    While it is `held`, edits wait. `take_over(change)` starts and stops what another plan wants, `kept(name)` has a
-    process go on with what it learnt, `plug(name, devices)` with more emulated devices, `follow(name, rows)` with other
-    rows.
+    While it is `held`, edits wait. `processes` start and stop what another plan wants, and go on with what they learnt;
+    by `plugging` they go on with more emulated devices, or other rows. `publish(plan)` tells how the robot is reached.
     """
 
     def __init__(
         self,
         database: Database,
         watch: RowWatch,
-        keeper: LastGoodCopy,
-        *,
-        happened: Happened,
-        take_over: Callable[[Change], None],
-        kept: Callable[[str], None],
-        plug: Callable[[str, tuple[DeviceConfig, ...]], None],
-        follow: Callable[[str, RowsChanged], None],
-        capabilities: Callable[[], Iterable[CapabilityStatus]],
+        plan: Plan,
+        journal: Journal,
+        processes: RobotProcesses,
+        plugging: Plugging,
+        publish: Callable[[Plan], None],
     ) -> None:
         self._database = database
         self._watch = watch
-        self._keeper = keeper
-        self._happened = happened
-        self._take_over = take_over
-        self._kept = kept
-        self._plug = plug
-        self._follow = follow
-        self._trials = Trials(database, capabilities, happened)
+        self._keeper = LastGoodCopy(database.path, journal.trouble)
+        self._happened = journal.happened
+        self._processes = processes
+        self._plugging = plugging
+        self._publish = publish
+        self._trials = Trials(database, processes.capabilities, journal.happened)
         self.problems: tuple[str, ...] = ()
         self.code: Code = "bad_value"
         self.held = False
-        self.plan = watch.first()
-        self.vocabulary = vocabulary(self.plan.rows, self.plan.kinds)
+        self.plan = plan
+        self.vocabulary = vocabulary(plan.rows, plan.kinds)
+        self._look_at = 0.0
+
+    def step(self, now: float) -> float:
+        """Look at the rows when it is time, and keep a copy of good ones; return when to be called again."""
+        self._keeper.step(now, self.plan.rows.digest)
+        if now >= self._look_at:
+            self.look()
+            self._look_at = now + max(LOOK_S, LOOK_SHARE * (time.monotonic() - now))
+        return self._look_at
+
+    def soon(self) -> None:
+        """Look at the rows in the next turn: some were written."""
+        self._look_at = 0.0
+
+    def well(self) -> None:
+        """Take note that what runs is well: its rows are copied once that has lasted for some seconds."""
+        self._keeper.touched(time.monotonic())
+
+    def planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
+        """Plan for rows that are not written yet; from any thread."""
+        plan, problems = self._watch.planned(rows, self.plan)
+        return plan, (*problems, *oversized(plan)) if plan is not None else problems
+
+    def judge(self, rows: RobotRows) -> tuple[Problem, ...]:
+        """Return what is wrong with rows that are not written yet; from any thread."""
+        return self.planned(rows)[1]
 
     def look(self) -> None:
         """Adopt what was edited, or say why not; not while an edit is being written on request. Judge what is on
@@ -77,7 +105,7 @@ class LiveRows:
         if self._trials.on:
             self._keeper.not_well()
         elif on:
-            self._keeper.touched(time.monotonic())
+            self.well()
 
     def _look(self) -> None:
         news = None if self.held else self._watch.look(self.plan)
@@ -94,7 +122,7 @@ class LiveRows:
         if news.plan is None:
             return
         if not news.problems:
-            self._keeper.touched(time.monotonic())
+            self.well()
         if self.problems and not news.problems:
             self.problems = ()
             self._happened("rows_good", "executive", "the rows are good again")
@@ -172,17 +200,19 @@ class LiveRows:
         text = f"{edited}: {done or 'no process is touched'}"
         self._happened("rows_changed", "executive", text, data={**self.adopted(), "touched": touched})
         self._trials.touching(change)
-        self._take_over(change)
+        self._processes.take_over(plan, change)
+        with contextlib.suppress(OSError):
+            self._publish(plan)
         for name in change.plug:
-            self._plug(name, plans.added_devices(before.units[name], plan.units[name]))
+            self._plugging.ask(name, plans.added_devices(before.units[name], plan.units[name]))
         for name in change.follow:
             told = plans.changed_rows(before.units[name], plan.units[name])
             if told is not None:
-                self._follow(name, told)
+                self._plugging.tell(name, told)
 
     def _keep(self, plan: Plan, name: str) -> None:
         self.plan = plan
-        self._kept(name)
+        self._processes.keep(plan, name)
         self._watch.look_again()
 
 

@@ -1,6 +1,6 @@
 """What should run, the rows it came from, and the difference between two plans. Pure; `planner` makes one."""
 
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterator, Mapping
 
 import msgspec
 from msgspec import Struct
@@ -28,6 +28,11 @@ class Plan(Struct, frozen=True, kw_only=True):
         """Return what runs on the robot's own host."""
         return {name: unit for name, unit in self.units.items() if not unit.config.host}
 
+    @property
+    def lan(self) -> tuple[str, ...]:
+        """Return the endpoints at which other machines come in."""
+        return tuple(endpoint for unit in self.units.values() if unit.lan is not None for endpoint in unit.lan.listen)
+
     def log(self, name: str) -> str:
         """Return the log of a capability, an external command or the executive; empty if there is nothing of that
         name."""
@@ -45,6 +50,12 @@ class Plan(Struct, frozen=True, kw_only=True):
         """Return the units that move something and can be told to stop: of their kind, or programs that take a stop."""
         moving = (name for name, unit in self.units.items() if unit.moves or unit.program is not None)
         return tuple(name for name in moving if STOP in self.commands(name))
+
+    def outputs(self) -> Iterator[tuple[str, str, str, type[Struct] | None]]:
+        """Yield each stream, setpoints too: whose it is, its port, its key, and its message; None if a program's own."""
+        for unit in self.units.values():
+            for port, wires in unit.config.outputs.items():
+                yield from ((unit.name, port, one.key, self.kinds[unit.name].outputs.get(port)) for one in wires)
 
     def streams(self) -> tuple[str, ...]:
         """Return the keys of all streams that units publish under their own names."""

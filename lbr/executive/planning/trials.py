@@ -123,7 +123,7 @@ class Trials:
         self._trial, self._until = trial, self._clock() + trial.within_s
         self._ready_since = self._clock()
         text = f"revision {trial.revision} is on trial for {trial.within_s:g} s"
-        self._happened("rows_on_trial", "executive", text, "info", {"revision": trial.revision})
+        self._happened("rows_on_trial", "executive", text, data={"revision": trial.revision})
         self._step(problems)
 
     def _step(self, problems: tuple[str, ...]) -> None:
@@ -167,7 +167,7 @@ class Trials:
         self._trial, self._looked = None, None
         self._touched = {}
         kind, level = ("rows_kept", "info") if ended.state == "kept" else ("rows_back", "warning")
-        self._happened(kind, "executive", told(ended), level, {"revision": ended.revision})
+        self._happened(kind, "executive", told(ended), level, data={"revision": ended.revision})
 
 
 def _judge(path: Path, trial: Trial, good: bool, text: str) -> Trial:

@@ -8,6 +8,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.database import copies
+from lbr.database.reading import Problem
 from lbr.database.rows import RevisionRow, RobotRows
 from lbr.database.store import PATIENCE_S, Database
 from lbr.errors import InputError, LbrError, RowError
@@ -108,6 +109,10 @@ class RowWatch:
     def _news(self, plan: Plan, new: Plan) -> News:
         edited = self._edited(plan.rows, new.rows)
         return News(plan=new, change=plans.difference(plan, new), edited=edited, problems=self._problems)
+
+    def planned(self, rows: RobotRows, beside: Plan) -> tuple[Plan | None, tuple[Problem, ...]]:
+        """Plan for rows that are not written yet, beside a plan that runs; from any thread."""
+        return planner.make(rows, self._profile, self._site, self._room_beside(beside), before=beside.rows)
 
     def look_again(self) -> None:
         """Read the rows at the next look: they were written by this process, which `data_version` does not tell."""

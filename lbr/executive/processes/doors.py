@@ -174,10 +174,6 @@ class Doors:
         self._worker = threading.Thread(target=self._work, name="doors", daemon=True)
         self._worker.start()
 
-    def credentials(self, user: str) -> Credentials:
-        """Return how a user proves itself, the same for the whole run."""
-        return self._site.credentials(user)
-
     def adopt(self, plan: Plan) -> None:
         """Take over a plan: one annex is opened for all its processes whose rights no router knows."""
         wanted = _wanted(plan)
@@ -306,7 +302,7 @@ class Doors:
             _merged(known.values()),
             links={self._core.router_id: TRUSTED},
             connect=(self._core.endpoint,),
-            credentials=self.credentials(ANNEX),
+            credentials=self._site.credentials(ANNEX),
             plan=plan,
         )
         try:
@@ -336,7 +332,7 @@ class Doors:
         return session.Router(
             listen=(place.endpoint,),
             robot=self._robot,
-            users={user: self.credentials(user).password for user in users},
+            users={user: self._site.credentials(user).password for user in users},
             rights=dict(users),
             links=dict(links),
             id=place.router_id,

@@ -11,12 +11,13 @@ from concurrent.futures import TimeoutError as FutureTimeout
 from typing import Any, TypeVar
 
 from lbr.errors import LbrError
+from lbr.executive.services import Service
 
 T = TypeVar("T")
 ANSWER_LIMIT_S = 5.0
 
 
-class MainThread:
+class MainThread(Service):
     """Runs what other threads hand over, one after the other, on the thread that made it."""
 
     def __init__(self) -> None:

@@ -4,6 +4,7 @@ It is asked by a command of its own, and begun again only if it cannot.
 """
 
 from collections.abc import Callable
+from math import inf
 from typing import NamedTuple
 
 from msgspec import Struct
@@ -13,6 +14,7 @@ from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.capability.config import DeviceConfig
 from lbr.errors import BusError, MalformedError
+from lbr.executive.services import Service
 from lbr.messages.leases import CommandReply
 from lbr.messages.rows import RowsChanged
 
@@ -38,7 +40,7 @@ class _Asked(NamedTuple):
     question: wire.PendingQuery
 
 
-class Plugging:
+class Plugging(Service):
     """Asks processes, and looks what became of it. `process(name)` is what runs of a capability, `restart(name, why)`
     begins it again."""
 
@@ -69,7 +71,7 @@ class Plugging:
         """Tell a capability that runs of the rows that were edited."""
         self._ask(name, ROWS, rows, f"it cannot go on with other rows of {', '.join(rows.rows)}")
 
-    def step(self) -> None:
+    def step(self, _now: float) -> float:
         """Begin a process again that could not do as asked, once; one that has begun again meanwhile has it all."""
         done = [one for one in self._asked if one.question.done]
         self._asked = [one for one in self._asked if not one.question.done]
@@ -79,6 +81,7 @@ class Plugging:
             if why and one.name not in begun and self._process(one.name) is one.process:
                 begun.add(one.name)
                 self._restart(one.name, f"{one.what}: {why}")
+        return inf
 
     def _ask(self, name: str, command: str, message: Struct, what: str) -> bool:
         """Ask a process, if it runs; say whether that went out."""

@@ -12,6 +12,7 @@ import fcntl
 import itertools
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
@@ -20,6 +21,8 @@ from msgspec.structs import replace
 from lbr.capability import leaving
 from lbr.capability.config import Order, ProcessConfig, Report
 from lbr.capability.confine import needs_override
+from lbr.database.reading import Problem
+from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.fork_server import Forked, ForkServer
@@ -28,12 +31,22 @@ from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Mark, Reaper
 
 LARGEST_DOCUMENT_BYTES = 1 << 20
+MORE_IN_A_DOCUMENT_BYTES = 4096
+"""What a process is told at its start besides what is planned."""
 PIPE_BYTES = 1 << 16
 TERM_S = 0.8
 """How long a process may take to end when it is asked to."""
 SLOW_S = 5.0
 """A capability that is asked to end gets longer where others would end with it: a start, or a device, may take its
 time."""
+
+
+def oversized(plan: Plan) -> Iterator[Problem]:
+    """Yield the processes that could not be given the rows that a plan has for them."""
+    for unit in plan.units.values():
+        if len(msgspec.json.encode(unit.config)) + MORE_IN_A_DOCUMENT_BYTES > LARGEST_DOCUMENT_BYTES:
+            text = f"its rows would be too many: it can be given {LARGEST_DOCUMENT_BYTES} bytes of them"
+            yield Problem("capability", f"{plan.robot}/{unit.name}", "", text)
 
 
 class ProcessHost:

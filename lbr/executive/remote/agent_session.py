@@ -24,12 +24,12 @@ from lbr.executive.planning.process_specs import ProcessSpec, with_learnt
 from lbr.executive.processes.fork_server import ForkServer
 from lbr.executive.processes.logs import trim_all
 from lbr.executive.processes.mainthread import MainThread
+from lbr.executive.processes.overview import Overview
 from lbr.executive.processes.process_host import Child, ProcessHost
 from lbr.executive.processes.reaper import Reaper
 from lbr.executive.processes.supervisor import Supervisor
 from lbr.executive.remote import host_protocol
 from lbr.executive.remote.host_protocol import HostReport, HostShare, Learnt, Placed
-from lbr.executive.service.overview import Overview
 from lbr.messages.system import EstopState, Event, Status
 
 ANSWER_S = 1.0

@@ -1,7 +1,7 @@
 """The other machines that a robot's processes run on, as the executive sees them: who is there, and how its share
 is."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from math import inf
 
 from msgspec import Raw
@@ -10,8 +10,10 @@ from msgspec.structs import replace
 from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import MalformedError
+from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.remote.host_protocol import GONE_S, TOLD, HostReport, HostShare, Placed, mark
+from lbr.executive.services import Service
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import CapabilityStatus
 
@@ -34,12 +36,11 @@ class Host:
         self.states: dict[str, CapabilityStatus] = {}
 
 
-class RemoteHosts:
+class RemoteHosts(Service):
     """Answers agents, at the key that `served` has for each host, from one thread.
 
     `happened(kind, subject, text, level, code)` hears what people should know, `learnt(name, rows)` what is to be
-    written down, and `begun(name)` that a process there is a new one. `ways()` are the endpoints that other machines
-    come in at, and `present(name)` says who is on the bus.
+    written down, and `begun(name)` that a process there is a new one. `present(name)` says who is on the bus.
     """
 
     def __init__(
@@ -49,25 +50,28 @@ class RemoteHosts:
         version: str,
         happened: Callable[[str, str, str, str, str], None],
         learnt: Callable[[str, dict[str, Raw]], None],
-        begun: Callable[[str], None],
-        ways: Callable[[], tuple[str, ...]],
+        begun: Callable[[str], object],
         present: Callable[[str], bool],
     ) -> None:
         self._version = version
         self._happened = happened
         self._learnt = learnt
         self._begun = begun
-        self._ways = ways
+        self._ways: tuple[str, ...] = ()
         self._present = present
         self._restarts: dict[str, int] = {}
         self._ended = False
         self._hosts = {name: Host(name, one) for name, one in served.items()}
 
-    def adopt(self, units: Iterable[ProcessSpec]) -> None:
+    def adopt(self, plan: Plan) -> None:
         """Take over a plan's processes; each host gets its share with the answer to its next report."""
-        units = tuple(units)
+        self._ways = plan.lan
         for host in self._hosts.values():
-            host.units = {unit.name: unit for unit in units if unit.config.host == host.name}
+            host.units = {name: unit for name, unit in plan.units.items() if unit.config.host == host.name}
+        self._deal()
+
+    def _deal(self) -> None:
+        for host in self._hosts.values():
             host.share = tuple(Placed(unit=u, restarts=self._restarts.get(n, 0)) for n, u in host.units.items())
             host.mark = mark(host.share)
 
@@ -76,7 +80,7 @@ class RemoteHosts:
         host = next((host for host in self._hosts.values() if name in host.units), None)
         if host is not None:
             self._restarts[name] = self._restarts.get(name, 0) + 1
-            self.adopt([unit for each in self._hosts.values() for unit in each.units.values()])
+            self._deal()
         return host is not None
 
     def end(self) -> None:
@@ -183,8 +187,7 @@ class RemoteHosts:
     def _what_to_type(self, name: str, unit: ProcessSpec) -> str:
         if unit.config.credentials is None:
             return f"waits for host '{name}', which has no token; here, type: lbr token add {name} --role host"
-        ways = self._ways()
-        if not ways:
+        if not self._ways:
             return f"waits for host '{name}', which cannot come in: the robot needs --listen tls/0.0.0.0:7447"
-        endpoint = ways[0].replace("0.0.0.0", "ROBOT").replace("[::]", "ROBOT")  # noqa: S104 - for people to read
+        endpoint = self._ways[0].replace("0.0.0.0", "ROBOT").replace("[::]", "ROBOT")  # noqa: S104 - for people to read
         return f"waits for host '{name}'; there, type: lbr agent {name} --connect {endpoint}"

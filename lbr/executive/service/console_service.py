@@ -10,10 +10,11 @@ from typing import get_args
 
 from lbr.bus import keys, stamp, wire
 from lbr.bus.session import Session
-from lbr.capability.calls import UNSTAMPED
 from lbr.console.stops import is_stop
-from lbr.executive.service.dispatch import DONE, Dispatcher
-from lbr.messages.system import ConsoleResult, Role, Stamp
+from lbr.executive.service.dispatch import Dispatcher
+from lbr.executive.service.journal import sender
+from lbr.executive.services import Service
+from lbr.messages.system import ConsoleResult, Role
 
 MAX_LINE_BYTES = 1 << 16
 MOST_UNDER_WAY = 64
@@ -21,7 +22,6 @@ STOPPERS = 16
 MOST_STOPPERS = 256
 """Stops that wait for something that does not answer, each 2 s at most: as many as come in that time from all who
 may."""
-MOST_RESETS = 4
 
 
 class Stops:
@@ -47,7 +47,7 @@ class Stops:
     def put(self, request: wire.Request, line: str | bytes, role: Role) -> None:
         """Answer it as soon as may be."""
         found = stamp.read(request.attachment)
-        who = (_caller(found), bool(found and found.via))
+        who = (sender(found), bool(found and found.via))
         with self._changed:
             self._waiting.setdefault((who, line, role), []).append(request)
             self._changed.notify()
@@ -88,7 +88,7 @@ class Stops:
             request.reply(result, "executive")
 
 
-class ConsoleService:
+class ConsoleService(Service):
     """Takes lines straight from the bus's thread, so that nothing the executive waits for delays them."""
 
     def __init__(
@@ -96,39 +96,25 @@ class ConsoleService:
         bus: Session,
         robot: str,
         dispatcher: Dispatcher,
-        *,
-        reset: Callable[[str, float], ConsoleResult],
     ) -> None:
         self._dispatcher = dispatcher
-        self._reset = reset
         self._room = threading.Semaphore(MOST_UNDER_WAY)
         self._talk = ThreadPoolExecutor(max_workers=16, thread_name_prefix="line")
-        self._resets = ThreadPoolExecutor(max_workers=MOST_RESETS, thread_name_prefix="reset")
         self._stops = Stops(self._result)
-        self._bus = bus
-        self._robot = robot
-        self._lines: dict[tuple[Role, bool], wire.QueryServer] = {}
-
-    def start(self) -> None:
-        """Begin to take lines: on a key for each role, because the bus lets in who has it, and on others from pages."""
         self._stops.start()
+        self._lines: dict[tuple[Role, bool], wire.QueryServer] = {}
         for role in get_args(Role):
             for key, page in (
-                (keys.console(self._robot, role), False),
-                (keys.console_of_pages(self._robot, role), True),
+                (keys.console(robot, role), False),
+                (keys.console_of_pages(robot, role), True),
             ):
-                self._lines[role, page] = wire.QueryServer(self._bus, key, self._take, puts=False, source="executive")
-
-    def answer_reset(self, request: wire.Request) -> None:
-        """Release the emergency stop for a client on the bus."""
-        _begin(self._resets, self._answer_reset, request)
+                self._lines[role, page] = wire.QueryServer(bus, key, self._take, puts=False, source="executive")
 
     def close(self) -> None:
         """Take no more lines; those under way end by themselves."""
         for lines in self._lines.values():
             lines.close()
         self._talk.shutdown(wait=False, cancel_futures=True)
-        self._resets.shutdown(wait=False, cancel_futures=True)
         self._stops.close()
 
     def _take(self) -> None:
@@ -145,7 +131,12 @@ class ConsoleService:
                 ConsoleResult(code=1, text="too many lines at once; say it again", reason_code="busy"), "executive"
             )
         else:
-            _begin(self._talk, self._answer, request, line, role, page, done=self._room.release)
+            try:
+                answered = self._talk.submit(self._answer, request, line, role, page)
+            except RuntimeError:  # it is closed: the robot shuts down
+                self._room.release()
+            else:
+                answered.add_done_callback(lambda _answered: self._room.release())
 
     def _answer(self, request: wire.Request, line: str | bytes, role: Role, page: bool) -> None:
         request.reply(self._result(request, line, role, page=page), "executive")
@@ -159,33 +150,13 @@ class ConsoleService:
         waited_s = found.waited_s if found is not None else 0.0
         return self._dispatcher.execute(
             line,
-            source=_caller(found),
+            source=sender(found),
             role=role,
             sent_s=sent_s,
             remote_stamp=remote_stamp,
             waited_s=waited_s,
             page=page,
         )
-
-    def _answer_reset(self, request: wire.Request) -> None:
-        found = stamp.read(request.attachment)
-        waited_s = found.waited_s if found is not None else 0.0
-        result = self._reset(_caller(found), stamp.sent_s(found, request.arrived) - waited_s)
-        request.reply({"accepted": result.code == DONE, "reason": result.text}, "executive")
-
-
-def _begin(
-    pool: ThreadPoolExecutor, work: Callable[..., None], *values: object, done: Callable[[], object] = int
-) -> None:
-    """Let a pool do it; one that is closed leaves it undone, for the robot is shutting down."""
-    try:
-        pool.submit(work, *values).add_done_callback(lambda _future: done())
-    except RuntimeError:
-        done()
-
-
-def _caller(found: Stamp | None) -> str:
-    return found.source[:80] if found is not None and found.source else UNSTAMPED
 
 
 def _line(payload: bytes) -> str | bytes:

@@ -1,25 +1,21 @@
 """Edits of rows that capabilities ask for: what a kind may write, in the name of who asked."""
 
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Protocol
 
-import msgspec
 from msgspec import Struct
 
 from lbr.bus import keys, stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.database import edits
 from lbr.database.proposals import Judge
-from lbr.database.reading import Problem
 from lbr.database.store import Database
 from lbr.errors import InputError, RowError
 from lbr.executive.planning.happened import Happened
-from lbr.executive.planning.plan import Plan
+from lbr.executive.planning.live_rows import LiveRows
 from lbr.executive.planning.wiring import EXECUTIVE
-from lbr.executive.processes.process_host import LARGEST_DOCUMENT_BYTES
 from lbr.executive.service.row_service import Job, Reply
 from lbr.messages.codes import Code
 from lbr.messages.faces import EditCommand, EditReply
@@ -28,28 +24,7 @@ from lbr.messages.rows import Row
 WAITED_FOR_S = 5.0
 """Who asks waits this long; what is written later restarts it, since it may not know."""
 SLOW_S = 1.0
-MORE_IN_A_DOCUMENT_BYTES = 4096
-"""What a process is told at its start besides what is planned."""
 _commands = Decoder(EditCommand)
-
-
-def oversized(plan: Plan) -> Iterator[Problem]:
-    """Yield the processes that could not be given the rows that a plan has for them."""
-    for unit in plan.units.values():
-        if len(msgspec.json.encode(unit.config)) + MORE_IN_A_DOCUMENT_BYTES > LARGEST_DOCUMENT_BYTES:
-            text = f"its rows would be too many: it can be given {LARGEST_DOCUMENT_BYTES} bytes of them"
-            yield Problem("capability", f"{plan.robot}/{unit.name}", "", text)
-
-
-class Rows(Protocol):
-    """The rows in force."""
-
-    @property
-    def plan(self) -> Plan:
-        """Return the plan that runs."""
-
-    def knows(self, name: str, rows: Collection[Row]) -> None:
-        """Take note that a capability has rows already."""
 
 
 class Edit(Struct, frozen=True):
@@ -70,7 +45,7 @@ class Edits:
         self,
         served: wire.QueryServer,
         path: Path,
-        rows: Rows,
+        rows: LiveRows,
         judge: Judge,
         *,
         process: Callable[[str], object],
@@ -131,7 +106,7 @@ class Edits:
         if took_s < WAITED_FOR_S and self._may(name) and self._process(name) is edit.process:
             self._rows.knows(name, edit.rows)
         text = f"wrote {edits.told(edit.rows)[:300]}" + (f" for {by}" if by else "")
-        self._happened("edit", name, text, "info", {"revision": reply.revision})
+        self._happened("edit", name, text, data={"revision": reply.revision})
         if took_s > SLOW_S:
             self._happened("slow_disk", name, f"it took {took_s:.1f} s to write rows", "warning")
         return True

@@ -3,10 +3,12 @@
 Movers hear the stop directly, on sessions of their own: what is put on `@estop` reaches them past the executive.
 """
 
+import contextlib
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from math import inf
 
 from msgspec.structs import replace
@@ -14,6 +16,8 @@ from msgspec.structs import replace
 from lbr.bus import keys, session, stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.errors import LbrError, MalformedError
+from lbr.executive.service.journal import Journal, sender
+from lbr.executive.services import Service
 from lbr.leases.halts import Halts
 from lbr.messages.codes import Reason
 from lbr.messages.leases import STOPPED_SINCE
@@ -27,12 +31,14 @@ ACKNOWLEDGE_LIMIT_S = 0.5
 RELEASE_S = 1.0
 ALONE_S = 0.5
 """How long a mover may say that it is latched before the press that it heard is here too."""
+MOST_RESETS = 4
+RELEASED = "emergency stop released; the next command may move the robot"
 NOT_SAVED = "the emergency stop's latch is not on the disk"
 _requests = Decoder(EstopRequest)
 _acknowledgements = Decoder(EstopAcknowledgement)
 
 
-class Emergency:
+class Emergency(Service):
     """`movers()` names the capabilities that must acknowledge, `persist(engaged, reason)` must reach the disk."""
 
     def __init__(
@@ -40,13 +46,11 @@ class Emergency:
         robot: str,
         connect: Callable[[], session.Session],
         state: EstopState,
+        journal: Journal,
         *,
         movers: Callable[[], Iterable[str]],
         seal: Callable[[str], str],
         persist: Callable[[bool, str], None],
-        happened: Callable[[str, str, str, str], None],
-        trouble: Callable[[str, str], None],
-        reset: Callable[[wire.Request], None],
         wake: Callable[[], None],
     ) -> None:
         self._robot = robot
@@ -54,9 +58,7 @@ class Emergency:
         self._movers = movers
         self._seal = seal
         self._persist = persist
-        self._happened = happened
-        self._trouble = trouble
-        self._reset = reset
+        self._journal = journal
         self._wake = wake
         self._stopped: set[str] = set()
         self._within_s: dict[str, float] = {}
@@ -74,6 +76,7 @@ class Emergency:
         self._save_tried = True
         self._save_at = 0.0
         self._news: deque[tuple[str, str, str, str]] = deque(maxlen=100)
+        self._pool = ThreadPoolExecutor(max_workers=MOST_RESETS, thread_name_prefix="reset")
         self._session = connect()
         self._presses = wire.Subscription(self._session, keys.estop(robot), depth=64, wake=self._hear_presses)
         acknowledgements = keys.estop_acknowledgement(robot, "*")
@@ -207,7 +210,7 @@ class Emergency:
                 self._latch("it heard a stop that was not heard here", name, now)
             self._announce()
         while self._news:
-            self._happened(*self._news.popleft())
+            self._journal.happened(*self._news.popleft())
         if self._unsaved and now >= self._save_at:
             self._save(now)
         with self._changed:
@@ -242,6 +245,7 @@ class Emergency:
 
     def close(self) -> None:
         """Leave the bus."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
         self._session.close()
 
     def _latched(self) -> bool:
@@ -255,7 +259,7 @@ class Emergency:
             self._persist(engaged, reason)
         except LbrError as err:
             why = str(err)
-        self._trouble(NOT_SAVED, why)
+        self._journal.trouble(NOT_SAVED, why)
         with self._changed:
             if not self._unsaved:  # or it has changed meanwhile, and that is not on the disk yet
                 self._save_tried = True
@@ -273,7 +277,14 @@ class Emergency:
 
     def _hear_resets(self) -> None:
         for request in self._resets.take():
-            self._reset(request)
+            with contextlib.suppress(RuntimeError):  # it is closed: the robot shuts down
+                self._pool.submit(self._answer_reset, request)
+
+    def _answer_reset(self, request: wire.Request) -> None:
+        found = stamp.read(request.attachment)
+        waited_s = found.waited_s if found is not None else 0.0
+        why_not = self.release(sender(found), stamp.sent_s(found, request.arrived) - waited_s)
+        request.reply({"accepted": why_not is None, "reason": why_not.text if why_not else RELEASED}, "executive")
 
     def _hear_acknowledgements(self) -> None:
         with self._changed:
@@ -283,8 +294,7 @@ class Emergency:
         self._wake()
 
     def _pressed(self, raw: wire.RawMessage, now: float) -> None:
-        found = stamp.read(raw.attachment)
-        source = found.source if found is not None else "a bus client"
+        source = sender(stamp.read(raw.attachment))
         try:
             request = _requests.decode(raw.payload)
         except MalformedError:

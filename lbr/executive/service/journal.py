@@ -1,8 +1,10 @@
 """What happened: published on `@event`, shown at the console, written down in the database. Never blocks motion."""
 
+import contextlib
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from math import inf
 from typing import Any, Literal
 
 import msgspec
@@ -10,12 +12,14 @@ import msgspec
 from lbr.bus import keys, stamp, wire
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
+from lbr.capability.calls import UNSTAMPED
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.errors import LbrError, MalformedError
 from lbr.executive.planning.wiring import EXECUTIVE
+from lbr.executive.services import Service
 from lbr.messages.codes import Code
-from lbr.messages.system import Event
+from lbr.messages.system import Event, Stamp
 
 WRITE_EVERY_S = 0.25
 AGAIN_AFTER_S = 1.0
@@ -23,67 +27,21 @@ MOST_WAITING = 2000
 LARGEST_EVENT_BYTES = 16 * 1024
 OTHERS_PER_S = 20.0
 OTHERS_AT_ONCE = 200.0
-AUDITED = frozenset(
-    [
-        "run",
-        "shutdown",
-        "started",
-        "stopped",
-        "crashed",
-        "hung",
-        "taken_along",
-        "ended",
-        "failed",
-        "fault",
-        "trip",
-        "holder",
-        "mqtt_asked",
-        "reached",
-        "interval",
-        "lapsed",
-        "superseded",
-        "estop",
-        "estop_reset",
-        "host_joined",
-        "host_lost",
-        "login",
-        "login_refused",
-        "logout",
-        "token",
-        "pair",
-        "pair_refused",
-        "paired",
-        "rows_changed",
-        "rows_refused",
-        "rows_on_trial",
-        "rows_kept",
-        "rows_back",
-        "edit",
-        "python",
-        "external",
-        "listening",
-        "command",
-    ]
-)
+_RUNS = ("run", "shutdown", "host_joined", "host_lost", "python", "external", "listening", "command")
+_PROCESSES = ("started", "stopped", "crashed", "hung", "taken_along", "ended", "failed")
+_MOTION = ("fault", "trip", "holder", "reached", "interval", "lapsed", "superseded", "mqtt_asked")
+_STOPS = ("estop", "estop_reset")
+_PEOPLE = ("login", "login_refused", "logout", "token", "pair", "pair_refused", "paired")
+_ROWS = ("rows_changed", "rows_refused", "rows_on_trial", "rows_kept", "rows_back", "edit")
+AUDITED = frozenset((*_RUNS, *_PROCESSES, *_MOTION, *_STOPS, *_PEOPLE, *_ROWS))
 """The kinds of events that go into the audit trail, from any source."""
 
+_NO_WHY = ("run", "ready", "python", "external", "pair", "paired", "host_joined", "trouble_over", "busy_over")
+_NO_WHY_OF_ROWS = ("rows_changed", "rows_good", "rows_on_trial", "rows_kept", "edit")
 CODES: dict[str, Code | Literal[""]] = {
-    "run": "",
-    "ready": "",
-    "rows_changed": "",
-    "rows_good": "",
-    "rows_on_trial": "",
-    "rows_kept": "",
+    **dict.fromkeys((*_NO_WHY, *_NO_WHY_OF_ROWS), ""),
     "rows_back": "not_ready",
-    "edit": "",
-    "external": "",
-    "python": "",
-    "pair": "",
-    "paired": "",
     "pair_refused": "token",
-    "host_joined": "",
-    "trouble_over": "",
-    "busy_over": "",
     "not_ready": "failed",
     "restarting": "changed",
     "shutdown": "shutting_down",
@@ -105,15 +63,22 @@ WRITTEN_FIRST = frozenset(["rows_changed"])
 """Told only when it is written: who hears of an edit may begin the next, and is not to meet our own transaction."""
 
 MOST_ECHOES = 1024
+MOST_RECENT = 50
 NOT_WRITTEN = "events and the audit trail are not written down"
 _decoder = Decoder(Event)
 
 
-class Journal:
+def sender(found: Stamp | None) -> str:
+    """Return who says that it has sent a message with such a stamp."""
+    return found.source[:80] if found is not None and found.source else UNSTAMPED
+
+
+class Journal(Service):
     """Collects the executive's own events and everybody else's, and writes them down in batches.
 
-    What belongs into the audit trail is written at the next step, to the disk. `trouble` hears why nothing can be
-    written, and then an empty text; `written` gets the events that are.
+    What belongs into the audit trail is written at the next step, to the disk. `written` gets the events that are, and
+    `listeners` are called at each event of the executive's own. `recent` are the newest events, oldest first;
+    `troubles` is what hinders the executive now, besides bad rows.
     """
 
     def __init__(
@@ -122,13 +87,13 @@ class Journal:
         robot: str,
         database: Database,
         wake: Callable[[], None],
-        trouble: Callable[[str, str], None] = lambda _what, _why: None,
-        written: Callable[[Sequence[Event]], None] = lambda _events: None,
+        written: Callable[[Sequence[Event]], None],
     ) -> None:
-        self.listeners: list[Callable[[Event], None]] = []
+        self.listeners: list[Callable[[], None]] = []
+        self.recent: tuple[Event, ...] = ()
+        self.troubles: dict[str, str] = {}
         self._robot = robot
         self._database = database
-        self._trouble = trouble
         self._written = written
         self._waiting: deque[Event] = deque(maxlen=MOST_WAITING)
         self._trail: deque[AuditRow] = deque()
@@ -148,9 +113,10 @@ class Journal:
         subject: str,
         text: str,
         level: str = "info",
+        code: str | None = None,
+        *,
         data: dict[str, Any] | None = None,
         about: str = "",
-        code: str | None = None,
     ) -> None:
         """Tell everybody, by the code that the kind has or another; from the executive's own thread."""
         now = time.time_ns()
@@ -171,18 +137,29 @@ class Journal:
         else:
             self._echoes.append(self._publisher.put(event))
             self._keep(event, EXECUTIVE, allowed=True)
+        for listener in self.listeners:
+            listener()
+
+    def trouble(self, what: str, why: str) -> None:
+        """Say why `what` cannot be done now; an empty `why` says that it can. Told once, and once when it is over."""
+        if why:
+            text = f"{what}: {why}"
+            if self.troubles.get(what) != text:
+                self.troubles[what] = text
+                self.happened("trouble", EXECUTIVE, text, "error")
+        elif self.troubles.pop(what, ""):
+            self.happened("trouble_over", EXECUTIVE, f"{what}: no longer so")
 
     def record(self, kind: str, who: str, text: str) -> None:
         """Put into the audit trail what is no event; this often at most as others' events."""
         self._audit(Event(kind=kind, subject="console", text=text), who, allowed=self._budget >= 1)
 
-    def step(self, now: float) -> None:
+    def step(self, now: float) -> float:
         """Take in what others said and write it down when it is time."""
         self._budget = min(OTHERS_AT_ONCE, self._budget + (now - self._budget_at) * OTHERS_PER_S)
         self._budget_at = now
         for raw in self._others.take():
-            found = stamp.read(raw.attachment)
-            source = found.source[:80] if found else "a bus client"
+            source = sender(stamp.read(raw.attachment))
             if raw.attachment in self._echoes:
                 self._echoes.remove(raw.attachment)
                 continue
@@ -194,6 +171,14 @@ class Journal:
                 self._complain(f"an event from '{source}' is malformed: {err}", now)
         if (self._waiting or self._trail) and now >= self._write_at:
             self._write_at = now + (WRITE_EVERY_S if self.flush() else AGAIN_AFTER_S)
+        return inf
+
+    def close(self) -> None:
+        """Write down what is left, and that the run has ended in order."""
+        self.step(time.monotonic())
+        self.flush()
+        with contextlib.suppress(LbrError):
+            self._database.record_shutdown(self._robot)
 
     def flush(self) -> bool:
         """Write down what waits, and say whether that is done; a database that cannot take it now gets it later."""
@@ -204,13 +189,13 @@ class Journal:
             self._database.append_events(events, trail)
         except LbrError as err:
             self._failing = True
-            self._trouble(NOT_WRITTEN, str(err))
+            self.trouble(NOT_WRITTEN, str(err))
             return False
         self._waiting.clear()
         self._trail.clear()
         self._written(events)
         self._lost, self._failing = 0, False
-        self._trouble(NOT_WRITTEN, "")
+        self.trouble(NOT_WRITTEN, "")
         return True
 
     def _complain(self, text: str, now: float) -> None:
@@ -222,8 +207,7 @@ class Journal:
         self._waiting.append(event)
         if event.kind in AUDITED:
             self._audit(event, source, allowed=allowed)
-        for listener in self.listeners:
-            listener(event)
+        self.recent = (*self.recent[1 - MOST_RECENT :], event)
 
     def _audit(self, event: Event, source: str, *, allowed: bool) -> None:
         if source != EXECUTIVE:

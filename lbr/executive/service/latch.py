@@ -8,8 +8,9 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+from lbr.database.rows import RobotRow
 from lbr.database.store import Database
-from lbr.errors import InputError, LbrError
+from lbr.errors import InputError
 from lbr.messages.plain import one_line
 from lbr.messages.system import EstopState
 
@@ -19,93 +20,85 @@ UNREADABLE = "latched, but why cannot be read"
 
 
 class Latch:
-    """The file of one robot's latch; `path` is in a folder that exists."""
+    """A robot's latch in both places, its row and its file, in a folder that exists. `audit` writes the audit trail."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-
-    def reason(self) -> str | None:
-        """Return why it is engaged, None if it is not; a file that cannot be read says engaged."""
-        if self.path.exists() and not self.path.is_file():  # reading could wait for a writer
-            return UNREADABLE
-        try:
-            with self.path.open("rb") as file:
-                text = one_line(file.read(LONGEST_REASON * 4).decode(errors="replace"))[:LONGEST_REASON].strip()
-        except FileNotFoundError:
-            return None
-        except OSError:
-            return UNREADABLE
-        return text or UNREADABLE
-
-    def engage(self, reason: str) -> None:
-        """Write it down; on return it is on the disk. A full disk still takes the file, if not the reason."""
-        new = self.path.with_suffix(".new")
-        try:
-            fd = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
-            try:
-                self._write(fd, reason[:LONGEST_REASON].encode(errors="replace"))
-            finally:
-                os.close(fd)
-            new.replace(self.path)
-            self._sync_folder()
-        except OSError as err:
-            raise InputError(f"{self.path} cannot be written ({err.strerror}): check the disk") from err
-
-    def release(self) -> None:
-        """Take it away; on return that is on the disk."""
-        try:
-            self.path.unlink(missing_ok=True)
-            self._sync_folder()
-        except OSError as err:
-            raise InputError(f"{self.path} cannot be removed ({err.strerror}): check the disk") from err
-
-    @staticmethod
-    def _write(fd: int, reason: bytes) -> None:
-        try:
-            os.write(fd, reason)
-        except OSError as err:
-            if err.errno not in FULL:
-                raise
-        os.fsync(fd)
-
-    def _sync_folder(self) -> None:
-        fd = os.open(self.path.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        try:
-            os.fsync(fd)
-        finally:
-            os.close(fd)
-
-
-class LatchKeeper:
-    """Keeps a robot's latch in both places, its file and its row. `audit` writes the audit trail down."""
-
-    def __init__(self, latch: Latch, database: Database, robot: str, audit: Callable[[], object]) -> None:
-        self._latch = latch
+    def __init__(self, path: Path, database: Database, robot: str, audit: Callable[[], object]) -> None:
+        self._path = path
         self._database = database
         self._robot = robot
         self._audit = audit
 
-    def state(self, *, engaged: bool, reason: str) -> EstopState:
-        """Return the latch to start with: engaged if the row, which is given, or the file says so."""
-        filed = self._latch.reason()
-        return EstopState(engaged=engaged or filed is not None, reason=reason if engaged else filed or "")
+    def state(self, row: RobotRow) -> EstopState:
+        """Return the latch to start with: engaged if the row or the file says so."""
+        filed, engaged = read(self._path), row.estop_engaged
+        return EstopState(engaged=engaged or filed is not None, reason=row.estop_reason if engaged else filed or "")
 
     def persist(self, engaged: bool, reason: str) -> None:
         """Write it down in both places; raise LbrError saying what did not work. A release is filed last."""
         if not engaged:
-            self._audit()
-            self._database.set_estop(self._robot, engaged=False, reason="")
-            self._latch.release()
+            self._write_row(engaged=False, reason="")
+            remove(self._path)
             return
-        fault: LbrError | None = None
-        for keep in (self._latch.engage, self._in_row):
-            try:
-                keep(reason)
-            except LbrError as err:
-                fault = err
-        if fault is not None:
-            raise fault
+        try:
+            write(self._path, reason)
+        finally:
+            self._write_row(engaged=True, reason=reason)
 
-    def _in_row(self, reason: str) -> None:
+    def _write_row(self, *, engaged: bool, reason: str) -> None:
         self._audit()
-        self._database.set_estop(self._robot, engaged=True, reason=reason)
+        self._database.set_estop(self._robot, engaged=engaged, reason=reason)
+
+
+def read(path: Path) -> str | None:
+    """Return why the file says that it is engaged, None if it is not; a file that cannot be read says engaged."""
+    if path.exists() and not path.is_file():  # reading could wait for a writer
+        return UNREADABLE
+    try:
+        with path.open("rb") as file:
+            text = one_line(file.read(LONGEST_REASON * 4).decode(errors="replace"))[:LONGEST_REASON].strip()
+    except FileNotFoundError:
+        return None
+    except OSError:
+        return UNREADABLE
+    return text or UNREADABLE
+
+
+def write(path: Path, reason: str) -> None:
+    """Write the file; on return it is on the disk. A full disk still takes the file, if not the reason."""
+    new = path.with_suffix(".new")
+    try:
+        fd = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
+        try:
+            _write(fd, reason[:LONGEST_REASON].encode(errors="replace"))
+        finally:
+            os.close(fd)
+        new.replace(path)
+        _sync_folder(path)
+    except OSError as err:
+        raise InputError(f"{path} cannot be written ({err.strerror}): check the disk") from err
+
+
+def remove(path: Path) -> None:
+    """Take the file away; on return that is on the disk."""
+    try:
+        path.unlink(missing_ok=True)
+        _sync_folder(path)
+    except OSError as err:
+        raise InputError(f"{path} cannot be removed ({err.strerror}): check the disk") from err
+
+
+def _write(fd: int, reason: bytes) -> None:
+    try:
+        os.write(fd, reason)
+    except OSError as err:
+        if err.errno not in FULL:
+            raise
+    os.fsync(fd)
+
+
+def _sync_folder(path: Path) -> None:
+    fd = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)

@@ -92,11 +92,11 @@ class Pages:
         match command:
             case ChangeRows(write=True) if reply.accepted:
                 text = f"{command.by or 'a page'} changed {_listed(command)}"
-                self._happened("edit", EXECUTIVE, text, "info", revision)
+                self._happened("edit", EXECUTIVE, text, data=revision)
                 return True
             case RevokeToken() if reply.accepted:
                 text = f"{command.by or 'a page'} revoked the token '{command.name}'"
-                self._happened("token", EXECUTIVE, text, "info", revision)
+                self._happened("token", EXECUTIVE, text, data=revision)
                 return True
         return False
 

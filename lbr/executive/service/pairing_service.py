@@ -16,6 +16,7 @@ from lbr.executive.planning.live_rows import LiveRows
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.service import pairing as codes
 from lbr.executive.service.pairing import Pairing, Try
+from lbr.executive.services import Service
 from lbr.messages.codes import Code
 from lbr.messages.pairing import PairCommand, PairReply
 from lbr.messages.plain import one_line
@@ -71,7 +72,7 @@ class Grants:
         return PairReply(accepted=True, token=str(token), name=token.name, role=code.role, hash=made.hash)
 
 
-class PairingService:
+class PairingService(Service):
     """Takes codes by `served` and gives tokens by `grants`; `step` is the main thread's."""
 
     def __init__(self, served: wire.QueryServer, pairing: Pairing, grants: Grants, *, happened: Happened) -> None:

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import msgspec
@@ -12,7 +12,8 @@ from lbr.bus import latest
 from lbr.bus.session import Session
 from lbr.console import wiring
 from lbr.errors import InputError
-from lbr.executive.service import recorded
+from lbr.executive.planning.facts import facts
+from lbr.executive.planning.plan import Plan
 from lbr.executive.service.completion_values import REPORTS, choices
 from lbr.executive.service.description import describe
 from lbr.executive.service.robot import Robot
@@ -23,6 +24,8 @@ from lbr.messages.joints import JointsState
 from lbr.messages.telemetry import Telemetry
 
 ANSWERS_WITHIN_S = 1.0
+SECRET = frozenset({"user_token"})
+"""Tables that leave no robot."""
 
 
 class Reports:
@@ -42,8 +45,8 @@ class Reports:
             "events": lambda: [msgspec.to_builtins(event) for event in self._robot.recent_events()],
             "wiring": self._wiring,
             "robot": self._description,
-            "streams": lambda: recorded.streams(self._robot.plan),
-            "rows": lambda: recorded.rows(self._robot.plan, self._robot.status().profile),
+            "streams": lambda: streams(self._robot.plan),
+            "rows": lambda: rows(self._robot.plan, self._robot.status().profile),
         }
         if name not in makers:
             raise InputError(f"there is no report '{name}': {', '.join(REPORTS)}", "unknown_name")
@@ -55,7 +58,7 @@ class Reports:
             "settings": lambda: "\n".join(f"{name}: {_as_written(settings)}" for name, settings in data.items()),
             "wiring": lambda: "\n".join(wiring.tree(wiring.from_plain(data))),
             "streams": lambda: "\n".join(f"{one['key']}: {one['message'] or 'unknown'}" for one in data["streams"]),
-            "rows": lambda: "\n".join(f"{name}: {len(rows)} rows" for name, rows in data["tables"].items()),
+            "rows": lambda: "\n".join(f"{name}: {len(own)} rows" for name, own in data["tables"].items()),
             "robot": lambda: "\n".join(
                 f"{one['name']} ({one['kind']}): {one['summary']}" for one in data["capabilities"]
             ),
@@ -64,14 +67,7 @@ class Reports:
 
     def telemetry(self) -> dict[str, Any]:
         """Return what every stream but pictures last said, and how long ago."""
-        return self._said(key for key, message in self._streams() if message is not JpegFrame)
-
-    def _streams(self) -> Iterator[tuple[str, Any]]:
-        """Yield the key of every output, setpoints too, and what it carries; None for a program's own."""
-        plan = self._robot.plan
-        for unit in plan.units.values():
-            for output, wires in unit.config.outputs.items():
-                yield from ((each.key, plan.kinds[unit.name].outputs.get(output)) for each in wires)
+        return self._said(key for _, _, key, message in self._robot.plan.outputs() if message is not JpegFrame)
 
     def _said(self, keys: Iterable[str]) -> dict[str, Any]:
         """Return the latest of streams by capability and output; all are asked at once."""
@@ -83,8 +79,8 @@ class Reports:
 
     def _telemetry_text(self, data: dict[str, Any]) -> str:
         """Return the robot's own package part by part, and then every stream."""
-        robot = self._robot.plan.robot
-        packages = {key.removeprefix(f"{robot}/") for key, message in self._streams() if message is Telemetry}
+        plan = self._robot.plan
+        packages = {key.removeprefix(f"{plan.robot}/") for *_, key, message in plan.outputs() if message is Telemetry}
         parts = {name: part for key in packages for name, part in data.get(key, {}).items() if isinstance(part, dict)}
         return flat(parts | {name: fields for name, fields in data.items() if name not in packages})
 
@@ -105,7 +101,9 @@ class Reports:
         status = self._robot.status()
         fields = ("rates_hz", "restarts", "uptime_s", "cpu_percent", "memory_mb")
         found = {unit.name: {field: getattr(unit, field) for field in fields} for unit in status.capabilities}
-        drives = self._said(key for key, message in self._streams() if message in {DriveState, JointsState})
+        drives = self._said(
+            key for *_, key, message in self._robot.plan.outputs() if message in {DriveState, JointsState}
+        )
         loops = {f"{name.partition('/')[0]}/loop": said.get("loop") for name, said in drives.items()}
         return found | {name: loop for name, loop in loops.items() if loop}
 
@@ -118,6 +116,27 @@ class Reports:
         lines += [f"rows: {problem}" for problem in status.problems]
         stop = f"emergency stop: {status.estop.reason}" if status.estop.engaged else "no emergency stop"
         return "\n".join([*lines, stop])
+
+
+def streams(plan: Plan) -> dict[str, Any]:
+    """Return the streams of a plan with their schemas, for a recorder: a `RecordedStreams`."""
+    found = {}
+    for name, output, key, message in plan.outputs():
+        found[key] = {
+            "key": key,
+            "source": name,
+            "message": message.__name__ if message is not None else "",
+            "picture": message is JpegFrame,
+            "schema": plan.kinds[name].schema(output, message) if message is not None else {},
+        }
+    programs = [row.name for row in plan.rows.external_commands]
+    return {"revision": plan.rows.revision, "streams": list(found.values()), "programs": programs}
+
+
+def rows(plan: Plan, profile: str) -> dict[str, Any]:
+    """Return the rows of a plan and what they mean, for a recorder: a `RecordedRows`."""
+    tables = {name: own for name, own in plan.rows.tables.own.items() if name not in SECRET}
+    return {"revision": plan.rows.revision, "facts": msgspec.to_builtins(facts(plan, profile)), "tables": tables}
 
 
 def flat(data: dict[str, Any]) -> str:

@@ -9,6 +9,7 @@ pages ─────────► @manage ─────────┘
 from collections import deque
 from collections.abc import Callable
 from functools import partial
+from math import inf
 from typing import Any, Protocol
 
 from msgspec import Struct
@@ -16,19 +17,15 @@ from msgspec import Struct
 from lbr.bus import wire
 from lbr.errors import InputError, LbrError, MalformedError
 from lbr.executive import beside
+from lbr.executive.planning.live_rows import LiveRows
 from lbr.executive.planning.wiring import EXECUTIVE
+from lbr.executive.services import Service
 from lbr.messages.codes import Code
 from lbr.messages.faces import EditReply
 from lbr.messages.manage import ManageReply
 
 MOST_WAITING = 16
 Reply = EditReply | ManageReply
-
-
-class Rows(Protocol):
-    """The rows in force; edits of others wait while they are held."""
-
-    held: bool
 
 
 class Job(Struct):
@@ -60,18 +57,18 @@ class Asked(Protocol):
         """Return a refusal."""
 
 
-class RowService:
+class RowService(Service):
     """Answers one question after the other. The main thread calls `step`; a thread waits for the disk."""
 
-    def __init__(self, rows: Rows, *asked: Asked, wake: Callable[[], None]) -> None:
+    def __init__(self, rows: LiveRows, *asked: Asked, wake: Callable[[], None]) -> None:
         self._rows = rows
         self._asked = asked
         self._wake = wake
         self._waiting: deque[Job] = deque()
         self._running: dict[bool, Job] = {}
 
-    def step(self) -> bool:
-        """Begin and end what is due; say whether rows were written."""
+    def step(self, _now: float) -> float:
+        """Begin and end what is due."""
         for asked in self._asked:
             for request in asked.served.take():
                 self._take(asked, request)
@@ -83,11 +80,13 @@ class RowService:
                     self._rows.held = False
                 written |= job.end(job.reply)
                 job.request.reply(job.reply, EXECUTIVE)
-        if not written:  # else once those rows are in force
+        if written:
+            self._rows.soon()  # what waits begins once those rows are in force
+        else:
             for job in list(self._waiting):
                 if job.slow not in self._running:
                     self._begin(job)
-        return written
+        return inf
 
     def close(self) -> None:
         """Take no more; one under way is written, or not, by itself."""

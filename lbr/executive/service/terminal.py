@@ -10,7 +10,7 @@ from lbr.executive import beside
 from lbr.executive.service.dispatch import Dispatcher
 from lbr.messages.system import ConsoleResult
 
-Start = Callable[[str, Callable[[], Session], Dispatcher, Callable[[int, str], None]], None]
+Start = Callable[[str, Callable[[], Session], Dispatcher, Callable[[str, int], None]], None]
 """Opens a console of a robot."""
 
 
@@ -18,11 +18,11 @@ def start(
     robot: str,
     connect: Callable[[], Session],
     dispatcher: Dispatcher,
-    ended: Callable[[int, str], None],
+    ended: Callable[[str, int], None],
     *,
     verbose: bool,
 ) -> None:
-    """Open the console; `ended` is told its exit code and why, when it is left or its input ends.
+    """Open the console; `ended` is told why, and its exit code, when it is left or its input ends.
 
     `verbose` shows what each part reports while it starts.
     """
@@ -43,7 +43,7 @@ def start(
         except OSError as err:
             code, why = 1, f"the console's output cannot be written ({err.strerror})"
         finally:
-            ended(code, why)
+            ended(why, code)
 
     threading.Thread(target=talk, name="terminal", daemon=True).start()
 

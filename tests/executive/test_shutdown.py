@@ -13,17 +13,17 @@ from pathlib import Path
 import pytest
 
 from lbr.cli import INTERRUPTED
-from lbr.executive.lastresort import FORCED, LastResort
+from lbr.executive.shutdown import FORCED, Shutdown
 from tests.support import programs
 from tests.support.robot import environment, prepare, running
 
 HANGS = """
 import os, signal, sys, threading
 from lbr.cli import INTERRUPTED
-from lbr.executive.lastresort import SIGNALS, LastResort
+from lbr.executive.shutdown import SIGNALS, Shutdown
 
-resort = LastResort(lambda: None, signals=SIGNALS, heard_s=0.2)
-signal.set_wakeup_fd(resort.signal_fd)
+shutdown = Shutdown(lambda: None, signals=SIGNALS, heard_s=0.2)
+signal.set_wakeup_fd(shutdown.signal_fd)
 signal.signal(signal.SIGTERM, lambda *_: None)
 lock = os.pipe()
 print("hangs", flush=True)
@@ -81,12 +81,12 @@ def test_sigterm_ends_a_process_whose_main_thread_never_returns(wording) -> None
 def test_it_counts_from_the_first_word_and_says_what_took_too_long(heard: bool, wording) -> None:
     ended: queue.SimpleQueue[str] = queue.SimpleQueue()
     woken = threading.Event()
-    resort = LastResort(woken.set, end=ended.put, heard_s=0.05 if not heard else 5.0, over_s=0.1)
+    shutdown = Shutdown(woken.set, end=ended.put, heard_s=0.05 if not heard else 5.0, over_s=0.1)
     assert ended.empty()
     if heard:
-        resort.heard()
-    resort.begin()
-    resort.begin()
+        shutdown.heard()
+    shutdown.begin("signal SIGTERM")
+    shutdown.begin("signal SIGTERM")
     wording(ended.get(timeout=5.0))
 
 

@@ -1,4 +1,4 @@
-"""The end for certain: a shutdown that was asked for ends this process, whatever its main thread hangs in.
+"""The shutdown of a robot: once asked for, it ends this process for certain, whatever its main thread hangs in.
 
 Python runs signal handlers in the main thread alone, between two steps of its own, and a call into a library may never
 return. The kernel's part of the handler writes to a pipe at once; a thread of this module reads it, and counts.
@@ -23,8 +23,11 @@ LEFT_WITHIN_S = 3.0
 FORCED = 70
 
 
-class LastResort:
-    """Ends the process some seconds after `begin`, or after one of `signals`, which call `wake` at once."""
+class Shutdown:
+    """Ends the process some seconds after `begin`, or after one of `signals`, which call `wake` at once.
+
+    `why` is the first reason to end, and `code` the exit code of an end in order.
+    """
 
     def __init__(
         self,
@@ -35,6 +38,8 @@ class LastResort:
         heard_s: float = HEARD_WITHIN_S,
         over_s: float = OVER_WITHIN_S,
     ) -> None:
+        self.why = ""
+        self.code = 0
         self._wake = wake
         self._signals = frozenset(signals)
         self._end = end or _end
@@ -46,9 +51,22 @@ class LastResort:
         threading.Thread(target=self._listen, name="signals", daemon=True).start()
         threading.Thread(target=self._count, name="last resort", daemon=True).start()
 
-    def begin(self) -> None:
+    def heed_signals(self) -> None:
+        """Begin at a signal; one that was written to a file before counts. From the main thread."""
+        file, noted = signal.set_wakeup_fd(self.signal_fd, warn_on_full_buffer=False), b""
+        for number in self._signals:
+            signal.signal(number, lambda n, _frame: self.begin(f"signal {signal.Signals(n).name}"))
+        if file >= 0:
+            noted = os.pread(file, os.fstat(file).st_size, 0)
+            os.close(file)
+        if signal.SIGINT in noted:
+            raise KeyboardInterrupt
+
+    def begin(self, why: str, code: int = 0) -> None:
         """Count from now on; from any thread."""
+        self.why, self.code = self.why or why, self.code or code
         self._begun.set()
+        self._wake()
 
     def heard(self) -> None:
         """Take note that the main thread is closing."""
@@ -68,16 +86,6 @@ class LastResort:
         else:
             time.sleep(max(0.0, since + self._over_s - time.monotonic()))  # a process that ends takes this thread along
             self._end(f"the shutdown takes longer than {self._over_s:g} s")
-
-
-def noted_signals(fd: int) -> bytes:
-    """Return the signals that were written down before this module heard of them, and close that file; -1 is none."""
-    if fd < 0:
-        return b""
-    try:
-        return os.pread(fd, os.fstat(fd).st_size, 0)
-    finally:
-        os.close(fd)
 
 
 def leave_for_certain() -> None:
