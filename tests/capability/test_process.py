@@ -429,7 +429,8 @@ def test_one_that_holds_the_interpreter_is_killed_when_its_executive_is_gone(sta
     until((stage.home / "held").exists, what="the interpreter held")
     stage.hang_up()
     stage.reaper.close()
-    assert stage.ended(limit_s=2.0) == -signal.SIGKILL
+    # By its guardian, or by its own alarm where it noticed the end just before it held the interpreter.
+    assert stage.ended(limit_s=2.0) in {-signal.SIGKILL, -signal.SIGALRM}
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 
 from lbr.testing.robot import NoAnswerError
 from tests.support.robot import Robot, prepare, running
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 MOTIONS = {
     "lbr": ("stop", "/r/0.3/0"),
@@ -40,7 +40,7 @@ def test_the_emergency_stop_is_acknowledged_at_rest_and_in_mid_motion(name: str,
 def test_the_api_says_of_an_emergency_stop_what_the_console_does(tmp_path: Path) -> None:
     with running(prepare(tmp_path / "h"), profile="uxa90-sim", limit_s=20.0) as robot:
         request = urllib.request.Request(f"{robot.web}/estop", method="POST")
-        with urllib.request.urlopen(request, timeout=5.0) as answer:
+        with urllib.request.urlopen(request, timeout=HANG_S) as answer:
             text = json.load(answer)["message"]
         assert text.startswith("emergency stop: ")
         until(lambda: not robot.ask("@estop")["waiting"], what="it is acknowledged")

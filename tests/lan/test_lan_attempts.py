@@ -14,7 +14,7 @@ from lbr.bus.access import Credentials
 from lbr.errors import BusError
 from tests.support.door import Door
 from tests.support.robot import lbr
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 WRONG = (
     "DEBUG zenoh_transport::unicast::establishment::accept: UsrPwd extension - Recv OpenSyn. Invalid password. at x.rs"
@@ -174,7 +174,7 @@ def test_the_audit_trail_names_the_token_of_who_said_a_line(own_door: Door):
     assert own_door.by("phone", "send", "/r/0.1/90", "--hold", "0.1").returncode == 0
     with own_door.client("phone") as bus:
         sealed = stamp.make("a program", 0, b"/s/hello", b"not the secret", token="boss")
-        query = bus.get(keys.console("lbr", "operate"), payload=b"/r/0/0", attachment=sealed, timeout=5.0)
+        query = bus.get(keys.console("lbr", "operate"), payload=b"/r/0/0", attachment=sealed, timeout=HANG_S)
         assert json.loads(next(iter(query)).ok.payload.to_bytes())["code"] == 0
         wire.ask(bus, "lbr/drive/stop", {}, source="test")
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import HANG_S
 
 MOVERS = ("motors", "servos", "drive", "joints", "motions")
 START_S = 30.0
@@ -27,7 +28,7 @@ def line(text: str) -> Ask:
 def motor(robot: Robot) -> str:
     """Ask for a motion of one servo by the UXA-90's own API; return why it was refused, or nothing."""
     try:
-        with urllib.request.urlopen(f"{robot.web}/motor?id=23&position=100&torq=4", timeout=5.0):
+        with urllib.request.urlopen(f"{robot.web}/motor?id=23&position=100&torq=4", timeout=HANG_S):
             return ""
     except urllib.error.HTTPError as err:
         return f"GET /motor: {err.code}: {err.read().decode(errors='replace')}"

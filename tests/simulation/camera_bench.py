@@ -8,6 +8,8 @@ import struct
 import numpy as np
 from PIL import Image
 
+from tests.support.waiting import HANG_S
+
 
 def like(pixel, colour):
     """The same hue, whatever the light."""
@@ -33,7 +35,7 @@ class Film:
 
     def __init__(self, path, **wanted):
         self.connection = socket.socket(socket.AF_UNIX)
-        self.connection.settimeout(5)
+        self.connection.settimeout(HANG_S)
         self.connection.connect(str(path))
         self.stream = self.connection.makefile("rb")
         if wanted:

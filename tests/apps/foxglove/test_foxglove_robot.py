@@ -21,7 +21,7 @@ from lbr.apps.foxglove import shown
 from lbr.apps.web import addresses
 from tests.support import programs
 from tests.support.robot import free_port, lbr, prepare, running
-from tests.support.waiting import STOPS_S, until
+from tests.support.waiting import HANG_S, STOPS_S, until
 
 pytestmark = [pytest.mark.slow_start]
 
@@ -372,7 +372,7 @@ def test_too_much_is_cut_and_the_next_client_is_served(url):
 
 
 def test_its_layout_names_only_what_there_is(client, url):
-    with urllib.request.urlopen(url.replace("ws", "http", 1) + "layout.json", timeout=5) as answer:
+    with urllib.request.urlopen(url.replace("ws", "http", 1) + "layout.json", timeout=HANG_S) as answer:
         layout = json.load(answer)
     client.until(lambda: client.channels and client.services, "the channels")
     panels = layout["configById"]

@@ -20,7 +20,7 @@ from lbr.bus import session, wire
 from lbr.messages.camera import CameraState, JpegFrame
 from tests.support import programs
 from tests.support.robot import environment
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 BEGINNING = 1 << 20
 PART = b"--FRAME\r\nContent-Type: image/jpeg\r\n\r\n"
@@ -86,7 +86,7 @@ class Page:
 
     def connect(self) -> http.client.HTTPConnection:
         if not self.tls:
-            return http.client.HTTPConnection("127.0.0.1", self.port, timeout=5)
+            return http.client.HTTPConnection("127.0.0.1", self.port, timeout=HANG_S)
         trust = ssl.create_default_context(cafile=str(self.folder / "credentials" / "bus.crt"))
         trust.check_hostname = False
         return http.client.HTTPSConnection("127.0.0.1", self.port, timeout=5, context=trust)
@@ -207,7 +207,7 @@ def test_a_slow_viewer_misses_pictures_and_delays_nobody(cameras, page):
     slow = page.connect()
     slow.sock = socket.socket()
     slow.sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 16384)
-    slow.sock.settimeout(5)
+    slow.sock.settimeout(HANG_S)
     slow.sock.connect(("127.0.0.1", page.port))
     slow.request("GET", "/stream.mjpg?camera=rear", headers={"Authorization": f"Bearer {page.token}"})
     last, size = 60, 50_000
@@ -343,7 +343,7 @@ def test_where_it_is_can_be_read_by_the_owner_alone(page):
 def test_from_other_machines_it_is_reached_by_tls_alone_and_ends_at_once_while_they_watch(cameras):
     page = Page(home.home(), "--host", "0.0.0.0")
     assert page.tls
-    with socket.create_connection(("127.0.0.1", page.port), timeout=5) as plain:
+    with socket.create_connection(("127.0.0.1", page.port), timeout=HANG_S) as plain:
         plain.sendall(
             f"GET /cameras HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: Bearer {page.token}\r\n\r\n".encode()
         )
@@ -427,7 +427,7 @@ def test_a_foreign_page_may_link_to_the_page_and_ask_nothing(page, foreign):
 def test_what_others_hold_open_denies_nobody(page, sent):
     with ExitStack() as stack:
         for _ in range(200):
-            held = stack.enter_context(socket.create_connection(("127.0.0.1", page.port), timeout=5))
+            held = stack.enter_context(socket.create_connection(("127.0.0.1", page.port), timeout=HANG_S))
             with suppress(ConnectionError):
                 held.sendall(sent)
         assert page.get("/cameras")[0] == 200

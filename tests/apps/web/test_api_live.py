@@ -22,7 +22,7 @@ from tests.apps.web.api_stage import STANDS, described, status
 from tests.apps.web.test_api import USERS, api
 from tests.apps.web.test_web_access import FINGERPRINT, SECRET
 from tests.support import programs
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 FORWARD = {"to": "drive/command", "message": {"power": 0.3}, "n": 1}
 
@@ -376,7 +376,7 @@ SLEEPS = (
 def test_a_page_that_reads_and_answers_no_ping_is_cut_and_nothing_crashes(monkeypatch, capfd):
     monkeypatch.setattr(serving, "PING_S", 0.05)
     monkeypatch.setattr(serving, "PONG_S", 0.05)
-    with api(users=USERS) as served, socket.create_connection(("127.0.0.1", served.port), timeout=5) as sleeping:
+    with api(users=USERS) as served, socket.create_connection(("127.0.0.1", served.port), timeout=HANG_S) as sleeping:
         sleeping.sendall(SLEEPS)
         assert sleeping.recv(65536).startswith(b"HTTP/1.1 101")
         until(lambda: not served.connections, what="its place is free")

@@ -15,7 +15,7 @@ from tests.apps.web.test_web_hostile import asked_as_another
 from tests.apps.web.test_web_server import Plain
 from tests.apps.web.web_stage import Answer, Served, serving
 from tests.support.robot import prepare, running
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 ON = CameraState(on=True, phase="streaming", device="/dev/video0")
 PRIVATE = ("/index.html", "/stream.mjpg", "/snapshot.jpg", "/cameras", "/page.js")
@@ -184,7 +184,7 @@ def test_a_robots_camera_is_seen_by_its_own_server(tmp_path):
         until(lambda: robot.capability("web")["phase"] == "ready")
 
         def answer(path: str) -> tuple[int, bytes]:
-            connection = http.client.HTTPConnection(robot.web.removeprefix("http://"), timeout=5)
+            connection = http.client.HTTPConnection(robot.web.removeprefix("http://"), timeout=HANG_S)
             try:
                 connection.request("GET", path)
                 found = connection.getresponse()

@@ -17,7 +17,7 @@ from lbr.apps.web import guards, viewing
 from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.apps.web.test_web_server import Plain
 from tests.apps.web.web_stage import Served, serving
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 STOP = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
 CHUNKED = b"POST %s HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
@@ -50,7 +50,9 @@ def served() -> Iterator[Served]:
 @contextmanager
 def burdened(port: int, sent: bytes, count: int) -> Iterator[list[socket.socket]]:
     with ExitStack() as stack:
-        held = [stack.enter_context(socket.create_connection(("127.0.0.1", port), timeout=5)) for _ in range(count)]
+        held = [
+            stack.enter_context(socket.create_connection(("127.0.0.1", port), timeout=HANG_S)) for _ in range(count)
+        ]
         for one in held:
             with suppress(ConnectionError):
                 one.sendall(sent)
@@ -58,7 +60,7 @@ def burdened(port: int, sent: bytes, count: int) -> Iterator[list[socket.socket]
 
 
 def stopped(port: int) -> bytes:
-    with socket.create_connection(("127.0.0.1", port), timeout=5) as client:
+    with socket.create_connection(("127.0.0.1", port), timeout=HANG_S) as client:
         client.sendall(STOP)
         return client.recv(4096)
 
@@ -68,7 +70,7 @@ def test_nothing_is_taken_for_a_request_behind_one_of_two_lengths(served, first)
     doubtful = (
         b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"
     )
-    with socket.create_connection(("127.0.0.1", served.port), timeout=5) as client:
+    with socket.create_connection(("127.0.0.1", served.port), timeout=HANG_S) as client:
         client.sendall(first + doubtful + b"GET /state HTTP/1.1\r\nHost: localhost\r\n\r\n")
         answers = b""
         while said := client.recv(65536):
@@ -132,10 +134,10 @@ def test_requests_under_way_are_bounded_for_one_asker_and_stops_are_not(served):
 )
 def test_a_body_that_is_too_much_is_refused_and_is_no_fault_of_the_server(served, body, status, capfd):
     for path in (b"/estop/reset", b"/docs"):
-        with socket.create_connection(("127.0.0.1", served.port), timeout=5) as client:
+        with socket.create_connection(("127.0.0.1", served.port), timeout=HANG_S) as client:
             client.sendall(CHUNKED % path + body)
             assert client.recv(65536).startswith(b"HTTP/1.1 ")
-    with socket.create_connection(("127.0.0.1", served.port), timeout=5) as client:
+    with socket.create_connection(("127.0.0.1", served.port), timeout=HANG_S) as client:
         client.sendall(CHUNKED % b"/estop/reset" + body)
         assert client.recv(65536).startswith(b"HTTP/1.1 " + status)
     assert not [event for event in served.stage.events if event[0] == "web_fault"]
@@ -144,7 +146,7 @@ def test_a_body_that_is_too_much_is_refused_and_is_no_fault_of_the_server(served
 
 @pytest.mark.parametrize("more", [b"zz\r\n", 50 * b"1\r\n \r\n", b"8000\r\n" + bytes(0x8000) + b"\r\n"])
 def test_a_stop_is_done_and_answered_and_what_its_body_goes_on_with_is_bounded(served, more, capfd):
-    with socket.create_connection(("127.0.0.1", served.port), timeout=5) as client:
+    with socket.create_connection(("127.0.0.1", served.port), timeout=HANG_S) as client:
         client.sendall(CHUNKED % b"/stop")
         assert client.recv(65536).startswith(b"HTTP/1.1 200")
 
@@ -185,7 +187,7 @@ def test_one_asker_cannot_take_every_place_to_watch():
 
         def watch(name: str = "") -> None:
             protocols = ["lbr.state", f"bearer.{name}.{SECRET}.{FINGERPRINT}"] if name else None
-            stack.enter_context(connect(url, subprotocols=protocols)).recv(timeout=5)
+            stack.enter_context(connect(url, subprotocols=protocols)).recv(timeout=HANG_S)
 
         for _ in range(viewing.MOST_OF_ONE):
             watch()
@@ -206,7 +208,7 @@ def test_where_tls_is_spoken_silence_and_half_a_greeting_deny_nobody(monkeypatch
     with serving(Plain(), host="0.0.0.0") as served:
 
         def answer() -> bytes:
-            plain = socket.create_connection(("127.0.0.1", served.port), timeout=5)
+            plain = socket.create_connection(("127.0.0.1", served.port), timeout=HANG_S)
             with plain, context.wrap_socket(plain) as secure:
                 secure.sendall(STOP)
                 return secure.recv(4096)

@@ -11,7 +11,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from tests.support.robot import only, prepare, running
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 pytestmark = [pytest.mark.slow_start]
 EDITS = (
@@ -23,7 +23,7 @@ AGAIN_S = 0.5
 
 
 def ask(base: str, method: str, path: str) -> tuple[int, bytes]:
-    connection = http.client.HTTPConnection(base.removeprefix("http://"), timeout=5)
+    connection = http.client.HTTPConnection(base.removeprefix("http://"), timeout=HANG_S)
     try:
         connection.request(method, path)
         answer = connection.getresponse()
@@ -36,7 +36,7 @@ def has_ended(states) -> bool:
     """Read a stream until it breaks."""
     try:
         while True:
-            states.recv(timeout=5)
+            states.recv(timeout=HANG_S)
     except ConnectionClosed:
         return True
 
@@ -60,7 +60,7 @@ def test_a_server_that_is_killed_in_the_middle_of_a_move_leaves_the_joint_where_
 
         pid = robot.capability("web")["pid"]
         with connect(robot.web.replace("http", "ws") + "/ws") as states:
-            states.recv(timeout=5)
+            states.recv(timeout=HANG_S)
             until(turns, what="a neck that turns")
             os.kill(pid, signal.SIGKILL)
             until(lambda: not robot.ask("joints/state")["moving"], what="a neck that holds")

@@ -19,7 +19,7 @@ from tests.apps.web.api_stage import StageBus
 from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.apps.web.web_stage import Served, serving
 from tests.robots.uxa90.uxa90_bench import SHIPPED
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 SHARES = 3
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "PROPFIND")
@@ -356,7 +356,7 @@ def test_a_page_of_the_row_may_and_no_other(simulated):
     assert simulated.ask("POST", "/stop", headers=allowed).status == 200
     assert simulated.ask("GET", "/motor", headers=allowed).status == 200
     with connect(f"ws://127.0.0.1:{simulated.port}/ws", additional_headers={"Origin": "http://app:8081"}) as viewer:
-        viewer.recv(timeout=5)
+        viewer.recv(timeout=HANG_S)
     for origin in ("http://app:8082", "https://app:8081", "http://app:8081.evil.example", "HTTP://APP:8081", "null"):
         with nothing_happens(simulated):
             assert simulated.ask("POST", "/stop", headers={"Origin": origin}).status == 403

@@ -16,7 +16,7 @@ from websockets.sync.client import connect
 
 from lbr.bus import keys
 from tests.support.robot import Robot, lbr, only, prepare, running
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 pytestmark = [pytest.mark.slow_start]
 EDITS = (
@@ -93,7 +93,7 @@ def test_a_phone_gets_in_by_the_code_and_is_out_once_its_token_is_revoked(robot)
         additional_headers={"Authorization": f"Bearer {token}"},
         ssl=no_check(),
     ) as states:
-        states.recv(timeout=5)
+        states.recv(timeout=HANG_S)
         assert lbr(robot.home, "token", "revoke", name).returncode == 0
         assert has_ended(states)
     until(lambda: _refuses(robot, token), what="the token is refused")

@@ -33,7 +33,7 @@ from lbr.messages.joints import JointsState
 from lbr.messages.leases import CommandReply
 from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.apps.web.web_stage import Served, serving
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 JOINTS = JointsState(sequence=1, measured_s=0.0, moving=False, phase="ready", joints={})
 
@@ -73,7 +73,7 @@ def ending_of(viewer) -> tuple[int, str]:
     """Read a stream to its end, and return how it was closed."""
     try:
         while True:
-            viewer.recv(timeout=5)
+            viewer.recv(timeout=HANG_S)
     except ConnectionClosed as closed:
         return closed.rcvd.code, closed.rcvd.reason
 
@@ -321,9 +321,9 @@ def test_allowed_pages_are_told_so_and_others_are_not(served):
 
 def test_states_stream_and_the_newest_wins(served):
     with connect(f"ws://127.0.0.1:{served.port}/ws?rate_hz=50") as viewer:
-        viewer.recv(timeout=5)
+        viewer.recv(timeout=HANG_S)
         served.stage.say("joints", JointsState(sequence=77, measured_s=0.0, moving=True, phase="ready", joints={}))
-        until(lambda: b'"sequence":77' in viewer.recv(timeout=5).encode())
+        until(lambda: b'"sequence":77' in viewer.recv(timeout=HANG_S).encode())
 
 
 @pytest.mark.parametrize(
@@ -417,7 +417,7 @@ def test_tokens_let_in_whom_no_network_does():
         url = f"ws://127.0.0.1:{served.port}/ws"
         with connect(url, subprotocols=["lbr.state", f"bearer.{shown['eve']}"]) as viewer:
             assert viewer.subprotocol == "lbr.state"
-            assert "uxa90" in viewer.recv(timeout=5)
+            assert "uxa90" in viewer.recv(timeout=HANG_S)
 
 
 def test_whoever_asks_too_often_waits_and_may_stop_all_the_same():
@@ -440,7 +440,7 @@ def test_streams_end_with_a_reason_when_the_server_does():
     with ExitStack() as stack:
         with serving() as served:
             viewer = stack.enter_context(connect(f"ws://127.0.0.1:{served.port}/ws?rate_hz=50"))
-            viewer.recv(timeout=5)
+            viewer.recv(timeout=HANG_S)
         code, reason = ending_of(viewer)
     assert code == 1001
     assert "the server ends" in reason

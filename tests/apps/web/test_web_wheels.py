@@ -17,7 +17,7 @@ from tests.apps.web.test_web_connections import MANY, burdened
 from tests.support import programs
 from tests.support.robot import Robot, lbr, prepare, running
 from tests.support.trace import Trace
-from tests.support.waiting import STOPS_S, until
+from tests.support.waiting import HANG_S, STOPS_S, until
 
 pytestmark = [pytest.mark.slow_start]
 STANDS_S = 0.4
@@ -33,7 +33,7 @@ class Wheels:
         self.port = int(robot.web.rpartition(":")[2])
 
     def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=5)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=HANG_S)
         try:
             content = None if body is None else json.dumps(body)
             connection.request(method, path, content, {"Content-Type": "application/json"})

@@ -18,7 +18,7 @@ from tests.docs.ready import measured
 from tests.support import programs
 from tests.support.robot import Robot, prepare, running
 from tests.support.trace import Trace
-from tests.support.waiting import STOPS_S, until
+from tests.support.waiting import HANG_S, STOPS_S, until
 
 pytestmark = [pytest.mark.slow_start]
 PARTS = ("imu", "attitude", "odometry", "battery", "telemetry", "speech", "dock", "cameras", "camera_front", "web_api")
@@ -54,7 +54,7 @@ class Api:
         self.trace = Trace(robot.trace)
 
     def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=5)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=HANG_S)
         try:
             text = None if body is None else json.dumps(body) + "\r\n"
             connection.request(method, path, text, {"Content-type": "application/json", "User-Agent": "test"})
