@@ -399,7 +399,7 @@ def test_edited_rows_are_the_robots_at_once(served):
 
 def test_the_address_is_told_honestly(served):
     assert " reaches http://127.0.0.1" in served.web._place.told()
-    assert "say &#x27;open&#x27;" in served.ask("GET", "/qr").body.decode()
+    assert "&#x27;phone&#x27;" in served.ask("GET", "/qr").body.decode()
     assert served.ask("GET", "/qr.svg").status == 404
 
 
