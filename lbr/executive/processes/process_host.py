@@ -60,10 +60,9 @@ class ProcessHost:
         self._processes: dict[str, Process] = {}
 
     def start(self, spec: ProcessSpec, config: ProcessConfig) -> "Child":
-        """Start a capability in its process, which begins if it is not there, or could not open the capability's
-        device; ValueError if it cannot be told so much.
+        """Start a capability in its process; ValueError if that cannot be given so much.
 
-        In that case the others stay in the one of before, which has given up the right to.
+        Another process begins where there is none, or where it has given up the right to open the capability's device.
         """
         number = next(self._numbers)
         order = b"" if spec.program else _line(Order(number=number, start=config))
@@ -90,7 +89,6 @@ class Process:
 
     def __init__(self, name: str, config: ProcessConfig, running: Running, reports: Reports, mark: Mark) -> None:
         self.name = name
-        self.over = False
         self.culprit: Child | None = None
         """Whose end is its end."""
         self._children: dict[int, Child] = {}
@@ -99,6 +97,7 @@ class Process:
         self._reports = reports
         self._mark = mark
         self._unsent = b""
+        self._ends = False
         self._rank = scheduling.Rank(running.pid)
         self.pid = running.pid
         if running.stdin is not None:
@@ -116,15 +115,18 @@ class Process:
         """File descriptors that have news of it: of its end, and of what it reports."""
         return (self._pid_fd, *self._reports.fds)
 
+    @property
+    def over(self) -> bool:
+        """Whether nothing more can begin there."""
+        return self._ends or self.code() is not None
+
     def reaches(self, config: ProcessConfig) -> bool:
         """Say whether it may open what those who are to share it now have for devices."""
         return self._override or not needs_override(config.places)
 
     def code(self) -> int | None:
         """Return how it ended, or None while it runs."""
-        code = self._running.poll()
-        self.over = self.over or code is not None
-        return code
+        return self._running.poll()
 
     def start(self, spec: ProcessSpec, config: ProcessConfig, number: int, order: bytes) -> "Child":
         """Have it begin with a capability."""
@@ -151,14 +153,13 @@ class Process:
         self._rank.retry()
         self._send(b"")
         for report in self._reports.take():
-            child = self._children.get(report.number)
-            if child is None:  # it has been let go
+            if (child := self._children.get(report.number)) is None:  # it has been let go
                 continue
             child.take(report)
             if child.failed:
                 self._blame(child)
             elif report.phase == "ended" and not child.asked:  # somebody else has asked the process to end
-                self.over = True
+                self._ends = True
         self._end_with_all()
 
     def rank(self) -> None:
@@ -178,11 +179,11 @@ class Process:
     def _end_with_all(self) -> None:
         """Ask it to end, once that is asked of all that have not ended."""
         if not self.over and all(child.asked or child.left for child in self._children.values()):
-            self.over = True
+            self._ends = True
             self._signal(signal.SIGTERM)
 
     def _blame(self, child: "Child") -> None:
-        self.over = True
+        self._ends = True
         self.culprit = self.culprit or child
 
     def _send(self, line: bytes) -> None:
