@@ -156,6 +156,20 @@ def test_a_token_is_locked_out_by_a_tap(page, robot):
     expect(told.get_by_text("locked out")).to_be_visible(timeout=SLOWLY_MS)
 
 
+def test_one_button_connects_a_phone_and_closes_the_robot_again(page, robot):
+    page.get_by_role("button", name="Connect a phone").first.click()
+    dialog = page.get_by_role("dialog")
+    picture = dialog.get_by_role("img")
+    expect(picture).to_be_visible(timeout=SLOWLY_MS)
+    expect(dialog.get_by_text("browser warns once")).to_be_visible()
+    name, digits = f"phone{page.viewport_size['width']}", str(picture.get_attribute("alt")).partition("#pair=")[2]
+    paired = page.request.post(f"{robot.web}/api/pair", data={"code": digits, "name": name})
+    assert paired.json()["role"] == "operate"
+    assert any(one["name"] == name for one in json.loads(lbr(robot.home, "token", "list", "--json").stdout))
+    dialog.get_by_role("button", name="Close it to the network").click()
+    until(lambda: (robot.ask("web/address", {}) or {}).get("open") is False, what="the robot is closed")
+
+
 def test_a_log_is_read_and_stop_stays_within_reach(page, robot):
     (robot.home / "logs" / "lbr-base.log").write_text("what it has written\n")
     page.get_by_role("button", name="Log: drive").click()

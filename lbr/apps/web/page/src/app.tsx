@@ -9,7 +9,8 @@ import { Asked } from "./handover";
 import { link } from "./live";
 import { dismiss, notices, type Tone } from "./notices";
 import { Badge, Button, Dialog, Empty, Icon, type IconName } from "./parts";
-import { away, robot } from "./robot";
+import { ConnectPhone } from "./phone";
+import { away, knows, robot } from "./robot";
 import { Settings } from "./settings";
 import { SignIn } from "./sign-in";
 import { StopButton } from "./stop-button";
@@ -42,6 +43,7 @@ function useStopKeys(): void {
 export function App() {
   useStopKeys();
   const [settings, openSettings] = useState(false);
+  const [connecting, connect] = useState(false);
   const known = robot.value;
   const views = known ? VIEWS.filter((view) => view.shows(known)) : [];
   const view = views.find((one) => one.id === place.value) ?? views[0];
@@ -57,6 +59,7 @@ export function App() {
           </h1>
           <div class="top-end">
             <LinkState />
+            {knows("phone") && <Button class="top-phone" kind="quiet" icon="mobile" label={t("phone.connect")} onClick={() => connect(true)}>{t("phone.connect")}</Button>}
             <Button kind="quiet" icon="settings" label={t("shell.settings")} onClick={() => openSettings(true)} />
           </div>
         </header>
@@ -74,6 +77,7 @@ export function App() {
       <Notices />
       <StopButton />
       <Settings open={settings} onClose={() => openSettings(false)} />
+      <ConnectPhone open={connecting} onClose={() => connect(false)} />
     </>
   );
 }
