@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 from msgspec import Struct
-from msgspec.structs import asdict
+from msgspec.structs import asdict, replace
 
 from lbr.commands.options import Number, complete_robot, database_option, json_option, print_json
 from lbr.commands.rows import opened, robot_in, running_here
@@ -30,22 +30,12 @@ SETTLE_S = 0.5
 """udev sets rights and names just after a plug-in."""
 
 
-class Offer(Struct, frozen=True, kw_only=True):
-    """A proposal with its preview: what would differ in the rows, and what would be wrong with that."""
-
-    address: str
-    text: str
-    changes: "list[RowChange]" = []
-    differences: tuple[str, ...] = ()
-    problems: tuple[str, ...] = ()
-
-
 class Looked(Struct, frozen=True, kw_only=True):
     """All that is told of one look; `robot` is empty without a database."""
 
     robot: str
     devices: "list[Attached]"
-    proposals: list[Offer]
+    proposals: "list[Proposal]"
     hints: list[str] = []
 
 
@@ -101,7 +91,9 @@ def command(
     return 2 if bad else 0
 
 
-def _agreed(looking: "Looking", looked: Looked, good: list[Offer], *, write: bool, as_json: bool) -> "Proposed | None":
+def _agreed(
+    looking: "Looking", looked: Looked, good: "list[Proposal]", *, write: bool, as_json: bool
+) -> "Proposed | None":
     """Tell what was found, and write what a person agrees to."""
     if as_json:
         became = looking.write(looked.robot, good) if write and good else None
@@ -159,10 +151,10 @@ class Looking:
             robot = self._whose(rows)
             there = {one.path for one in (*attached.ends(), *ends)} | {one.address for one in found}
             known, proposals = propose(rows.load(robot), self.kinds, found, there, self._called)
-            offers = [self._offer(rows, robot, one) for one in proposals]
+            offers = [self._previewed(rows, robot, one) for one in proposals]
         return Looked(robot=robot, devices=known, proposals=offers, hints=hints)
 
-    def write(self, robot: str, offers: Collection[Offer]) -> "Proposed":
+    def write(self, robot: str, offers: "Collection[Proposal]") -> "Proposed":
         """Write the rows of some proposals, all or none; a row that several of them want is written once."""
         changes: list[RowChange] = []
         for one in offers:
@@ -174,22 +166,17 @@ class Looking:
         running = [*running_here(rows.path)]
         return robot_in(rows, running[0] if self._robot is None and len(running) == 1 else self._robot)
 
-    def _offer(self, rows: "Database", robot: str, proposal: "Proposal") -> Offer:
+    def _previewed(self, rows: "Database", robot: str, proposal: "Proposal") -> "Proposal":
         from lbr.database import changes  # noqa: PLC0415
 
         if not proposal.changes:
-            return Offer(address=proposal.address, text=proposal.text)
+            return proposal
         try:
             became = self._become(rows, robot, proposal.changes, dry_run=True)
         except InputError as err:
-            return Offer(address=proposal.address, text=proposal.text, problems=(str(err),))
-        return Offer(
-            address=proposal.address,
-            text=proposal.text,
-            changes=proposal.changes,
-            differences=tuple(map(str, changes.differences(became.changes))),
-            problems=tuple(map(str, became.problems)),
-        )
+            return replace(proposal, changes=[], problems=(str(err),))
+        differences = tuple(map(str, changes.differences(became.changes)))
+        return replace(proposal, differences=differences, problems=tuple(map(str, became.problems)))
 
     def _become(self, rows: "Database", robot: str, changes: "list[RowChange]", *, dry_run: bool) -> "Proposed":
         from lbr.commands.row_touched import Touching, become  # noqa: PLC0415

@@ -61,7 +61,7 @@ def command(
     a file says something else, it is named and nothing is written, unless --replace is given. The report tells each
     thing that was changed, brought within limits or has no place here.
     """
-    from lbr.database import edits, old_files  # noqa: PLC0415
+    from lbr.database import old_files  # noqa: PLC0415
     from lbr.robot.old_data import Choice  # noqa: PLC0415
 
     with opened(database) as rows:
@@ -71,9 +71,7 @@ def command(
         whose = _robot(rows, robot, given)
         of_robot = rows.load(whose)
         plan = _planned(rows, whose, of_robot, given, Choice(of), replacing=replacing)
-        plan = _acceptable(rows, whose, plan, of_robot.revision)
-        if plan.rows and not dry_run:
-            edits.write_rows(rows, whose, plan.rows, problems_of, create=None, revision=of_robot.revision).good()
+        plan = _write(rows, whose, plan, of_robot.revision, dry_run=dry_run)
     notes = (*plan.notes, *others)
     written = bool(plan.rows) and not dry_run
     if as_json:
@@ -191,15 +189,17 @@ def _planned(
     )
 
 
-def _acceptable(rows: "Database", robot: str, plan: "Taken", revision: int) -> "Taken":
-    """Return the plan without those of its rows that a start would refuse: these have no place here."""
+def _write(rows: "Database", robot: str, plan: "Taken", revision: int, *, dry_run: bool) -> "Taken":
+    """Write the plan without those of its rows that a start would refuse, which have no place here; return it."""
     from lbr.database import edits, taking  # noqa: PLC0415
 
     while plan.rows:
-        tried = edits.write_rows(rows, robot, plan.rows, problems_of, create=None, revision=revision, dry_run=True)
-        left = taking.without(plan, robot, tried.problems)
+        proposed = edits.write_rows(
+            rows, robot, plan.rows, problems_of, create=None, revision=revision, dry_run=dry_run
+        )
+        left = taking.without(plan, robot, proposed.problems)
         if left.rows == plan.rows:
-            tried.good()  # or what is wrong stands elsewhere
+            proposed.good()  # or what is wrong stands elsewhere
             break
         plan = left
     return plan

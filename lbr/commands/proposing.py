@@ -14,11 +14,16 @@ from lbr.names import first_free
 
 
 class Proposal(Struct, frozen=True, kw_only=True):
-    """What to do with one attached device: `text` in words, `changes` of rows; none if there is nothing to do."""
+    """What to do with one attached device: `text` in words, `changes` of rows; none if there is nothing to do.
+
+    Its preview is what would differ in the rows, and what would be wrong with that.
+    """
 
     address: str
     text: str
     changes: list[RowChange] = []
+    differences: tuple[str, ...] = ()
+    problems: tuple[str, ...] = ()
 
 
 def propose(

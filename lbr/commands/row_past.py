@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 from click.shell_completion import CompletionItem
+from msgspec.structs import asdict
 
 from lbr.commands.options import F, complete_robot, database_option, json_option, print_json
 from lbr.commands.row_touched import Touched, Touching, become, end_left_trial
@@ -86,7 +87,7 @@ def history(
             found.append((change, [past.of_revision(one) for one in mine]))
     found = found[-count:]
     if as_json:
-        print_json([_as_json(change, lines) for change, lines in found])
+        print_json([{**asdict(change), "rows": lines} for change, lines in found])
         return 0
     for change, lines in found:
         click.echo(one_line(f"{_numbers(change)}  {_local(change.at)}  {_who(change)}"))
@@ -256,15 +257,3 @@ def _local(at: str) -> str:
         return local_time(datetime.fromisoformat(at).timestamp())
     except ValueError:  # as another SQLite client may write it
         return at
-
-
-def _as_json(change: "HistoryEntry", lines: "list[Difference]") -> dict[str, object]:
-    return {
-        "first": change.first,
-        "last": change.last,
-        "at": change.at,
-        "source": change.source,
-        "program": change.program,
-        "text": change.text,
-        "rows": lines,
-    }

@@ -104,19 +104,15 @@ class Touching:
     def _planned(
         self, rows: "RobotRows", before: "RobotRows | None" = None
     ) -> "tuple[Plan | None, tuple[Problem, ...]]":
-        from lbr import home  # noqa: PLC0415 - see above
-        from lbr.executive.planning import planner, profile  # noqa: PLC0415
-        from lbr.executive.planning.run_identity import RunIdentity  # noqa: PLC0415
+        from lbr.executive.planning import profile  # noqa: PLC0415 - see above
 
         running = self._running.get(rows.robot.name)
         if running is None:
             return planned(rows)
         try:
-            chosen = profile.load(running.profile)
+            return planned(rows, profile.load(running.profile), before)
         except LbrError:  # a file that is not there any more, or was named from another folder
             return planned(rows)
-        site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
-        return planner.make(rows, chosen, site, before=before)
 
 
 def become(

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from lbr.database.rows import RobotRows
     from lbr.database.store import Database
     from lbr.executive.planning.plan import Plan
+    from lbr.executive.planning.profile import Profile
     from lbr.home import Running
 
 
@@ -103,12 +104,15 @@ def wiring_of(rows: "RobotRows", kind: str) -> "frozenset[str] | None":
     return frozenset((*units[0].config.wiring, *units[0].config.requests)) if units else None
 
 
-def planned(rows: "RobotRows") -> "tuple[Plan | None, tuple[Problem, ...]]":
-    """Return the plan that a robot's rows make in a simulation, None if they make none, and what is wrong with them."""
+def planned(
+    rows: "RobotRows", profile: "Profile | None" = None, before: "RobotRows | None" = None
+) -> "tuple[Plan | None, tuple[Problem, ...]]":
+    """Return the plan that a robot's rows make by a profile, in a simulation if left out; None if they make none, and
+    what is wrong with them. Rows of a robot that runs follow those `before`."""
     from lbr import home  # noqa: PLC0415
     from lbr.executive.planning import planner  # noqa: PLC0415
     from lbr.executive.planning.profile import Profile  # noqa: PLC0415
     from lbr.executive.planning.run_identity import RunIdentity  # noqa: PLC0415
 
     site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
-    return planner.make(rows, Profile(robot=rows.robot.name, simulate=True), site)
+    return planner.make(rows, profile or Profile(robot=rows.robot.name, simulate=True), site, before=before)
