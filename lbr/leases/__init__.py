@@ -6,10 +6,10 @@ phrasing and, in each `Lease`, its own motion (goal, bounds, whatever it needs);
 command that comes in. Then:
 
 - before every event: `ending.lapse` ends what was not renewed, or `ending.lose_time` everything if the clock went back;
-- a command: `decide.judge` says what it wants and whether that is refused, by the kernel's chain, which has the links
-  `form`, `holder` and `at_rest` of `rules` before its own. What is renewed or refused is done with that; a "stop" is
-  `decide.stop`; of an "offer", a "change" or a "begin" the kernel makes a motion and has it by `decide.grant`.
-  `decide.accepted` is the answer, `decide.with_motion` keeps how far the motion has come;
+- a command: `ask.resolve` makes an `Ask` of it: what it wants, which lease it quotes, when it was sent on our clock. The
+  kernel's chain, which has `form`, `holder` and `at_rest` of `rules` before its own, says whether that is refused. Then
+  it is `decide.refuse`, `decide.renew` or `decide.stop`; of an "offer", a "change" or a "begin" the kernel makes a
+  motion and has it by `decide.grant`. `decide.accepted` is the answer, `decide.with_motion` keeps how far it has come;
 - `decide.latch` for the emergency stop, and `ending.end` for a motion that is over by itself or by a fault.
 
 All return the new lease table and what is to be said of it: each `Ended` is a lease whose motion is over, so that the

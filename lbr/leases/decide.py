@@ -1,69 +1,47 @@
-"""The decision about a command: refused, or it renews, changes, begins or is offered a lease to confirm; and stops."""
+"""What becomes of a command: refused, or it renews, changes, begins or is offered a lease to confirm; and stops."""
 
-from collections.abc import Callable
 from math import inf, isnan
-from typing import Literal
 
 from msgspec.structs import replace
 
+from lbr.leases.ask import Ask
 from lbr.leases.ending import Decision, Said, drop_offers, end, end_all, tell_holder
-from lbr.leases.lease import (
-    IDLE,
-    Ended,
-    EstopChanged,
-    Lease,
-    LeaseRequest,
-    LeaseTable,
-    M,
-    Reply,
-    Stop,
-    confirmed,
-    offered,
-    quoted,
-    streams,
-)
-from lbr.leases.rules import Intent, dated, forget_persistent, intent, note_persistent, offset_s, persists
+from lbr.leases.lease import IDLE, Ended, EstopChanged, Lease, LeaseTable, M, Reply, Stop
+from lbr.leases.rules import forget_persistent, note_persistent, persists
 from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply, refused
 
-Verdict = Intent | Literal["refused"]
 MOST_OFFERS = 8
 ANOTHER = Reason("superseded", "another command came")
 STOPPED = Reply(message=CommandReply(accepted=True, reason="stopped"))
 
 
-def judge(
-    leases: LeaseTable[M], ask: LeaseRequest, refusal: Callable[[Intent], Reason | None], now: float
-) -> tuple[Verdict, LeaseTable[M], tuple[Reply, ...]]:
-    """Return what becomes of a command, having refused or renewed it if that is all; else `stop` or `grant` follows.
-
-    `refusal` is the kernel's chain for what the command wants. A sender that goes on when it should not is remembered.
-    """
-    wanted = intent(leases, ask)
-    if wanted == "stop":
-        return wanted, leases, ()
-    if why := refusal(wanted):
-        if ask.moves and (how := _persists(leases, ask, now)):
-            leases = note_persistent(leases, ask.source, how, now)
-        return "refused", leases, (Reply(message=refused(why), late=bool(ask.lease)),)
-    if wanted == "renewal":
-        assert leases.live is not None
-        kept = replace(_quoting(leases, leases.live, ask), ttl_s=_ttl_s(leases, ask))
-        return wanted, _keep(leases, kept, now), ()
-    return wanted, leases, ()
+def refuse(ask: Ask[M], why: Reason) -> tuple[LeaseTable[M], Reply]:
+    """Refuse a command. A sender that goes on when it should not is remembered."""
+    leases, request = ask.leases, ask.request
+    if request.moves and (how := _persists(ask)):
+        leases = note_persistent(leases, request.source, how, ask.now)
+    return leases, Reply(message=refused(why), late=bool(request.lease))
 
 
-def grant(leases: LeaseTable[M], ask: LeaseRequest, verdict: Verdict, motion: M, now: float) -> Decision[M]:
+def renew(ask: Ask[M]) -> LeaseTable[M]:
+    """Have the motion go on as it is."""
+    leases = ask.leases
+    assert leases.live is not None
+    return _keep(leases, replace(_quoting(ask, leases.live), ttl_s=ask.ttl_s), ask.now)
+
+
+def grant(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
     """Have a motion begin, go on under the same lease instead of another, or wait for its lease to be quoted."""
     steps = {"change": _change, "offer": _offer, "begin": _begin}
-    return steps[verdict](leases, ask, motion, now)
+    return steps[ask.wants](leases, ask, motion)
 
 
-def lent(leases: LeaseTable[M], verdict: Verdict) -> Lease[M]:
+def lent(leases: LeaseTable[M], ask: Ask[M]) -> Lease[M]:
     """Return the lease that the answer to an accepted command is about."""
-    found = leases.offers[-1] if verdict == "offer" else leases.live
-    assert found is not None
-    return found
+    lease = leases.offers[-1] if ask.wants == "offer" else leases.live
+    assert lease is not None
+    return lease
 
 
 def accepted(lease: Lease[M], note: Reason | None = None, goal: str = "") -> Reply:
@@ -73,26 +51,26 @@ def accepted(lease: Lease[M], note: Reason | None = None, goal: str = "") -> Rep
     return Reply(message=message)
 
 
-def _change(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> Decision[M]:
+def _change(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
     """Go on under the same lease with another motion; the one before is superseded, but the lease goes on."""
     held = leases.live
     assert held is not None
-    lease = replace(_new_lease(leases, ask, motion, now), id=held.id, source=held.source)
+    lease = replace(_new_lease(ask, motion), id=held.id, source=held.source)
     lease = replace(lease, said=max(held.said, lease.said))
     ended = Ended(lease=held, how="superseded", why=ANOTHER, held=False)
-    return _keep(leases, _quoting(leases, lease, ask), now), (ended,)
+    return _keep(leases, _quoting(ask, lease), ask.now), (ended,)
 
 
-def _begin(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> Decision[M]:
+def _begin(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
     """Hold it from now on; the previous holder loses it."""
-    before, offer = leases.live, offered(leases, ask.lease)
-    source = offer.source if offer else ask.source
+    before, offer, now = leases.live, ask.quotes, ask.now
+    source = offer.source if offer else ask.request.source
     why = Reason("taken_over", f"taken over by {source}") if before else None
-    lease = _new_lease(leases, ask, motion, now)
+    lease = _new_lease(ask, motion)
     replaced: Said[M] = ()
     if offer is not None:
-        lease = _quoting(leases, replace(lease, id=offer.id, source=offer.source), ask)
-        if confirmed(leases, ask) is None:
+        lease = _quoting(ask, replace(lease, id=offer.id, source=offer.source))
+        if ask.confirms is None:
             replaced = (Ended(lease=offer, how="superseded", why=ANOTHER, held=False),)
         leases = replace(leases, offers=tuple(one for one in leases.offers if one is not offer))
     leases, ended = end(leases, "superseded", why, now, heir=source) if why else (leases, ())
@@ -101,16 +79,16 @@ def _begin(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> D
     return leases, ended + replaced + told
 
 
-def _offer(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> Decision[M]:
+def _offer(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
     """Promise a lease that moves nothing until it is quoted: only that proves that the command was not held back.
 
     The newest of the offers is the one that was made.
     """
-    own = tuple(offer for offer in leases.offers if offer.source == ask.source)
+    own = tuple(offer for offer in leases.offers if offer.source == ask.request.source)
     oldest = leases.offers[:1] if len(leases.offers) >= MOST_OFFERS else ()
     leases, dropped = drop_offers(leases, own or oldest, "superseded", ANOTHER)
-    made = _new_lease(leases, ask, motion, now)
-    made = replace(made, expires=now + made.ttl_s, offset_s=offset_s(ask, None))
+    made = _new_lease(ask, motion)
+    made = replace(made, expires=ask.now + made.ttl_s, offset_s=ask.behind_s)
     return replace(leases, offers=(*leases.offers, made)), dropped
 
 
@@ -147,16 +125,17 @@ def with_motion(leases: LeaseTable[M], motion: M) -> LeaseTable[M]:
     return replace(leases, live=replace(leases.live, motion=motion))
 
 
-def _persists(leases: LeaseTable[M], ask: LeaseRequest, now: float) -> str:
+def _persists(ask: Ask[M]) -> str:
     """Return how a refused command goes on when it should not, or nothing.
 
     A command that was under way as the emergency stop was latched does not: its sender did not know of it yet.
     """
-    if leases.estop and not dated(leases, ask) < leases.stopped:  # this way round, NaN goes on
+    leases = ask.leases
+    if leases.estop and not ask.sent < leases.stopped:  # this way round, NaN goes on
         return "commands went on through the emergency stop"
-    if leases.live is not None and streams(leases.live, ask):
+    if ask.streams:
         return "commands went on without quoting their lease"
-    return persists(leases, ask.source, now)
+    return persists(leases, ask.request.source, ask.now)
 
 
 def _keep(leases: LeaseTable[M], lease: Lease[M], now: float) -> LeaseTable[M]:
@@ -166,27 +145,24 @@ def _keep(leases: LeaseTable[M], lease: Lease[M], now: float) -> LeaseTable[M]:
     return replace(leases, live=replace(lease, expires=since + lease.ttl_s - ahead_s), reason=IDLE)
 
 
-def _quoting(leases: LeaseTable[M], lease: Lease[M], ask: LeaseRequest) -> Lease[M]:
+def _quoting(ask: Ask[M], lease: Lease[M]) -> Lease[M]:
     """Return a lease that was quoted; it lives from when that was sent."""
-    known = quoted(leases, ask)
+    known = ask.quotes
     assert known is not None
-    renewed = max(dated(leases, ask), known.renewed)  # this way round, NaN is no renewal yet
-    own_s = offset_s(ask, known) if ask.source == known.source else inf
+    renewed = max(ask.sent, known.renewed)  # this way round, NaN is no renewal yet
+    own_s = ask.behind_s if ask.request.source == known.source else inf
     return replace(lease, renewed=renewed, offset_s=min(known.offset_s, own_s))
 
 
-def _new_lease(leases: LeaseTable[M], ask: LeaseRequest, motion: M, now: float) -> Lease[M]:
+def _new_lease(ask: Ask[M], motion: M) -> Lease[M]:
+    request = ask.request
     return Lease(
-        id=ask.new_lease,
-        source=ask.source,
-        what=ask.what,
+        id=request.new_lease,
+        source=request.source,
+        what=request.what,
         motion=motion,
-        ttl_s=_ttl_s(leases, ask),
-        changed=now,
-        said=dated(leases, ask),
-        take_over=ask.take_over,
+        ttl_s=ask.ttl_s,
+        changed=ask.now,
+        said=ask.sent,
+        take_over=request.take_over,
     )
-
-
-def _ttl_s(leases: LeaseTable[M], ask: LeaseRequest) -> float:
-    return leases.ttl_s if ask.ttl_s is None else ask.ttl_s

@@ -1,7 +1,7 @@
 """The data of lending motion: leases, requests, stops and replies."""
 
 from collections.abc import Hashable, Mapping
-from math import inf, isnan, nan
+from math import inf, nan
 from typing import Generic, Literal, TypeVar
 
 from msgspec import Struct
@@ -186,25 +186,3 @@ def first(phrasing: Phrasing, ttl_s: float, ahead_s: float = 0.0, *, began: floa
     nothing."""
     idle, halts = Reason("idle", phrasing.idle), Halts(at=began)
     return LeaseTable(phrasing=phrasing, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, halts=halts, reason=idle)
-
-
-def offered(leases: LeaseTable[M], lease_id: str) -> Lease[M] | None:
-    """Return the offer that a command quotes, if it still stands at the time of the last event."""
-    return next((offer for offer in leases.offers if offer.id == lease_id), None)
-
-
-def confirmed(leases: LeaseTable[M], ask: LeaseRequest) -> Lease[M] | None:
-    """Return the offer that a command confirms, asking for exactly what was offered."""
-    offer = offered(leases, ask.lease)
-    return offer if offer is not None and offer.what == ask.what else None
-
-
-def quoted(leases: LeaseTable[M], ask: LeaseRequest) -> Lease[M] | None:
-    """Return the lease or the offer whose lease a command quotes."""
-    known = (leases.live, *leases.offers)
-    return next((lease for lease in known if lease is not None and lease.id == ask.lease), None) if ask.lease else None
-
-
-def streams(lease: Lease[M], ask: LeaseRequest) -> bool:
-    """Say whether a sender asks without its lease, and has never quoted the lease that it holds by."""
-    return lease.source == ask.source and isnan(lease.renewed) and not ask.lease

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from lbr.bus import wire
@@ -13,44 +14,28 @@ from lbr.leases.client import PendingReply
 from lbr.messages.leases import CommandReply
 
 
+@dataclass(frozen=True, slots=True)
 class OverSession:
     """Asks by a session on the bus: `keys` says which key each request goes to.
 
     `origin`: who wants the motion, and since when; what was stopped by another since is not begun again.
     """
 
-    def __init__(
-        self,
-        session: Session,
-        source: str,
-        keys: Mapping[str, str],
-        *,
-        wake: Callable[[], None] = lambda: None,
-        clock: Callable[[], float] = time.monotonic,
-        origin: Origin | None = None,
-    ) -> None:
-        self.clock = clock
-        self._session = session
-        self._source = source
-        self._keys = keys
-        self._wake = wake
-        self._origin = origin
+    session: Session
+    source: str
+    keys: Mapping[str, str]
+    _: KW_ONLY
+    wake: Callable[[], None] = lambda: None
+    clock: Callable[[], float] = time.monotonic
+    origin: Origin | None = None
 
     def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
         """Ask; the answer is a `CommandReply`."""
-        payload = wire.encode(message)
-        key = self._keys[request]
-        return _Question(
-            wire.PendingQuery(
-                self._session,
-                key,
-                payload,
-                timeout_s=timeout_s,
-                source=self._source,
-                origin=self._origin,
-                wake=self._wake,
-            )
+        key, payload = self.keys[request], wire.encode(message)
+        query = wire.PendingQuery(
+            self.session, key, payload, timeout_s=timeout_s, source=self.source, origin=self.origin, wake=self.wake
         )
+        return _Question(query)
 
 
 class _Question:

@@ -1,16 +1,14 @@
-"""The intent of a command, and the links of the chain it passes that are about leases."""
+"""The checks that a command passes that are about leases; the first that objects refuses it."""
 
-from math import inf, isfinite
-from typing import Literal
+from math import isfinite
 
 from msgspec.structs import replace
 
-from lbr.leases.lease import Lease, LeaseRequest, LeaseTable, M, PersistentSender, offered, quoted, streams
+from lbr.leases.ask import Ask
+from lbr.leases.lease import Lease, LeaseTable, M, PersistentSender
 from lbr.messages.codes import Reason
 from lbr.messages.leases import STOPPED_SINCE
 
-Intent = Literal["stop", "renewal", "change", "offer", "begin"]
-"""`begin` also confirms an offer."""
 LONGEST_TTL_S = 1.0
 STOP_CAME = Reason("stopped", "a stop came after this command")
 NOT_KNOWN = "it is not known here; ask for a new one without quoting a lease"
@@ -25,52 +23,48 @@ ASK_FIRST = Reason(
 TWICE = Reason("repeated", "this command came twice, or after a newer one")
 
 
-def intent(leases: LeaseTable[M], ask: LeaseRequest) -> Intent:
-    """Return what a command wants: standing still without a lease is a stop, by whomever."""
-    if not ask.moves and not ask.lease:
-        return "stop"
-    if leases.live is None or ask.lease != leases.live.id:
-        return "offer" if ask.remote and offered(leases, ask.lease) is None else "begin"
-    return "renewal" if ask.what == leases.live.what else "change"
+def refusal(ask: Ask[M], trouble: Reason | None = None) -> Reason | None:
+    """Return why the rules of leases refuse a command, or nothing."""
+    return form(ask) or holder(ask) or at_rest(ask, trouble)
 
 
-def form(leases: LeaseTable[M], ask: LeaseRequest, now: float) -> Reason | None:
+def form(ask: Ask[M]) -> Reason | None:
     """The life that is asked for is one, and the command has not lain about."""
-    ttl_s = ask.ttl_s or 0.0
+    ttl_s = ask.request.ttl_s or 0.0
     if not (isfinite(ttl_s) and 0.0 <= ttl_s <= LONGEST_TTL_S):
         return Reason("bad_value", f"ttl_s {ttl_s:g} is outside 0 to {LONGEST_TTL_S:g}")
-    if ask.ttl_s == 0.0:
+    if ask.request.ttl_s == 0.0:
         return Reason("bad_value", f"ttl_s 0 lets a lease lapse at once: leave it out, or give up to {LONGEST_TTL_S:g}")
-    return not_fresh(leases, ask, now)
+    return _not_fresh(ask)
 
 
-def holder(leases: LeaseTable[M], ask: LeaseRequest, now: float) -> Reason | None:
+def holder(ask: Ask[M]) -> Reason | None:
     """One holder: a quoted lease must be the live one; without a lease it must be free, or is taken over."""
-    lease, owner = leases.live, quoted(leases, ask)
-    if ask.lease and not (owner is not None and now < owner.expires):  # this way round, NaN means dead
-        return not_live(leases, ask.lease)
-    if why := _not_own(owner, ask) or _waited(leases, ask):
+    leases, lease, owner = ask.leases, ask.leases.live, ask.quotes
+    if ask.request.lease and not (owner is not None and ask.now < owner.expires):  # this way round, NaN means dead
+        return not_live(leases, ask.request.lease)
+    if why := _not_own(ask) or _waited(ask):
         return why
     if lease is not None and owner is lease:
-        return _order(leases, ask, lease)
-    takes = ask.take_over or (owner is not None and owner.take_over)
-    if lease is not None and (not takes or streams(lease, ask)):
-        return _held(lease, ask)
-    if not (leases.estop or dated(leases, ask) > leases.stopped):
+        return _order(ask, lease)
+    takes = ask.request.take_over or (owner is not None and owner.take_over)
+    if lease is not None and (not takes or ask.streams):
+        return _held(lease, ask.request.source)
+    if not (leases.estop or ask.sent > leases.stopped):
         return STOP_CAME
-    return None if dated(leases, ask) > leases.begun else TWICE
+    return None if ask.sent > leases.begun else TWICE
 
 
-def at_rest(leases: LeaseTable[M], ask: LeaseRequest, now: float, trouble: Reason | None = None) -> Reason | None:
+def at_rest(ask: Ask[M], trouble: Reason | None = None) -> Reason | None:
     """Nothing but standing still while the emergency stop is latched, or what would move it is in `trouble`."""
-    if not ask.moves:
+    if not ask.request.moves:
         return None
-    if leases.estop:
-        return latched(leases)
+    if ask.leases.estop:
+        return latched(ask.leases)
     if trouble:
         return trouble
-    how = persists(leases, ask.source, now)
-    return Reason("rest_first", f"{how}: {leases.phrasing.rest}") if how else None
+    how = persists(ask.leases, ask.request.source, ask.now)
+    return Reason("rest_first", f"{how}: {ask.leases.phrasing.rest}") if how else None
 
 
 def not_live(leases: LeaseTable[M], lease_id: str) -> Reason:
@@ -86,69 +80,54 @@ def latched(leases: LeaseTable[M]) -> Reason:
     return Reason("estop", f"emergency stop: {leases.estop_reason or 'no reason given'}; 'reset' releases it")
 
 
-def _not_own(owner: Lease[M] | None, ask: LeaseRequest) -> Reason | None:
+def _not_fresh(ask: Ask[M]) -> Reason | None:
+    """Return why a command is too old to move anything, or nothing; standing still is never too old."""
+    request = ask.request
+    if not request.moves:
+        return None
+    age_s = ask.now - min(request.received, ask.sent)  # by rounding, a date may lie after the arrival
+    if not age_s >= 0.0:
+        return Reason("late", "this command has no date that makes sense")
+    if not age_s <= request.patience_s:
+        return Reason("late", f"this command came {age_s:.1f} s after it was sent; send it again")
+    return ASK_FIRST if request.remote and not (request.lease or request.answerable) else None
+
+
+def _not_own(ask: Ask[M]) -> Reason | None:
     """A lease dates what its own sender says; another's clock proves nothing, nor does a lease that was overheard."""
-    if owner is None or not (ask.remote and ask.source != owner.source and ask.moves):
+    owner, request = ask.quotes, ask.request
+    if owner is None or not (request.remote and request.source != owner.source and request.moves):
         return None
     return Reason("foreign_lease", f"this lease is {owner.source}'s: ask for one of your own")
 
 
-def _held(lease: Lease[M], ask: LeaseRequest) -> Reason:
-    own = lease.source == ask.source
+def _held(lease: Lease[M], source: str) -> Reason:
+    own = lease.source == source
     text = f"held by {lease.source}{', as you do: quote the lease to go on' if own else '; stop it first'}"
     return Reason("held", text, holder=lease.source)
 
 
-def _waited(leases: LeaseTable[M], ask: LeaseRequest) -> Reason | None:
+def _waited(ask: Ask[M]) -> Reason | None:
     """Refuse what was typed or written before another stopped the robot, however late it is sent.
 
     A sender's own stops are meant in their order, whoever passes them or its commands on. How long it waited is told by
     its sender's clock alone, so that the clocks of two machines are never compared.
     """
-    if leases.estop or not ask.moves or ask.waited_s == 0.0:
+    request = ask.request
+    if ask.leases.estop or not request.moves or request.waited_s == 0.0:
         return None
-    at, by = leases.halts.by_others(ask.by or ask.source)
-    if dated(leases, ask) - ask.waited_s > at:  # this way round, NaN waited too long
+    at, by = ask.leases.halts.by_others(request.by or request.source)
+    if ask.sent - request.waited_s > at:  # this way round, NaN waited too long
         return None
     return Reason("stopped_since", f"{STOPPED_SINCE}{f'by {by}' if by else 'what moves it started over'}")
 
 
-def _order(leases: LeaseTable[M], ask: LeaseRequest, lease: Lease[M]) -> Reason | None:
+def _order(ask: Ask[M], lease: Lease[M]) -> Reason | None:
     """Refuse what quotes a lease a second time, or after something newer; standing still always counts."""
-    if not ask.moves:
+    if not ask.request.moves:
         return None
     newest = max(lease.said, lease.renewed)  # this way round, NaN is no renewal yet
-    return None if dated(leases, ask) > newest else TWICE
-
-
-def dated(leases: LeaseTable[M], ask: LeaseRequest) -> float:
-    """Return when a command was sent at the latest, on our clock.
-
-    A remote sender's clock is read by the quickest message under the same lease: nothing sent later came sooner, so
-    what a partition held back cannot pass for new when it heals.
-    """
-    behind_s = offset_s(ask, quoted(leases, ask))
-    return ask.received if behind_s == inf else ask.sender_s + behind_s
-
-
-def offset_s(ask: LeaseRequest, lease: Lease[M] | None) -> float:
-    """Return how far the sender's clock is behind ours at most; infinite if that cannot be told."""
-    if not (ask.remote and isfinite(ask.sender_s)):
-        return inf
-    seen_s = ask.received - ask.sender_s
-    return seen_s if lease is None or lease.source != ask.source else min(seen_s, lease.offset_s)
-
-
-def not_fresh(leases: LeaseTable[M], ask: LeaseRequest, now: float) -> Reason | None:
-    """Return why a command is too old to move anything, or nothing; standing still is never too old."""
-    if not ask.moves:
-        return None
-    age_s = now - min(ask.received, dated(leases, ask))  # by rounding, a date may lie after the arrival
-    if not age_s >= 0.0:
-        return Reason("late", "this command has no date that makes sense")
-    if not age_s <= ask.patience_s:
-        return Reason("late", f"this command came {age_s:.1f} s after it was sent; send it again")
-    return ASK_FIRST if ask.remote and not (ask.lease or ask.answerable) else None
+    return None if ask.sent > newest else TWICE
 
 
 def persists(leases: LeaseTable[M], source: str, now: float) -> str:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from lbr.leases import decide, ending, rules
+from lbr.leases.ask import resolve
 from lbr.leases.halts import Halts
 from lbr.leases.lease import (
     Ended,
@@ -17,7 +18,6 @@ from lbr.leases.lease import (
     LeaseTable,
     Phrasing,
     Stop,
-    confirmed,
     first,
 )
 from lbr.messages.codes import Reason
@@ -41,14 +41,19 @@ class Hand:
         """Decide a command; return why it is refused, or nothing."""
         self._ids += 1
         known = {"lease": "", "received": self.now, "new_lease": f"lease{self._ids}"} | more
-        ask = LeaseRequest(source=source, what=what, moves=bool(what), **known)
+        request = LeaseRequest(source=source, what=what, moves=bool(what), **known)
         self._take(*ending.lapse(self.leases, self.now))
-        verdict, self.leases, replies = decide.judge(self.leases, ask, lambda _: self._refusal(ask), self.now)
-        if verdict == "stop":
+        ask = resolve(self.leases, request, self.now)
+        if ask.wants == "stop":
             return self.stop(source)
-        if verdict in {"offer", "change", "begin"}:
-            self._take(*decide.grant(self.leases, ask, verdict, what, self.now))
-        self.reply = replies[0].message if replies else CommandReply(accepted=True)
+        self.reply = CommandReply(accepted=True)
+        if why := rules.refusal(ask):
+            self.leases, refused = decide.refuse(ask, why)
+            self.reply = refused.message
+        elif ask.wants == "renewal":
+            self.leases = decide.renew(ask)
+        else:
+            self._take(*decide.grant(self.leases, ask, what))
         return self.reply.reason
 
     def refusal(self, **more) -> str:
@@ -75,12 +80,6 @@ class Hand:
     @property
     def ends(self) -> list[tuple[str, str, bool]]:
         return [(one.lease.motion, one.how, one.held) for one in self.said if isinstance(one, Ended)]
-
-    def _refusal(self, ask: LeaseRequest) -> Reason | None:
-        held = self.leases
-        return (
-            rules.form(held, ask, self.now) or rules.holder(held, ask, self.now) or rules.at_rest(held, ask, self.now)
-        )
 
     def _take(self, held: LeaseTable[str], said: tuple[Ended[str] | Happened, ...]) -> None:
         self.leases = held
@@ -155,8 +154,8 @@ def test_from_afar_nothing_moves_until_the_offer_is_quoted(hand):
 def test_an_offer_that_is_answered_with_something_else_is_superseded(hand):
     hand.ask(remote=True, source="page")
     hand.wait(0.05)
-    ask = LeaseRequest(source="page", lease="lease1", what="clap", moves=True, received=hand.now, new_lease="x")
-    assert confirmed(hand.leases, ask) is None
+    request = LeaseRequest(source="page", lease="lease1", what="clap", moves=True, received=hand.now, new_lease="x")
+    assert resolve(hand.leases, request, hand.now).confirms is None
     hand.ask("clap", remote=True, source="page", lease="lease1")
     assert (hand.motion, hand.ends) == ("clap", [("wave", "superseded", False)])
 

@@ -11,8 +11,8 @@ from lbr.messages.drive import CheckVerdict, DriveState
 from lbr.messages.kinematics import Kinematics, Wheel, base_of
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.sensing import RangeSensor
-from lbr.operations.drive.acceptance import to_be_checked
 from lbr.operations.drive.command import shown
+from lbr.operations.drive.granting import to_be_checked
 from lbr.operations.drive.kernel import decide, drive_state, first_state
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.state import (

@@ -1,38 +1,49 @@
-"""What an accepted command does to the base: it begins, goes on, changes, or is offered a lease to confirm."""
+"""What becomes of a command: it is refused, or the base begins, goes on, changes, or is offered with a lease to
+confirm."""
 
 from math import copysign
 
 from msgspec.structs import replace
 
 from lbr.leases import decide
-from lbr.leases.lease import Lease, LeaseRequest, Reply, Setpoint, Stop, confirmed
-from lbr.messages.drive import TwistCommand
+from lbr.leases.ask import Ask, resolve
+from lbr.leases.lease import LATE_S, LeaseRequest, LeaseTable, Reply, Setpoint, Stop
+from lbr.messages.codes import Code, Reason
+from lbr.messages.drive import DriveCommand, TwistCommand
 from lbr.operations.drive import goals
-from lbr.operations.drive.acceptance import asks, notes, refusal
-from lbr.operations.drive.command import fitting_sides, moves, power_of, towards_deg
+from lbr.operations.drive.acceptance import judge
+from lbr.operations.drive.command import Motion, asked_sides, fitting_sides, moves, power_of, towards_deg, what
 from lbr.operations.drive.ending import Decision, apply, halt
+from lbr.operations.drive.rules import Limit
 from lbr.operations.drive.state import ActiveMotion, Command, State
 from lbr.operations.drive.wheels import next_wheels, setpoint_of, tell
 
 
 def command(state: State, event: Command, now: float) -> Decision:
     """Refuse a command, or do what it wants."""
-    ask = asks(event, state.settings)
-    verdict, held, refused = decide.judge(
-        state.leases, ask, lambda wanted: refusal(state, event, ask, now, renewal=wanted == "renewal"), now
-    )
-    if verdict == "stop":
+    ask = _asked(state, event, now)
+    if ask.wants == "stop":
         return stop(state, Stop(source=event.source, received=event.received), now)
-    state = replace(state, leases=held)
-    if refused:
-        return state, refused
-    if verdict == "renewal":
-        return state, (_accept(state, event, decide.lent(held, verdict), now),)
-    active = _active_motion(state, event, ask, now)
-    state, said = apply(state, *decide.grant(state.leases, ask, verdict, active, now), now)
-    accepted = _accept(state, event, decide.lent(state.leases, verdict), now)
-    state, driven = drive(state, now) if verdict != "offer" else (state, ())
+    limit = judge(state, event, ask)
+    if isinstance(limit, Reason):
+        leases, refused = decide.refuse(ask, limit)
+        return replace(state, leases=leases), (refused,)
+    note = _note(state, event.command, limit) if ask.request.moves else None
+    if ask.wants == "renewal":
+        state = replace(state, leases=decide.renew(ask))
+        return state, (_accepted(state.leases, ask, note),)
+    state, said = apply(state, *decide.grant(state.leases, ask, _active_motion(state, event, ask)), now)
+    accepted = _accepted(state.leases, ask, note)
+    state, driven = drive(state, now) if ask.wants != "offer" else (state, ())
     return state, (*said, accepted, *driven)
+
+
+def to_be_checked(state: State, event: Command, now: float) -> bool:
+    """Say whether the user's checks are to be asked: for new and changed motion that nothing else refuses."""
+    ask = _asked(state, event, now)
+    if not ask.request.moves or ask.wants == "renewal" or ask.confirms is not None:
+        return False
+    return not isinstance(judge(state, event, ask, checked=False), Reason)
 
 
 def stop(state: State, event: Stop, now: float) -> Decision:
@@ -50,21 +61,60 @@ def drive(state: State, now: float) -> Decision:
     return state, (setpoint, *said)
 
 
-def _accept(state: State, event: Command, lease: Lease[ActiveMotion], now: float) -> Reply:
-    reason = notes(state, event.command, now) if moves(event.command) else None
-    goal = lease.motion.goal
-    return decide.accepted(lease, reason, goal.goal if goal else "")
+def _asked(state: State, event: Command, now: float) -> Ask[ActiveMotion]:
+    """Return what a command asks of the leases; one that the user's checks have seen may be older."""
+    command = event.command
+    request = LeaseRequest(
+        source=event.source,
+        lease=command.lease,
+        what=what(command),
+        moves=moves(command),
+        received=event.received,
+        new_lease=event.new_lease,
+        take_over=command.take_over,
+        ttl_s=command.ttl_s,
+        remote=event.remote,
+        sender_s=event.sender_s,
+        waited_s=event.waited_s,
+        by=event.by,
+        answerable=event.answerable,
+        patience_s=LATE_S + (2 * state.settings.checks_timeout_s if event.checks else 0.0),
+    )
+    return resolve(state.leases, request, now)
 
 
-def _active_motion(state: State, event: Command, ask: LeaseRequest, now: float) -> ActiveMotion:
+def _active_motion(state: State, event: Command, ask: Ask[ActiveMotion]) -> ActiveMotion:
     """Return what the base is to be held for; what confirms an offer goes on with the goal that was offered."""
     asked, goal = event.command, None
     if goals.bounded(asked):
-        offer = confirmed(state.leases, ask)
-        offered = offer.motion.goal if offer is not None else None
-        goal = goals.start(asked, offered.goal if offered else event.new_goal, state, now)
+        offered = ask.confirms.motion.goal if ask.confirms is not None else None
+        goal = goals.start(asked, offered.goal if offered else event.new_goal, state, ask.now)
     turn = goal.turn if goal else None
     angle_deg = towards_deg(asked) if turn is None else copysign(90.0, turn.asked_deg)
     sides = fitting_sides(asked, state.settings, state.base) if isinstance(asked, TwistCommand) else None
     power = power_of(asked, state.settings)
     return ActiveMotion(command=asked, power=power, angle_deg=angle_deg, goal=goal, sides=sides)
+
+
+def _accepted(leases: LeaseTable[ActiveMotion], ask: Ask[ActiveMotion], note: Reason | None) -> Reply:
+    lease = decide.lent(leases, ask)
+    goal = lease.motion.goal
+    return decide.accepted(lease, note, goal.goal if goal else "")
+
+
+def _note(state: State, command: Motion, limit: Limit) -> Reason | None:
+    """Return what the asker of an accepted command should know: how far it is limited, and by what."""
+    found: list[str] = []
+    if isinstance(command, DriveCommand) and command.power > state.settings.max_power:
+        found.append(f"limited to {state.settings.max_power:g}")
+    if isinstance(command, TwistCommand):
+        share = state.base.fitting(*asked_sides(command, state.settings), state.settings.max_power)
+        if share < 1.0:
+            found.append(f"limited to {share:.0%} of this twist: a motor may not get more")
+    if not limit.scale > 0.0:
+        found.append(f"stopped by {limit.detail}")
+    elif limit.scale < 1.0:
+        power = power_of(command, state.settings) * limit.scale
+        found.append(f"slowed to {power:.2f} by {limit.text}")
+    code: Code = limit.code if limit.scale < 1.0 else "limit"
+    return Reason(code, ", ".join(found)) if found else None

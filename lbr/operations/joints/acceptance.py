@@ -7,10 +7,12 @@ from math import isfinite
 from msgspec.structs import replace
 
 from lbr.leases import rules
-from lbr.leases.lease import LeaseRequest, quoted
+from lbr.leases.ask import Ask, quoted, resolve
+from lbr.leases.lease import LeaseRequest
 from lbr.messages.codes import Reason
 from lbr.messages.joints import MAX_FRAMES, JointsCommand, StoredMotion
 from lbr.operations.joints import planning, stored, torque
+from lbr.operations.joints.move import Move
 from lbr.operations.joints.request import JointsRequest, asked, empty, named, strengths
 from lbr.operations.joints.state import NOT_ADOPTED, Command, State, joint_trouble, servos_trouble
 
@@ -19,14 +21,13 @@ LONGEST_S = 60.0
 LONGEST_STORED_S = 600.0
 TORQUE_FIRST = "torque on first (/torque/on)"
 
-Link = Callable[[State, JointsCommand, LeaseRequest, float], Reason | None]
+Link = Callable[[State, JointsCommand, Ask[Move]], Reason | None]
 
 
-def asks(state: State, event: Command) -> LeaseRequest:
-    """Return a command as far as leases are concerned; a lease with nothing to move goes on with what it was given
-    for."""
+def asked_of(state: State, event: Command, now: float) -> Ask[Move]:
+    """Return what a command asks of the leases; a lease with nothing to move goes on with what it was given for."""
     command = event.command
-    ask = LeaseRequest(
+    request = LeaseRequest(
         source=event.source,
         lease=command.lease,
         what=asked(command, event.new_goal),
@@ -41,27 +42,26 @@ def asks(state: State, event: Command) -> LeaseRequest:
         by=event.by,
         answerable=event.answerable,
     )
-    known = quoted(state.leases, ask) if empty(command) else None
-    return ask if known is None else replace(ask, what=known.what)
+    lease = quoted(state.leases, request) if empty(command) else None
+    return resolve(state.leases, replace(request, what=lease.what) if lease is not None else request, now)
 
 
-def command_of(ask: LeaseRequest) -> JointsCommand:
+def command_of(ask: Ask[Move]) -> JointsCommand:
     """Return the motion that is asked for."""
-    assert isinstance(ask.what, JointsRequest)
-    return ask.what.command
+    assert isinstance(ask.request.what, JointsRequest)
+    return ask.request.what.command
 
 
-def refusal(state: State, ask: LeaseRequest, now: float, *, renewal: bool) -> Reason | None:
+def refusal(state: State, ask: Ask[Move]) -> Reason | None:
     """Return why a command is refused, or nothing; what is renewed was looked at before."""
     command = command_of(ask)
-    links = RENEWAL if renewal else CHAIN
-    return next((why for link in links if (why := link(state, command, ask, now))), None)
+    links = RENEWAL if ask.wants == "renewal" else CHAIN
+    return next((why for link in links if (why := link(state, command, ask))), None)
 
 
-def _form(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
+def _form(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
     """It says what is to move where, in joints that there are, within their limits, with numbers that are some."""
-    del now
-    if empty(command) and ask.lease:
+    if empty(command) and ask.request.lease:
         return None  # its lease is dead, as the next link says
     if command.stored is not None:
         return _stored_form(state, command, command.stored)
@@ -70,31 +70,29 @@ def _form(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -
     return _combination(command) or _numbers(command) or _several(_wrong(state, command))
 
 
-def _leases(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
+def _leases(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
     """One holder, and in time."""
-    del command
-    held = state.leases
-    return rules.form(held, ask, now) or rules.holder(held, ask, now)
+    del state, command
+    return rules.form(ask) or rules.holder(ask)
 
 
-def _busy(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
+def _busy(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
     """While the controller plays, nothing else moves; a takeover breaks that off."""
     del command
-    lease = state.leases.live
-    foreign = lease is not None and ask.lease != lease.id
-    if lease is None or (foreign and (ask.lease or ask.take_over)):
+    lease, request = state.leases.live, ask.request
+    foreign = lease is not None and request.lease != lease.id
+    if lease is None or (foreign and (request.lease or request.take_over)):
         return None
-    why = stored.busy(state, now)
+    why = stored.busy(state, ask.now)
     return Reason("busy", f"{why}, held by {lease.source}") if why and foreign else why
 
 
-def _order(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
+def _order(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
     """Refuse to append to nothing, or more than can be planned in time."""
-    del now
     lease = state.leases.live
     if not command.append:
         return None
-    if lease is None or ask.lease != lease.id:
+    if lease is None or ask.request.lease != lease.id:
         return Reason("bad_value", "append follows a motion under way: quote its lease")
     ahead = planning.frames_ahead(lease.motion)
     if ahead + len(command.frames) > MAX_FRAMES:
@@ -103,18 +101,17 @@ def _order(state: State, command: JointsCommand, ask: LeaseRequest, now: float) 
     return None
 
 
-def _rest(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
+def _rest(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
     """Nothing moves while the emergency stop is latched, or no servo would follow."""
     del command
-    return rules.at_rest(state.leases, ask, now, servos_trouble(state, now))
+    return rules.at_rest(ask, servos_trouble(state, ask.now))
 
 
-def _able(state: State, command: JointsCommand, ask: LeaseRequest, now: float) -> Reason | None:
+def _able(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
     """Every joint of it has torque, is measured, and is well."""
-    del ask
     if command.stored is not None or command.torque is not None or command.torques:
-        return _at_once(state, command, now)
-    return _several(_unable(state, command, now))
+        return _at_once(state, command, ask.now)
+    return _several(_unable(state, command, ask.now))
 
 
 RENEWAL: tuple[Link, ...] = (_leases, _rest)

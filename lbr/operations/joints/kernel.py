@@ -6,10 +6,11 @@ from msgspec.structs import replace
 
 from lbr.leases import decide as leasing
 from lbr.leases import ending
-from lbr.leases.lease import Ended, EstopChanged, LeaseRequest, Reply, Stop, confirmed
+from lbr.leases.ask import Ask
+from lbr.leases.lease import Ended, EstopChanged, Reply, Stop
 from lbr.messages.codes import Reason
 from lbr.operations.joints import feet, moving, planning, servos, stored, torque
-from lbr.operations.joints.acceptance import asks, command_of, refusal
+from lbr.operations.joints.acceptance import asked_of, command_of, refusal
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint, still, take
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.request import strengths
@@ -61,39 +62,37 @@ def _handle(state: State, event: Event, now: float) -> Decision:
 
 def _command(state: State, event: Command, now: float) -> Decision:
     """Refuse a command, or do what it wants."""
-    ask = asks(state, event)
-    verdict, held, refused = leasing.judge(
-        state.leases, ask, lambda wanted: refusal(state, ask, now, renewal=wanted == "renewal"), now
-    )
-    state = replace(state, leases=held)
-    if refused:
-        return state, refused
-    match verdict:
+    ask = asked_of(state, event, now)
+    if why := refusal(state, ask):
+        held, refused = leasing.refuse(ask, why)
+        return replace(state, leases=held), (refused,)
+    match ask.wants:
         case "renewal":
+            state = replace(state, leases=leasing.renew(ask))
             return state, (_yes(state, ask),)
         case "offer":
             offer = Move(goal=event.new_goal, begun=now)
-            state, said = take(state, leasing.grant(held, ask, verdict, offer, now), now)
-            made = leasing.lent(state.leases, verdict)
+            state, said = take(state, leasing.grant(state.leases, ask, offer), now)
+            made = leasing.lent(state.leases, ask)
             return state, (*said, leasing.accepted(made, goal=made.motion.goal))
         case "change":
             return _change(state, event, ask, now)
     return _begin(state, event, ask, now)
 
 
-def _begin(state: State, event: Command, ask: LeaseRequest, now: float) -> Decision:
+def _begin(state: State, event: Command, ask: Ask[Move], now: float) -> Decision:
     """Hold the joints from now on; what confirms an offer goes on with the goal that was offered."""
     idle_s, state = _idle_s(state, now), moving.advance(state, now)
     state = moving.interrupted(moving.held_again(state))
     state, told = _strengthened(state, event, ask, now)
-    offer = confirmed(state.leases, ask)
+    offer = ask.confirms
     state, move = _move(state, ask, offer.motion.goal if offer else event.new_goal, idle_s, now)
-    state, said = take(state, leasing.grant(state.leases, ask, "begin", move, now), now)
+    state, said = take(state, leasing.grant(state.leases, ask, move), now)
     state = _underway(state, ask)
     return state, (*told, *said, _yes(state, ask), *setpoint(state))
 
 
-def _change(state: State, event: Command, ask: LeaseRequest, now: float) -> Decision:
+def _change(state: State, event: Command, ask: Ask[Move], now: float) -> Decision:
     """Move otherwise under the same lease, from the next setpoint on; what is appended or joins goes on under the same
     goal."""
     idle_s, state = _idle_s(state, now), moving.advance(state, now)
@@ -105,30 +104,30 @@ def _change(state: State, event: Command, ask: LeaseRequest, now: float) -> Deci
             longer = planning.append(state, move, command, now)
         else:
             longer = planning.joined(state, move, command, now, idle_s)
-        held, said = leasing.grant(state.leases, ask, "change", longer, now)
+        held, said = leasing.grant(state.leases, ask, longer)
         said = tuple(each for each in said if not isinstance(each, Ended))
     else:
         state, anew = _move(state, ask, event.new_goal, idle_s, now)
-        held, said = leasing.grant(state.leases, ask, "change", planning.instead(move, anew), now)
+        held, said = leasing.grant(state.leases, ask, planning.instead(move, anew))
     state, outputs = take(state, (held, said), now)
     state = _underway(state, ask)
     at_once = setpoint(state) if command.join else ()
     return state, (*told, *outputs, _yes(state, ask), *at_once)
 
 
-def _move(state: State, ask: LeaseRequest, goal: str, idle_s: float, now: float) -> tuple[State, Move]:
+def _move(state: State, ask: Ask[Move], goal: str, idle_s: float, now: float) -> tuple[State, Move]:
     command = command_of(ask)
     if command.stored is not None:
         return stored.begin(state, command.stored, goal, now)
     return state, planning.begin(state, command, goal, now, idle_s)
 
 
-def _strengthened(state: State, event: Command, ask: LeaseRequest, now: float) -> Decision:
+def _strengthened(state: State, event: Command, ask: Ask[Move], now: float) -> Decision:
     strong = strengths(command_of(ask), state.body)
     return torque.strengthen(state, event.source, strong, now) if strong else (state, ())
 
 
-def _underway(state: State, ask: LeaseRequest) -> State:
+def _underway(state: State, ask: Ask[Move]) -> State:
     """Return the state in which what joined has begun to move with this setpoint, not the next."""
     if state.move is None or not command_of(ask).join:
         return state
@@ -140,11 +139,11 @@ def _idle_s(state: State, now: float) -> float:
     return 0.0 if waits(state) else min(max(0.0, now - state.ticked), moving.LONGEST_STEP_S)
 
 
-def _yes(state: State, ask: LeaseRequest) -> Reply:
+def _yes(state: State, ask: Ask[Move]) -> Reply:
     move = state.move
     assert move is not None
     note = planning.note(state, move, command_of(ask))
-    return leasing.accepted(leasing.lent(state.leases, "begin"), Reason("limit", note) if note else None, move.goal)
+    return leasing.accepted(leasing.lent(state.leases, ask), Reason("limit", note) if note else None, move.goal)
 
 
 def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:

@@ -6,7 +6,8 @@ from msgspec.structs import replace
 
 from lbr.leases import decide as leasing
 from lbr.leases import ending, rules
-from lbr.leases.lease import Ended, Ending, EstopChanged, Happened, Lease, Result, Stop, confirmed
+from lbr.leases.ask import Ask, resolve
+from lbr.leases.lease import Ended, Ending, EstopChanged, Happened, Lease, Result, Stop
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import MAX_FRAMES
@@ -86,33 +87,31 @@ def _handle(state: State, event: Event, now: float) -> Decision:
 
 
 def _play(state: State, event: Play, now: float) -> Decision:
-    verdict, held, refused = leasing.judge(
-        state.leases, event.ask, lambda wanted: _refusal(state, event, now, renewal=wanted == "renewal"), now
-    )
-    state = replace(state, leases=held)
-    if refused:
-        return state, refused
-    if verdict == "renewal":
-        lease = leasing.lent(held, verdict)
-        return state, (leasing.accepted(lease, goal=lease.motion.goal),)
+    ask = resolve(state.leases, event.ask, now)
+    if why := _refusal(ask, event):
+        held, refusal = leasing.refuse(ask, why)
+        return replace(state, leases=held), (refusal,)
+    if ask.wants == "renewal":
+        held = leasing.renew(ask)
+        lease = leasing.lent(held, ask)
+        return replace(state, leases=held), (leasing.accepted(lease, goal=lease.motion.goal),)
     assert event.programme is not None, "the chain refuses what cannot be played"
     playing = Playing(goal=event.new_goal, programme=event.programme, started=now)
-    if verdict == "offer":
-        held, said = leasing.grant(held, event.ask, verdict, playing, now)
+    if ask.wants == "offer":
+        held, said = leasing.grant(state.leases, ask, playing)
         state, outputs = _told(replace(state, leases=held), said, now)
-        return state, (*outputs, leasing.accepted(leasing.lent(held, verdict), goal=playing.goal))
-    return _begin(state, event, playing, verdict, now)
+        return state, (*outputs, leasing.accepted(leasing.lent(held, ask), goal=playing.goal))
+    return _begin(state, ask, playing)
 
 
-def _refusal(state: State, event: Play, now: float, *, renewal: bool) -> Reason | None:
+def _refusal(ask: Ask[Playing], event: Play) -> Reason | None:
     """Return why a command is refused, or nothing."""
-    ask, held = event.ask, state.leases
     return (
-        rules.form(held, ask, now)
-        or _busy(held.live, ask.lease, take_over=ask.take_over)
-        or rules.holder(held, ask, now)
-        or rules.at_rest(held, ask, now, event.trouble)
-        or (None if renewal else event.reason)
+        rules.form(ask)
+        or _busy(ask.leases.live, ask.request.lease, take_over=ask.request.take_over)
+        or rules.holder(ask)
+        or rules.at_rest(ask, event.trouble)
+        or (None if ask.wants == "renewal" else event.reason)
     )
 
 
@@ -124,20 +123,19 @@ def _busy(lease: Lease[Playing] | None, lease_id: str, *, take_over: bool) -> Re
     return Reason("busy", why)
 
 
-def _begin(state: State, event: Play, playing: Playing, verdict: leasing.Verdict, now: float) -> Decision:
+def _begin(state: State, ask: Ask[Playing], playing: Playing) -> Decision:
     """Ask the joints for the first key frames; the answer to the player waits for theirs."""
-    offer = confirmed(state.leases, event.ask)
-    if offer is not None:
-        playing = replace(playing, goal=offer.motion.goal)
-    before = state.lease
-    held, said = leasing.grant(state.leases, event.ask, verdict, playing, now)
+    if ask.confirms is not None:
+        playing = replace(playing, goal=ask.confirms.motion.goal)
+    before, now = state.lease, ask.now
+    held, said = leasing.grant(state.leases, ask, playing)
     state, outputs = _told(replace(state, leases=held), said, now, goes_on=True)
     assert state.lease is not None
-    if verdict == "change" and before is not None and before.motion.asked:
+    if ask.wants == "change" and before is not None and before.motion.asked:
         outputs = (*outputs, Answer(message=refused(leasing.ANOTHER)))
     send = _leg(playing, 0)
     state = _with(state, replace(playing, sent=len(send.frames) or 1), expires=now + ANSWER_S)
-    return state, (*outputs, replace(send, asked_s=event.ask.received, take_over=event.ask.take_over))
+    return state, (*outputs, replace(send, asked_s=ask.request.received, take_over=ask.request.take_over))
 
 
 def _next_leg(state: State, playing: Playing, now: float) -> Decision:

@@ -256,7 +256,7 @@ def test_offers_are_few(bench):
 
 def test_a_confirmation_is_checked_only_if_it_asks_for_something_else(bench):
     from lbr.messages.drive import DriveCommand
-    from lbr.operations.drive.acceptance import to_be_checked
+    from lbr.operations.drive.granting import to_be_checked
     from lbr.operations.drive.state import Command
 
     offer = bench.drive_from_afar(0.5)

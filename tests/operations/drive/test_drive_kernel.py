@@ -5,7 +5,6 @@ from math import inf, nan
 import pytest
 
 from lbr.messages.drive import CheckVerdict
-from lbr.operations.drive.acceptance import CHAIN
 from lbr.operations.drive.kernel import drive_state
 from tests.operations.drive.drive_bench import Bench, motors, ranges
 
@@ -32,9 +31,24 @@ def moving(bench, power=0.5, angle_deg=0.0, **more):
 # accepting
 
 
-def test_the_chain_is_in_the_order_of_the_design():
-    names = [link.__name__.strip("_") for link in CHAIN]
-    assert names == ["form", "holder", "state", "limits", "rules", "checks"]
+def test_the_checks_are_in_the_order_of_the_design(bench):
+    """Everything objects to the first command, and one check less to each that follows."""
+    bench.see(forward=0.1)
+    bench.estop(engaged=True)
+    wrong = {"power": nan, "lease": "none", "interval_s": 1000.0, "checks": {"mine": None}}
+    codes = [bench.drive(**wrong).code]
+    for change, mend in (
+        ({"power": 0.5}, lambda: None),
+        ({"lease": ""}, lambda: None),
+        ({}, lambda: (bench.estop(engaged=False), bench.run(0.5))),
+        ({"interval_s": 1.0}, lambda: None),
+        ({}, lambda: (bench.see(), bench.run(0.5))),
+        ({"checks": {}}, lambda: None),
+    ):
+        mend()
+        wrong |= change
+        codes.append(bench.drive(**wrong).code)
+    assert codes == ["bad_value", "dead_lease", "estop", "limit", "obstacle", "check", ""]
 
 
 def test_an_accepted_command_gets_a_lease_and_a_life(bench):

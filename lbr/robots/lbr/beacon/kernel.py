@@ -7,6 +7,7 @@ from msgspec.structs import replace
 
 from lbr.leases import decide as leasing
 from lbr.leases import ending, rules
+from lbr.leases.ask import resolve
 from lbr.leases.lease import (
     Ended,
     Ending,
@@ -19,7 +20,6 @@ from lbr.leases.lease import (
     Reply,
     Result,
     Stop,
-    confirmed,
     first,
 )
 from lbr.messages.beacon import Manoeuvre
@@ -130,28 +130,20 @@ def _handle(state: State, event: Event, now: float) -> tuple[State, Outputs]:
 
 
 def _seek(state: State, event: Seek, now: float) -> tuple[State, Outputs]:
-    ask = event.ask
-
-    def refusal(_wanted: rules.Intent) -> Reason | None:
-        held = state.leases
-        return (
-            rules.form(held, ask, now) or rules.holder(held, ask, now) or rules.at_rest(held, ask, now, event.trouble)
-        )
-
-    verdict, held, refused = leasing.judge(state.leases, ask, refusal, now)
-    state = replace(state, leases=held)
-    if refused:
-        return state, refused
-    if verdict == "renewal":
-        lease = leasing.lent(held, verdict)
-        return state, (leasing.accepted(lease, goal=lease.motion.goal),)
-    offer = confirmed(held, ask)
-    goal = offer.motion.goal if offer is not None else event.new_goal
+    ask = resolve(state.leases, event.ask, now)
+    if why := rules.refusal(ask, event.trouble):
+        held, refused = leasing.refuse(ask, why)
+        return replace(state, leases=held), (refused,)
+    if ask.wants == "renewal":
+        held = leasing.renew(ask)
+        lease = leasing.lent(held, ask)
+        return replace(state, leases=held), (leasing.accepted(lease, goal=lease.motion.goal),)
+    goal = ask.confirms.motion.goal if ask.confirms is not None else event.new_goal
     seeking = Seeking(goal=goal, manoeuvre=event.manoeuvre, started=now)
-    held, said = leasing.grant(held, ask, verdict, seeking, now)
+    held, said = leasing.grant(state.leases, ask, seeking)
     state, outputs = _told(replace(state, leases=held), said, now)
-    begin: Outputs = () if verdict == "offer" else (Begin(seeking=seeking),)
-    return state, (*outputs, *begin, leasing.accepted(leasing.lent(held, verdict), goal=goal))
+    begin: Outputs = () if ask.wants == "offer" else (Begin(seeking=seeking),)
+    return state, (*outputs, *begin, leasing.accepted(leasing.lent(held, ask), goal=goal))
 
 
 def _told(state: State, said: ending.Said[Seeking], now: float, *, by: str = "") -> tuple[State, Outputs]:
