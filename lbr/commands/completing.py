@@ -62,7 +62,7 @@ def complete_line(context: click.Context, _parameter: click.Parameter, begun: st
     return []
 
 
-def of_rows(table: str, name: str, text: str = "") -> Complete:
+def of_rows(table: str, name: str, text: str) -> Complete:
     """Return what completes by a column of a table here, and tells another with it."""
 
     def complete(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -71,7 +71,7 @@ def of_rows(table: str, name: str, text: str = "") -> Complete:
 
         with suppress(LbrError):
             return items(
-                begun, glance.column(context.params.get("database") or home.default_database(), table, name, text)
+                begun, glance.rows(context.params.get("database") or home.default_database(), table, name, text)
             )
         return []
 
@@ -95,7 +95,7 @@ def complete_setting(context: click.Context, _parameter: click.Parameter, begun:
     part, dot, _ = begun.partition(".")
     with suppress(LbrError, OSError):
         database = context.params.get("database") or home.default_database()
-        rows = glance.column(database, "capability", "name", "kind")
+        rows = glance.rows(database, "capability", "name", "kind")
         parts = {name: kind for name, kind in rows if (name == part if dot else name.startswith(part))}
         if len(parts) != 1:
             return [CompletionItem(f"{name}.", help=kind) for name, kind in parts.items()]

@@ -4,9 +4,10 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, field
 
+from lbr.database.past import ChangeRow
 from lbr.database.rows import AuditRow, TokenRow
+from lbr.database.trials import Trial
 from lbr.messages.rows import COUNTED, NOW, Row
-from lbr.messages.shapes import Shape
 
 WallNs = Annotated[int, Meta(ge=0), "nanoseconds since 1970 by the wall clock"]
 
@@ -35,41 +36,6 @@ class RevisionEntry(Row, frozen=True, kw_only=True):
     old_row: Annotated[dict[str, Any] | None, "the row before; NULL for an insert"] = None
     new_row: Annotated[dict[str, Any] | None, "the row after; NULL for a delete"] = None
     changed_at: Annotated[str, NOW, "when"]
-
-
-class ChangeEntry(Row, frozen=True, kw_only=True):
-    """Who changed rows, and by what: written by lbr's own programs in the transaction of the change. A revision that none
-    of these has in it was made by another SQLite client.
-    """
-
-    TABLE = "change"
-    KEY = ("first_revision",)
-    SHARED = True
-
-    first_revision: Annotated[int, "its first revision"]
-    last_revision: Annotated[
-        int, Meta(extra={"shape": Shape("{x} >= first_revision", "at least first_revision")}), "its last one"
-    ]
-    source: Annotated[str, "who: an account here, a capability, or who asked at a page"]
-    program: Annotated[str, "by what: lbr db rollback, executive ..."]
-    text: Annotated[str, "what for, in one sentence"] = ""
-
-
-class TrialEntry(Row, frozen=True, kw_only=True):
-    """Changes of rows on trial (`lbr db apply --within`): the robot goes back to the revision before, unless all that they
-    touch is ready in time. The newest row alone counts. Written by lbr.
-    """
-
-    TABLE = "trial"
-    KEY = ("revision",)
-    SHARED = True
-
-    revision: Annotated[int, "the last revision that is on trial"]
-    back: Annotated[int, Meta(ge=0), "the revision to go back to"]
-    robot: Annotated[str, "whose executive judges"]
-    within_s: Annotated[float, Meta(gt=0, le=600), "how long it may take"]
-    state: Annotated[Literal["running", "kept", "back", "lost"], "what became of it"] = "running"
-    text: Annotated[str, "why, in one sentence"] = ""
 
 
 class EventEntry(Row, frozen=True, kw_only=True):
@@ -104,8 +70,8 @@ BOOKS: tuple[type[Row], ...] = (
     SchemaStamp,
     TokenRow,
     RevisionEntry,
-    ChangeEntry,
-    TrialEntry,
+    ChangeRow,
+    Trial,
     EventEntry,
     AuditRow,
     AdoptedEntry,

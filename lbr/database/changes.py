@@ -7,8 +7,8 @@ from typing import Any
 
 from msgspec import Struct
 
-from lbr.database import constraints
-from lbr.database.connection import Connection, insert, quoted
+from lbr.database import constraints, statements
+from lbr.database.connection import Connection, insert
 from lbr.database.difference import Difference, changed_columns
 from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.tables import WRITTEN_BY_LBR, Schema, read_tables
@@ -106,17 +106,15 @@ def write_exactly(connection: Connection, changes: Sequence[Change], schema: Sch
 
 
 def _write(connection: Connection, change: Change, schema: Schema) -> None:
-    where = " AND ".join(f"{quoted(name)} = ?" for name in schema.keys_of[change.table])
+    key = schema.keys_of[change.table]
     if change.after is None:
-        connection.execute(f"DELETE FROM {quoted(change.table)} WHERE {where}", change.key)  # noqa: S608 - quoted
+        connection.execute(statements.delete(change.table, key), change.key)
         return
     own = {name: value for name, value in change.after.items() if (change.table, name) not in WRITTEN_BY_LBR}
     if change.before is None:
         insert(connection, change.table, [own])
     elif values := {name: value for name, value in own.items() if value != change.before.get(name)}:
-        settings = ", ".join(f"{quoted(name)} = ?" for name in values)
-        statement = f"UPDATE {quoted(change.table)} SET {settings} WHERE {where}"  # noqa: S608 - quoted
-        connection.execute(statement, (*values.values(), *change.key))
+        connection.execute(statements.update(change.table, values, key), (*values.values(), *change.key))
 
 
 def _dangling(connection: Connection) -> set[tuple[Any, ...]]:

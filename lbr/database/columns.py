@@ -91,8 +91,8 @@ class Column:
     @property
     def meaning(self) -> str:
         """Return what is said of it in its annotation, or of its type."""
-        said = [*_said(self._type), *(told for told in (_described(inspect.type_info(self._type)),) if told)]
-        return said[0] if said else ""
+        described = getattr(inspect.type_info(self._type), "extra_json_schema", None) or {}
+        return next(iter(_said(self._type)), described.get("description", ""))
 
     def choices(self) -> tuple[Any, ...]:
         """Return what a literal may be, in the order in which that was declared."""
@@ -202,10 +202,6 @@ def _said(annotation: Any) -> list[str]:
     """Return the texts in an annotation."""
     texts = [one for one in getattr(annotation, "__metadata__", ()) if isinstance(one, str)]
     return texts or [text for one in get_args(annotation) for text in _said(one)]
-
-
-def _described(info: Any) -> str:
-    return str((getattr(info, "extra_json_schema", None) or {}).get("description", ""))
 
 
 def _texts(info: Any) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import quote
 
-from lbr.database import constraints
+from lbr.database import constraints, statements
 from lbr.database.files import check_owner, check_owners, check_side_files
 from lbr.errors import RowError
 
@@ -87,7 +87,7 @@ def damage(connection: Connection) -> str:
 
 def selected(connection: Connection, table: str, where: str, *values: Any) -> list[dict[str, Any]]:
     """Return the rows of one of lbr's own tables."""
-    found = connection.execute(f"SELECT * FROM {table} WHERE {where}", values)  # noqa: S608 - our names
+    found = connection.execute(f"{statements.select(table)} WHERE {where}", values)
     names = [column[0] for column in found.description]
     return [dict(zip(names, row, strict=True)) for row in found]
 
@@ -95,15 +95,8 @@ def selected(connection: Connection, table: str, where: str, *values: Any) -> li
 def insert(connection: Connection, table: str, rows: Sequence[Mapping[str, Any]], more: str = "") -> None:
     """Write rows of the same columns; `more` is what follows the values, such as ON CONFLICT."""
     if rows:
-        names = ", ".join(map(quoted, rows[0]))
-        marks = ", ".join(["?"] * len(rows[0]))
-        statement = f"INSERT INTO {quoted(table)} ({names}) VALUES ({marks}) {more}"  # noqa: S608 - quoted
+        statement = f"{statements.insert(table, rows[0])} {more}"
         connection.executemany(statement, [tuple(row.values()) for row in rows])
-
-
-def quoted(name: str) -> str:
-    """Return a name as SQL takes it, whatever it is."""
-    return '"' + name.replace('"', '""') + '"'
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from typing import Any
 
-from lbr.database.connection import quoted
+from lbr.database import statements
 from lbr.errors import InputError
 from lbr.messages.rows import shown
 from lbr.robot.old_data import ForeignTables
@@ -105,7 +105,7 @@ def _tables(connection: sqlite3.Connection) -> ForeignTables:
     for name in names:
         if name.startswith("sqlite_"):
             continue
-        cursor = connection.execute(f"SELECT * FROM {quoted(name)} LIMIT {left + 1}")  # noqa: S608 - quoted, a number
+        cursor = connection.execute(f"{statements.select(name)} LIMIT ?", (left + 1,))
         columns = [column[0] for column in cursor.description]
         rows = cursor.fetchall()
         left -= len(rows)

@@ -36,6 +36,14 @@ def fixed(row: type[Row]) -> str:
     return f"a row of {row.TABLE} {NAMES_PROGRAMS}" if row is ExternalCommandRow else ""
 
 
+def schema(row: type[Row]) -> dict[str, Any]:
+    """Return the JSON Schema of a table's rows, with what each column means."""
+    whole = msgspec.json.schema(row)
+    for name, column in columns(row).items():
+        whole["$defs"][row.__name__]["properties"][name]["description"] = column.meaning
+    return whole
+
+
 def told(row: type[Row], values: RawRow) -> dict[str, Any]:
     """Return a row as JSON has it, without whose it is; what cannot be read stands as it is in the table."""
     return {name: _told(column, values.get(name)) for name, column in columns(row).items()}

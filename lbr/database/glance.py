@@ -1,16 +1,17 @@
-"""A look at one column of a database, as it stands: without checks, upgrades or waiting. For completion."""
+"""A look at columns of a database, as they stand: without checks, upgrades or waiting. For completion."""
 
 import sqlite3
 from contextlib import closing
 from pathlib import Path
 
+from lbr.database.statements import select
 
-def column(path: Path, table: str, name: str, text: str = "") -> list[tuple[str, str]]:
-    """Return the values of a column with what another says of them; nothing where they cannot be read."""
-    told = text or "''"
+
+def rows(path: Path, table: str, *columns: str) -> list[tuple[str, ...]]:
+    """Return what stands in some columns, each once; nothing where they cannot be read."""
     try:
-        with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=0.1)) as rows:
-            query = f"SELECT DISTINCT {name}, {told} FROM {table} ORDER BY 1"  # noqa: S608 - names of our own
-            return [(str(value), str(about or "")) for value, about in rows.execute(query)]
+        with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=0.1)) as database:
+            found = database.execute(select(table, columns, columns))
+            return list(dict.fromkeys(tuple(str(value or "") for value in row) for row in found))
     except sqlite3.Error:
         return []

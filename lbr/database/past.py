@@ -6,16 +6,17 @@ tables of now ──► undo the newer revisions, the newest first ──► tab
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
-from typing import Any
+from typing import Annotated, Any
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 
 from lbr.database.difference import Difference, changed_columns, same
 from lbr.database.reading import RawRow, RawTables
 from lbr.database.rows import RevisionRow
 from lbr.database.tables import Schema
 from lbr.errors import InputError
-from lbr.messages.rows import shown
+from lbr.messages.rows import Row, shown
+from lbr.messages.shapes import Shape
 
 TOGETHER = timedelta(seconds=0.5)
 """Revisions of another SQLite client that follow each other this closely are told as one change: a transaction's take
@@ -25,14 +26,22 @@ ALIKE = 1e-14
 Key = tuple[Any, ...]
 
 
-class ChangeRow(Struct, frozen=True, kw_only=True):
-    """Who made some revisions, and by what, as the table `change` has it."""
+class ChangeRow(Row, frozen=True, kw_only=True):
+    """Who changed rows, and by what: written by lbr's own programs in the transaction of the change. A revision that none
+    of these has in it was made by another SQLite client.
+    """
 
-    first_revision: int
-    last_revision: int
-    source: str
-    program: str
-    text: str = ""
+    TABLE = "change"
+    KEY = ("first_revision",)
+    SHARED = True
+
+    first_revision: Annotated[int, "its first revision"]
+    last_revision: Annotated[
+        int, Meta(extra={"shape": Shape("{x} >= first_revision", "at least first_revision")}), "its last one"
+    ]
+    source: Annotated[str, "who: an account here, a capability, or who asked at a page"]
+    program: Annotated[str, "by what: lbr db rollback, executive ..."]
+    text: Annotated[str, "what for, in one sentence"] = ""
 
 
 class HistoryEntry(Struct, frozen=True, kw_only=True):

@@ -53,12 +53,16 @@ def text(table: Table) -> str:
     name = max(len(column.name) for column in table.columns)
     kind = max(len(str(column.type)) for column in table.columns)
     key = [column.name for column in table.primary_key]
-    entries = [_entry(column, name, kind, key=key == [column.name]) for column in table.columns]
-    entries += [over for over in over_all(table) if len(key) > 1 or not over.startswith("PRIMARY KEY")]
-    lines = [_with_comma(entry) for entry in entries[:-1]] + entries[-1:]
+    over = over_all(table)[0 if len(key) > 1 else 1 :]
+    commas = [","] * (len(table.columns) - 1) + [","] * bool(over) + [""]
+    lines = [
+        _line(column, name, kind, comma, key=key == [column.name])
+        for column, comma in zip(table.columns, commas, strict=False)
+    ]
     introduction = wrap(str(table.comment), triggers.WIDTH - 3, break_long_words=False, break_on_hyphens=False)
     begin = "".join(f"-- {line}\n" for line in introduction)
-    return f"{begin}CREATE TABLE {table.name} (\n" + "".join(f"    {line}\n" for line in lines) + ") STRICT;\n"
+    body = "\n    ".join([*lines, ",\n    ".join(over)] if over else lines)
+    return f"{begin}CREATE TABLE {table.name} (\n    {body}\n) STRICT;\n"
 
 
 def script(row: type[Row]) -> str:
@@ -168,15 +172,16 @@ def _number(bound: float) -> str:
     return str(int(bound)) if abs(bound) < 2**53 and bound == int(bound) else repr(bound)
 
 
-def _entry(column: SqlColumn[Any], name: int, kind: int, *, key: bool) -> str:
+def _line(column: SqlColumn[Any], name: int, kind: int, comma: str, *, key: bool) -> str:
     rules = [
         "" if column.nullable else "NOT NULL",
         "PRIMARY KEY" + " AUTOINCREMENT" * ("counted" in column.info) if key else "",
         f"DEFAULT {default_of(column)}" if column.server_default is not None else "",
     ]
     line = f"{column.name:<{name}} {column.type!s:<{kind}} {' '.join(filter(None, rules))}".rstrip()
-    check = column.info.get("check")
-    return f"{line}  -- {comment(column)}" + (f"\n        CHECK ({check})" if check else "")
+    if check := column.info.get("check"):
+        return f"{line}  -- {comment(column)}\n        CHECK ({check}){comma}"
+    return f"{line}{comma}  -- {comment(column)}"
 
 
 def comment(column: SqlColumn[Any]) -> str:
@@ -189,11 +194,3 @@ def comment(column: SqlColumn[Any]) -> str:
 def default_of(column: SqlColumn[Any]) -> str:
     """Return what a new row has that leaves a column out, as SQL."""
     return str(column.server_default.arg)  # type: ignore[union-attr]
-
-
-def _with_comma(entry: str) -> str:
-    """Return an entry of a table that others follow: the comma stands before the comment that ends it, if one does."""
-    if "\n" in entry or "  -- " not in entry:
-        return f"{entry},"
-    code, _, said = entry.partition("  -- ")
-    return f"{code},  -- {said}"

@@ -24,6 +24,7 @@ from lbr.database import (
     identity,
     packaged,
     past,
+    statements,
     tokens,
 )
 from lbr.database.connection import (
@@ -396,8 +397,7 @@ class Database:
         self, robot: str, *, durable: bool, patience_s: float = BUSY_TIMEOUT_S, **columns: str | int
     ) -> None:
         with self.writing(durable=durable, patience_s=patience_s) as connection:
-            settings = ", ".join(f"{column} = ?" for column in columns)
-            done = connection.execute(f"UPDATE robot SET {settings} WHERE name = ?", (*columns.values(), robot))  # noqa: S608 - our names
+            done = connection.execute(statements.update("robot", columns, ["name"]), (*columns.values(), robot))
             if done.rowcount != 1:
                 raise RowError((f"database {self.path} has no robot '{robot}': name one of its robots",))
 

@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from lbr.database import statements
 from lbr.database.columns import columns
-from lbr.database.connection import Connection, knowing, quoted, short_values
+from lbr.database.connection import Connection, knowing, short_values
 from lbr.database.reading import RawRow, RawTables
 from lbr.database.rows import CORE
 
@@ -62,8 +63,6 @@ def read_tables(connection: Connection) -> tuple[RawTables, Schema]:
 
 
 def _rows(connection: Connection, table: str, schema: Schema) -> list[RawRow]:
-    names = ", ".join(map(quoted, schema[table]))
-    key = ", ".join(map(quoted, schema.keys_of[table]))
-    statement = f"SELECT {names} FROM {quoted(table)} ORDER BY {key}"  # noqa: S608 - quoted
+    statement = statements.select(table, schema[table], schema.keys_of[table])
     with knowing(statement):
         return [dict(zip(schema[table], row, strict=True)) for row in connection.execute(statement)]

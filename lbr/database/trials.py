@@ -1,34 +1,43 @@
 """Changes of rows on trial: begun in the transaction of the change, kept, or taken back row by row."""
 
+from typing import Annotated, Literal
+
 import msgspec
-from msgspec import Struct
+from msgspec import Meta
 
 from lbr.database import audit, changes, history, past
 from lbr.database.connection import Connection, insert, selected, short_values
 from lbr.database.store import Database
 from lbr.database.tables import read_tables
 from lbr.errors import InputError, LbrError
+from lbr.messages.rows import Row
 
 KEPT = 20
 """Trials that are over, to tell what became of one."""
+_OLDER_GO = "DELETE FROM trial WHERE revision NOT IN (SELECT revision FROM trial ORDER BY revision DESC LIMIT ?)"
 
 
-class Trial(Struct, frozen=True, kw_only=True):
-    """Rows on trial, as the table `trial` has it: what goes back to the revision `back` unless it is ready in time."""
+class Trial(Row, frozen=True, kw_only=True):
+    """Changes of rows on trial (`lbr db apply --within`): the robot goes back to the revision before, unless all that
+    they touch is ready in time. The newest row alone counts. Written by lbr.
+    """
 
-    revision: int
-    back: int
-    robot: str
-    within_s: float
-    state: str = "running"
-    text: str = ""
+    TABLE = "trial"
+    KEY = ("revision",)
+    SHARED = True
+
+    revision: Annotated[int, "the last revision that is on trial"]
+    back: Annotated[int, Meta(ge=0), "the revision to go back to"]
+    robot: Annotated[str, "whose executive judges"]
+    within_s: Annotated[float, Meta(gt=0, le=600), "how long it may take"]
+    state: Annotated[Literal["running", "kept", "back", "lost"], "what became of it"] = "running"
+    text: Annotated[str, "why, in one sentence"] = ""
 
 
 def begin(connection: Connection, trial: Trial) -> None:
     """Write down that what was just written is on trial."""
     insert(connection, "trial", [msgspec.structs.asdict(trial)])
-    newest = "SELECT revision FROM trial ORDER BY revision DESC LIMIT ?"
-    connection.execute(f"DELETE FROM trial WHERE revision NOT IN ({newest})", (KEPT,))  # noqa: S608 - our names
+    connection.execute(_OLDER_GO, (KEPT,))
 
 
 def refuse_running(connection: Connection) -> None:

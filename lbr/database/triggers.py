@@ -6,6 +6,13 @@ from textwrap import wrap
 WIDTH = 120
 _JOINT = "\0"
 """A blank at which no line ends."""
+_KEEPS = """BEGIN
+    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)
+    VALUES ('{table}', {key}, '{operation}',
+            {old},
+            {new});
+END;
+"""
 
 
 def revision_triggers(table: str, columns: Sequence[str], key: Sequence[str]) -> str:
@@ -22,11 +29,8 @@ def revision_triggers(table: str, columns: Sequence[str], key: Sequence[str]) ->
 
 
 def _trigger(table: str, operation: str, when: str, key: str, old: str, new: str) -> str:
-    return (
-        f"CREATE TRIGGER {table}_{operation} AFTER {operation.upper()} ON {table}\n{when}BEGIN\n"  # noqa: S608
-        "    INSERT INTO revision (table_name, row_key, operation, old_row, new_row)\n"
-        f"    VALUES ('{table}', {key}, '{operation}',\n            {old},\n            {new});\nEND;\n"
-    )
+    head = f"CREATE TRIGGER {table}_{operation} AFTER {operation.upper()} ON {table}\n{when}"
+    return head + _KEEPS.format(table=table, key=key, operation=operation, old=old, new=new)
 
 
 def _key(row: str, key: Iterable[str]) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from lbr.capability import registry
-from lbr.database import schema
+from lbr.database import edits, schema
 from lbr.database.books import BOOKS
 from lbr.database.rows import CORE
 from lbr.database.shipped import shipped
@@ -61,7 +61,7 @@ def test_a_new_table_is_a_class_and_the_kind_that_reads_it(client, path, monkeyp
         with pytest.raises(sqlite3.IntegrityError):
             insert(client, "greeting", {"robot": "lbr", **wrong})
     with Database.open(path) as database:
-        database.learn("lbr", [row(name="dan", text="Hello.")])
+        edits.learn(database, "lbr", [row(name="dan", text="Hello.")])
         assert [one.name for one in database.load("lbr").of(row)] == ["ann", "dan"]
         assert [(one.table, one.operation) for one in database.revisions()] == [("greeting", "insert")] * 2
 

@@ -30,10 +30,11 @@ OPENED = """
 import sys
 from pathlib import Path
 from lbr.apps.dance.messages import Encore
+from lbr.database import edits
 from lbr.database.store import Database
 for path in sys.argv[1:]:
     with Database.open(Path(path)) as database:
-        database.learn("lbr", [Encore(dance="waltz", times=2)])
+        edits.learn(database, "lbr", [Encore(dance="waltz", times=2)])
         print([row.times for row in database.load("lbr").of(Encore)], [one.table for one in database.revisions()])
 """
 

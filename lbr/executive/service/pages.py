@@ -121,7 +121,7 @@ class Pages:
             "table": table,
             "key": list(row.KEY),
             "fixed": forms.fixed(row),
-            "schema": _schema(row),
+            "schema": forms.schema(row),
             "settings": self._settings(row, plan),
             "rows": [forms.told(row, one) for one in _own(tables, table, plan.robot)],
         }

@@ -109,8 +109,8 @@ def _sharing() -> list[tuple[str, str]]:
     from lbr import home  # noqa: PLC0415
     from lbr.database import glance  # noqa: PLC0415
 
-    named = glance.column(home.default_database(), "capability", "robot || '/' || name", "robot || '/' || process")
-    return [(one, process) for one, process in named if not process.endswith("/")]
+    rows = glance.rows(home.default_database(), "capability", "robot", "name", "process")
+    return [(f"{robot}/{name}", f"{robot}/{process}") for robot, name, process in rows if process]
 
 
 def _tail(path: Path, lines: int) -> tuple[list[str], int]:
