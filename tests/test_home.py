@@ -171,7 +171,7 @@ def test_a_certificate_that_the_owner_put_there_is_what_browsers_are_shown(place
     with pytest.raises(InputError, match=r"web.crt has no certificate in it"):
         credentials.fingerprint_shown()
     with pytest.raises(InputError, match=r"web.key and .*web.crt"):
-        serving.config(Starlette(), tls=True)
+        serving.Server(Starlette(), tls=True)
 
 
 def test_a_certificate_may_be_read_by_everybody(place):

@@ -26,7 +26,8 @@ from lbr.apps.foxglove.messages import FoxgloveState
 from lbr.apps.foxglove.pictures import Pictures
 from lbr.apps.foxglove.services import ESTOP, STOP, Service
 from lbr.apps.foxglove.socket import Viewer
-from lbr.apps.http import listening, serving
+from lbr.apps.http import listening
+from lbr.apps.http.connection import connection_of
 from lbr.apps.http.pages import Pages
 from lbr.apps.http.rates import Rates
 from lbr.apps.http.turns import Turns
@@ -97,7 +98,7 @@ class Door(BaseRoute):
         web = WebSocket(scope, receive, send)
         with self._viewers.taken(who(client)):
             await web.accept(chosen)
-            if (connection := serving.connection_of(scope)) is not None:
+            if (connection := connection_of(scope)) is not None:
                 connection.mark("watching")
             viewer = Viewer(self._bridge, client, self._bridge.ctx.settings.rate_hz, pictures=pictures)
             await viewer.serve(web, receive, self._bridge.ctx.robot)

@@ -22,7 +22,7 @@ from lbr.apps.foxglove import services as words
 from lbr.apps.foxglove.channels import Source
 from lbr.apps.foxglove.pictures import Pictures
 from lbr.apps.foxglove.services import ESTOP, STOP, Service
-from lbr.apps.http import serving
+from lbr.apps.http.connection import connection_of
 from lbr.apps.http.rates import Bucket
 from lbr.apps.web.api.feeds import KEPT_S, Feeds, Sample
 from lbr.apps.web.api.holds import Hand, HoldNews
@@ -411,7 +411,7 @@ def _part(said: Any, vector: str, axis: str) -> float:
 
 def bound_silence(web: WebSocket) -> None:
     """Have the kernel end a connection whose other end acknowledges nothing any more."""
-    connection = serving.connection_of(web.scope)
+    connection = connection_of(web.scope)
     sock = connection.transport.get_extra_info("socket") if connection is not None else None
     if sock is not None:
         with suppress(OSError):

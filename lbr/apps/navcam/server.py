@@ -22,7 +22,7 @@ from lbr.apps.navcam.source import Door
 from lbr.apps.program import Robot
 from lbr.apps.web.application import Gate, application
 from lbr.apps.web.cameras.routes import CamerasFace
-from lbr.apps.web.face import Route
+from lbr.apps.web.face import Route, declared
 from lbr.apps.web.guards import Counts
 from lbr.apps.web.login import Login
 from lbr.apps.web.sessions import Sessions
@@ -53,7 +53,7 @@ def serve(robot: Robot, host: str, port: int, own_names: Iterable[str]) -> None:
         sessions = Sessions(home.directory("credentials") / SESSIONS, {NAME: secret})
         face = CamerasFace(Door(robot.bus, robot.name, robot.source, sessions))
         login = Login(sessions, f"lbr_navcam_{port}", tls=tls)
-        server = Server(serving.config(_app(face, login, secret, own_names), tls=tls))
+        server = Server(_app(face, login, secret, own_names), tls=tls)
         server.face = face
         page = f"{_origin(host, port, tls=tls)}/index.html#token={secret}"
         told = home.directory("run") / f"{robot.name}-navcam.url"
@@ -71,7 +71,7 @@ def _app(face: CamerasFace, login: Login, secret: str, own_names: Iterable[str])
     pages = Pages()
     root = Route(method="GET", path="/", handle=_to_index, role=None, page=True)
     return application(
-        [root, *face.routes(), *login.routes()],
+        [root, *face.routes(), *declared(login)],
         gate=Gate(TokenAccess(secret, login), pages),
         pages=pages,
         rates=Rates(REQUESTS_PER_S),

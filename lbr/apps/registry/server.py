@@ -79,7 +79,7 @@ def serve(host: str, port: int, say: Callable[[str], None]) -> None:
     guests.names()
     with ExitStack() as stack:
         sockets = [stack.enter_context(one) for one in listening.listen(host, port)]
-        server = serving.Server(serving.config(Service(guests, Book()).application(), tls=True))
+        server = serving.Server(Service(guests, Book()).application(), tls=True)
         signal.signal(signal.SIGTERM, _interrupt)
         say(f"the registry is at {_origin(host, sockets[0])}")
         with suppress(KeyboardInterrupt):

@@ -16,14 +16,15 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Match, Router
 from starlette.types import Receive, Scope, Send
 
-from lbr.apps.http import names, peers, serving
+from lbr.apps.http import names, peers
+from lbr.apps.http.connection import connection_of
 from lbr.apps.http.pages import Pages, is_visit
 from lbr.apps.http.rates import Rates
 from lbr.apps.web import routing
-from lbr.apps.web.contract import Contract, response
+from lbr.apps.web.contract import Contract, contract, response
 from lbr.apps.web.face import HTML, Client, Refused, Request, Route, refuse_unknown, refuse_without, text
 from lbr.apps.web.guards import CAME, Answering, Counts, Hosts, Limits, address_of, headers_of
-from lbr.apps.web.routing import Endpoint, asked_path
+from lbr.apps.web.routing import Path, asked_path
 
 LARGEST_BODY = 64 * 1024
 BODY_S = 10.0
@@ -92,11 +93,11 @@ class Gate:
         client = self._access.client(address_of(scope), headers, shown, port=port, owner=owner, whose=whose)
         return replace(client, whose=whose)
 
-    async def arguments(self, endpoint: Endpoint, scope: Scope, receive: Receive) -> dict[str, Any]:
+    async def arguments(self, endpoint: "Endpoint", scope: Scope, receive: Receive) -> dict[str, Any]:
         """Return what a handler is called with for a request that may be answered; Refused for all others."""
-        route, contract, headers = endpoint.route, endpoint.contract, headers_of(scope)
+        route, promised, headers = endpoint.route, endpoint.contract, headers_of(scope)
         self.refuse_strangers(scope, headers, visit=route.page and is_visit(headers))
-        signs_in = route.role == "known" or "whose" in contract.takes
+        signs_in = route.role == "known" or "whose" in promised.takes
         client = await self._client_of(route, scope, headers, signs_in=signs_in)
         if not (route.stops is True and names.is_loopback(client.address)):
             refuse_without(client, route.least)
@@ -115,12 +116,12 @@ class Gate:
             body=body,
         )
         given = {"request": request, "client": client, "whose": client.whose, "query": query, **scope["path_params"]}
-        given["body"] = data if contract.decodes else body
-        if contract.reads and contract.params is not None:
-            given["params"] = routing.converted(query, contract.params)
+        given["body"] = data if promised.decodes else body
+        if promised.reads and promised.params is not None:
+            given["params"] = routing.converted(query, promised.params)
         if route.least is not None and route.stops is not True:
             request.require(route.least)
-        return {name: given[name.removesuffix("_")] for name in contract.takes}
+        return {name: given[name.removesuffix("_")] for name in promised.takes}
 
     async def _client_of(self, route: Route, scope: Scope, headers: Mapping[str, str], *, signs_in: bool) -> Client:
         """Return who asks; what is for everybody is for who shows a wrong token as well, and stops are at this
@@ -136,6 +137,43 @@ class Gate:
             return Client(address)
 
 
+class Endpoint(BaseRoute):
+    """A declared route among Starlette's, which answers whatever fits it. HEAD is answered as GET."""
+
+    def __init__(self, route: Route, gate: Gate, in_loop: InLoop) -> None:
+        self.route = route
+        self.path = Path(route.path)
+        self.contract = contract(route)
+        self._methods = {"GET", "HEAD"} if route.method == "GET" else {route.method}
+        self._accept = route.accept.encode()
+        self._gate = gate
+        self._in_loop = in_loop
+
+    def matches(self, scope: Scope) -> tuple[Match, Scope]:
+        """Say whether a request is for this route, and which keys its path has."""
+        if scope["type"] != "http" or scope["method"] not in self._methods or not self.path.fits(asked_path(scope)):
+            return Match.NONE, {}
+        if self._accept and not _accepts(scope, self._accept):
+            return Match.NONE, {}
+        return Match.FULL, {"path_params": self.path.keys(asked_path(scope))}
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request."""
+        try:
+            answer = await self._answer(await self._gate.arguments(self, scope, receive))
+        except Refused as err:
+            answer = self.route.refused(err)
+        await answer(scope, receive, send)
+
+    async def _answer(self, arguments: Mapping[str, Any]) -> Response:
+        async def waited() -> Response:
+            return response(await self.route.handle(**arguments))
+
+        if self.contract.waits:
+            return await self._in_loop(waited(), timeout_s=self.route.within_s)
+        return response(self.route.handle(**arguments))
+
+
 def application(
     routes: Iterable[Route],
     *sockets: BaseRoute,
@@ -149,16 +187,6 @@ def application(
 ) -> Router:
     """Return the app: all routes behind their guards. `in_loop` runs the handlers that are coroutines."""
 
-    async def answer(endpoint: Endpoint, scope: Scope, receive: Receive) -> Response:
-        route = endpoint.route
-        try:
-            arguments = await gate.arguments(endpoint, scope, receive)
-            if endpoint.contract.waits:
-                return await in_loop(_answered(route, arguments), timeout_s=route.within_s)
-            return response(route.handle(**arguments))
-        except Refused as err:
-            return route.refused(err)
-
     async def otherwise(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "websocket":
             raise Refused(404, f"there is no WebSocket at {scope['path'][:80]}")
@@ -166,7 +194,7 @@ def application(
         await found(scope, receive, send)
 
     closest = sorted(_also_for_all(routes), key=lambda route: (not route.accept, route.path.count("{")))
-    endpoints = [Endpoint(route, answer) for route in closest]
+    endpoints = [Endpoint(route, gate, in_loop) for route in closest]
     stops = [endpoint for endpoint in endpoints if endpoint.route.stops is True]
     return Router(
         [*endpoints, *sockets],
@@ -182,8 +210,16 @@ def application(
     )
 
 
-async def _answered(route: Route, arguments: Mapping[str, Any]) -> Response:
-    return response(await route.handle(**arguments))
+def methods(endpoints: Iterable[Endpoint], path: str) -> tuple[str, ...]:
+    """Return the methods that a path has."""
+    there = {endpoint.route.method for endpoint in endpoints if endpoint.path.fits(path)}
+    return tuple(sorted(there | ({"HEAD"} if "GET" in there else set())))
+
+
+def _accepts(scope: Scope, media: bytes) -> bool:
+    """Say whether a request names a media type itself; `*/*` names none."""
+    said = (value.lower() for name, value in scope["headers"] if name.lower() == b"accept")
+    return any(part.partition(b";")[0].strip() == media for value in said for part in value.split(b","))
 
 
 def _also_for_all(routes: Iterable[Route]) -> Iterator[Route]:
@@ -200,7 +236,7 @@ def no_route(scope: Scope, endpoints: Iterable[Endpoint]) -> Response:
     """Return the page that Express shows for what it does not know; what is below `/api` is refused in the API's own
     form."""
     if f"{asked_path(scope).lower()}/".startswith("/api/"):
-        there = routing.methods(endpoints, asked_path(scope))
+        there = methods(endpoints, asked_path(scope))
         instead = f"it takes {', '.join(there)}" if there else "GET /api and /openapi.json name what there is"
         raise Refused(404, f"there is no {scope['method']} {asked_path(scope)[:80]}; {instead}")
     path = quote(asked_path(scope), safe="/%:@!$&()*+,;=~-._")
@@ -210,10 +246,9 @@ def no_route(scope: Scope, endpoints: Iterable[Endpoint]) -> Response:
 
 def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Response:
     """Answer a preflight, or just say which methods there are."""
-    headers, methods = headers_of(scope), routing.methods(endpoints, asked_path(scope))
-    if not methods:
+    headers, allowed = headers_of(scope), ",".join(methods(endpoints, asked_path(scope)))
+    if not allowed:
         return no_route(scope, endpoints)
-    allowed = ",".join(methods)
     if "access-control-request-method" not in headers:
         return text(allowed, Allow=allowed)
     if not gate.allows(headers.get("origin", "")):
@@ -228,7 +263,7 @@ def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Respons
 
 async def is_owners(scope: Scope, address: str) -> bool:
     """Say whether the robot's own user asks; looked up once for a connection, beside the server's thread."""
-    connection = serving.connection_of(scope)
+    connection = connection_of(scope)
     if connection is None or not names.is_loopback(address):
         return False
     if connection.owner is None:
@@ -239,7 +274,7 @@ async def is_owners(scope: Scope, address: str) -> bool:
 
 async def _whose(scope: Scope) -> str | None:
     """Return whose program asks; looked up once for a connection, beside the server's thread."""
-    connection = serving.connection_of(scope)
+    connection = connection_of(scope)
     if connection is None:
         return None
     if connection.whose is None:
@@ -252,34 +287,34 @@ async def _content(
     endpoint: Endpoint, scope: Scope, receive: Receive, headers: Mapping[str, str]
 ) -> tuple[bytes, object]:
     """Return a body, and what it says."""
-    contract, stops = endpoint.contract, endpoint.route.stops
+    promised, stops = endpoint.contract, endpoint.route.stops
     if stops is not True:
         body, left = await _body(scope, receive, headers)
-        data = _data(contract, headers, body)
+        data = _data(promised, headers, body)
         if left and not (callable(stops) and stops({**scope["path_params"], "body": data})):
             raise ClientDisconnect
         return body, data
-    if not contract.decodes:
+    if not promised.decodes:
         return b"", None
     try:
         async with asyncio.timeout(REGARDLESS_S):
             body, _left = await _body(scope, receive, headers)
-        return body, routing.decoded(body, contract.body) if body else None
+        return body, routing.decoded(body, promised.body) if body else None
     except (Refused, TimeoutError, ClientDisconnect):
         return b"", None
 
 
-def _data(contract: Contract, headers: Mapping[str, str], body: bytes) -> object:
-    if not contract.decodes:
+def _data(promised: Contract, headers: Mapping[str, str], body: bytes) -> object:
+    if not promised.decodes:
         return None
     if not body:
-        if contract.body_required:
+        if promised.body_required:
             raise Refused(400, "this needs a body: JSON")
         return None
     media = headers.get("content-type", "").partition(";")[0].strip().lower()
     if media != "application/json":
         raise Refused(415, f"the body must be JSON, 'Content-Type: application/json', not '{media[:80]}'")
-    return routing.decoded(body, contract.body)
+    return routing.decoded(body, promised.body)
 
 
 async def _body(scope: Scope, receive: Receive, headers: Mapping[str, str]) -> tuple[bytes, bool]:
@@ -297,9 +332,5 @@ async def _body(scope: Scope, receive: Receive, headers: Mapping[str, str]) -> t
                     raise too_much
     except TimeoutError:
         raise Refused(408, f"the body did not come within {BODY_S:g} s", {"Connection": "close"}) from None
-    except ClientDisconnect:
-        rest = serving.left_behind(scope)
-        if rest is None or len(body) + len(rest) > LARGEST_BODY:
-            raise
-        return bytes(body) + rest, True
-    return bytes(body), False
+    connection = connection_of(scope)
+    return bytes(body), connection is not None and connection.has_left

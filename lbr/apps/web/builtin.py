@@ -1,9 +1,8 @@
 """What the server answers whatever its faces are: states, stopping, where it is, and what there is to ask."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from html import escape
-from importlib import resources
 from typing import Annotated, Any
 
 import msgspec
@@ -21,16 +20,17 @@ from lbr.apps.web.bridge import until
 from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import (
     HTML,
+    SCRIPT,
+    STYLE,
     SVG,
     Message,
     Refused,
     Request,
     Route,
-    declared,
     encoded,
     get,
-    html,
     post,
+    static,
     text,
 )
 from lbr.apps.web.faces import Faces
@@ -47,7 +47,7 @@ STOPS = ("halt", "stop_motion")
 """The request ports that stop, first those to whatever moves by itself: once it stands, the robot does."""
 NOTICED_S = 0.5
 RESET_S, STOP_S = 3.0, 1.0
-PAGE = {"/docs": HTML, "/docs.js": "text/javascript", "/docs.css": "text/css"}
+HERE = "lbr.apps.web"
 _results = Decoder(ConsoleResult)
 
 
@@ -79,15 +79,17 @@ class BuiltinRoutes:
         self._begun = self._ended = 0
         self._refused: Refused | None = None
 
-    def routes(self) -> list[Route]:
-        """Return them, and the page that shows the document."""
-        page = [
-            Route(
-                method="GET", path=path, handle=_static("docs.html" if media == HTML else path[1:], media), role=None, page=True
-            )
-            for path, media in PAGE.items()
-        ]  # fmt: skip
-        return [*declared(self), *page]
+    @get("/docs", role=None, page=True)
+    def _docs(self) -> Response:
+        return static(HERE, "docs.html")
+
+    @get("/docs.js", role=None, page=True)
+    def _docs_js(self) -> Response:
+        return static(HERE, "docs.js", SCRIPT)
+
+    @get("/docs.css", role=None, page=True)
+    def _docs_css(self) -> Response:
+        return static(HERE, "docs.css", STYLE)
 
     def describe(self, routes: Sequence[Route], version: str) -> None:
         """Make the document of all routes there are."""
@@ -215,7 +217,9 @@ class BuiltinRoutes:
         picture = '<img src="/qr.svg" alt="the address as a QR code">' if self._place.open and self._place.url else ""
         head = '<meta name="viewport" content="width=device-width"><link rel="stylesheet" href="/docs.css">'
         title = f"<title>{escape(self._robot.name)}</title>"
-        return html(f'<!DOCTYPE html><html lang="en">{head}{title}<body class="qr">{picture}{lines}</body></html>')
+        return text(
+            f'<!DOCTYPE html><html lang="en">{head}{title}<body class="qr">{picture}{lines}</body></html>', media=HTML
+        )
 
 
 def _refusal(name: str, answer: Any) -> Refused | None:
@@ -234,8 +238,3 @@ def _unless_done(said: Question) -> Refused | None:
     except MalformedError as err:
         return Refused(503, str(err), code="malformed")
     return None if result.code == 0 else Refused(409, heard(result.reason_code or "refused", result.text))
-
-
-def _static(name: str, media: str) -> Callable[[], Response]:
-    content = (resources.files("lbr.apps.web") / "pages" / name).read_text(encoding="utf-8")
-    return lambda: text(content, media=media)

@@ -22,6 +22,7 @@ from lbr.apps.web.api.service import Api
 from lbr.apps.web.application import Gate, application
 from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.builtin import STOPS, BuiltinRoutes
+from lbr.apps.web.face import declared
 from lbr.apps.web.faces import Faces
 from lbr.apps.web.guards import Counts
 from lbr.apps.web.kind import PORTS, WebSettings
@@ -176,7 +177,7 @@ class Web(Capability[WebSettings]):
         streams = Streams(self._robot, states, gate, viewers)
         live = Live(self._api, gate, viewers, self._sessions, build() if "page" in settings.faces else "")
         builtin = BuiltinRoutes(self._robot, states, self._place, self._faces, self._api)
-        routes = [*builtin.routes(), *login.routes(), *PairingRoutes(self._robot, access, login).routes()]
+        routes = [*declared(builtin), *declared(login), *declared(PairingRoutes(self._robot, access, login))]
         routes += self._api.routes()
         routes += self._faces.open(routes)
         builtin.describe(routes, version("lbr"))

@@ -33,8 +33,7 @@ class Refuses(dict[int, str]):
 
 @dataclass(frozen=True, slots=True)
 class Contract:
-    """`params` and `body` are what the document says; `reads` and `decodes`, whether they are converted for the
-    handler."""
+    """`reads` and `decodes` are whether `params` and `body` are converted for the handler."""
 
     takes: frozenset[str]
     keys: tuple[str, ...]

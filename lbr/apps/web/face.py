@@ -7,6 +7,8 @@ A handler that is a plain function is answered on the server's thread at once; i
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache, partial
+from importlib import resources
 from math import inf
 from typing import Any, Literal, TypedDict, TypeVar, Unpack
 
@@ -20,6 +22,7 @@ from lbr.messages.system import RANKS, Role
 
 Method = Literal["GET", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"]
 JSON, HTML, TEXT, SVG = "application/json", "text/html", "text/plain", "image/svg+xml"
+SCRIPT, STYLE = "text/javascript", "text/css"
 ANSWER_S = 2.0
 _encode = msgspec.json.Encoder().encode
 
@@ -185,9 +188,14 @@ def text(content: str, status: int = 200, media: str = TEXT, **headers: str) -> 
     return Response(content, status, _named(headers), media)
 
 
-def html(content: str, status: int = 200, **headers: str) -> Response:
-    """Return a page; whatever came from outside must have been escaped."""
-    return text(content, status, HTML, **headers)
+def static(package: str, name: str, media: str = HTML, status: int = 200, **headers: str) -> Response:
+    """Return a file out of a package's folder `pages`."""
+    return text(_content(package, name), status, media, **headers)
+
+
+@cache
+def _content(package: str, name: str) -> str:
+    return (resources.files(package) / "pages" / name).read_text(encoding="utf-8")
 
 
 def _named(headers: Mapping[str, str]) -> dict[str, str]:
@@ -251,14 +259,7 @@ def route(method: Method, path: str, kind: type[Route] = Route, **options: Unpac
     return declare
 
 
-def get(path: str, kind: type[Route] = Route, **options: Unpack[Options]) -> Callable[[H], H]:
-    """Declare what answers a GET, and a HEAD."""
-    return route("GET", path, kind, **options)
-
-
-def post(path: str, kind: type[Route] = Route, **options: Unpack[Options]) -> Callable[[H], H]:
-    """Declare what answers a POST."""
-    return route("POST", path, kind, **options)
+get, post = partial(route, "GET"), partial(route, "POST")
 
 
 def declared(owner: object) -> list[Route]:

@@ -13,7 +13,8 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from lbr.apps.http import names, serving
+from lbr.apps.http import names
+from lbr.apps.http.connection import connection_of
 from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.rates import Rates
 from lbr.apps.http.turns import Turns
@@ -111,7 +112,7 @@ class Limits:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it (429, 503)."""
         if self._is_stop(scope):
-            if (connection := serving.connection_of(scope)) is not None:
+            if (connection := connection_of(scope)) is not None:
                 connection.mark("stopping")
             await self._app(scope, receive, send)
             return

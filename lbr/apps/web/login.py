@@ -7,23 +7,18 @@ from typing import Annotated
 
 from starlette.responses import Response
 
-from lbr.apps.web.face import Client, Refused, Route, declared, post, route
+from lbr.apps.web.face import Client, Refused, post, route
 from lbr.apps.web.sessions import LIFE_S, Sessions, name_in
-
-NoContent = Annotated[Response, {204: None}]
 
 
 class Login:
-    """Gives cookies and takes them back; `name` is what they are called, with `tls` they travel by nothing else."""
+    """The routes to sign in and out, which give cookies and take them back; `name` is what they are called, with `tls`
+    they travel by nothing else."""
 
     def __init__(self, sessions: Sessions, name: str, *, tls: bool) -> None:
         self._sessions = sessions
         self._name = f"{'__Host-' if tls else ''}{name}"
         self._tls = tls
-
-    def routes(self) -> list[Route]:
-        """Return how to sign in and out."""
-        return declared(self)
 
     def session(self, headers: Mapping[str, str], whose: str | None) -> str:
         """Return the mark of the session whose cookie a user shows; empty without, and where the user is unknown."""
@@ -31,7 +26,7 @@ class Login:
         return self._sessions.find(cookie, whose) if cookie and whose is not None else ""
 
     @post("/session", role="known")
-    def _begin(self, client: Client) -> NoContent:
+    def _begin(self, client: Client) -> Annotated[Response, {204: None}]:
         """Give a browser a cookie for the token shown."""
         if not client.name:
             raise Refused(401, "show the token itself: 'Authorization: Bearer TOKEN'")
@@ -49,13 +44,13 @@ class Login:
         )
 
     @route("DELETE", "/session", role=None)
-    def _end(self, client: Client) -> NoContent:
+    def _end(self, client: Client) -> Annotated[Response, {204: None}]:
         """End the session whose cookie is shown."""
         self._sessions.end(client.session)
         return self._signed_out()
 
     @route("DELETE", "/sessions", role="known")
-    def _end_all(self, client: Client) -> NoContent:
+    def _end_all(self, client: Client) -> Annotated[Response, {204: None}]:
         """End all sessions of its token."""
         self._sessions.end_all(client.name or name_in(client.session))
         return self._signed_out()

@@ -15,7 +15,7 @@ from starlette.types import Receive, Scope, Send
 
 from lbr.apps.web.access import Access
 from lbr.apps.web.contract import Refuses
-from lbr.apps.web.face import JSON, Client, Refused, Route, declared, post
+from lbr.apps.web.face import JSON, Client, Refused, post
 from lbr.apps.web.login import Login
 from lbr.apps.web.robot import Robot
 from lbr.bus import tokens
@@ -53,10 +53,6 @@ class PairingRoutes:
         self._robot = robot
         self._access = access
         self._login = login
-
-    def routes(self) -> list[Route]:
-        """Return it."""
-        return declared(self)
 
     @post("/api/pair", role=None, within_s=PAIR_S + 1.0)
     async def _pair(

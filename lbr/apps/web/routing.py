@@ -5,18 +5,16 @@ compared as they were written: what is hidden behind percent signs is another pa
 """
 
 import re
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 from urllib.parse import parse_qsl, unquote_to_bytes
 
 import msgspec
 from msgspec import Struct
-from starlette.responses import Response
-from starlette.routing import BaseRoute, Match, compile_path
-from starlette.types import Receive, Scope, Send
+from starlette.routing import compile_path
+from starlette.types import Scope
 
-from lbr.apps.web.contract import contract
-from lbr.apps.web.face import Query, Refused, Route
+from lbr.apps.web.face import Query, Refused
 from lbr.messages.in_words import in_words
 from lbr.messages.unreadable import UNREADABLE, keyed_once
 
@@ -44,50 +42,10 @@ class Path:
         return {} if match is None else {name: _decoded(value) for name, value in match.groupdict().items()}
 
 
-class Endpoint(BaseRoute):
-    """A declared route among Starlette's: `answer` is asked whatever fits it. HEAD is answered as GET."""
-
-    def __init__(self, route: Route, answer: "Answer") -> None:
-        self.route = route
-        self.path = Path(route.path)
-        self.contract = contract(route)
-        self._methods = {"GET", "HEAD"} if route.method == "GET" else {route.method}
-        self._accept = route.accept.encode()
-        self._answer = answer
-
-    def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """Say whether a request is for this route, and which keys its path has."""
-        if scope["type"] != "http" or scope["method"] not in self._methods or not self.path.fits(asked_path(scope)):
-            return Match.NONE, {}
-        if self._accept and not _accepts(scope, self._accept):
-            return Match.NONE, {}
-        return Match.FULL, {"path_params": self.path.keys(asked_path(scope))}
-
-    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a request."""
-        response = await self._answer(self, scope, receive)
-        await response(scope, receive, send)
-
-
-Answer = Callable[[Endpoint, Scope, Receive], Awaitable[Response]]
-
-
-def _accepts(scope: Scope, media: bytes) -> bool:
-    """Say whether a request names a media type itself; `*/*` names none."""
-    said = (value.lower() for name, value in scope["headers"] if name.lower() == b"accept")
-    return any(part.partition(b";")[0].strip() == media for value in said for part in value.split(b","))
-
-
 def asked_path(scope: Scope) -> str:
     """Return a request's path as it came."""
     raw: bytes = scope.get("raw_path") or b"/"
     return raw.decode("ascii", "replace")
-
-
-def methods(endpoints: Iterable[Endpoint], path: str) -> tuple[str, ...]:
-    """Return the methods that a path has."""
-    there = {endpoint.route.method for endpoint in endpoints if endpoint.path.fits(path)}
-    return tuple(sorted(there | ({"HEAD"} if "GET" in there else set())))
 
 
 def parameters(query_string: bytes) -> Query:

@@ -26,7 +26,7 @@ class Serving:
     ) -> None:
         self._sockets = sockets
         self._beside = beside
-        self._server = serving.Server(serving.config(app, tls=tls, sockets=True), plain_here=plain_here)
+        self._server = serving.Server(app, tls=tls, sockets=True, plain_here=plain_here)
         self._thread = threading.Thread(target=self._run, name="http", daemon=True)
 
     @property

@@ -8,7 +8,8 @@ from starlette.routing import BaseRoute, Match
 from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from lbr.apps.http import names, serving
+from lbr.apps.http import names
+from lbr.apps.http.connection import connection_of
 from lbr.apps.http.turns import Turns
 from lbr.apps.web import routing
 from lbr.apps.web.application import Gate
@@ -42,7 +43,7 @@ class Viewing(BaseRoute, Generic[W]):
         socket = WebSocket(scope, receive, send)
         with self._viewers.taken(who(client)), suppress(WebSocketDisconnect, OSError):
             await socket.accept(self._protocol if self._protocol in scope.get("subprotocols", ()) else None)
-            if (connection := serving.connection_of(scope)) is not None:
+            if (connection := connection_of(scope)) is not None:
                 connection.mark("watching")
             await self.serve(socket, receive, client, wanted)
 

@@ -9,9 +9,9 @@ from starlette.responses import Response
 from starlette.routing import Match
 
 from lbr.apps.web import openapi, routing
+from lbr.apps.web.application import Endpoint, methods
 from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import TEXT, Client, Message, Query, Refused, Route, declared, get, json, post, route, text
-from lbr.apps.web.routing import Endpoint
 from lbr.apps.web.streams import StreamParams
 from lbr.messages.units import Name
 
@@ -32,12 +32,9 @@ def of(method: Any, path: str) -> Route:
     return Route(method=method, path=path, handle=nothing)
 
 
-async def unasked(_endpoint: Endpoint, _scope: Any, _receive: Any) -> Response:
-    return Response()
-
-
+NOBODY: Any = None
 TABLE = [
-    Endpoint(one, unasked)
+    Endpoint(one, NOBODY, NOBODY)
     for one in (of("GET", "/"), of("GET", "/motion"), of("GET", "/motion/{key}"), of("POST", "/stop"))
 ]
 
@@ -90,9 +87,9 @@ def test_a_key_of_the_kind_path_is_all_that_follows(path, asked, rest):
 
 
 def test_a_path_knows_its_methods():
-    assert routing.methods(TABLE, "/STOP/") == ("POST",)
-    assert routing.methods(TABLE, "/motion") == ("GET", "HEAD")
-    assert routing.methods(TABLE, "/nope") == ()
+    assert methods(TABLE, "/STOP/") == ("POST",)
+    assert methods(TABLE, "/motion") == ("GET", "HEAD")
+    assert methods(TABLE, "/nope") == ()
 
 
 def test_a_key_that_is_no_text_is_refused():

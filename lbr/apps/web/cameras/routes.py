@@ -1,9 +1,6 @@
 """What the cameras answer over HTTP, wherever their pictures come from."""
 
 from collections.abc import Callable, Mapping
-from functools import cache
-from importlib import resources
-from types import MappingProxyType
 from typing import Annotated, Any, Protocol
 
 import msgspec
@@ -13,15 +10,15 @@ from starlette.responses import Response
 from lbr.apps.web.cameras.hub import Deal, Hub
 from lbr.apps.web.cameras.stream import MEDIA, Stream
 from lbr.apps.web.contract import Refuses
-from lbr.apps.web.face import HTML, Client, Face, Options, Refused, Route, declared, get, text
+from lbr.apps.web.face import HTML, SCRIPT, STYLE, Client, Face, Refused, Route, get, static
 from lbr.messages.camera import CameraState
 
 PREFIX = "camera_"
 OLDEST_S = 1.0
 """An older picture is none: the camera may be off."""
-SCRIPT, STYLE, JPEG = "text/javascript", "text/css", "image/jpeg"
+HERE, JPEG = "lbr.apps.web.cameras", "image/jpeg"
 NO_PICTURE = Refuses({503: "There is no picture now, or too many watch."})
-SIGN_IN = {"WWW-Authenticate": 'Bearer realm="lbr"'}
+SIGN_IN = 'Bearer realm="lbr"'
 
 
 class CameraParams(Struct, frozen=True, kw_only=True):
@@ -61,11 +58,13 @@ class SignIn(Route):
 
     def refused(self, err: Refused) -> Response:
         """Return the page to sign in to who is not known."""
-        return _page("signin.html", HTML, 401, SIGN_IN) if err.status == 401 else err.response()
+        if err.status != 401:
+            return err.response()
+        return static(HERE, "signin.html", HTML, 401, WWW_Authenticate=SIGN_IN)
 
 
 class CamerasFace(Face):
-    """The routes; all but the page to sign in are `private`: to be at a place does not let anybody see."""
+    """The routes; all but the page to sign in are for who is `known`: to be at a place does not let anybody see."""
 
     name = "cameras"
 
@@ -73,17 +72,6 @@ class CamerasFace(Face):
         self._source = source
         self._hub = Hub(source.begin)
         source.on_sign_out(lambda: self._hub.end(source.knows))
-
-    def routes(self) -> list[Route]:
-        """Return what it answers, and the parts of its pages."""
-        everybody: Options = {"role": None, "page": True}
-        parts: tuple[tuple[str, str, Options], ...] = (
-            ("page.js", SCRIPT, {"role": "known"}),
-            ("page.css", STYLE, everybody),
-            ("signin.js", SCRIPT, everybody),
-        )
-        pages = [Route(method="GET", path=f"/{name}", handle=_shows(name, media), **who) for name, media, who in parts]
-        return [*declared(self), *pages]
 
     def step(self, now: float) -> None:
         """Take in what came."""
@@ -97,7 +85,7 @@ class CamerasFace(Face):
     @get("/index.html", SignIn, role="known", page=True)
     def _index(self) -> Annotated[Response, HTML]:
         """A page that shows the cameras."""
-        return _page("index.html", HTML)
+        return static(HERE, "index.html")
 
     @get("/stream.mjpg", role="known")
     async def _stream(
@@ -127,15 +115,14 @@ class CamerasFace(Face):
             for name, state in states.items()
         }
 
+    @get("/page.js", role="known")
+    def _page_js(self) -> Response:
+        return static(HERE, "page.js", SCRIPT)
 
-def _shows(name: str, media: str) -> Callable[[], Response]:
-    return lambda: _page(name, media)
+    @get("/page.css", role=None, page=True)
+    def _page_css(self) -> Response:
+        return static(HERE, "page.css", STYLE)
 
-
-def _page(name: str, media: str, status: int = 200, headers: Mapping[str, str] = MappingProxyType({})) -> Response:
-    return text(_content(name), status, media, **headers)
-
-
-@cache
-def _content(name: str) -> str:
-    return (resources.files("lbr.apps.web.cameras") / "pages" / name).read_text(encoding="utf-8")
+    @get("/signin.js", role=None, page=True)
+    def _signin_js(self) -> Response:
+        return static(HERE, "signin.js", SCRIPT)

@@ -11,7 +11,8 @@ from contextlib import suppress
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from lbr.apps.http import names, serving
+from lbr.apps.http import names
+from lbr.apps.http.connection import connection_of
 from lbr.apps.web.cameras.hub import Hub, Viewer
 from lbr.apps.web.face import Client, Refused
 
@@ -44,7 +45,7 @@ class Stream(Response):
             text = f"{full} are watching already; come back when one has left"
             raise Refused(503, text, {"Retry-After": "10"}, "busy")
         self._tell(f"{self._client} watches {what}")
-        if (connection := serving.connection_of(scope)) is not None:
+        if (connection := connection_of(scope)) is not None:
             connection.mark("watching")
         try:
             with self._hub.viewer(self._camera, who, self._client.session) as viewer:

@@ -1,14 +1,17 @@
 """The UXA-90's API as a face of the server."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any
+
+from starlette.responses import Response
 
 from lbr.apps.web import face as web
-from lbr.apps.web.face import Route, declared
+from lbr.apps.web.face import Route, declared, get
 from lbr.apps.web.robot import Robot
-from lbr.robots.uxa90.rest import page
 from lbr.robots.uxa90.rest.handlers import Handlers
 from lbr.robots.uxa90.rest.service import Service
+
+HERE = "lbr.robots.uxa90.rest"
 
 
 class Uxa90Face(web.Face):
@@ -26,7 +29,20 @@ class Uxa90Face(web.Face):
 
     def routes(self) -> Sequence[Route]:
         """Return what it answers."""
-        return [*declared(self._handlers), *page.routes()]
+        return [*declared(self._handlers), *declared(self)]
+
+    @get("/demo", role=None, page=True)
+    def _demo(self) -> Annotated[Response, web.HTML]:
+        """A page to move the head and to play motions."""
+        return web.static(HERE, "demo.html")
+
+    @get("/demo.js", role=None, page=True)
+    def _demo_js(self) -> Response:
+        return web.static(HERE, "demo.js", web.SCRIPT)
+
+    @get("/demo.css", role=None, page=True)
+    def _demo_css(self) -> Response:
+        return web.static(HERE, "demo.css", web.STYLE)
 
     def step(self, now: float) -> None:
         """Renew what is borrowed, and begin what is due."""

@@ -1,0 +1,430 @@
+"""A connection of a server: HTTP/1.1 by h11 for an ASGI app, which holds little, and says in its slot what it does, so
+that a slow one makes room for what is newer."""
+
+import asyncio
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from http import HTTPStatus
+from typing import Any
+from urllib.parse import unquote
+
+import h11
+import uvicorn
+from starlette.middleware.httpsredirect import HTTPSRedirectMiddleware
+from starlette.types import ASGIApp, Message, Scope, Send
+from uvicorn.server import ServerState
+
+from lbr.apps.http import peers
+from lbr.apps.http.listening import BUFFER_BYTES
+from lbr.apps.http.slots import Phase, Slot, Slots
+
+LARGEST_HEAD = 16 * 1024
+LARGEST_BODY = 512 * 1024
+"""Of any request. It exceeds what is held of a body that nobody reads (64 KiB) and one reading of asyncio (256 KiB)
+together: a request is answered before its body is too large."""
+MOST_HELD = 64 * 1024
+MOST_UNREAD = 16 * 1024 * 1024
+"""Of what still comes after an answer: it is thrown away, so that its sender reads the answer and not a reset."""
+MOST_PIECES = 256
+"""Of a body, so that no client keeps the thread busy with pieces of a byte each: 43,000 of them fit into one reading
+and took 0.2 s."""
+MOST_TOLD_BYTES = 32 * 1024
+"""What a viewer may send in a second, pings and all; a browser sends six bytes in ten."""
+GOING_AWAY = 1001
+BAD_REQUEST = b"Invalid HTTP request received."
+CLOSE = (b"connection", b"close")
+
+
+class Exchange:
+    """One request and its answer, as the app has them."""
+
+    def __init__(self, connection: "Connection", scope: Scope, *, is_invited: bool) -> None:
+        self.phase: Phase = "asking"
+        self.is_whole = self.is_gone = self.is_done = False
+        """Whether its body came whole, its sender left, and it was answered."""
+        self._connection = connection
+        self._scope = scope
+        self._is_invited = is_invited
+        self._body = bytearray()
+        self._pieces = self._bytes = 0
+        self._has_told = False
+        self._changed = asyncio.Event()
+
+    async def run(self, app: ASGIApp) -> None:
+        """Have the app answer; an answer that is not whole ends the connection, so that its reader sees so."""
+        try:
+            await app(self._scope, self._receive, self._send)
+        finally:
+            if not self.is_done:
+                self._connection.close()
+
+    def add(self, part: bytes) -> None:
+        """Take a part of the body; RemoteProtocolError if that is too large, or in too many pieces."""
+        self._pieces += 1
+        self._bytes += len(part)
+        if self._pieces > MOST_PIECES or self._bytes > LARGEST_BODY:
+            raise h11.RemoteProtocolError("this body is too large, or in too many pieces")
+        if not self.is_done:
+            self._body += part
+            self._changed.set()
+            if len(self._body) > MOST_HELD:
+                self._connection.transport.pause_reading()
+
+    def end(self) -> None:
+        """Note that the body is whole."""
+        self.is_whole = True
+        self._changed.set()
+
+    def leave(self) -> None:
+        """Note that nobody waits for the answer any more."""
+        self.is_gone = not self.is_done
+        self._changed.set()
+
+    async def _receive(self) -> Message:
+        """Return the next part of the body, also of one that came whole before its sender left."""
+        if self._is_invited and not self.is_gone:
+            self._is_invited = False
+            self._connection.write(h11.InformationalResponse(status_code=100, headers=[], reason=b"Continue"))
+        while not (self._has_more or self.is_gone or self.is_done):
+            self._connection.transport.resume_reading()
+            self._changed.clear()
+            await self._changed.wait()
+        if not self._has_more or self.is_done:
+            return {"type": "http.disconnect"}
+        part, self._body = bytes(self._body), bytearray()
+        self._has_told = self.is_whole
+        return {"type": "http.request", "body": part, "more_body": not self.is_whole}
+
+    @property
+    def _has_more(self) -> bool:
+        return bool(self._body) or (self.is_whole and not self._has_told)
+
+    async def _send(self, message: Message) -> None:
+        """Send a part of the answer, once the connection takes more; to who has left nothing."""
+        await self._connection.is_writable.wait()
+        if self.is_gone:
+            return
+        if message["type"] == "http.response.start":
+            self._is_invited = False
+            status, headers = HTTPStatus(message["status"]), [*self._connection.headers, *message.get("headers", ())]
+            if _ends_doubtfully(self._scope["headers"]):
+                headers.append(CLOSE)
+            self._connection.write(h11.Response(status_code=status, headers=headers, reason=status.phrase.encode()))
+            return
+        self._connection.write(h11.Data(data=b"" if self._scope["method"] == "HEAD" else message.get("body", b"")))
+        if not message.get("more_body", False):
+            self._connection.write(h11.EndOfMessage())
+            self.is_done = True
+            self._changed.set()
+            self._connection.answered()
+
+
+class Connection(asyncio.Protocol):
+    """A connection in its slot: one exchange after the other, or a WebSocket."""
+
+    transport: asyncio.Transport
+
+    def __init__(self, app: ASGIApp, config: uvicorn.Config, state: ServerState, slots: Slots) -> None:
+        self.owner: bool | None = None
+        """Whether this robot's own user is at the other end, once the server has looked."""
+        self.whose: str | None = None
+        """Whose program is at the other end, once the server has looked: see `peers.whose`."""
+        self.is_writable = asyncio.Event()
+        self.is_writable.set()
+        self._app = app
+        self._config = config
+        self._takes_sockets = config.ws_protocol_class is not None
+        self._state = state
+        self._open: set[Any] = state.connections
+        self._slots = slots
+        self._slot: Slot | None = None
+        self._early = b""
+        self._http = h11.Connection(h11.SERVER, LARGEST_HEAD)
+        self._exchange: Exchange | None = None
+        self._socket: Any = None
+        self._say: Send | None = None
+        self._told_s = self._told_bytes = 0.0
+        self._ends = self._lingers = False
+        self._unread = 0
+
+    def begin(self, transport: asyncio.Transport, slot: Slot) -> None:
+        """Serve on a connection that stands."""
+        self.transport, self._slot = transport, slot
+        transport.set_write_buffer_limits(high=BUFFER_BYTES)
+        self._open.add(self)
+        self._look()
+        if self._early:
+            early, self._early = self._early, b""
+            self.data_received(early)
+
+    def lead_to_https(self) -> None:
+        """Answer each request with its address by https."""
+        self._app, self._takes_sockets = HTTPSRedirectMiddleware(self._app), False
+
+    def mark(self, phase: Phase) -> None:
+        """Have the request that is under way count as something else than asking."""
+        if self._exchange is not None:
+            self._exchange.phase = phase
+        self._to(phase)
+
+    @property
+    def headers(self) -> list[tuple[bytes, bytes]]:
+        """Return what every answer begins with."""
+        return self._state.default_headers
+
+    @property
+    def is_held(self) -> bool:
+        """Return whether the other end has not cut the connection, as far as the kernel knows: see `peers.is_held`."""
+        return peers.is_held(self.transport.get_extra_info("socket"))
+
+    @property
+    def is_closing(self) -> bool:
+        """Return whether nothing more is written."""
+        return self._lingers or self.transport.is_closing()
+
+    @property
+    def has_left(self) -> bool:
+        """Return whether who sent the request that is under way is there no more."""
+        return self._exchange is not None and self._exchange.is_gone
+
+    def data_received(self, data: bytes) -> None:
+        """Take what was sent; what comes before the other side of TLS has begun waits for that."""
+        if self._slot is None:
+            self._early += data
+        elif self._lingers:
+            self._unread += len(data)
+            if self._unread > MOST_UNREAD:
+                self.transport.abort()
+        elif self._socket is not None:
+            self._view(data)
+        else:
+            self._http.receive_data(data)
+            self._go_on()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Count one less."""
+        self._open.discard(self)
+        self.is_writable.set()
+        if self._exchange is not None:
+            self._exchange.leave()
+        if self._socket is not None:
+            self._socket.connection_lost(exc)
+        if self._slot is not None:
+            self._slots.leave(self._slot)
+
+    def pause_writing(self) -> None:
+        """Have answers wait."""
+        self.is_writable.clear()
+        if self._socket is not None:
+            self._socket.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Have answers go on."""
+        self.is_writable.set()
+        if self._socket is not None:
+            self._socket.resume_writing()
+
+    def shutdown(self) -> None:
+        """End it after the answer that is under way: uvicorn asks for that when the server ends."""
+        self._ends = True
+        if not self._is_asked and self._socket is None:
+            self.close()
+
+    def close(self) -> None:
+        """End it. Where more comes than was read, our side ends first, and listens on until the other side ends, too:
+        who is closed with something unread is told nothing but that, not even the answer before it."""
+        if self.is_closing:
+            return
+        if self._exchange is not None:
+            self._exchange.leave()
+        more = self._http.their_state in {h11.SEND_BODY, h11.ERROR} or self._http.trailing_data[0]
+        if self._socket is None and more and self.transport.can_write_eof():
+            self._lingers = True
+            self.transport.write_eof()
+            self.transport.resume_reading()
+        else:
+            self.transport.close()
+        self._look()
+
+    def write(self, event: h11.Event) -> None:
+        """Send a part of an answer."""
+        data = self._http.send(event)
+        if data:
+            self.transport.write(data)
+
+    def answered(self) -> None:
+        """Wait for the next request."""
+        if self._ends or self._http.our_state is h11.MUST_CLOSE:
+            self.close()
+        else:
+            self.transport.resume_reading()
+            self._go_on()
+
+    async def farewell(self) -> None:
+        """Close a WebSocket with the reason: the server ends."""
+        say, self._say = self._say, None
+        if say is not None and not self.is_closing:
+            await say({"type": "websocket.close", "code": GOING_AWAY, "reason": "the server ends"})
+
+    def to_socket(self, send: Send) -> Send:
+        """Return how an app sends to a WebSocket: it fails once the connection was closed, whoever closed it."""
+        self._say = send
+
+        async def say(message: Message) -> None:
+            if self._say is None or self.is_closing:
+                raise OSError("the viewer has gone")
+            await send(message)
+
+        return say
+
+    @property
+    def _is_asked(self) -> bool:
+        return self._exchange is not None and not self._exchange.is_done
+
+    def _view(self, data: bytes) -> None:
+        """Pass on what a viewer sends; cut it when that is much more than it has to say: pings, too, are work."""
+        now = time.monotonic()
+        if now - self._told_s > 1.0:
+            self._told_s, self._told_bytes = now, 0.0
+        self._told_bytes += len(data)
+        if self._told_bytes > MOST_TOLD_BYTES:
+            self.transport.abort()
+        else:
+            self._socket.data_received(data)
+
+    def _go_on(self) -> None:
+        """Take in what came, as far as it may be: the next request waits until this one is answered."""
+        try:
+            while self._take(self._http.next_event()):
+                pass
+        except h11.RemoteProtocolError:
+            self._refuse()
+        if self._socket is None:
+            self._look()
+
+    def _take(self, event: h11.Event | type[h11.NEED_DATA] | type[h11.PAUSED]) -> bool:
+        """Do what follows from an event; say whether another may be there."""
+        if isinstance(event, h11.Data) and self._exchange is not None:
+            self._exchange.add(event.data)
+            return True
+        if isinstance(event, h11.EndOfMessage) and self._exchange is not None:
+            self._exchange.end()
+            return True
+        if isinstance(event, h11.Request):
+            return self._ask(_origin_form(event))
+        if event is h11.PAUSED and self._http.our_state is h11.DONE and self._http.their_state is h11.DONE:
+            self._http.start_next_cycle()
+            self._exchange = None
+            return True
+        if event is h11.PAUSED:
+            self.transport.pause_reading()
+        return False
+
+    def _ask(self, request: h11.Request) -> bool:
+        path, _, query = request.target.partition(b"?")
+        headers = [(bytes(name), bytes(value)) for name, value in request.headers]
+        if self._takes_sockets and _asks_for_socket(headers):
+            self._become_socket(request, headers)
+            return False
+        scope: Scope = {
+            "type": "http",
+            "asgi": {"version": "3.0", "spec_version": "2.3"},
+            "http_version": request.http_version.decode("ascii"),
+            "method": request.method.decode("ascii"),
+            "scheme": "https" if self.transport.get_extra_info("sslcontext") else "http",
+            "path": unquote(path.decode("ascii")),
+            "raw_path": path,
+            "root_path": "",
+            "query_string": query,
+            "headers": headers,
+            "client": _end(self.transport.get_extra_info("peername")),
+            "server": _end(self.transport.get_extra_info("sockname")),
+            "state": {"connection": self},
+        }
+        self._exchange = Exchange(self, scope, is_invited=self._http.they_are_waiting_for_100_continue)
+        task = asyncio.get_running_loop().create_task(self._exchange.run(self._app))
+        self._state.tasks.add(task)
+        task.add_done_callback(self._ran)
+        return True
+
+    def _ran(self, task: asyncio.Task[None]) -> None:
+        """Forget a task; what broke in it has been told by the app."""
+        self._state.tasks.discard(task)
+        if not task.cancelled():
+            task.exception()
+
+    def _become_socket(self, request: h11.Request, headers: Iterable[tuple[bytes, bytes]]) -> None:
+        """Leave the connection to uvicorn's WebSocket; it asks until who answers it calls it `watching`."""
+        self._to("asking")
+        made: Any = self._config.ws_protocol_class
+        self._socket = made(config=self._config, server_state=self._state, app_state={"connection": self})
+        self._socket.connection_made(self.transport)
+        lines = [b"%s %s HTTP/1.1" % (request.method, request.target), *(b"%s: %s" % header for header in headers)]
+        self._socket.data_received(b"\r\n".join([*lines, b"", b""]))
+
+    def _refuse(self) -> None:
+        """Say that what was sent is no request; one that is under way is done, if it can be, and not answered."""
+        if self._exchange is not None:
+            self._exchange.leave()
+        with suppress(
+            h11.LocalProtocolError
+        ):  # what is wrong came after the answer, which its sender still has to read
+            headers = [(b"content-type", b"text/plain; charset=utf-8"), CLOSE]
+            self.write(h11.Response(status_code=400, headers=headers, reason=b"Bad Request"))
+            self.write(h11.Data(data=BAD_REQUEST))
+            self.write(h11.EndOfMessage())
+        self.close()
+
+    def _look(self) -> None:
+        """Say what the connection does: of a body that is not whole when its request is answered, the rest is waited
+        for as a head is."""
+        if self.is_closing:
+            self._to("leaving")
+        elif self._exchange is not None and not self._exchange.is_done:
+            self._to(self._exchange.phase)
+        else:
+            is_unfinished = self._http.trailing_data[0] or self._http.their_state is h11.SEND_BODY
+            self._to("head" if is_unfinished else "idle")
+
+    def _to(self, phase: Phase) -> None:
+        if self._slot is not None:
+            self._slots.to(self._slot, phase, time.monotonic())
+
+
+def connection_of(scope: Scope) -> Connection | None:
+    """Return the connection that a request came by; None outside of a `Server`."""
+    found = scope.get("state", {}).get("connection")
+    return found if isinstance(found, Connection) else None
+
+
+def _origin_form(request: h11.Request) -> h11.Request:
+    """Return a request as it is said without a proxy: one that names its host in its address as well (RFC 9112, 3.2.2).
+    One that names two hosts stays as it is, and is for no path that there is."""
+    scheme, sign, rest = request.target.partition(b"://")
+    if not sign or scheme.lower() not in {b"http", b"https"}:
+        return request
+    at = min((where for where in map(rest.find, (b"/", b"?")) if where >= 0), default=len(rest))
+    host, path = rest[:at], rest[at:]
+    if [value.lower() for name, value in request.headers if name == b"host"] != [host.lower()]:
+        return request
+    target = path if path.startswith(b"/") else b"/" + path
+    headers = list(request.headers)
+    return h11.Request(method=request.method, headers=headers, target=target, http_version=request.http_version)
+
+
+def _asks_for_socket(headers: Iterable[tuple[bytes, bytes]]) -> bool:
+    told = dict(headers)
+    upgrades = [one.strip().lower() for one in told.get(b"connection", b"").split(b",")]
+    return b"upgrade" in upgrades and told.get(b"upgrade", b"").lower() == b"websocket"
+
+
+def _ends_doubtfully(headers: Iterable[tuple[bytes, bytes]]) -> bool:
+    """Say whether a request tells its length in two ways (RFC 9112, 6.1): what follows it may be another's for a
+    proxy."""
+    said = {name for name, _value in headers}
+    return b"content-length" in said and b"transfer-encoding" in said
+
+
+def _end(name: Any) -> tuple[str, int] | None:
+    return (str(name[0]), int(name[1])) if name else None
