@@ -3,6 +3,7 @@
 The heavy robot is shared by all tests of a module that leave it as it was.
 """
 
+import gc
 import importlib
 import os
 import shutil
@@ -41,6 +42,9 @@ for profile, examples in (("everyday", 30), ("nightly", 500)):
         profile, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow]
     )
 settings.load_profile("everyday")
+
+gc.disable()
+"""Collecting ten thousand tests leaves nothing behind, and each look at them takes longer than the last."""
 
 LISTS = {name: Path(__file__).parent / f"{name}.txt" for name in ("nightly", "slow")}
 """Marks of tests, and the file that names for each which folders, modules and tests have it."""
@@ -83,6 +87,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 named |= names
         if named != wanted and config.args == config.getini("testpaths"):
             raise pytest.UsageError(f"{path.name} names what is not there: {', '.join(sorted(wanted - named))}")
+
+
+def pytest_collection_finish() -> None:
+    """Let no later collection of garbage look again at the tests themselves."""
+    gc.freeze()
+    gc.enable()
 
 
 def _names(test: str) -> Iterator[str]:
