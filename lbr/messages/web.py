@@ -24,11 +24,15 @@ class AddressCommand(Struct, frozen=True, kw_only=True):
 
 
 class AddressReply(Struct, frozen=True, kw_only=True):
-    """The address, and the QR code in characters, for a terminal; whether other machines reach it, and by TLS."""
+    """The address, and the QR code in characters, for a terminal; whether other machines reach it, and by TLS.
+
+    `local` is the address by the name that multicast DNS finds, empty if the server is not announced.
+    """
 
     accepted: bool
     reason: str = ""
     code: ReasonCode = ""
     url: str = ""
+    local: str = ""
     open: bool = False
     tls: bool = False

@@ -31,7 +31,15 @@ from lbr.messages.rows import by_table
 from tests.executive.test_plan import planned
 
 PROFILE = Profile(robot="uxa90", simulate=True)
-OPEN = {"accepted": True, "url": "https://192.168.1.5:50000/", "open": True, "tls": True, "reason": "shown"}
+LOCAL = "https://lbr-3fa2.local:50000/"
+OPEN = {
+    "accepted": True,
+    "local": LOCAL,
+    "url": "https://192.168.1.5:50000/",
+    "open": True,
+    "tls": True,
+    "reason": "shown",
+}
 CLOSED = {"accepted": True, "url": "http://127.0.0.1:50000/", "open": False, "tls": False, "reason": "closed"}
 
 
@@ -104,7 +112,8 @@ def test_a_code_comes_with_its_picture_its_time_and_what_the_browser_will_say(co
     console.words.open("console")
     result = console.words.pair("view", "ann")
     assert console.codes == [("view", "ann")]
-    assert "482 913   at https://192.168.1.5:50000/" in result.text
+    assert f"482 913   at https://192.168.1.5:50000/ or {LOCAL}" in result.text
+    assert result.data["local"] == LOCAL
     assert "good for 2 minutes" in result.text
     assert "role 'view'" in result.text
     assert "\u2580" in result.text, "no picture"

@@ -1,9 +1,12 @@
 """By which names a machine may be asked, and which of them only it can mean. Pure, but for the machine's own name."""
 
+import hashlib
 import ipaddress
 import re
 import socket
+import uuid
 from collections.abc import Set as AbstractSet
+from functools import cache
 
 _HOST = re.compile(
     r"(?:\[(?P<bracketed>[0-9A-Fa-f:.]+(?:%[A-Za-z0-9_.~%-]+)?)\]|(?P<name>[A-Za-z0-9._-]+))(?::(?P<port>[0-9]{1,5}))?"
@@ -78,10 +81,17 @@ def plain(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
     return mapped or found
 
 
+@cache
+def announced() -> str:
+    """Return the name by which multicast DNS finds this machine; it follows from its network card."""
+    mark = hashlib.blake2b(uuid.getnode().to_bytes(8, "big"), digest_size=2).hexdigest()
+    return f"lbr-{mark}.local"
+
+
 def _own() -> frozenset[str]:
     own = socket.gethostname().lower()
     short = own.partition(".")[0]
-    return frozenset({own, short, f"{short}.local"})
+    return frozenset({own, short, f"{short}.local", announced()})
 
 
 def _is_unspecified(address: ipaddress.IPv4Address | ipaddress.IPv6Address) -> bool:

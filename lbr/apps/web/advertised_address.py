@@ -1,12 +1,14 @@
 """Where the server is reached, in words and addresses."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from lbr import qr
+from lbr import home, qr
 from lbr.apps.http import names
 from lbr.apps.web import addresses
 from lbr.bus import certificates
+from lbr.errors import InputError
 
 if TYPE_CHECKING:
     from lbr.apps.web.kind import WebSettings
@@ -29,6 +31,10 @@ class AdvertisedAddress:
         self.urls: tuple[str, ...] = ()
         self.addresses: tuple[str, ...] = ()
         self._settings = settings
+        self._certified = ""
+        if self.tls and settings.names:
+            with suppress(InputError):  # the server tells it when it reads them
+                self._certified = settings.names[0] if home.given_credentials(*certificates.OWN_FILES) else ""
         self._here = here
         self.look()
 
@@ -40,8 +46,18 @@ class AdvertisedAddress:
 
     @property
     def url(self) -> str:
-        """The most useful address; empty where there is no network."""
+        """The most useful address; empty where there is no network.
+
+        It has the first of the setting `names` where browsers are shown the owner's certificate: that is for a name.
+        """
+        if self.urls and self._certified:
+            return addresses.url(self._certified, self.port, tls=True)
         return self.urls[0] if self.urls else ""
+
+    @property
+    def local(self) -> str:
+        """The address by the name that multicast DNS finds, if the server is announced."""
+        return addresses.url(names.announced(), self.port, tls=self.tls)
 
     def words(self) -> str:
         """Return in a few lines who reaches it, and how to change that."""

@@ -3,14 +3,13 @@
 import asyncio
 import hashlib
 import ipaddress
-import socket
 from collections.abc import Callable
 from contextlib import suppress
 
+from lbr.apps.http import names
+
 LOOK_S = 5.0
 TRY_AGAIN_S = 30.0
-LONGEST_HOST = 56
-"""A label has 63 bytes."""
 KINDS = ("_http._tcp.local.", "_lbr._tcp.local.")
 
 
@@ -23,7 +22,8 @@ class Announcer:
     """Announces `name` at `port` under the addresses that `where` returns, with `properties`, and follows both as they
     change.
 
-    A mark of its own stands behind its name and behind the host's, so that no other robot's addresses pass for its own.
+    A mark of its own stands behind its name, and the host's name is this machine's alone, so that no other robot's
+    addresses pass for its own.
     `said` is under which name it is announced now, or empty; `trouble` why it is not.
     """
 
@@ -77,7 +77,7 @@ class Announcer:
                     port=self._port,
                     addresses=there_as,
                     properties=properties,
-                    server=f"{socket.gethostname().partition('.')[0][:LONGEST_HOST]}-{mark}.local.",
+                    server=f"{names.announced()}.",
                 )
                 for kind in KINDS
             ]

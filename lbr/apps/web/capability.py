@@ -135,8 +135,11 @@ class Web(Capability[WebSettings]):
         if call.name == "address":
             listens = self._serving is not None
             place = self._place
+            local = place.local if self._announcer is not None and not self._announcer.trouble else ""
             call.reply(
-                AddressReply(accepted=listens, reason=place.told(), url=place.url, open=place.open, tls=place.tls)
+                AddressReply(
+                    accepted=listens, reason=place.told(), url=place.url, local=local, open=place.open, tls=place.tls
+                )
             )
         elif isinstance(call.message, StopCommand):
             self._stop(call.message.reason or f"stopped by {call.source}")

@@ -46,7 +46,7 @@ class LettingIn:
         place = self._serving(name)
         if place is None:
             raise InputError(f"'{name}' does not serve now", "unreachable")
-        return str(place.get("url") or "at this machine, which is in no network now")
+        return _where(place)
 
     def phone(self, who: str) -> ConsoleResult:
         """Open the server as `open` does, unless it is open, and draw a code as `pair` does."""
@@ -77,6 +77,7 @@ class LettingIn:
             "role": role,
             "good_for_s": GOOD_FOR_S,
             "url": way,
+            "local": place.get("local", ""),
             "open": is_open,
             "svg": _svg(way) if is_open and way else "",
             "fingerprint": print_of,
@@ -89,7 +90,7 @@ class LettingIn:
                 if drawn
                 else ()
             ),
-            f"{code.digits[:3]} {code.digits[3:]}   at {url or 'the address of this machine, which is in no network now'}",
+            f"{code.digits[:3]} {code.digits[3:]}   at {_where(place)}",
             f"The code is good for {GOOD_FOR_S / 60:g} minutes and one device, which gets a token with the role '{role}'.",
             f"{WRONG_TRIES} wrong tries end it, as does another code.",
             *_honest(is_open=is_open, tls=tls, own=tls and credentials.is_own_shown(), fingerprint=print_of),
@@ -178,6 +179,14 @@ def _honest(*, is_open: bool, tls: bool, own: bool, fingerprint: str) -> Iterato
         yield fingerprint
     elif is_open:
         yield "Nothing is encrypted ('clear_text' of its row): a machine in between reads the code and the token."
+
+
+def _where(place: dict[str, Any]) -> str:
+    """Return where a server is, by number and by name."""
+    url, local = str(place.get("url", "")), str(place.get("local", ""))
+    if not url:
+        return "the address of this machine, which is in no network now"
+    return f"{url} or {local}" if local else url
 
 
 def _drawn(url: str) -> str:

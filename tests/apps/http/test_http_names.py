@@ -1,3 +1,4 @@
+import re
 import socket
 
 import pytest
@@ -11,7 +12,15 @@ LOOPBACK = [
     "localhost", "localhost:50000", "LocalHost", "127.0.0.1", "127.0.0.1:50000", "127.8.9.1:1", "[::1]", "[::1]:50000",
     "[0:0::1]:1",
 ]  # fmt: skip
-NETWORK = ["192.168.1.7", "192.168.1.7:50000", "[fd00::7]:1", "[fe80::1%eth0]:1", OWN.upper(), f"{OWN}.local:1"]
+NETWORK = [
+    "192.168.1.7",
+    "192.168.1.7:50000",
+    "[fd00::7]:1",
+    "[fe80::1%eth0]:1",
+    OWN.upper(),
+    f"{OWN}.local:1",
+    names.announced(),
+]
 NEVER = [
     "", ":", ":50000", "::", "::1", "evil.example", f"{OWN}.evil.example", "127.0.0.1.evil.example", "localhost.evil.example",
     "0.0.0.0", "0.0.0.0:50000", "0.0.0.1", "0", "0x0", "00.0.0.0", "0.0", "[::]", "[::]:50000", "[::0]", "[0:0:0:0:0:0:0:0]",
@@ -40,6 +49,11 @@ def test_other_machines_ask_by_address_or_name_and_this_machine_does_not(host):
 @pytest.mark.parametrize("loopback", [True, False])
 def test_what_is_no_name_of_this_machines_is_none_in_any_spelling(host, loopback):
     assert not names.is_ours(host, loopback=loopback)
+
+
+def test_a_machine_is_announced_by_one_name_that_tells_it_from_others():
+    assert re.fullmatch(r"lbr-[0-9a-f]{4}\.local", names.announced())
+    assert names.announced() == names.announced()
 
 
 def test_names_of_the_row_count_everywhere():

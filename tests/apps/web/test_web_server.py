@@ -16,7 +16,7 @@ from starlette.responses import Response
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from lbr import qr
+from lbr import home, qr
 from lbr.apps.http import serving as http_serving
 from lbr.apps.http import slots
 from lbr.apps.web import application
@@ -533,6 +533,17 @@ def test_an_address_follows_the_network():
     here.append("192.168.1.5")
     assert place.look() == ("192.168.1.5",)
     assert "192.168.1.5" in place.told()
+
+
+@pytest.mark.parametrize(("files", "host"), [((), "192.168.1.5"), (("web.crt", "web.key"), "robot.example.org")])
+def test_a_code_has_the_name_that_the_owners_certificate_is_for(files, host, tmp_path, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+    for name in files:
+        home.write_private(home.directory("credentials") / name, b"PEM")
+    settings = replace(OPEN, clear_text=False, names=("robot.example.org",))
+    place = AdvertisedAddress(settings, 50000, here=lambda: ("192.168.1.5",))
+    assert place.url == f"https://{host}:50000/"
+    assert place.urls == ("https://192.168.1.5:50000/",)
 
 
 def test_who_needs_no_token_is_said():

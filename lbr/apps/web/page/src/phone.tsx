@@ -11,7 +11,7 @@ const OPENS_TRIES = 20, OPENS_AGAIN_MS = 700;
 const HERE = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
 
 /** What the word `pair` answers. */
-interface Pairing { digits: string; url: string; open: boolean; svg: string; fingerprint: string }
+interface Pairing { digits: string; url: string; local?: string; open: boolean; svg: string; fingerprint: string }
 
 const pair = async (options: Parameters<typeof consoleLine>[1]): Promise<Pairing | undefined> => {
   const answer = await consoleLine("pair", options);
@@ -56,7 +56,7 @@ export function ConnectPhone({ open, onClose }: { open: boolean; onClose: () => 
         <>
           {pairing.svg && <img class="phone-picture" alt={pairing.url} src={`data:image/svg+xml,${encodeURIComponent(pairing.svg)}`} />}
           <p>{t("phone.scan")}</p>
-          <p class="phone-code"><strong>{pairing.digits.slice(0, 3)} {pairing.digits.slice(3)}</strong> · {pairing.url.split("#")[0]}</p>
+          <p class="phone-code"><strong>{pairing.digits.slice(0, 3)} {pairing.digits.slice(3)}</strong> · {pairing.url.split("#")[0]}{pairing.local && ` · ${pairing.local}`}</p>
           {pairing.fingerprint && <p class="muted">{t("phone.warns")} <code class="phone-print">{pairing.fingerprint}</code></p>}
           <p class="muted">{t("phone.cost")}</p>
         </>
