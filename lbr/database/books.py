@@ -9,8 +9,6 @@ from lbr.database.rows import AuditRow, TokenRow
 from lbr.database.trials import Trial
 from lbr.messages.rows import COUNTED, NOW, Row
 
-WallNs = Annotated[int, Meta(ge=0), "nanoseconds since 1970 by the wall clock"]
-
 
 class SchemaStamp(Row, frozen=True, kw_only=True):
     """The revision of the schema, kept by the migrations in lbr/database/migrations. Not to be edited."""
@@ -46,7 +44,7 @@ class EventEntry(Row, frozen=True, kw_only=True):
     SHARED = True
 
     id: Annotated[int, COUNTED, "counts up, and is never used again"]
-    wall_ns: WallNs
+    wall_ns: Annotated[int, Meta(ge=0), "nanoseconds since 1970 by the wall clock"]
     kind: Annotated[str, "started, stopped, crashed, refused, row_changed ..."]
     subject: Annotated[str, "the capability, or whom it is about"] = ""
     level: Annotated[Literal["info", "warning", "error"], "how much it matters"] = "info"

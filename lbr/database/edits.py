@@ -10,7 +10,7 @@ from lbr.database.changes import Change
 from lbr.database.columns import raw
 from lbr.database.proposals import Judge, Proposed, propose
 from lbr.database.reading import ROBOT, RawRow, RawTables
-from lbr.database.rows import RevisionRow
+from lbr.database.rows import CORE, RevisionRow
 from lbr.database.store import Database
 from lbr.database.tables import Schema
 from lbr.errors import InputError
@@ -21,7 +21,7 @@ from lbr.messages.unreadable import UNREADABLE
 Key = tuple[str, ...]
 RowKey = tuple[str, tuple[Any, ...]]
 """Table and key of a row of one robot."""
-MAKE_PROCESSES = {ROBOT, "capability", "channel", "device", "verb", "external_command"}
+MAKE_PROCESSES = {row.TABLE for row in CORE}
 """What every robot has: such rows say which programs run, and what may reach what. No edit on another's behalf writes
 them."""
 

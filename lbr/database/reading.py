@@ -6,7 +6,7 @@ from typing import Any, TypeVar, cast
 from msgspec import Struct
 
 from lbr.database.columns import WrongError, columns
-from lbr.messages.rows import Fault, Others, Row, shown
+from lbr.messages.rows import Check, Fault, Others, Row, shown
 
 R = TypeVar("R", bound=Row)
 RawRow = Mapping[str, Any]
@@ -106,7 +106,7 @@ class Tables:
         """Return what is wrong with a table's rows, by themselves and among others."""
         if row not in self._judged:
             found = list(self._read[row][1]) if self.rows(row) or row in self._read else []
-            for check in (_of_a_whole, _ascending, _together, *row.CHECKS):
+            for check in _checks(row):
                 for one in self.rows(row):
                     for column, text in _told(check(one.view, self)):
                         one.wrong.add(column)
@@ -161,6 +161,11 @@ class Tables:
                 found[name] = column.stand_in
                 problems.append(Problem(row.TABLE, label, name, str(err)))
         return Read(label, row(**found), frozenset(unread), set(unread))
+
+
+def _checks(row: type[Row]) -> tuple[Check, ...]:
+    declared = ((row.whole(), _of_a_whole), (row.ASCENDING, _ascending), (row.TOGETHER, _together))
+    return (*(check for says, check in declared if says), *row.CHECKS)
 
 
 def _of_a_whole(row: Row, others: Others) -> Iterator[Fault]:

@@ -31,20 +31,21 @@ def metadata(rows: Iterable[type[Row]]) -> MetaData:
     """Return the tables of these rows."""
     known = MetaData()
     for row in rows:
-        owned = () if row.SHARED else ("robot",)
+        whole = row.whole()
         table = Table(row.TABLE, known, comment=" ".join((row.__doc__ or "").partition("\n\n")[0].split()))
-        for name in owned:
-            table.append_column(SqlColumn(name, Text, primary_key=True, nullable=False, comment="whose it is"))
+        if not row.SHARED:
+            table.append_column(SqlColumn("robot", Text, primary_key=True, nullable=False, comment="whose it is"))
         for name, column in columns(row).items():
-            part = bool(row.whole()) and name == row.KEY[0]
-            table.append_column(_column(name, column, key=name in row.KEY, checked=not part))
-        if row.whole() or owned:
-            own = (*owned, row.KEY[0]) if row.whole() else owned
-            other = (f"{row.whole() or 'robot'}.{name}" for name in (("robot", "name") if row.whole() else ("name",)))
-            table.append_constraint(ForeignKeyConstraint(own, tuple(other), onupdate="CASCADE", ondelete="CASCADE"))
-        pairs = [(shapes.ASCENDING, pair) for pair in row.ASCENDING]
-        for shape, (first, second) in (*pairs, *((shapes.TOGETHER, pair) for pair in row.TOGETHER)):
-            table.append_constraint(CheckConstraint(shape.check(second, y=first)))
+            is_part = bool(whole) and name == row.KEY[0]
+            table.append_column(_column(name, column, key=name in row.KEY, checked=not is_part))
+        if whole:
+            table.append_constraint(_goes_with(("robot", row.KEY[0]), (f"{whole}.robot", f"{whole}.name")))
+        elif not row.SHARED:
+            table.append_constraint(_goes_with(("robot",), ("robot.name",)))
+        for lower, higher in row.ASCENDING:
+            table.append_constraint(CheckConstraint(shapes.ASCENDING.check(higher, y=lower)))
+        for one, other in row.TOGETHER:
+            table.append_constraint(CheckConstraint(shapes.TOGETHER.check(other, y=one)))
     return known
 
 
@@ -54,10 +55,9 @@ def text(table: Table) -> str:
     kind = max(len(str(column.type)) for column in table.columns)
     key = [column.name for column in table.primary_key]
     over = over_all(table)[0 if len(key) > 1 else 1 :]
-    commas = [","] * (len(table.columns) - 1) + [","] * bool(over) + [""]
+    last = None if over else [*table.columns][-1]
     lines = [
-        _line(column, name, kind, comma, key=key == [column.name])
-        for column, comma in zip(table.columns, commas, strict=False)
+        _line(column, name, kind, "" if column is last else ",", key=key == [column.name]) for column in table.columns
     ]
     introduction = wrap(str(table.comment), triggers.WIDTH - 3, break_long_words=False, break_on_hyphens=False)
     begin = "".join(f"-- {line}\n" for line in introduction)
@@ -104,6 +104,10 @@ def differences(connection: sqlite3.Connection, known: MetaData) -> list[Any]:
     engine = create_engine("sqlite://", creator=lambda: connection, poolclass=StaticPool)
     with engine.connect() as opened:
         return list(compare_metadata(MigrationContext.configure(opened, opts={"compare_server_default": True}), known))
+
+
+def _goes_with(columns: Sequence[str], others: Sequence[str]) -> ForeignKeyConstraint:
+    return ForeignKeyConstraint(columns, others, onupdate="CASCADE", ondelete="CASCADE")
 
 
 def _column(name: str, column: Column, *, key: bool, checked: bool) -> SqlColumn[Any]:

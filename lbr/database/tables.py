@@ -1,5 +1,6 @@
 """Reads the tables that make a robot as they stand, whatever they are."""
 
+import json
 from typing import Any
 
 from lbr.database import statements
@@ -14,10 +15,13 @@ WRITTEN_BY_LBR = {(row.TABLE, name) for row in CORE for name, column in columns(
 _COLUMNS = """
 SELECT t.name, c.name, c.pk, c."notnull", c.dflt_value FROM sqlite_schema AS t, pragma_table_info(t.name) AS c
 WHERE t.type = 'table' AND (
-    t.name IN ('robot', 'capability', 'channel', 'device', 'verb', 'external_command')
+    t.name IN (SELECT value FROM json_each(?))
     OR t.name IN (SELECT tbl_name FROM sqlite_schema WHERE type = 'trigger' AND sql LIKE '%INSERT INTO revision%')
 ) ORDER BY t.rowid, c.cid
 """
+
+
+_CORE = json.dumps([row.TABLE for row in CORE])
 
 
 class Schema(dict[str, tuple[str, ...]]):
@@ -32,7 +36,7 @@ class Schema(dict[str, tuple[str, ...]]):
         self.keys_of: dict[str, tuple[str, ...]] = {}
         self._defaults: dict[tuple[str, str], str | None] = {}
         keys: dict[str, list[tuple[int, str]]] = {}
-        for table, column, place, not_null, default in connection.execute(_COLUMNS):
+        for table, column, place, not_null, default in connection.execute(_COLUMNS, (_CORE,)):
             self[table] = (*self.get(table, ()), column)
             keys.setdefault(table, [])
             if default is not None or not not_null:

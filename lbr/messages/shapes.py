@@ -1,11 +1,11 @@
 """What a value may be, twice side by side: as a CHECK of SQL, and in words for people."""
 
 import re
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 
-@dataclass(frozen=True, slots=True, repr=False)
-class Shape:
+class Shape(Struct, frozen=True):
     """A CHECK of the column `{x}`, by bounds `{a}` and `{b}`, a `{list}` or another column `{y}`; `words` name what is
     allowed, and with it those."""
 
