@@ -138,9 +138,10 @@ def test_phone_opens_a_closed_server_and_shows_one_code(console, wording):
     assert console.edits == [("web", "0.0.0.0", "console")]
     assert console.codes == [("operate", "console")]
     assert result.data["url"] == "https://192.168.1.5:50000/#pair=482913"
-    picture, _, text = result.text.partition("Hold the phone")
-    assert "\u2580" in picture
-    wording(f"Hold the phone{text.replace(result.data['fingerprint'], 'FINGERPRINT')}")
+    text, fingerprint, picture = result.text.partition(result.data["fingerprint"])
+    assert len(picture.split()) > 8
+    assert set(picture) == set("\n \u2580\u2584\u2588")
+    wording(f"{text}{fingerprint and 'FINGERPRINT'}")
     assert console.words.pair("operate", "console").text in result.text
 
 

@@ -57,7 +57,7 @@ class LettingIn:
             text = f"'{name}' starts again, to be open to your network; say 'phone' again in a moment"
             return ConsoleResult(code=1, text=text, reason_code="unreachable")
         result = self.pair(OPERATE, who)
-        return replace(result, text=f"{result.text}\n'{name}' is open to your network now; 'close' takes it back.")
+        return replace(result, text=f"'{name}' is open to your network now; 'close' takes it back.\n{result.text}")
 
     def pair(self, role: str, who: str) -> ConsoleResult:
         """Draw a code, and tell it with all that a person needs to type or scan it."""
@@ -84,7 +84,6 @@ class LettingIn:
         }
         drawn = _drawn(way) if is_open and url else ""
         lines = [
-            *([drawn] if drawn else ()),
             *(
                 ["Hold the phone's camera at the picture, or type the address and the six digits there:"]
                 if drawn
@@ -94,6 +93,7 @@ class LettingIn:
             f"The code is good for {GOOD_FOR_S / 60:g} minutes and one device, which gets a token with the role '{role}'.",
             f"{WRONG_TRIES} wrong tries end it, as does another code.",
             *_honest(is_open=is_open, tls=tls, own=tls and credentials.is_own_shown(), fingerprint=print_of),
+            *([drawn] if drawn else ()),  # at last, so that a terminal of 24 lines shows it whole
         ]
         return ConsoleResult(code=0, text="\n".join(lines), data=data)
 
