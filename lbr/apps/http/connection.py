@@ -29,7 +29,7 @@ MOST_UNREAD = 16 * 1024 * 1024
 MOST_PIECES = 256
 """Of a body, so that no client keeps the thread busy with pieces of a byte each: 43,000 of them fit into one reading
 and took 0.2 s."""
-MOST_TOLD_BYTES = 32 * 1024
+MOST_VIEWER_BYTES = 32 * 1024
 """What a viewer may send in a second, pings and all; a browser sends six bytes in ten."""
 GOING_AWAY = 1001
 BAD_REQUEST = b"Invalid HTTP request received."
@@ -48,7 +48,7 @@ class Exchange:
         self._is_invited = is_invited
         self._body = bytearray()
         self._pieces = self._bytes = 0
-        self._has_told = False
+        self._is_passed_on = False
         self._changed = asyncio.Event()
 
     async def run(self, app: ASGIApp) -> None:
@@ -93,12 +93,12 @@ class Exchange:
         if not self._has_more or self.is_done:
             return {"type": "http.disconnect"}
         part, self._body = bytes(self._body), bytearray()
-        self._has_told = self.is_whole
+        self._is_passed_on = self.is_whole
         return {"type": "http.request", "body": part, "more_body": not self.is_whole}
 
     @property
     def _has_more(self) -> bool:
-        return bool(self._body) or (self.is_whole and not self._has_told)
+        return bool(self._body) or (self.is_whole and not self._is_passed_on)
 
     async def _send(self, message: Message) -> None:
         """Send a part of the answer, once the connection takes more; to who has left nothing."""
@@ -143,8 +143,8 @@ class Connection(asyncio.Protocol):
         self._http = h11.Connection(h11.SERVER, LARGEST_HEAD)
         self._exchange: Exchange | None = None
         self._socket: Any = None
-        self._say: Send | None = None
-        self._told_s = self._told_bytes = 0.0
+        self._send: Send | None = None
+        self._viewer_since = self._viewer_bytes = 0.0
         self._ends = self._lingers = False
         self._unread = 0
 
@@ -263,20 +263,20 @@ class Connection(asyncio.Protocol):
 
     async def farewell(self) -> None:
         """Close a WebSocket with the reason: the server ends."""
-        say, self._say = self._say, None
-        if say is not None and not self.is_closing:
-            await say({"type": "websocket.close", "code": GOING_AWAY, "reason": "the server ends"})
+        send, self._send = self._send, None
+        if send is not None and not self.is_closing:
+            await send({"type": "websocket.close", "code": GOING_AWAY, "reason": "the server ends"})
 
     def to_socket(self, send: Send) -> Send:
         """Return how an app sends to a WebSocket: it fails once the connection was closed, whoever closed it."""
-        self._say = send
+        self._send = send
 
-        async def say(message: Message) -> None:
-            if self._say is None or self.is_closing:
+        async def send_open(message: Message) -> None:
+            if self._send is None or self.is_closing:
                 raise OSError("the viewer has gone")
             await send(message)
 
-        return say
+        return send_open
 
     @property
     def _is_asked(self) -> bool:
@@ -285,10 +285,10 @@ class Connection(asyncio.Protocol):
     def _view(self, data: bytes) -> None:
         """Pass on what a viewer sends; cut it when that is much more than it has to say: pings, too, are work."""
         now = time.monotonic()
-        if now - self._told_s > 1.0:
-            self._told_s, self._told_bytes = now, 0.0
-        self._told_bytes += len(data)
-        if self._told_bytes > MOST_TOLD_BYTES:
+        if now - self._viewer_since > 1.0:
+            self._viewer_since, self._viewer_bytes = now, 0.0
+        self._viewer_bytes += len(data)
+        if self._viewer_bytes > MOST_VIEWER_BYTES:
             self.transport.abort()
         else:
             self._socket.data_received(data)
@@ -394,8 +394,8 @@ class Connection(asyncio.Protocol):
 
 def connection_of(scope: Scope) -> Connection | None:
     """Return the connection that a request came by; None outside of a `Server`."""
-    found = scope.get("state", {}).get("connection")
-    return found if isinstance(found, Connection) else None
+    connection = scope.get("state", {}).get("connection")
+    return connection if isinstance(connection, Connection) else None
 
 
 def _origin_form(request: h11.Request) -> h11.Request:
@@ -414,16 +414,16 @@ def _origin_form(request: h11.Request) -> h11.Request:
 
 
 def _asks_for_socket(headers: Iterable[tuple[bytes, bytes]]) -> bool:
-    told = dict(headers)
-    upgrades = [one.strip().lower() for one in told.get(b"connection", b"").split(b",")]
-    return b"upgrade" in upgrades and told.get(b"upgrade", b"").lower() == b"websocket"
+    by_name = dict(headers)
+    options = [option.strip().lower() for option in by_name.get(b"connection", b"").split(b",")]
+    return b"upgrade" in options and by_name.get(b"upgrade", b"").lower() == b"websocket"
 
 
 def _ends_doubtfully(headers: Iterable[tuple[bytes, bytes]]) -> bool:
     """Say whether a request tells its length in two ways (RFC 9112, 6.1): what follows it may be another's for a
     proxy."""
-    said = {name for name, _value in headers}
-    return b"content-length" in said and b"transfer-encoding" in said
+    names = {name for name, _value in headers}
+    return b"content-length" in names and b"transfer-encoding" in names
 
 
 def _end(name: Any) -> tuple[str, int] | None:

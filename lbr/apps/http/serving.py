@@ -75,8 +75,8 @@ class Server(uvicorn.Server):
             self._looking.cancel()
         for task in self._greeting:
             task.cancel()
-        open_ = [one for one in self.server_state.connections if isinstance(one, Connection)]
-        if farewells := [asyncio.ensure_future(one.farewell()) for one in open_]:
+        connections = [each for each in self.server_state.connections if isinstance(each, Connection)]
+        if farewells := [asyncio.ensure_future(connection.farewell()) for connection in connections]:
             await asyncio.wait(farewells, timeout=FAREWELL_S)
         await super().shutdown(sockets)
 

@@ -64,7 +64,7 @@ def contract(route: Route) -> Contract:
     decodes = "body" in given and body[0] is not bytes
     documented = body[0] if decodes else next(iter(body[1:]), None)
     if not required:
-        documented = next(one for one in alternatives if one is not NoneType)
+        documented = next(kind for kind in alternatives if kind is not NoneType)
     replies, refuses = _returned(signature.return_annotation)
     summary, _, description = (inspect.getdoc(route.handle) or "").partition("\n\n")
     return Contract(
@@ -94,13 +94,13 @@ def _annotated(given: Mapping[str, inspect.Parameter], name: str) -> tuple[Any, 
     """Return a parameter's type and what it is annotated with; (None,) without that parameter."""
     if name not in given:
         return (None,)
-    said = given[name].annotation
-    return get_args(said) if get_origin(said) is Annotated else (said,)
+    annotation = given[name].annotation
+    return get_args(annotation) if get_origin(annotation) is Annotated else (annotation,)
 
 
-def _returned(said: Any) -> tuple[dict[int, Any], Refuses]:
+def _returned(annotation: Any) -> tuple[dict[int, Any], Refuses]:
     """Return what is returned with which status, and when what is refused."""
-    kind, *marks = get_args(said) if get_origin(said) is Annotated else (said,)
+    kind, *marks = get_args(annotation) if get_origin(annotation) is Annotated else (annotation,)
     replies: dict[int, Any] = {}
     if kind not in {Response, inspect.Signature.empty}:
         replies = {204: None} if kind in {None, NoneType} else {200: kind}

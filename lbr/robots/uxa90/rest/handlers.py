@@ -167,10 +167,10 @@ def _row(answer: MotorRowAnswer | MotionRowAnswer, status: int = 200) -> Respons
 
 
 def _by_name(query: Query) -> parsing.Query:
-    found: dict[str, list[str]] = {}
+    values: dict[str, list[str]] = {}
     for name, value in query:
-        found.setdefault(name, []).append(value)
-    return found
+        values.setdefault(name, []).append(value)
+    return values
 
 
 def _json(request: Request, body: bytes) -> Any:
