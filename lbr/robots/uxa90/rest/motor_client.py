@@ -10,6 +10,7 @@ from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Refused
 from lbr.apps.web.robot import Robot, answer_of
 from lbr.leases.client import RENEW_S, LeaseClient, LeaseTarget, PendingReply
+from lbr.leases.holder import Holder
 from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint, JointsCommand
 from lbr.messages.leases import CommandReply
@@ -33,14 +34,14 @@ class MotorClient:
     def __init__(self, robot: Robot, lost: Callable[[str], None]) -> None:
         self._robot = robot
         self._lost = lost
-        self._lease: LeaseClient | None = None
+        self._holder = Holder(robot.ctx, renewal=RENEWAL)
         self._released = (0, "")  # how often, and why
         self._begun = -inf
 
     @property
     def holds(self) -> bool:
         """Return whether motors are under way by our lease, or it is being asked for."""
-        return self._lease is not None
+        return self._holder.asks
 
     async def turn(self, turns: Iterable[Turn], joint: Callable[[Turn], Joint], *, timed: bool = False) -> None:
         """Move motors; return once the joints have accepted all of it, else raise Refused with their reason.
@@ -59,38 +60,30 @@ class MotorClient:
 
     def step(self) -> None:
         """Read how goals ended, and renew the lease while something is under way."""
-        lease = self._lease
-        if lease is None:
+        lease, ended = self._holder.lease, self._holder.step(self._robot.moved)
+        if lease is None or lease.accepted is None or ended is None:
             return
-        for result in self._robot.moved:
-            lease.hear(result)
-        lease.step()
-        if lease.renewal_due:
-            lease.send(RENEWAL)
-        if lease.ended is not None:
-            self._lease = None
-            if lease.accepted is not None and not (lease.good or lease.ended.code in PLANNED):
-                self._lost(lease.ended.text)
+        if not (lease.good or ended.code in PLANNED):
+            self._lost(ended.text)
 
     def release(self, why: str) -> PendingReply | None:
         """Give the joints back, where they are, and begin nothing that waits; the answer says that they hold, if any
         did."""
         self._released = (self._released[0] + 1, why)
-        lease, self._lease = self._lease, None
-        return lease.release(why) if lease is not None else None
+        return self._holder.release(why)
 
     async def _ask(self, command: JointsCommand, released: tuple[int, str], *, timed: bool) -> Reason | None:
         """Ask by the lease, or for one; return why it was refused, or nothing."""
         await until(lambda: self._ready(timed=timed) or self._released != released)
         if self._released != released:
             return Reason("cancelled", self._released[1])
-        lease = self._lease
-        if lease is not None:
+        lease = self._holder.lease
+        if lease is not None and lease.ended is None:
             return await self._join(lease, command)
         self._begun = self._robot.now()
         asked_s = min(self._heard_s(), self._begun) if timed else None
-        lease = self._lease = LeaseClient(self._robot.ctx, JOINTS, replace(command, asked_s=asked_s))
-        await until(lambda: _answered(lease))
+        lease = self._holder.begin(JOINTS, replace(command, asked_s=asked_s))
+        await until(lambda: self._answered(lease))
         return None if lease.accepted is not None else lease.ended
 
     async def _join(self, lease: LeaseClient, command: JointsCommand) -> Reason | None:
@@ -100,24 +93,23 @@ class MotorClient:
             return lease.ended or Reason("done", "it has ended")
         await until(lambda: asked[0].answers() is not None)
         reply: CommandReply = answer_of("move", dict(asked[0].answers() or {}))
-        if reply.code == "dead_lease" and self._lease is lease and reply.cause == "done":
-            self._lease = None
+        if reply.code == "dead_lease" and self._holder.lease is lease and reply.cause == "done":
+            self._holder.lease = None
         return None if reply.accepted else reply.why
 
     def _ready(self, *, timed: bool) -> bool:
         """Say whether what waits can be asked for now; a date must not be before that of our last lease."""
-        if self._lease is not None:
-            return self._lease.accepted is not None
+        if self._holder.lease is not None and self._holder.asks:
+            return self._holder.lease.accepted is not None
         return not timed or self._heard_s() > self._begun
+
+    def _answered(self, lease: LeaseClient) -> bool:
+        self.step()
+        return lease.accepted is not None or lease.ended is not None
 
     def _heard_s(self) -> float:
         joints = self._robot.snapshot.joints
         return inf if joints is None else joints.arrived
-
-
-def _answered(lease: LeaseClient) -> bool:
-    lease.step()
-    return lease.accepted is not None or lease.ended is not None
 
 
 def _sent(lease: LeaseClient, command: JointsCommand, asked: list[PendingReply]) -> bool:
