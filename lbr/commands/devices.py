@@ -86,8 +86,8 @@ def command(
         return _watch(looking, ports, as_json=how["as_json"])
     looked = looking.look([attached.named(port) for port in ports] if ports else attached.ends())
     good = [one for one in looked.proposals if one.changes and not one.problems]
-    became = _agreed(looking, looked, good, write=how["write"], as_json=how["as_json"])
-    bad = any(one.problems for one in looked.proposals) or (became is not None and bool(became.problems))
+    proposed = _agreed(looking, looked, good, write=how["write"], as_json=how["as_json"])
+    bad = any(one.problems for one in looked.proposals) or (proposed is not None and bool(proposed.problems))
     return 2 if bad else 0
 
 
@@ -96,11 +96,11 @@ def _agreed(
 ) -> "Proposed | None":
     """Tell what was found, and write what a person agrees to."""
     if as_json:
-        became = looking.write(looked.robot, good) if write and good else None
-        written = became is not None and not became.problems
-        problems = became.problems if became is not None else ()
+        proposed = looking.write(looked.robot, good) if write and good else None
+        written = proposed is not None and not proposed.problems
+        problems = proposed.problems if proposed is not None else ()
         print_json({**asdict(looked), "written": written, "problems": [str(one) for one in problems]})
-        return became
+        return proposed
     _tell(looked)
     if not good:
         return None
@@ -109,14 +109,14 @@ def _agreed(
     if not write:
         click.echo("nothing is written yet: 'lbr devices --write' does it")
         return None
-    became = looking.write(looked.robot, good)
-    for problem in became.problems:
+    proposed = looking.write(looked.robot, good)
+    for problem in proposed.problems:
         click.echo(f"problem: {one_line(str(problem))}", err=True)
-    if became.problems:
+    if proposed.problems:
         click.echo("nothing was written", err=True)
     else:
-        click.echo(f"the rows are written: revision {became.revision}; 'lbr db undo' takes them back")
-    return became
+        click.echo(f"the rows are written: revision {proposed.revision}; 'lbr db undo' takes them back")
+    return proposed
 
 
 class Looking:
@@ -160,7 +160,7 @@ class Looking:
         for one in offers:
             changes += (each for each in one.changes if each not in changes)
         with opened(self._database) as rows:
-            return self._become(rows, robot, changes, dry_run=False)
+            return self._change_rows(rows, robot, changes, dry_run=False)
 
     def _whose(self, rows: "Database") -> str:
         running = [*running_here(rows.path)]
@@ -172,21 +172,21 @@ class Looking:
         if not proposal.changes:
             return proposal
         try:
-            became = self._become(rows, robot, proposal.changes, dry_run=True)
+            proposed = self._change_rows(rows, robot, proposal.changes, dry_run=True)
         except InputError as err:
             return replace(proposal, changes=[], problems=(str(err),))
-        differences = tuple(map(str, changes.differences(became.changes)))
-        return replace(proposal, differences=differences, problems=tuple(map(str, became.problems)))
+        differences = tuple(map(str, changes.differences(proposed.changes)))
+        return replace(proposal, differences=differences, problems=tuple(map(str, proposed.problems)))
 
-    def _become(self, rows: "Database", robot: str, changes: "list[RowChange]", *, dry_run: bool) -> "Proposed":
-        from lbr.commands.row_touched import Touching, become  # noqa: PLC0415
+    def _change_rows(self, rows: "Database", robot: str, changes: "list[RowChange]", *, dry_run: bool) -> "Proposed":
+        from lbr.commands.row_touched import Touching, change_rows  # noqa: PLC0415
         from lbr.database import forms  # noqa: PLC0415
         from lbr.database.rows import CORE  # noqa: PLC0415
 
         read = (each.row for kind in self.kinds.values() for each in kind.reads)
         classes = {row.TABLE: row for row in (*CORE, *read)}
         wanted = forms.wanted(robot, changes, classes)
-        return become(rows, wanted, "took what is plugged in", Touching(rows), dry_run=dry_run)
+        return change_rows(rows, wanted, "took what is plugged in", Touching(rows), dry_run=dry_run)
 
 
 def _held() -> dict[str, str]:

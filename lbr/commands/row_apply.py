@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from lbr.commands.options import FileName, Number, complete_robot, database_option, json_option
 from lbr.commands.row_past import change_options, tell
-from lbr.commands.row_touched import Touching, become
+from lbr.commands.row_touched import Touching, change_rows
 from lbr.commands.rows import opened, running_here
 from lbr.errors import InputError
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 LONGEST_S = 600.0
 LOOK_S = 0.1
 GRACE_S = 5.0
-"""For a robot that writes down late what became of a trial: its disk may be slow."""
+"""For a robot that writes down late how a trial ended: its disk may be slow."""
 
 
 @click.command("plan")
@@ -40,8 +40,8 @@ def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) 
 
     with opened(database) as rows:
         touching = Touching(rows)
-        became = become(rows, _wanted(source, rows, robot), f"applied {source.name}", touching, dry_run=True)
-        return tell(became, "", dry_run=True, as_json=as_json, touched=touching.told(), place=_place(source, rows))
+        proposed = change_rows(rows, _wanted(source, rows, robot), f"applied {source.name}", touching, dry_run=True)
+        return tell(proposed, "", dry_run=True, as_json=as_json, touched=touching.told(), place=_place(source, rows))
 
 
 @click.command("apply")
@@ -131,10 +131,10 @@ def _apply(
             )
         touching = Touching(rows)
         wanted = _wanted(source, rows, robot)
-        became = become(rows, wanted, f"applied {source.name}", touching, expected, within_s, dry_run=dry_run)
-        trial = None if within_s is None or became.revision == became.before else _awaited(rows, became.revision)
+        proposed = change_rows(rows, wanted, f"applied {source.name}", touching, expected, within_s, dry_run=dry_run)
+        trial = None if within_s is None or proposed.revision == proposed.before else _awaited(rows, proposed.revision)
         code = tell(
-            became,
+            proposed,
             f"the rows are as {source} says",
             dry_run=dry_run,
             as_json=as_json,

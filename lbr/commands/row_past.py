@@ -1,4 +1,4 @@
-"""`lbr db history`, `rollback` and `undo`: what became of the rows, and the way back."""
+"""`lbr db history`, `rollback` and `undo`: how the rows were, who changed them, and the way back."""
 
 import time
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from click.shell_completion import CompletionItem
 from msgspec.structs import asdict
 
 from lbr.commands.options import F, complete_robot, database_option, json_option, print_json
-from lbr.commands.row_touched import Touched, Touching, become, end_left_trial
+from lbr.commands.row_touched import Touched, Touching, change_rows, end_left_trial
 from lbr.commands.rows import opened
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
@@ -111,8 +111,8 @@ def rollback(
     """
 
     with opened(database) as rows:
-        became = go_back(rows, number, robot, expected, dry_run=dry_run)
-    return tell(became, f"the rows are as at revision {number}", dry_run=dry_run, as_json=as_json)
+        proposed = go_back(rows, number, robot, expected, dry_run=dry_run)
+    return tell(proposed, f"the rows are as at revision {number}", dry_run=dry_run, as_json=as_json)
 
 
 @click.command("undo")
@@ -139,9 +139,9 @@ def undo(
             raise InputError(f"there are {len(mine)} changes to take back, not {count}", "not_possible")
         if expected is None:
             expected = changes[-1].last
-        became = go_back(rows, mine[-count].first - 1, robot, expected, dry_run=dry_run)
+        proposed = go_back(rows, mine[-count].first - 1, robot, expected, dry_run=dry_run)
     which = "the newest change is" if count == 1 else f"the newest {count} changes are"
-    return tell(became, f"{which} taken back", dry_run=dry_run, as_json=as_json)
+    return tell(proposed, f"{which} taken back", dry_run=dry_run, as_json=as_json)
 
 
 COMMANDS = (history, rollback, undo)
@@ -150,7 +150,7 @@ COMMANDS = (history, rollback, undo)
 def go_back(
     rows: "Database", number: int, robot: str | None, expected: int | None, *, dry_run: bool = False
 ) -> "Proposed":
-    """Have the rows as they were at a revision; InputError says why that cannot be."""
+    """Change the rows to what they were at a revision; InputError says why that cannot be."""
     from lbr.database import changes  # noqa: PLC0415
 
     def wanted(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
@@ -158,7 +158,7 @@ def go_back(
 
     check_robot(rows, robot)
     text = f"went back to revision {number}" + (f" of '{robot}'" if robot else "")
-    return become(rows, wanted, text, Touching(rows), expected, dry_run=dry_run)
+    return change_rows(rows, wanted, text, Touching(rows), expected, dry_run=dry_run)
 
 
 def check_robot(rows: "Database", robot: str | None) -> None:
@@ -180,7 +180,7 @@ def between(rows: "Database", first: int, second: int | None) -> "tuple[Differen
 
 
 def tell(
-    became: "Proposed",
+    proposed: "Proposed",
     done: str,
     *,
     dry_run: bool,
@@ -189,29 +189,29 @@ def tell(
     place: "Callable[[Problem], str]" = str,
     trial: "Trial | None" = None,
 ) -> int:
-    """Say what became of rows, and return the exit code: 2 if nothing was changed because of problems."""
+    """Say how a proposal ended, and return the exit code: 2 if nothing was changed because of problems."""
     from lbr.database import changes  # noqa: PLC0415
 
-    told = changes.differences(became.changes)
-    written = not (dry_run or became.problems or not became.changes)
+    told = changes.differences(proposed.changes)
+    written = not (dry_run or proposed.problems or not proposed.changes)
     if as_json:
         print_json(
             {
                 "written": written,
-                "before": became.before,
-                "revision": became.revision,
+                "before": proposed.before,
+                "revision": proposed.revision,
                 "differences": told,
-                "problems": became.problems,
+                "problems": proposed.problems,
                 "touched": touched,
                 "trial": trial,
             }
         )
-        return 2 if became.problems else 0
+        return 2 if proposed.problems else 0
     for one in told:
         click.echo(one_line(str(one)))
-    for problem in became.problems:
+    for problem in proposed.problems:
         click.echo(f"problem: {one_line(place(problem))}", err=True)
-    if became.problems:
+    if proposed.problems:
         click.echo("nothing was changed", err=True)
         return 2
     for robot in touched:
@@ -219,13 +219,13 @@ def tell(
     if not told:
         click.echo("nothing differs: nothing was changed")
     elif dry_run:
-        click.echo(f"nothing was changed yet; the rows have revision {became.before}")
+        click.echo(f"nothing was changed yet; the rows have revision {proposed.before}")
     elif trial is not None and trial.state != "kept":
         click.echo(
             f"went back to revision {trial.back}: {trial.text}" if trial.state == "back" else trial.text, err=True
         )
     else:
-        click.echo(f"{done}: revision {became.revision}")
+        click.echo(f"{done}: revision {proposed.revision}")
     return 0
 
 

@@ -115,7 +115,7 @@ class Touching:
             return planned(rows)
 
 
-def become(
+def change_rows(
     rows: "Database",
     wanted: "Wanted",
     text: str,
@@ -125,7 +125,7 @@ def become(
     *,
     dry_run: bool,
 ) -> "Proposed":
-    """Have the rows as `wanted` makes them; `touching` judges them and keeps what their change does to processes."""
+    """Change the rows as a command wants it; `touching` judges them and keeps what their change does to processes."""
     from lbr.database import proposals  # noqa: PLC0415
 
     if not dry_run:

@@ -7,7 +7,7 @@ import click
 
 from lbr.commands.completing import complete_setting
 from lbr.commands.row_past import change_options, tell
-from lbr.commands.row_touched import Touching, become
+from lbr.commands.row_touched import Touching, change_rows
 from lbr.commands.rows import opened, robot_in, running_here
 from lbr.errors import InputError
 from lbr.messages.rows import shown
@@ -55,8 +55,8 @@ def command(
             return changes.between(tables, after, schema, whose)
 
         touching = Touching(rows)
-        became = become(rows, wanted, f"set {part}.{name}", touching, expected, dry_run=dry_run)
-    return tell(became, f"{part}.{name} is {shown(value)}", dry_run=dry_run, as_json=as_json, touched=touching.told())
+        proposed = change_rows(rows, wanted, f"set {part}.{name}", touching, expected, dry_run=dry_run)
+    return tell(proposed, f"{part}.{name} is {shown(value)}", dry_run=dry_run, as_json=as_json, touched=touching.told())
 
 
 def parted(setting: str) -> tuple[str, str]:
