@@ -36,7 +36,7 @@ _ROWS = ("rows_changed", "rows_refused", "rows_on_trial", "rows_kept", "rows_bac
 AUDITED = frozenset((*_RUNS, *_PROCESSES, *_MOTION, *_STOPS, *_PEOPLE, *_ROWS))
 """The kinds of events that go into the audit trail, from any source."""
 
-_NO_WHY = ("run", "ready", "python", "external", "pair", "paired", "host_joined", "trouble_over", "busy_over")
+_NO_WHY = ("run", "ready", "python", "external", "pair", "paired", "token", "host_joined", "trouble_over", "busy_over")
 _NO_WHY_OF_ROWS = ("rows_changed", "rows_good", "rows_on_trial", "rows_kept", "edit")
 CODES: dict[str, Code | Literal[""]] = {
     **dict.fromkeys((*_NO_WHY, *_NO_WHY_OF_ROWS), ""),
