@@ -4,7 +4,9 @@ from pathlib import Path
 
 import click
 
+from lbr import surroundings
 from lbr.commands.options import FileName
+from lbr.console.outlet import unhurried
 from lbr.errors import InputError
 
 
@@ -27,12 +29,9 @@ def command(host: str, connect: str, robot: str | None, token_file: Path | None)
     machine's LBR_HOME. When contact is lost or the robot shuts down they end, and the agent waits for the robot to come
     back. SIGTERM and Ctrl-C end it.
     """
-    from lbr import surroundings  # noqa: PLC0415 - the bus is for those who use it
-
     if not host:
         raise InputError("HOST is empty: give the name of this machine in the robot's launch profile")
     surroundings.forget_runtime()
-    from lbr.console.outlet import unhurried  # noqa: PLC0415
     from lbr.executive.remote.agent import Agent  # noqa: PLC0415
 
     surroundings.bound_heaps()

@@ -13,7 +13,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr import home, ownership, plugins
-from lbr.bus import wire
+from lbr.bus import stamp, wire
 from lbr.commands import device_checks, power_checks, service_checks
 from lbr.commands.finding import Finding
 from lbr.commands.rows import opened
@@ -202,8 +202,6 @@ def _governor() -> Iterator[Finding]:
 
 
 def _clock() -> Iterator[Finding]:
-    from lbr.bus import stamp  # noqa: PLC0415
-
     if stamp.boot_id():
         yield Finding(about="clock", level="good", text="ages of messages can be told")
     else:

@@ -6,8 +6,11 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 import click
+import msgspec
 from click.shell_completion import CompletionItem
 
+from lbr import home
+from lbr.database import glance
 from lbr.errors import LbrError
 
 if TYPE_CHECKING:
@@ -66,9 +69,6 @@ def of_rows(table: str, name: str, text: str) -> Complete:
     """Return what completes by a column of a table here, and tells another with it."""
 
     def complete(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-        from lbr import home  # noqa: PLC0415 - kept out of its `--help`
-        from lbr.database import glance  # noqa: PLC0415
-
         with suppress(LbrError):
             return items(
                 begun, glance.rows(context.params.get("database") or home.default_database(), table, name, text)
@@ -86,11 +86,7 @@ complete_token = of_rows("user_token", "name", "role")
 
 def complete_setting(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the parts that have settings; of the only one that is left, its settings, as `drive.max_power`."""
-    import msgspec  # noqa: PLC0415 - kept out of its `--help`
-
-    from lbr import home  # noqa: PLC0415
     from lbr.capability import registry  # noqa: PLC0415
-    from lbr.database import glance  # noqa: PLC0415
 
     part, dot, _ = begun.partition(".")
     with suppress(LbrError, OSError):

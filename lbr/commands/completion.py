@@ -3,6 +3,8 @@
 import click
 from click.shell_completion import get_completion_class
 
+from lbr.cli import cli
+
 SHELLS = ("bash", "zsh", "fish")
 
 
@@ -17,8 +19,6 @@ def command(shell: str) -> int:
     zsh    eval "$(lbr completion zsh)"            in ~/.zshrc, after compinit
     fish   lbr completion fish | source            in ~/.config/fish/config.fish
     """
-    from lbr.cli import cli  # noqa: PLC0415 - which imports this module
-
     found = get_completion_class(shell)
     assert found is not None
     click.echo(found(cli, {}, "lbr", "_LBR_COMPLETE").source())

@@ -1,13 +1,16 @@
 """`lbr db`: init, add, check, table, diff, audit and restore, and what it has from other modules: the rows' past."""
 
+import datetime as dt
 from pathlib import Path
 
 import click
 
+from lbr import home
 from lbr.commands import row_apply, row_past
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.row_past import local_time
 from lbr.commands.rows import judged, opened, said_by_kinds
+from lbr.database.shipped import differences
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 from lbr.messages.rows import shown
@@ -23,7 +26,6 @@ def command() -> None:
 @click.option("--sql", type=FileName(exists=True, dir_okay=False), help="Instead of the rows of all robots.")
 def init(database: Path | None, sql: Path | None) -> None:
     """Create the database with the rows of all robots (see 'lbr robots'); a file that is there is left alone."""
-    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
     from lbr.executive.planning import joining  # noqa: PLC0415
 
     path = database or home.default_database()
@@ -87,7 +89,6 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
 @click.argument("kind")
 def table(kind: str) -> None:
     """Print the SQL of the tables that capabilities of KIND read, with the triggers that keep their changes."""
-    from lbr import home  # noqa: PLC0415 - the database is for those who read rows
     from lbr.capability import registry  # noqa: PLC0415
     from lbr.database import schema  # noqa: PLC0415
 
@@ -115,8 +116,6 @@ def diff(first: int | None, second: int | None, database: Path | None, as_json: 
 
     With revision A, show what has changed since then; with A and B, from one to the other (see 'lbr db history').
     """
-    from lbr.database.shipped import differences  # noqa: PLC0415
-
     with opened(database) as rows:
         found = (
             differences(rows, implied=said_by_kinds(rows)) if first is None else row_past.between(rows, first, second)
@@ -161,7 +160,6 @@ def restore(source: Path | None, database: Path | None, only_list: bool, as_json
     A running robot copies its rows whenever they have run well for some seconds. Shut it down first. Tokens that were
     revoked stay so, unless the damage lies there too: it says which are valid.
     """
-    from lbr import home  # noqa: PLC0415
     from lbr.database import copies  # noqa: PLC0415
     from lbr.database import restore as restoring  # noqa: PLC0415
 
@@ -188,8 +186,6 @@ def restore(source: Path | None, database: Path | None, only_list: bool, as_json
 
 
 def _valid_tokens(path: Path) -> list[str]:
-    import datetime as dt  # noqa: PLC0415
-
     now = dt.datetime.now(dt.UTC)
     with opened(path) as rows:
         return [one.name for one in rows.tokens() if one.revoked_at is None and not one.has_expired(now)]

@@ -1,24 +1,24 @@
 """`lbr get`."""
 
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
+import msgspec
 from msgspec import Struct
 
+from lbr import home
+from lbr.capability import registry
 from lbr.commands.completing import complete_setting
 from lbr.commands.options import complete_robot, database_option, json_option, print_json
 from lbr.commands.rows import opened, running_here
 from lbr.commands.setting import meant, parted, refuse_unknown
+from lbr.database.rows import CapabilityRow
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
 from lbr.messages.rows import shown
 from lbr.names import near
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from lbr.database.rows import CapabilityRow
 
 
 class Setting(Struct, frozen=True):
@@ -61,14 +61,9 @@ def command(setting: str, robot: str | None, database: Path | None, as_json: boo
             click.echo(f"{shown(part)} has no settings" if part else f"no row of '{shown(whose)}' sets anything")
 
 
-def _of(row: "CapabilityRow") -> "Iterator[Setting]":
+def _of(row: CapabilityRow) -> Iterator[Setting]:
     """Yield a part's settings: those of its row, and those that its kind adds; the first alone if they are not
     valid."""
-    import msgspec  # noqa: PLC0415 - kept out of its `--help`
-
-    from lbr import home  # noqa: PLC0415
-    from lbr.capability import registry  # noqa: PLC0415
-
     try:
         in_row = msgspec.json.decode(row.settings, type=dict[str, Any])
     except (msgspec.MsgspecError, ValueError):
@@ -81,7 +76,7 @@ def _of(row: "CapabilityRow") -> "Iterator[Setting]":
         yield Setting(row.name, name, value, name in in_row)
 
 
-def _chosen(part: str, name: str, settings: "Iterable[Setting]") -> Setting:
+def _chosen(part: str, name: str, settings: Iterable[Setting]) -> Setting:
     there = {one.setting: one for one in settings}
     if name not in there:
         close = near(name, sorted(there))
@@ -92,6 +87,4 @@ def _chosen(part: str, name: str, settings: "Iterable[Setting]") -> Setting:
 
 def _as_typed(value: Any) -> str:
     """Return a value as `lbr set` takes it."""
-    import msgspec  # noqa: PLC0415
-
     return value if isinstance(value, str) else msgspec.json.encode(value).decode()

@@ -1,16 +1,16 @@
 """`lbr graph`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from lbr import home
 from lbr.commands.options import FileName, Whom, json_option, print_json, robot_options
 from lbr.commands.rows import opened, robot_in, with_words
+from lbr.commands.status import ask
+from lbr.console import target, wiring
+from lbr.console.wiring import Graph
 from lbr.errors import BusError, InputError
-
-if TYPE_CHECKING:
-    from lbr.console.wiring import Graph
 
 
 @click.command("graph")
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 @json_option
 def command(whom: Whom, database: Path | None, as_dot: bool, as_json: bool) -> int:
     """Show who feeds whom, from the rows; with states and rates if the robot runs."""
-    from lbr.console import wiring  # noqa: PLC0415 - the bus is for those who use it
-
     if whom.connect and database is not None:
         raise InputError("--db is for rows here, and --connect for a robot elsewhere; leave out one")
     found = _elsewhere(whom) if whom.connect else _here(whom.robot, database)
@@ -35,7 +33,7 @@ def command(whom: Whom, database: Path | None, as_dot: bool, as_json: bool) -> i
     return 0
 
 
-def _elsewhere(whom: Whom) -> "Graph":
+def _elsewhere(whom: Whom) -> Graph:
     from lbr.console import operator, target, wiring  # noqa: PLC0415
 
     found = target.find(*whom)
@@ -49,10 +47,7 @@ def _elsewhere(whom: Whom) -> "Graph":
     return wiring.from_plain(result.data)
 
 
-def _here(robot: str | None, database: Path | None) -> "Graph":
-    from lbr import home  # noqa: PLC0415 - only now is the database needed
-    from lbr.console import wiring  # noqa: PLC0415
-
+def _here(robot: str | None, database: Path | None) -> Graph:
     here = [one for one in home.running() if robot in {None, one.robot}]
     record = here[0] if len(here) == 1 and database in {None, Path(here[0].database)} else None
     path = database or (Path(record.database) if record else home.default_database())
@@ -62,10 +57,6 @@ def _here(robot: str | None, database: Path | None) -> "Graph":
 
 
 def _running(record: object) -> tuple[dict[str, str], dict[str, float]]:
-    from lbr import home  # noqa: PLC0415
-    from lbr.commands.status import ask  # noqa: PLC0415
-    from lbr.console import target, wiring  # noqa: PLC0415
-
     if not isinstance(record, home.Running):
         return {}, {}
     try:

@@ -1,32 +1,29 @@
 """`lbr import`: what a robot's former programs kept becomes its rows, with a report of what has no place."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 from click.shell_completion import CompletionItem
 
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.rows import opened, problems_of
+from lbr.database import edits, given_files, old_files, taking
+from lbr.database.motion_files import MotionFile
+from lbr.database.old_files import Given
+from lbr.database.rows import RobotRows
+from lbr.database.shipped import shipped
+from lbr.database.store import Database
+from lbr.database.taking import Here, Taken
 from lbr.errors import InputError
+from lbr.messages.joints import Joint, Motion
 from lbr.messages.plain import one_line
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from lbr.database.old_files import Given
-    from lbr.database.rows import RobotRows
-    from lbr.database.store import Database
-    from lbr.database.taking import Here, Taken
-    from lbr.messages.joints import Motion
-    from lbr.robot.old_data import Choice, Note, Want
+from lbr.robot.old_data import Choice, Note, Want, merged
 
 _SHOWN = {"added": "added", "changed": "changed", "clamped": "clamped", "no_place": "no place"}
 
 
 def _complete_format(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    from lbr.database import old_files  # noqa: PLC0415 - kept out of its `--help`
-
     return [CompletionItem(name, help=text) for name, text in old_files.formats().items() if name.startswith(begun)]
 
 
@@ -61,9 +58,6 @@ def command(
     a file says something else, it is named and nothing is written, unless --replace is given. The report tells each
     thing that was changed, brought within limits or has no place here.
     """
-    from lbr.database import old_files  # noqa: PLC0415
-    from lbr.robot.old_data import Choice  # noqa: PLC0415
-
     with opened(database) as rows:
         if wanted is not None and wanted not in (known := old_files.formats()):
             raise InputError(f"there is no format '{wanted}': {', '.join(known)}", "unknown_name")
@@ -89,11 +83,8 @@ def command(
     return 0
 
 
-def _given(path: Path, wanted: str | None) -> "tuple[list[Given], list[Note]]":
+def _given(path: Path, wanted: str | None) -> tuple[list[Given], list[Note]]:
     """Return what is in a file, or in each file of a folder, and which of those are not known."""
-    from lbr.database import given_files, old_files  # noqa: PLC0415
-    from lbr.robot.old_data import Note  # noqa: PLC0415
-
     if not path.is_dir():
         found = old_files.understood(path, wanted)
         if found.why:
@@ -110,10 +101,8 @@ def _given(path: Path, wanted: str | None) -> "tuple[list[Given], list[Note]]":
     return known, notes
 
 
-def _robot(rows: "Database", robot: str | None, given: "Sequence[Given]") -> str:
+def _robot(rows: Database, robot: str | None, given: Sequence[Given]) -> str:
     """Return the robot that is meant, or the only one that all of the files are for."""
-    from lbr.database.taking import Here  # noqa: PLC0415
-
     names = rows.robots(robot.replace("-", "_") if robot is not None else None)
     if robot is not None:
         return names[0]
@@ -125,10 +114,7 @@ def _robot(rows: "Database", robot: str | None, given: "Sequence[Given]") -> str
     return fitting[0]
 
 
-def _fits(given: "Given", here: "Here", rows: "RobotRows") -> bool:
-    from lbr.database.motion_files import MotionFile  # noqa: PLC0415
-    from lbr.messages.joints import Joint  # noqa: PLC0415
-
+def _fits(given: Given, here: Here, rows: RobotRows) -> bool:
     if isinstance(given.motions, MotionFile):
         named = {name for frame in given.motions.motion.frames for name in frame.positions}
         if any(row["name"] == given.motions.robot for row in here.tables["robot"]):
@@ -140,19 +126,15 @@ def _fits(given: "Given", here: "Here", rows: "RobotRows") -> bool:
 
 
 def _planned(
-    rows: "Database",
+    rows: Database,
     robot: str,
-    of_robot: "RobotRows",
-    given: "Sequence[Given]",
-    choice: "Choice",
+    of_robot: RobotRows,
+    given: Sequence[Given],
+    choice: Choice,
     *,
     replacing: bool,
-) -> "Taken":
+) -> Taken:
     """Return what all files together would write; InputError names what of a person's is in the way."""
-    from lbr.database import taking  # noqa: PLC0415
-    from lbr.database.motion_files import MotionFile  # noqa: PLC0415
-    from lbr.database.shipped import shipped  # noqa: PLC0415
-
     tables, _ = rows.tables()
     here = taking.Here(tables, robot)
     wants: list[Want] = []
@@ -189,10 +171,8 @@ def _planned(
     )
 
 
-def _write(rows: "Database", robot: str, plan: "Taken", revision: int, *, dry_run: bool) -> "Taken":
+def _write(rows: Database, robot: str, plan: Taken, revision: int, *, dry_run: bool) -> Taken:
     """Write the plan without those of its rows that a start would refuse, which have no place here; return it."""
-    from lbr.database import edits, taking  # noqa: PLC0415
-
     while plan.rows:
         proposed = edits.write_rows(
             rows, robot, plan.rows, problems_of, create=None, revision=revision, dry_run=dry_run
@@ -205,9 +185,7 @@ def _write(rows: "Database", robot: str, plan: "Taken", revision: int, *, dry_ru
     return plan
 
 
-def _tell(robot: str, given: "Sequence[Given]", plan: "Taken", notes: "Sequence[Note]", *, dry_run: bool) -> None:
-    from lbr.robot.old_data import merged  # noqa: PLC0415
-
+def _tell(robot: str, given: Sequence[Given], plan: Taken, notes: Sequence[Note], *, dry_run: bool) -> None:
     names = ", ".join(f"{one.path.name} ({one.format})" for one in given[:10])
     took = "would take" if dry_run else "took"
     count = f"{len(plan.rows)} row{'s' if len(plan.rows) != 1 else ''}"

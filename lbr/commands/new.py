@@ -1,14 +1,11 @@
 """`lbr new`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from lbr.commands.options import FileName
-
-if TYPE_CHECKING:
-    from lbr.commands.scaffold import What
+from lbr.commands.scaffold import What
 
 
 def _place(function: click.decorators.FC) -> click.decorators.FC:
@@ -85,7 +82,7 @@ def capability(name: str, into: Path) -> int:
     return _write("capability", name, into)
 
 
-def _write(what: "What", name: str, into: Path) -> int:
+def _write(what: What, name: str, into: Path) -> int:
     from lbr.commands import scaffold  # noqa: PLC0415 - kept out of its `--help`
 
     folder = scaffold.write(what, name, into)

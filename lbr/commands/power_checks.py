@@ -8,6 +8,7 @@ from lbr.commands import unitfiles
 from lbr.commands.finding import Finding
 from lbr.commands.rows import opened
 from lbr.commands.service import BOOTED, MACHINE
+from lbr.operations.power.logind import ask
 
 KIND = "power"
 ANSWER_S = 3.0
@@ -49,8 +50,6 @@ def _rule(root: Path) -> Finding:
 
 
 def _logind(bus: str) -> Finding:
-    from lbr.operations.power.logind import ask  # noqa: PLC0415 - for those who watch their supply
-
     answer = ask(bus, "CanPowerOff", ANSWER_S)
     if answer.trouble:
         text = f"you could not power off: {answer.trouble}"

@@ -2,7 +2,10 @@
 
 import click
 
+from lbr import plugins
 from lbr.commands.options import json_option, print_json
+from lbr.executive.planning import profile
+from lbr.robot import registry
 
 
 @click.command("robots")
@@ -12,9 +15,7 @@ def command(as_json: bool) -> int:
 
     A robot of a package that cannot be used is told with the reason; the others run. Needs no running robot.
     """
-    from lbr import plugins  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.executive.planning import joining, profile  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.robot import registry  # noqa: PLC0415
+    from lbr.executive.planning import joining  # noqa: PLC0415 - kept out of its `--help`
 
     found = [(one, joining.fault(one)) for one in registry.every()]
     if as_json:

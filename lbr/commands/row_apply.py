@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, Any
 import click
 from msgspec.structs import replace
 
-from lbr.commands.options import FileName, Number, complete_robot, database_option, json_option
+from lbr.commands.options import FileName, Number, complete_robot, database_option, json_option, print_json
 from lbr.commands.row_past import change_options, tell
 from lbr.commands.row_touched import Touching, change_rows
 from lbr.commands.rows import opened, running_here
+from lbr.database import row_files
+from lbr.database.proposals import Wanted
+from lbr.database.trials import Trial
 from lbr.errors import InputError
 
 if TYPE_CHECKING:
-    from lbr.database.proposals import Wanted
     from lbr.database.store import Database
-    from lbr.database.trials import Trial
 
 
 LONGEST_S = 600.0
@@ -93,9 +94,6 @@ def export(folder: Path, robot: str | None, database: Path | None, as_json: bool
 
     Files that are there are overwritten; tokens, events and the audit trail stay out of it.
     """
-    from lbr.commands.options import print_json  # noqa: PLC0415
-    from lbr.database import row_files  # noqa: PLC0415
-
     with opened(database) as rows:
         rows.robots(robot)
         tables, schema = rows.tables()
@@ -145,7 +143,7 @@ def _apply(
     return code or (1 if trial is not None and trial.state != "kept" else 0)
 
 
-def _awaited(rows: "Database", revision: int) -> "Trial | None":
+def _awaited(rows: "Database", revision: int) -> Trial | None:
     """Wait for what becomes of rows on trial; the executive goes on alone if this is killed."""
     from lbr.database import trials  # noqa: PLC0415
 
@@ -163,7 +161,7 @@ def _awaited(rows: "Database", revision: int) -> "Trial | None":
     return trial
 
 
-def _wanted(source: Path, rows: "Database", robot: str | None) -> "Wanted":
+def _wanted(source: Path, rows: "Database", robot: str | None) -> Wanted:
     from lbr.database import sources  # noqa: PLC0415
 
     return sources.wanted(source, rows.path, robot)
@@ -171,8 +169,6 @@ def _wanted(source: Path, rows: "Database", robot: str | None) -> "Wanted":
 
 def _place(source: Path, rows: "Database") -> Any:
     """Return what says a problem with the file where it stands, for a folder."""
-    from lbr.database import row_files  # noqa: PLC0415
-
     if not source.is_dir():
         return str
     schema = rows.tables()[1]

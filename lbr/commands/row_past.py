@@ -13,26 +13,26 @@ from msgspec.structs import asdict
 from lbr.commands.options import F, complete_robot, database_option, json_option, print_json
 from lbr.commands.row_touched import Touched, Touching, change_rows, end_left_trial
 from lbr.commands.rows import opened
+from lbr.database import changes, past
+from lbr.database.changes import Change
+from lbr.database.difference import Difference
+from lbr.database.past import HistoryEntry
+from lbr.database.proposals import Proposed
+from lbr.database.reading import Problem, RawTables
+from lbr.database.rows import RevisionRow
+from lbr.database.shipped import shipped
+from lbr.database.tables import Schema
+from lbr.database.trials import Trial
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
+from lbr.resources import robot_db_sql
 
 if TYPE_CHECKING:
-    from lbr.database.changes import Change
-    from lbr.database.difference import Difference
-    from lbr.database.past import HistoryEntry
-    from lbr.database.proposals import Proposed
-    from lbr.database.reading import Problem, RawTables
-    from lbr.database.rows import RevisionRow
     from lbr.database.store import Database
-    from lbr.database.tables import Schema
-    from lbr.database.trials import Trial
 
 
 def complete_table(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the tables whose changes are kept, to complete a command line by."""
-    from lbr.database.shipped import shipped  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.resources import robot_db_sql  # noqa: PLC0415
-
     return [CompletionItem(name) for name in shipped(robot_db_sql())[1] if name.startswith(begun)]
 
 
@@ -74,8 +74,6 @@ def history(
 
     The numbers are revisions: 'lbr db diff A B' compares two, 'lbr db rollback REV' goes back to one.
     """
-    from lbr.database import past  # noqa: PLC0415
-
     with opened(database) as rows:
         if table is not None and table not in (known := rows.tables()[1]):
             raise InputError(f"no table '{table}' keeps its changes: {', '.join(sorted(known))}", "unknown_name")
@@ -149,11 +147,10 @@ COMMANDS = (history, rollback, undo)
 
 def go_back(
     rows: "Database", number: int, robot: str | None, expected: int | None, *, dry_run: bool = False
-) -> "Proposed":
+) -> Proposed:
     """Change the rows to what they were at a revision; InputError says why that cannot be."""
-    from lbr.database import changes  # noqa: PLC0415
 
-    def wanted(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
+    def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
         return changes.between(tables, rows.tables_at(number), schema, robot)
 
     check_robot(rows, robot)
@@ -170,28 +167,24 @@ def check_robot(rows: "Database", robot: str | None) -> None:
             raise
 
 
-def between(rows: "Database", first: int, second: int | None) -> "tuple[Difference, ...]":
+def between(rows: "Database", first: int, second: int | None) -> tuple[Difference, ...]:
     """Return what differs between two revisions; now, if there is no second."""
-    from lbr.database import changes  # noqa: PLC0415
-
     now, schema = rows.tables()
     after = now if second is None else rows.tables_at(second)
     return changes.differences(changes.between(rows.tables_at(first), after, schema))
 
 
 def tell(
-    proposed: "Proposed",
+    proposed: Proposed,
     done: str,
     *,
     dry_run: bool,
     as_json: bool,
     touched: tuple[Touched, ...] = (),
-    place: "Callable[[Problem], str]" = str,
-    trial: "Trial | None" = None,
+    place: Callable[[Problem], str] = str,
+    trial: Trial | None = None,
 ) -> int:
     """Say how a proposal ended, and return the exit code: 2 if nothing was changed because of problems."""
-    from lbr.database import changes  # noqa: PLC0415
-
     told = changes.differences(proposed.changes)
     written = not (dry_run or proposed.problems or not proposed.changes)
     if as_json:
@@ -234,7 +227,7 @@ def local_time(seconds: float) -> str:
     return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(seconds))
 
 
-def _is_asked(revision: "RevisionRow", robot: str | None, table: str | None, row: str | None) -> bool:
+def _is_asked(revision: RevisionRow, robot: str | None, table: str | None, row: str | None) -> bool:
     """Say whether a revision is of a robot, of a table and of a row; None is any."""
     values = revision.new or revision.old or {}
     mine = robot is None or values.get("name" if revision.table == "robot" else "robot") == robot
@@ -242,11 +235,11 @@ def _is_asked(revision: "RevisionRow", robot: str | None, table: str | None, row
     return mine and table in {None, revision.table} and (row is None or row in keys)
 
 
-def _numbers(change: "HistoryEntry") -> str:
+def _numbers(change: HistoryEntry) -> str:
     return str(change.last) if change.first == change.last else f"{change.first}-{change.last}"
 
 
-def _who(change: "HistoryEntry") -> str:
+def _who(change: HistoryEntry) -> str:
     if not change.program:
         return change.text
     return f"{change.source}, {change.program}" + (f": {change.text}" if change.text else "")

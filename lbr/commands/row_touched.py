@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 
 from lbr.commands.rows import planned, running_here
+from lbr.database.changes import Change
+from lbr.database.proposals import Proposed, Wanted
+from lbr.database.reading import Problem, RawTables
+from lbr.database.rows import RobotRows
+from lbr.database.tables import Schema
 from lbr.errors import InputError, LbrError
+from lbr.executive.planning import profile
 
 if TYPE_CHECKING:
-    from lbr.database.changes import Change
-    from lbr.database.proposals import Proposed, Wanted
-    from lbr.database.reading import Problem, RawTables
-    from lbr.database.rows import RobotRows
     from lbr.database.store import Database
-    from lbr.database.tables import Schema
     from lbr.executive.planning.plan import Plan
 
 
@@ -50,14 +51,14 @@ class Touching:
         self._before: Mapping[str, RobotRows] = {}
         self._after: dict[str, Plan | None] = {}
 
-    def __call__(self, rows: "RobotRows") -> "tuple[Problem, ...]":
+    def __call__(self, rows: RobotRows) -> tuple[Problem, ...]:
         """Return what a start, or the robot that runs, would find wrong with rows; those to come are asked for
         first."""
         made, problems = self._planned(rows, self._before.get(rows.robot.name))
         self._after.setdefault(rows.robot.name, made)
         return problems
 
-    def look(self, changes: "Iterable[Change]") -> None:
+    def look(self, changes: Iterable[Change]) -> None:
         """Take note of what is to be done; InputError if a robot that runs would be taken out."""
         whose = {change.robot for change in changes}
         for change in changes:
@@ -66,7 +67,7 @@ class Touching:
         self._after.clear()
         self._before = self._rows.load_all([name for name in self._rows.robots() if {name, None} & whose])
 
-    def judge_of(self, changes: "Iterable[Change]") -> str:
+    def judge_of(self, changes: Iterable[Change]) -> str:
         """Return the robot that says whether changes work: the one that runs, and whose rows they are; else
         InputError."""
         whose = {change.robot for change in changes}
@@ -101,11 +102,7 @@ class Touching:
                 )
         return tuple(found)
 
-    def _planned(
-        self, rows: "RobotRows", before: "RobotRows | None" = None
-    ) -> "tuple[Plan | None, tuple[Problem, ...]]":
-        from lbr.executive.planning import profile  # noqa: PLC0415 - see above
-
+    def _planned(self, rows: RobotRows, before: RobotRows | None = None) -> "tuple[Plan | None, tuple[Problem, ...]]":
         running = self._running.get(rows.robot.name)
         if running is None:
             return planned(rows)
@@ -117,26 +114,26 @@ class Touching:
 
 def change_rows(
     rows: "Database",
-    wanted: "Wanted",
+    wanted: Wanted,
     text: str,
     touching: Touching,
     expected: int | None = None,
     within_s: float | None = None,
     *,
     dry_run: bool,
-) -> "Proposed":
+) -> Proposed:
     """Change the rows as a command wants it; `touching` judges them and keeps what their change does to processes."""
     from lbr.database import proposals  # noqa: PLC0415
 
     if not dry_run:
         end_left_trial(rows)
 
-    def looked_at(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
+    def looked_at(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
         changes = wanted(tables, schema)
         touching.look(changes)
         return changes
 
-    def on_trial(changes: "tuple[Change, ...]") -> tuple[str, float]:
+    def on_trial(changes: tuple[Change, ...]) -> tuple[str, float]:
         return touching.judge_of(changes), within_s or 0.0
 
     return proposals.command(

@@ -1,28 +1,30 @@
 """Opening a database for the commands that read rows."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from lbr import home
 from lbr.commands.options import DEFAULT_PROFILE
+from lbr.database.checks import check
+from lbr.database.reading import Problem, RawRow
+from lbr.database.rows import RobotRows
 from lbr.errors import InputError
+from lbr.executive.planning import profile
+from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.run_identity import RunIdentity
+from lbr.home import Running
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from lbr.database.reading import Problem, RawRow
-    from lbr.database.rows import RobotRows
     from lbr.database.store import Database
     from lbr.executive.planning.plan import Plan
-    from lbr.executive.planning.profile import Profile
-    from lbr.home import Running
 
 
 def opened(path: Path | None = None) -> "Database":
     """Open a database that is there, the home's if left out, for changes in this command's name; InputError says how to
     make one."""
-    from lbr import home  # noqa: PLC0415
     from lbr.database import store  # noqa: PLC0415 - the database is for those who read rows
 
     path = path or home.default_database()
@@ -36,8 +38,6 @@ def opened(path: Path | None = None) -> "Database":
 def robot_in(database: "Database", named: str | None = None) -> str:
     """Return the robot that is named, the only one in a database, or of several the one that `lbr run` starts when
     nothing is said."""
-    from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of its `--help`
-
     if named is not None:
         return database.robots(named)[0]
     names = database.robots()
@@ -47,10 +47,8 @@ def robot_in(database: "Database", named: str | None = None) -> str:
     return usual if usual in names else names[0]
 
 
-def running_here(path: Path) -> "dict[str, Running]":
+def running_here(path: Path) -> dict[str, Running]:
     """Return the robots that run from a database, by name."""
-    from lbr import home  # noqa: PLC0415
-
     return {one.robot: one for one in home.running() if _is_same(Path(one.database), path)}
 
 
@@ -61,15 +59,14 @@ def _is_same(one: Path, other: Path) -> bool:
         return False
 
 
-def with_words(rows: "RobotRows") -> "RobotRows":
+def with_words(rows: RobotRows) -> RobotRows:
     """Return a robot's rows with the verbs that its kinds bring; as they are if they make no robot."""
     made, _ = planned(rows)
     return made.rows if made is not None else rows
 
 
-def said_by_kinds(database: "Database") -> "Callable[[str, RawRow], bool]":
+def said_by_kinds(database: "Database") -> Callable[[str, RawRow], bool]:
     """Return what tells whether a row of a table is a verb that says no more than the robot's kinds do."""
-    from lbr.database.checks import check  # noqa: PLC0415
     from lbr.executive.planning import words  # noqa: PLC0415
 
     tables, _ = database.tables()
@@ -83,21 +80,20 @@ def said_by_kinds(database: "Database") -> "Callable[[str, RawRow], bool]":
     return lambda table, row: table == "verb" and (row["word"], row["pattern"]) in same.get(str(row["robot"]), ())
 
 
-def problems_of(rows: "RobotRows") -> "tuple[Problem, ...]":
+def problems_of(rows: RobotRows) -> tuple[Problem, ...]:
     """Return what a start would find wrong with a robot's rows."""
     return planned(rows)[1]
 
 
-def judged(rows: "RobotRows") -> tuple[list[str], list[str]]:
+def judged(rows: RobotRows) -> tuple[list[str], list[str]]:
     """Return what a start would find wrong with a robot's rows, and what is odd in rows that are good."""
-    from lbr import home  # noqa: PLC0415
     from lbr.executive.planning.hints import hints  # noqa: PLC0415
 
     made, problems = planned(rows)
     return [str(problem) for problem in problems], list(hints(made, home.home())) if made is not None else []
 
 
-def wiring_of(rows: "RobotRows", kind: str) -> "frozenset[str] | None":
+def wiring_of(rows: RobotRows, kind: str) -> frozenset[str] | None:
     """Return the inputs and requests of a kind that are wired on a robot; None if nothing of that kind would run."""
     made, _ = planned(rows)
     units = [one for one in made.units.values() if one.kind == kind] if made is not None else []
@@ -105,14 +101,11 @@ def wiring_of(rows: "RobotRows", kind: str) -> "frozenset[str] | None":
 
 
 def planned(
-    rows: "RobotRows", profile: "Profile | None" = None, before: "RobotRows | None" = None
+    rows: RobotRows, profile: Profile | None = None, before: RobotRows | None = None
 ) -> "tuple[Plan | None, tuple[Problem, ...]]":
     """Return the plan that a robot's rows make by a profile, in a simulation if left out; None if they make none, and
     what is wrong with them. Rows of a robot that runs follow those `before`."""
-    from lbr import home  # noqa: PLC0415
     from lbr.executive.planning import planner  # noqa: PLC0415
-    from lbr.executive.planning.profile import Profile  # noqa: PLC0415
-    from lbr.executive.planning.run_identity import RunIdentity  # noqa: PLC0415
 
     site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
     return planner.make(rows, profile or Profile(robot=rows.robot.name, simulate=True), site, before=before)

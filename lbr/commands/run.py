@@ -4,7 +4,12 @@ from pathlib import Path
 
 import click
 
+from lbr import home, surroundings
 from lbr.commands.options import DEFAULT_PROFILE, FileName, complete_profile
+from lbr.console.outlet import unhurried
+from lbr.executive.planning import profile
+from lbr.executive.planning import profile as profiles
+from lbr.robot import registry
 
 
 class RunCommand(click.Command):
@@ -12,9 +17,6 @@ class RunCommand(click.Command):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
         """Write which profiles there are."""
-        from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of what runs a robot
-        from lbr.robot import registry  # noqa: PLC0415
-
         with formatter.section("Profiles"):
             formatter.write_dl(
                 [
@@ -49,12 +51,8 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
     A robot of a package brings its rows into the database when it runs for the first time.
     End of input and Ctrl-C at the console stop the motors and shut the robot down in order.
     """
-    from lbr import home, surroundings  # noqa: PLC0415 - only `run` needs the database and the supervisor
-
     home.begin()
     surroundings.forget_runtime()
-    from lbr.console.outlet import unhurried  # noqa: PLC0415
-    from lbr.executive.planning import profile as profiles  # noqa: PLC0415
     from lbr.executive.shutdown import leave_for_certain  # noqa: PLC0415
     from lbr.executive.start import run  # noqa: PLC0415
 

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING
 
 import click
 
+from lbr import home
 from lbr.commands.completing import complete_line
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
+from lbr.console import lines, printable, stops, target
+from lbr.console.target import Target
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
 from lbr.messages.system import ConsoleResult
 
 if TYPE_CHECKING:
     from lbr.console.operator import BusOperator
-    from lbr.console.target import Target
 
 LOOK_S = 0.05
 
@@ -51,8 +53,6 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as
     stops it. stop and estop go to every robot that runs here, unless one is named. Exit code 0: done, 1: refused or
     failed, 2: bad input.
     """
-    from lbr.console import lines, printable, stops, target  # noqa: PLC0415 - the bus is for those who use it
-
     line = printable.clean(" ".join(words))
     if not line:
         raise InputError("there is nothing to send; 'lbr send help' lists what can be said")
@@ -89,8 +89,6 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as
 
 def await_start(robot: str | None, wait_s: float) -> None:
     """Wait for a robot that is meant and whose start is under way, and say so; return at once where none is."""
-    from lbr import home  # noqa: PLC0415 - kept out of its `--help`
-
     until, told = time.monotonic() + wait_s, False
     while not any(robot in {None, one.robot} for one in home.running()):
         names = [name or "a robot" for name in home.starting() if not name or robot in {None, name}]
@@ -102,7 +100,7 @@ def await_start(robot: str | None, wait_s: float) -> None:
         time.sleep(LOOK_S)
 
 
-def _stop_all(robots: list["Target"], line: str, as_json: bool) -> int:
+def _stop_all(robots: list[Target], line: str, as_json: bool) -> int:
     """Say a stop to each robot, and print what each answers once it has; none waits for another."""
     said: dict[str, ConsoleResult] = {}
     with ThreadPoolExecutor(len(robots)) as pool:
@@ -116,7 +114,7 @@ def _stop_all(robots: list["Target"], line: str, as_json: bool) -> int:
     return max(result.code for result in said.values())
 
 
-def _said(robot: "Target", line: str) -> ConsoleResult:
+def _said(robot: Target, line: str) -> ConsoleResult:
     try:
         with _speaking(robot) as said:
             return said.submit(line)
@@ -125,7 +123,7 @@ def _said(robot: "Target", line: str) -> ConsoleResult:
 
 
 @contextmanager
-def _speaking(robot: "Target") -> "Iterator[BusOperator]":
+def _speaking(robot: Target) -> "Iterator[BusOperator]":
     """Be connected to a robot as somebody who says lines."""
     from lbr.console import operator, target  # noqa: PLC0415 - see above
 

@@ -4,17 +4,15 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from lbr.commands import placing, unitfiles
 from lbr.commands.options import FileName, complete_profile
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from lbr.commands.placing import Step
+from lbr.commands.placing import Step
+from lbr.commands.unitfiles import DEFAULT_USER, UNIT, this_site, user_of
 
 BOOTED = Path("/run/systemd/system")
 MACHINE = Path("/")
@@ -78,8 +76,6 @@ def install(
 
     May be repeated: user, right to power off and relay stay what they were unless something else is said.
     """
-    from lbr.commands import placing  # noqa: PLC0415 - kept out of its `--help`
-
     files = _files(profile, user, root, power_off=power_off, motor_relay=motor_relay)
     code = _report(lambda: placing.install(root, files, overwrite=overwrite, dry_run=dry_run))
     if code == 0:
@@ -94,9 +90,6 @@ def install(
 @overwrite_option
 def remove(root: Path, dry_run: bool, overwrite: bool) -> int:
     """Stop and forget the services, and take their files away. The robot's rows and logs stay."""
-    from lbr.commands import placing  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.commands.unitfiles import UNIT  # noqa: PLC0415
-
     if (root / UNIT).exists() and os.access((root / UNIT).parent, os.W_OK):
         _tell(root, (("systemctl", "stop", "lbr@*.service"),), dry_run=dry_run)
     code = _report(
@@ -116,8 +109,6 @@ _RELOAD = (
 
 
 def _files(profile: str, user: str | None, root: Path, *, power_off: bool, motor_relay: str | None) -> dict[str, str]:
-    from lbr.commands import unitfiles  # noqa: PLC0415 - kept out of its `--help`
-
     before = unitfiles.extras_of(root)
     extras = unitfiles.Extras(
         power_off=power_off or before.power_off, motor_relay=before.motor_relay if motor_relay is None else motor_relay
@@ -127,18 +118,14 @@ def _files(profile: str, user: str | None, root: Path, *, power_off: bool, motor
 
 def _user(user: str | None, root: Path) -> str:
     """Return who it should run as: as told, or as before."""
-    from lbr.commands.unitfiles import DEFAULT_USER, UNIT, user_of  # noqa: PLC0415
-
     unit = root / UNIT
     return user or (user_of(unit.read_text(errors="replace")) if unit.exists() else DEFAULT_USER)
 
 
-def _report(do: "Callable[[], Iterable[Step]]") -> int:
+def _report(do: Callable[[], Iterable[Step]]) -> int:
     try:
         steps = list(do())
     except PermissionError:
-        from lbr.commands.unitfiles import this_site  # noqa: PLC0415
-
         click.echo(f"lbr: this needs root. Type:\n  sudo {' '.join((*this_site().program, *sys.argv[1:]))}", err=True)
         return 1
     except OSError as err:
@@ -149,17 +136,15 @@ def _report(do: "Callable[[], Iterable[Step]]") -> int:
     return 1 if any("--overwrite" in step.done for step in steps) else 0
 
 
-def _disable(root: Path, *, dry_run: bool) -> "list[Step]":
+def _disable(root: Path, *, dry_run: bool) -> list[Step]:
     """Take away the links that start the services with the machine."""
-    from lbr.commands.placing import Step  # noqa: PLC0415
-
     links = sorted((root / "etc/systemd/system").glob("*.wants/lbr@*.service"))
     for link in () if dry_run else links:
         link.unlink()
     return [Step(link, "would be removed" if dry_run else "removed") for link in links]
 
 
-def _tell(root: Path, commands: "Iterable[tuple[str, ...]]", *, dry_run: bool) -> None:
+def _tell(root: Path, commands: Iterable[tuple[str, ...]], *, dry_run: bool) -> None:
     """Run what makes the running system take notice; what is missing or fails is said, and is no error."""
     if root != MACHINE or not BOOTED.exists():
         return
@@ -173,8 +158,6 @@ def _tell(root: Path, commands: "Iterable[tuple[str, ...]]", *, dry_run: bool) -
 
 
 def _say_next(profile: str, user: str | None, root: Path) -> None:
-    from lbr.commands import unitfiles  # noqa: PLC0415
-
     name = unitfiles.instance_of(profile)[0]
     who = _user(user, root)
     if root == MACHINE:

@@ -1,5 +1,6 @@
 """`lbr set`."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,17 +10,17 @@ from lbr.commands.completing import complete_setting
 from lbr.commands.row_past import change_options, tell
 from lbr.commands.row_touched import Touching, change_rows
 from lbr.commands.rows import opened, robot_in, running_here
+from lbr.database import changes, edits
+from lbr.database.changes import Change
+from lbr.database.columns import json_strictly
+from lbr.database.reading import RawTables
+from lbr.database.tables import Schema
 from lbr.errors import InputError
 from lbr.messages.rows import shown
 from lbr.names import near
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from lbr.database.changes import Change
-    from lbr.database.reading import RawTables
     from lbr.database.store import Database
-    from lbr.database.tables import Schema
 
 
 @click.command("set", context_settings={"ignore_unknown_options": True})
@@ -47,9 +48,7 @@ def command(
     with opened(database) as rows:
         whose = meant(rows, robot, running_here(rows.path))
 
-        def wanted(tables: "RawTables", schema: "Schema") -> "tuple[Change, ...]":
-            from lbr.database import changes, edits  # noqa: PLC0415 - kept out of its `--help`
-
+        def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
             refuse_unknown(part, (row["name"] for row in tables["capability"] if row["robot"] == whose), whose)
             after = edits.with_setting(tables, whose, part, name, _read(value))
             return changes.between(tables, after, schema, whose)
@@ -65,13 +64,13 @@ def parted(setting: str) -> tuple[str, str]:
     return part, name
 
 
-def meant(rows: "Database", robot: str | None, running: "Iterable[str]") -> str:
+def meant(rows: "Database", robot: str | None, running: Iterable[str]) -> str:
     """Return whose rows are meant: the named robot's, those of the only one that runs from them, or the usual one's."""
     here = list(running)
     return robot_in(rows, robot or (here[0] if len(here) == 1 else None))
 
 
-def refuse_unknown(part: str, names: "Iterable[Any]", robot: str) -> None:
+def refuse_unknown(part: str, names: Iterable[Any], robot: str) -> None:
     """Raise InputError if a robot has no part of this name."""
     there = sorted(map(str, names))
     if part not in there:
@@ -82,8 +81,6 @@ def refuse_unknown(part: str, names: "Iterable[Any]", robot: str) -> None:
 
 def _read(value: str) -> Any:
     """Return what was typed: JSON, or else a text."""
-    from lbr.database.columns import json_strictly  # noqa: PLC0415
-
     try:
         return json_strictly(value)
     except (ValueError, RecursionError):

@@ -7,6 +7,7 @@ import time
 
 import click
 
+from lbr import home
 from lbr.commands.options import Whom, robot_options
 from lbr.errors import BusError
 
@@ -18,7 +19,6 @@ POLL_S = 0.05
 @robot_options
 def command(whom: Whom) -> int:
     """Shut a robot down in order, and wait until it is gone. (To stop driving only, say 'lbr send stop'.)"""
-    from lbr import home  # noqa: PLC0415 - the bus is for those who use it
     from lbr.console import operator, target  # noqa: PLC0415
 
     found = target.find(*whom)

@@ -11,16 +11,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 import click
+import msgspec
+import psutil
 
+from lbr import home
+from lbr.bus import tokens
+from lbr.bus.session import client_settings
+from lbr.bus.tokens import Token
 from lbr.commands.completing import complete_token
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.commands.rows import opened
+from lbr.database.rows import GoodFor, TokenRow
 from lbr.errors import InputError
 from lbr.messages.system import TokenRole
 
 if TYPE_CHECKING:
-    from lbr.bus.tokens import Token
-    from lbr.database.rows import TokenRow
     from lbr.database.store import Database
 
 EVERYWHERE = ("0.0.0.0", "[::]")  # noqa: S104 - read, not bound
@@ -65,10 +70,6 @@ def add(name: str, role: str, good_for: str, expires: str | None, path: Path | N
 
     With --file, any Zenoh client gets in by that file alone: zenoh.open(zenoh.Config.from_file("phone.json5")).
     """
-    import msgspec  # noqa: PLC0415 - only now is the bus needed
-
-    from lbr.bus import tokens  # noqa: PLC0415
-    from lbr.database.rows import GoodFor  # noqa: PLC0415 - the name of a type, and the type
     from lbr.executive.planning import credentials  # noqa: PLC0415
 
     tokens.check_name(name)
@@ -124,8 +125,6 @@ def revoke(name: str, database: Path | None) -> None:
 
 
 def _opened(path: Path | None) -> "Database":
-    from lbr import home  # noqa: PLC0415
-
     here = home.running()
     return opened(path or (Path(here[0].database) if len(here) == 1 else None))
 
@@ -141,14 +140,14 @@ def end_in(text: str) -> dt.datetime:
         raise InputError(f"'{text}' from now is beyond the last date there is: leave --expires out") from None
 
 
-def state_of(one: "TokenRow") -> str:
+def state_of(one: TokenRow) -> str:
     """Return whether a token is valid, expired or revoked."""
     if one.revoked_at is not None:
         return "revoked"
     return "expired" if one.has_expired(dt.datetime.now(dt.UTC)) else "valid"
 
 
-def until_of(one: "TokenRow") -> str:
+def until_of(one: TokenRow) -> str:
     """Return the end of a token as a list shows it, nothing if it has none."""
     if one.revoked_at is not None:
         return f", until {one.revoked_at}"
@@ -157,8 +156,6 @@ def until_of(one: "TokenRow") -> str:
 
 def _listens(rows: "Database") -> tuple[str, ...]:
     """Return where a robot of these rows listens: one that runs here says so, or else the rows do."""
-    from lbr import home  # noqa: PLC0415
-
     for one in home.running():
         if Path(one.database) == rows.path and one.lan:
             return one.lan
@@ -182,8 +179,6 @@ def endpoints_of(listen: tuple[str, ...]) -> list[str]:
 
 
 def _addresses() -> list[str]:
-    import psutil  # noqa: PLC0415
-
     cards = psutil.net_if_addrs().values()
     every = [one.address for card in cards for one in card if one.family == socket.AF_INET]
     return [address for address in every if not address.startswith("127.")] or ["127.0.0.1"]
@@ -209,9 +204,8 @@ def new_file(path: Path | None) -> Iterator[TextIO | None]:
         raise
 
 
-def write_configuration(file: TextIO, token: "Token", endpoints: list[str]) -> None:
+def write_configuration(file: TextIO, token: Token, endpoints: list[str]) -> None:
     """Write the settings of a client that comes in by this token."""
-    from lbr.bus.session import client_settings  # noqa: PLC0415
     from lbr.executive.planning import credentials  # noqa: PLC0415
 
     _, certificate = credentials.bus_certificate()

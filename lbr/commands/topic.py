@@ -4,20 +4,22 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
+import msgspec
 
+from lbr.bus import keys, pictures, probe, wire
+from lbr.bus.codec import decode
+from lbr.bus.session import Session
+from lbr.bus.wire import RawMessage
 from lbr.commands.completing import complete_topic
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
+from lbr.console import rates, target, topics
+from lbr.console.rates import Rate
+from lbr.console.topics import Topic
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.plain import one_line
-
-if TYPE_CHECKING:
-    from lbr.bus.session import Session
-    from lbr.bus.wire import RawMessage
-    from lbr.console.rates import Rate
-    from lbr.console.topics import Topic
 
 WAIT_S = 5.0
 SILENT_S = 2.0
@@ -38,8 +40,6 @@ def command() -> None:
 @json_option
 def list_topics(whom: Whom, as_json: bool) -> int:
     """List streams and commands, with message types and rates; listens a second for streams without a description."""
-    from lbr.console import topics  # noqa: PLC0415 - the bus is for those who use it
-
     with _bus(whom) as (bus, name, source):
         found = topics.catalogue(bus, name, source)
         found = sorted([*found, *topics.heard(bus, name, found, LISTEN_S)], key=lambda topic: topic.name)
@@ -59,8 +59,6 @@ def list_topics(whom: Whom, as_json: bool) -> int:
 @json_option
 def info(topic: str, whom: Whom, as_json: bool) -> int:
     """Describe a stream or command: its key, its message and what each field may be."""
-    from lbr.console import topics  # noqa: PLC0415
-
     with _bus(whom) as (bus, name, source):
         key = topics.key_of(name, topic)
         there, wanted = _known(bus, name, source), key.partition("/")[2]
@@ -86,9 +84,6 @@ def info(topic: str, whom: Whom, as_json: bool) -> int:
 @json_option
 def echo(topic: str, whom: Whom, once: bool, raw: bool, as_json: bool) -> int:
     """Print what a stream says, until Ctrl-C. If nothing comes for 2 s, standard error says why that may be."""
-    from lbr.bus import wire  # noqa: PLC0415
-    from lbr.console import topics  # noqa: PLC0415
-
     with _bus(whom) as (bus, name, source):
         key = topics.key_of(name, topic)
         feed = wire.Subscription(bus, key, depth=1000)
@@ -120,9 +115,6 @@ def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
 
     The publisher's rate is by its own numbering and clock, so a slow machine or network cannot make it look wrong.
     """
-    from lbr.bus import probe  # noqa: PLC0415
-    from lbr.console import rates, topics  # noqa: PLC0415
-
     with _bus(whom) as (bus, name, _source):
         key = topics.key_of(name, topic)
         heard = probe.Arrivals(bus, key)
@@ -151,11 +143,6 @@ def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
 @click.option("--count", type=click.IntRange(1), default=1, show_default=True, help="How many messages.")
 def pub(topic: str, message: str, whom: Whom, rate: float, count: int) -> int:
     """Publish a message of JSON. What the robot refuses is printed, and the exit code is then 1."""
-    import msgspec  # noqa: PLC0415
-
-    from lbr.bus import keys, wire  # noqa: PLC0415
-    from lbr.console import target, topics  # noqa: PLC0415
-
     try:
         payload = msgspec.json.decode(message)
     except (msgspec.DecodeError, UnicodeError) as err:
@@ -182,29 +169,23 @@ def pub(topic: str, message: str, whom: Whom, rate: float, count: int) -> int:
 
 
 @contextmanager
-def _bus(whom: Whom) -> "Iterator[tuple[Session, str, str]]":
-    from lbr.console import target  # noqa: PLC0415
-
+def _bus(whom: Whom) -> Iterator[tuple[Session, str, str]]:
     found = target.find(*whom)
     with target.connected(found) as bus:
         yield bus, found.robot, target.source("lbr topic")
 
 
-def _known(bus: "Session", robot: str, source: str) -> "list[Topic]":
-    from lbr.console import topics  # noqa: PLC0415
-
+def _known(bus: Session, robot: str, source: str) -> list[Topic]:
     return [*topics.catalogue(bus, robot, source), *topics.system_topics()]
 
 
-def _latest(bus: "Session", key: str, known: "list[Topic]", source: str) -> "list[RawMessage]":
+def _latest(bus: Session, key: str, known: list[Topic], source: str) -> list[RawMessage]:
     """Ask a stream for its latest message; a command is never asked, because it would do what it is for."""
-    from lbr.bus import wire  # noqa: PLC0415
-
     streams = {topic.name for topic in known if topic.role == "stream"}
     return wire.ask(bus, key, None, source=source, timeout_s=1.0) if key.partition("/")[2] in streams else []
 
 
-def print_message(message: "RawMessage", *, as_json: bool, raw: bool, named: bool) -> None:
+def print_message(message: RawMessage, *, as_json: bool, raw: bool, named: bool) -> None:
     """Print a message: its bytes, its JSON, or lines for people."""
     if raw:
         out = sys.stdout.buffer
@@ -224,9 +205,6 @@ def print_message(message: "RawMessage", *, as_json: bool, raw: bool, named: boo
 
 def value_of(payload: bytes) -> Any:
     """Return the JSON of a payload; of a picture or other bytes, a description."""
-    from lbr.bus import pictures  # noqa: PLC0415
-    from lbr.bus.codec import decode  # noqa: PLC0415
-
     if pictures.is_whole(payload):
         return pictures.described(payload)
     try:
@@ -249,14 +227,12 @@ def lines_of(value: Any, indent: str = "") -> Iterator[str]:
 
 
 def _scalar(value: Any) -> str:
-    import msgspec  # noqa: PLC0415
-
     if isinstance(value, str):
         return value
     return f"{value:.6g}" if isinstance(value, float) else msgspec.json.encode(value).decode()
 
 
-def rate_text(rate: "Rate") -> str:
+def rate_text(rate: Rate) -> str:
     """Return a measured rate in one line."""
     published = f"published {rate.publisher_hz:.1f} Hz" if rate.publisher_hz is not None else "published ? Hz"
     parts = [published, f"received {rate.received_hz:.1f} Hz"]
@@ -269,7 +245,7 @@ def rate_text(rate: "Rate") -> str:
     return one_line(f"{rate.key} from {rate.source}: {', '.join([*parts, f'{rate.bytes_per_s / 1000:.1f} kB/s'])}")
 
 
-def refusal_in(raw: "RawMessage", key: str, source: str) -> str:
+def refusal_in(raw: RawMessage, key: str, source: str) -> str:
     """Return what an event tells of a refusal of this key or sender, or nothing."""
     value = value_of(raw.payload)
     if not isinstance(value, dict) or value.get("kind") != "refused":

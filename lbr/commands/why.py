@@ -3,21 +3,26 @@
 import threading
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
+import msgspec
 from click.shell_completion import CompletionItem
 
-from lbr.commands.options import FileName, Whom, json_option, print_json, robot_options
+from lbr import home
+from lbr.bus import keys, wire
+from lbr.commands.options import DEFAULT_PROFILE, FileName, Whom, json_option, print_json, robot_options
 from lbr.commands.rows import opened, planned
+from lbr.console import target
+from lbr.console.printable import clean, shown
+from lbr.console.target import Target
 from lbr.errors import BusError, InputError
-
-if TYPE_CHECKING:
-    from lbr import home
-    from lbr.console.target import Target
-    from lbr.messages.system import Event
-    from lbr.messages.why import Chain
-    from lbr.why.snapshot import Facts, Snapshot
+from lbr.executive.planning import profile
+from lbr.messages.plain import one_line
+from lbr.messages.system import ConsoleResult, Event
+from lbr.messages.why import Chain
+from lbr.why import chain, telling
+from lbr.why.chain import explain
+from lbr.why.snapshot import Facts, Snapshot
 
 ANSWER_S = 1.5
 """A robot that runs answers within a fifth of a second; one that does not by then is looked at from its rows."""
@@ -26,9 +31,6 @@ EVENTS = 200
 
 def complete_part(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the parts that the rows here have, to complete a command line by."""
-    from lbr import home  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.why import chain  # noqa: PLC0415
-
     path = home.default_database()
     found = {name for facts in _of_rows(path, None) for name in chain.names(facts)} if path.exists() else set()
     return [CompletionItem(name) for name in sorted(found) if name.startswith(begun)]
@@ -47,9 +49,6 @@ def command(part: str, whom: Whom, database: Path | None, verbose: bool, as_json
     moves. A robot that does not run or does not answer is explained by its rows. Exit code 0: it was answered, 1: there
     are no rows to answer from, 2: bad input.
     """
-    from lbr.messages.plain import one_line  # noqa: PLC0415
-    from lbr.why import telling  # noqa: PLC0415
-
     found = ask(part, whom, database)
     if as_json:
         print_json(found)
@@ -59,12 +58,8 @@ def command(part: str, whom: Whom, database: Path | None, verbose: bool, as_json
     return 0
 
 
-def ask(part: str, whom: Whom, database: Path | None) -> "Chain":
+def ask(part: str, whom: Whom, database: Path | None) -> Chain:
     """Return why a part stands still: by the robot's own word, or by its rows if it has none."""
-    from lbr import home  # noqa: PLC0415
-    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
-    from lbr.why.chain import explain  # noqa: PLC0415
-
     began = time.monotonic()
     here = [one for one in home.running() if whom.robot in {None, one.robot}]
     if not here and not whom.connect:
@@ -80,16 +75,8 @@ def ask(part: str, whom: Whom, database: Path | None) -> "Chain":
     return explain(_silent(here[0], time.monotonic() - began), part)
 
 
-def _heard(found: "Target", part: str) -> "Chain | None":
+def _heard(found: Target, part: str) -> Chain | None:
     """Return the robot's own answer, None if it has none in time."""
-    import msgspec  # noqa: PLC0415
-
-    from lbr.bus import keys, wire  # noqa: PLC0415
-    from lbr.console import target  # noqa: PLC0415
-    from lbr.console.printable import clean  # noqa: PLC0415
-    from lbr.messages.system import ConsoleResult  # noqa: PLC0415
-    from lbr.messages.why import Chain  # noqa: PLC0415
-
     line, source, answered = clean(f"why {part}"), target.source("lbr why"), threading.Event()
     with target.connected(found) as bus:
         question = wire.PendingQuery(
@@ -114,13 +101,8 @@ def _heard(found: "Target", part: str) -> "Chain | None":
     return msgspec.convert(result.data, Chain)
 
 
-def _dead(part: str, robot: str | None, path: Path) -> "Snapshot":
+def _dead(part: str, robot: str | None, path: Path) -> Snapshot:
     """Return what the rows say of a robot that does not run: the named one, else one that has such a part."""
-    from lbr.commands.options import DEFAULT_PROFILE  # noqa: PLC0415
-    from lbr.console.printable import shown  # noqa: PLC0415
-    from lbr.executive.planning import profile  # noqa: PLC0415
-    from lbr.why import chain  # noqa: PLC0415
-
     if not path.exists():
         raise BusError(f"no robot runs here, and there are no rows in {path}; 'lbr run' makes them and starts one")
     found, usual = _of_rows(path, robot), profile.load(DEFAULT_PROFILE).robot
@@ -130,19 +112,15 @@ def _dead(part: str, robot: str | None, path: Path) -> "Snapshot":
     return _snapshot(next((one for one in known if one.robot == usual), known[0]), "down", path)
 
 
-def _silent(running: "home.Running", waited_s: float) -> "Snapshot":
+def _silent(running: home.Running, waited_s: float) -> Snapshot:
     """Return what is known of a robot that holds its lock and does not answer."""
-    from lbr.why.snapshot import Facts  # noqa: PLC0415
-
     path = Path(running.database)
     found = _of_rows(path, running.robot, running.profile) if path.exists() else []
     facts = found[0] if found else Facts(robot=running.robot, profile=running.profile)
     return _snapshot(facts, "silent", path, waited_s)
 
 
-def _snapshot(facts: "Facts", executive: str, path: Path, waited_s: float = 0.0) -> "Snapshot":
-    from lbr.why.snapshot import Snapshot  # noqa: PLC0415
-
+def _snapshot(facts: Facts, executive: str, path: Path, waited_s: float = 0.0) -> Snapshot:
     events: tuple[Event, ...] = ()
     if path.exists():
         with opened(path) as rows:
@@ -156,7 +134,7 @@ def _snapshot(facts: "Facts", executive: str, path: Path, waited_s: float = 0.0)
     )
 
 
-def _of_rows(path: Path, robot: str | None, profile: str = "") -> "list[Facts]":
+def _of_rows(path: Path, robot: str | None, profile: str = "") -> list[Facts]:
     """Return what a database says of its robots, or of one of them."""
     from lbr.executive.planning import facts  # noqa: PLC0415
     from lbr.executive.planning.watch import loaded  # noqa: PLC0415

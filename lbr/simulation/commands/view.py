@@ -2,23 +2,26 @@
 
 import contextlib
 import shutil
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import click
+import msgspec
+from msgspec import Struct
 
+from lbr.bus import wire
+from lbr.bus.codec import Decoder
+from lbr.bus.session import Session
 from lbr.commands.options import FileName, Whom, robot_options
+from lbr.console import target
 from lbr.errors import BusError, MalformedError
 from lbr.messages.joints import JointsState
 from lbr.messages.sensing import Ranges
+from lbr.simulation.commands import joint_table
 from lbr.simulation.messages import HumanoidPose, WorldPose, WorldScene
-
-if TYPE_CHECKING:
-    from msgspec import Struct
-
-    from lbr.bus.session import Session
 
 S = TypeVar("S", bound="Struct")
 
@@ -33,10 +36,6 @@ WAIT_S = 5.0
 @click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is not a terminal.")
 def command(whom: Whom, png: Path | None, once: bool) -> int:
     """Watch a simulated robot from above, or a humanoid joint by joint, until Ctrl-C; it says when no news comes."""
-    import sys  # noqa: PLC0415
-
-    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
-
     found = target.find(*whom)
     with target.connected(found) as bus:
         if png is not None:
@@ -52,18 +51,9 @@ def command(whom: Whom, png: Path | None, once: bool) -> int:
 
 
 def _live(frame: Callable[[int, int], list[str]]) -> int:
-    from rich.live import Live  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
+    from lbr.commands.screen import redraw  # noqa: PLC0415 - rich, for people alone
 
-    from lbr.console.outlet import unhurried  # noqa: PLC0415
-
-    with unhurried() as outlet, Live(Text(""), screen=True, auto_refresh=False) as live:
-        while True:
-            size = shutil.get_terminal_size()
-            lines = frame(size.columns, size.lines)
-            if not outlet.waiting:  # else the terminal is not read, and would only fall behind
-                live.update(Text("\n".join(lines), no_wrap=True), refresh=True)
-            time.sleep(FRAME_S)
+    redraw(lambda: "\n".join(frame(*shutil.get_terminal_size())), FRAME_S)
 
 
 def _wait(frame: Callable[[int, int], list[str]]) -> None:
@@ -74,10 +64,9 @@ def _wait(frame: Callable[[int, int], list[str]]) -> None:
         time.sleep(FRAME_S / 4)
 
 
-def _frames(bus: "Session", robot: str, clock: Callable[[], float] = time.monotonic) -> Callable[[int, int], list[str]]:
+def _frames(bus: Session, robot: str, clock: Callable[[], float] = time.monotonic) -> Callable[[int, int], list[str]]:
     """Return what draws the newest view, or nothing until all is known."""
     from lbr.simulation import topdown  # noqa: PLC0415
-    from lbr.simulation.commands import joint_table  # noqa: PLC0415
 
     scene = _Latest(bus, f"{robot}/world/scene", WorldScene, clock)
     pose = _Latest(bus, f"{robot}/world/pose", WorldPose, clock)
@@ -105,11 +94,7 @@ def _late(what: "_Latest[Any]", width: int) -> list[str]:
 class _Latest(Generic[S]):
     """The newest message of a stream, and how long ago it came."""
 
-    def __init__(self, bus: "Session", key: str, kind: type[S], clock: Callable[[], float]) -> None:
-        from lbr.bus import wire  # noqa: PLC0415
-        from lbr.bus.codec import Decoder  # noqa: PLC0415
-        from lbr.console import target  # noqa: PLC0415
-
+    def __init__(self, bus: Session, key: str, kind: type[S], clock: Callable[[], float]) -> None:
         self._clock = clock
         self._feed = wire.Subscription(bus, key)
         self._decoder = Decoder(kind)
@@ -133,12 +118,7 @@ class _Latest(Generic[S]):
             self._last, self._seen = self._decoder.decode(payload), self._clock()
 
 
-def _picture(bus: "Session", robot: str, png: Path) -> int:
-    import msgspec  # noqa: PLC0415
-
-    from lbr.bus import wire  # noqa: PLC0415
-    from lbr.console import target  # noqa: PLC0415
-
+def _picture(bus: Session, robot: str, png: Path) -> int:
     message = {"path": str(png.absolute())}
     source = target.source("lbr view")
     answers = wire.ask(bus, f"{robot}/world/picture", message, source=source, timeout_s=10.0)

@@ -2,26 +2,38 @@
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from lbr import home
+from lbr.apps.behaviours import files, texts
 from lbr.apps.behaviours.commands import trials as behaviour_trials
+from lbr.apps.behaviours.files import Read
+from lbr.apps.behaviours.keys import EVERY
+from lbr.apps.behaviours.table import (
+    ANY_ROBOT,
+    Compiled,
+    Fault,
+    Parts,
+    cell_faults,
+    compile_table,
+    compiled_alone,
+    linked,
+)
+from lbr.apps.behaviours.texts import fault as told
 from lbr.commands.completing import complete_behaviour
 from lbr.commands.new_file import write_new
-from lbr.commands.options import FileName, database_option, json_option, print_json, robot_options
+from lbr.commands.options import FileName, Whom, database_option, json_option, print_json, robot_options
 from lbr.commands.rows import opened, problems_of, robot_in, wiring_of
+from lbr.database import edits, given_files
+from lbr.database.rows import RobotRows
 from lbr.errors import InputError, RowError
-from lbr.messages.behaviour import BehaviourRow, BehaviourTable
+from lbr.messages.behaviour import BehaviourRow, BehaviourState, BehaviourTable
 from lbr.messages.plain import one_line
+from lbr.messages.sensing import RING, RangeSensor
 from lbr.messages.units import NAME_PATTERN
 from lbr.names import name_from
-
-if TYPE_CHECKING:
-    from lbr.apps.behaviours.files import Read
-    from lbr.apps.behaviours.table import Compiled, Fault, Parts
-    from lbr.commands.options import Whom
-    from lbr.database.rows import RobotRows
 
 robot_option = click.option("--robot", metavar="NAME", help="Whose behaviours; the usual robot's if left out.")
 
@@ -38,8 +50,6 @@ def command() -> None:
 def check(what: str, robot: str | None, database: Path | None) -> int:
     """Say all that is wrong with a table in FILE (CSV or JSON) or in the robot's rows, with line, column and what to
     do."""
-    from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of its `--help`
-
     if not _is_a_file(what):
         rows = _rows(database, robot)
         table, compiled = _table(rows, what), _compiled(rows)[what]
@@ -88,8 +98,6 @@ def import_(
     A robot that runs has it at once. If it is the one that is being run, its states count from when they are next
     entered.
     """
-    from lbr.database import edits  # noqa: PLC0415
-
     called = name or _name_of(file)
     if not re.fullmatch(NAME_PATTERN, called) or len(called) > 40:
         raise InputError(f"'{called}' is not a name: small letters, digits and _, a letter first; give one by --name")
@@ -135,8 +143,6 @@ def import_(
 @database_option
 def export(table: str, form: str, semicolons: bool, path: Path | None, robot: str | None, database: Path | None) -> int:
     """Write a TABLE as CSV or JSON, for a spreadsheet or for others; 'lbr behaviour import' takes it."""
-    from lbr.apps.behaviours import files  # noqa: PLC0415 - kept out of its `--help`
-
     _, rows = _found(table, robot, database)
     if form == "json":
         content = files.to_json(rows)
@@ -174,9 +180,6 @@ def show(table: str, svg: bool, path: Path | None, robot: str | None, database: 
 @database_option
 def list_(robot: str | None, database: Path | None) -> int:
     """List the behaviours in the robot's rows, and what is wrong with those that cannot be run."""
-    from lbr.apps.behaviours import texts  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.messages.behaviour import BehaviourState  # noqa: PLC0415
-
     rows = _rows(database, robot)
     tables = {one.name: one for one in rows.of(BehaviourTable)}
     click.echo(texts.listed(tables, _compiled(rows), BehaviourState(phase="resting")))
@@ -214,7 +217,7 @@ def _word(name: str, text: str) -> None:
     @robot_options
     @json_option
     @click.pass_context
-    def say(context: click.Context, whom: "Whom", as_json: bool) -> Any:
+    def say(context: click.Context, whom: Whom, as_json: bool) -> Any:
         return _said(context, f"/behaviour/{name}", whom, as_json=as_json)
 
     command.add_command(say)
@@ -225,7 +228,7 @@ def _word(name: str, text: str) -> None:
 @robot_options
 @json_option
 @click.pass_context
-def run(context: click.Context, table: str, whom: "Whom", as_json: bool) -> Any:
+def run(context: click.Context, table: str, whom: Whom, as_json: bool) -> Any:
     """Have a running robot run TABLE from its start; it goes on without this command, and 'lbr behaviour stop' ends
     it."""
     return _said(context, f"/behaviour/run/{table}", whom, as_json=as_json)
@@ -241,7 +244,7 @@ for _name, _text in (
     _word(_name, _text)
 
 
-def _said(context: click.Context, line: str, whom: "Whom", *, as_json: bool) -> Any:
+def _said(context: click.Context, line: str, whom: Whom, *, as_json: bool) -> Any:
     from lbr.commands import send  # noqa: PLC0415 - the bus is for those who use it
 
     return context.invoke(
@@ -257,10 +260,8 @@ def _said(context: click.Context, line: str, whom: "Whom", *, as_json: bool) -> 
 
 def chosen(
     what: str, robot: str | None, database: Path | None
-) -> "tuple[RobotRows, BehaviourTable, tuple[BehaviourRow, ...]]":
+) -> tuple[RobotRows, BehaviourTable, tuple[BehaviourRow, ...]]:
     """Return a robot's rows, and a table that can be run: of a FILE, or the robot's own by its name."""
-    from lbr.apps.behaviours.texts import fault as told  # noqa: PLC0415 - kept out of its `--help`
-
     rows = _rows(database, robot)
     if _is_a_file(what):
         path = Path(what)
@@ -282,22 +283,17 @@ def _name_of(path: Path) -> str:
     return name_from(path.stem.removesuffix(".states"), "table")
 
 
-def _read(path: Path, name: str) -> "Read":
+def _read(path: Path, name: str) -> Read:
     """Return what is in a file, and what could not be read of it."""
-    from lbr.apps.behaviours import files  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.database import given_files  # noqa: PLC0415
-
     content = given_files.read(path, files.LARGEST_BYTES)
     return files.read(content, name, json=path.suffix.lower() == ".json")
 
 
-def _fits(path: Path, table: BehaviourTable, found: "Read", rows: "RobotRows | None") -> "Compiled":
+def _fits(path: Path, table: BehaviourTable, found: Read, rows: RobotRows | None) -> Compiled:
     """Return a table of a file, checked beside the robot's own; RowError names all that is wrong with it.
 
     Of one that cannot all be read that is all cells: what lacks some says nothing of its states and their ways.
     """
-    from lbr.apps.behaviours.table import cell_faults, compile_table, linked  # noqa: PLC0415 - kept out of its `--help`
-
     if found.faults:
         told = [(one.line, f"{path}, {one}") for one in found.faults]
         told += [
@@ -315,37 +311,29 @@ def _fits(path: Path, table: BehaviourTable, found: "Read", rows: "RobotRows | N
     return mine
 
 
-def _complain(where: str, faults: "tuple[Fault, ...]", lines: Any) -> None:
+def _complain(where: str, faults: tuple[Fault, ...], lines: Any) -> None:
     """Print what is odd, no more."""
     for one in faults:
         if not one.error:
             click.echo(one_line(f"note: {_told(where, one, lines)}"), err=True)
 
 
-def _told(where: str, fault: "Fault", lines: Any) -> str:
+def _told(where: str, fault: Fault, lines: Any) -> str:
     at = [f"line {lines[fault.step]}"] if fault.step in lines else [f"row {fault.step}"] if fault.step else []
     return ", ".join([where, *at, *([fault.column] if fault.column else [])]) + f": {fault.text}"
 
 
-def _compiled(rows: "RobotRows") -> "dict[str, Compiled]":
-    from lbr.apps.behaviours.table import linked  # noqa: PLC0415 - kept out of its `--help`
-
+def _compiled(rows: RobotRows) -> dict[str, Compiled]:
     return linked(_alone(rows))
 
 
-def _alone(rows: "RobotRows") -> "dict[str, Compiled]":
+def _alone(rows: RobotRows) -> dict[str, Compiled]:
     """Return every table of a robot, each checked by itself."""
-    from lbr.apps.behaviours.table import compiled_alone  # noqa: PLC0415 - kept out of its `--help`
-
     return compiled_alone(rows.of(BehaviourTable), rows.of(BehaviourRow), _parts(rows))
 
 
-def _parts(rows: "RobotRows | None") -> "Parts":
+def _parts(rows: RobotRows | None) -> Parts:
     """Return what a robot has for tables; anything if that is not known, or it has no capability that runs them."""
-    from lbr.apps.behaviours.keys import EVERY  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.apps.behaviours.table import ANY_ROBOT, Parts  # noqa: PLC0415
-    from lbr.messages.sensing import RING, RangeSensor  # noqa: PLC0415
-
     wired = wiring_of(rows, "behaviour") if rows is not None else None
     if rows is None or wired is None:
         return ANY_ROBOT
@@ -359,7 +347,7 @@ def _found(table: str, robot: str | None, database: Path | None) -> tuple[Behavi
     return of_table, tuple(row for row in rows.of(BehaviourRow) if row.behaviour == table)
 
 
-def _table(rows: "RobotRows", name: str) -> BehaviourTable:
+def _table(rows: RobotRows, name: str) -> BehaviourTable:
     tables = {one.name: one for one in rows.of(BehaviourTable)}
     if name not in tables:
         there = ", ".join(sorted(tables)) or "none"
@@ -367,15 +355,13 @@ def _table(rows: "RobotRows", name: str) -> BehaviourTable:
     return tables[name]
 
 
-def _rows(database: Path | None, robot: str | None) -> "RobotRows":
+def _rows(database: Path | None, robot: str | None) -> RobotRows:
     with opened(database) as there:
         return there.load(robot_in(there, robot))
 
 
-def _rows_if_any(database: Path | None, robot: str | None) -> "RobotRows | None":
+def _rows_if_any(database: Path | None, robot: str | None) -> RobotRows | None:
     """Return a robot's rows to check a file by; None where there is no database yet, and none is named."""
-    from lbr import home  # noqa: PLC0415
-
     if database is None and robot is None and not home.default_database().exists():
         return None
     return _rows(database, robot)

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 import click
 from msgspec.structs import replace
 
+from lbr import home
 from lbr.commands.options import Number, database_option, json_option, print_json
 from lbr.commands.rows import planned
+from lbr.database.rows import RobotRows
 from lbr.errors import InputError
+from lbr.messages.behaviour import BehaviourRow, BehaviourTable
+from lbr.messages.rows import row_set
 
 if TYPE_CHECKING:
-    from lbr.database.rows import RobotRows
-    from lbr.messages.behaviour import BehaviourRow, BehaviourTable
     from lbr.simulation.trials.trial import Begins, Outcome, Setup
 
 LONGEST_S = 900.0
@@ -59,9 +61,9 @@ def options(command: Any) -> Any:
 
 def tries(
     what: str,
-    rows: "RobotRows",
-    table: "BehaviourTable",
-    of_table: "tuple[BehaviourRow, ...]",
+    rows: RobotRows,
+    table: BehaviourTable,
+    of_table: tuple[BehaviourRow, ...],
     *,
     as_json: bool,
     **given: Any,
@@ -195,15 +197,13 @@ def _docks(setup: "Setup") -> bool:
 
 
 def _setup(
-    rows: "RobotRows",
-    table: "BehaviourTable",
-    of_table: "tuple[BehaviourRow, ...]",
+    rows: RobotRows,
+    table: BehaviourTable,
+    of_table: tuple[BehaviourRow, ...],
     max_s: float | None,
     begins: "Begins | None",
 ) -> "Setup":
     """Return what the trials need: the robot's processes as its rows plan them, with the table."""
-    from lbr import home  # noqa: PLC0415 - kept out of its `--help`
-
     if find_spec("mujoco") is None:
         raise InputError("trials need the extra 'sim': pip install 'lbr[sim]'", "not_possible")
     longest_s = max_s or (table.max_s if 0.0 < table.max_s <= LONGEST_S else WITHOUT_END_S)
@@ -211,16 +211,14 @@ def _setup(
 
 
 def setup_of(
-    rows: "RobotRows",
-    table: "BehaviourTable",
-    of_table: "tuple[BehaviourRow, ...]",
+    rows: RobotRows,
+    table: BehaviourTable,
+    of_table: tuple[BehaviourRow, ...],
     max_s: float,
     home: str,
     begins: "Begins | None" = None,
 ) -> "Setup":
     """Return what trials of a table by a robot of these rows need; InputError says why it cannot be tried."""
-    from lbr.messages.behaviour import BehaviourRow, BehaviourTable  # noqa: PLC0415
-    from lbr.messages.rows import row_set  # noqa: PLC0415
     from lbr.simulation.trials.trial import HUMANOID, RUNS, WORLD, Setup  # noqa: PLC0415
 
     plan, problems = planned(rows)

@@ -1,28 +1,30 @@
 """`lbr motion`: motions in files, to share them and to take over those of a robot's maker."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 from msgspec.structs import replace
 
+from lbr import home
 from lbr.commands.completing import complete_motion
 from lbr.commands.new_file import write_new
 from lbr.commands.options import FileName, database_option, json_option, print_json
 from lbr.commands.rows import opened, problems_of
+from lbr.database import edits, given_files, motion_files
+from lbr.database.motion_files import Summary
+from lbr.database.rows import RobotRows
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
 from lbr.messages.plain import one_line
 from lbr.messages.units import NAME_PATTERN
+from lbr.robot.motion_file import LARGEST_BYTES
+from lbr.robot.old_data import Note, merged
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from lbr.database.motion_files import Summary
-    from lbr.database.rows import RobotRows
     from lbr.database.store import Database
-    from lbr.robot.old_data import Note
 
 robot_option = click.option("--robot", metavar="NAME", help="Whose motions; found out if left out.")
 
@@ -62,8 +64,6 @@ def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
 @database_option
 def export(name: str, robot: str | None, path: Path | None, database: Path | None) -> int:
     """Write the motion NAME to a file, for others: as JSON, or in a maker's form; 'lbr motion import' takes it."""
-    from lbr.database import motion_files  # noqa: PLC0415 - the database is for those who read rows
-
     with opened(database) as rows:
         found = [
             (one, motion, of_robot)
@@ -112,9 +112,6 @@ def import_(
     A robot that runs takes it over at once; a motion that is being played is stopped for it. What the file asks of a
     joint beyond its limits is refused, and named.
     """
-    from lbr.database import edits, motion_files  # noqa: PLC0415
-    from lbr.robot.old_data import merged  # noqa: PLC0415
-
     if name is not None and not re.fullmatch(NAME_PATTERN, name):
         raise InputError(f"'{name}' is not a name: those are of lower-case letters, digits and _, a letter first")
     with opened(database) as there:
@@ -156,7 +153,6 @@ def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: P
     last row of motion_step says by hand whether the robot may go straight to where they lead.
     """
     from lbr.apps.motions.commands import standing as motion_standing  # noqa: PLC0415 - the engine is for those who ask for it
-    from lbr.database import edits  # noqa: PLC0415
 
     told = []
     with opened(database) as there:
@@ -184,18 +180,13 @@ def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: P
 
 
 def _home() -> str:
-    from lbr import home  # noqa: PLC0415
-
     return str(home.home())
 
 
 def _understood(
     opened: "Database", file: Path, robot: str | None, name: str | None
-) -> "tuple[str, Motion, RobotRows, list[Note]]":
+) -> tuple[str, Motion, RobotRows, list[Note]]:
     """Return for whom a file is, its motion, that robot's rows, and what people should know."""
-
-    from lbr.database import given_files, motion_files  # noqa: PLC0415
-    from lbr.robot.motion_file import LARGEST_BYTES  # noqa: PLC0415
 
     content = given_files.read(file, LARGEST_BYTES)
     notes: list[Note] = []
@@ -221,7 +212,7 @@ def _only(motions: tuple[Motion, ...]) -> Motion:
     return motions[0]
 
 
-def _said(robot: str, motion: Motion, about: "Summary", *, written: bool) -> str:
+def _said(robot: str, motion: Motion, about: Summary, *, written: bool) -> str:
     took = "took" if written else "would take"
     lines = [
         f"{took} '{motion.name}' for {robot}: {about.frames} key frames, {about.duration_s:g} s, {about.joints} joints",
@@ -240,11 +231,11 @@ def _figures(motion: Motion) -> tuple[str, str, int | None, bool, float, int, in
     return motion.name, motion.help, motion.slot, motion.builtin, round(seconds, 2), len(motion.frames), len(joints)
 
 
-def _motions(rows: "RobotRows") -> tuple[Motion, ...]:
+def _motions(rows: RobotRows) -> tuple[Motion, ...]:
     return motions_of(rows.of(MotionRow), rows.of(MotionStep))
 
 
-def _one(opened: "Database", robot: str | None, fits: "Callable[[RobotRows], bool]") -> "tuple[str, RobotRows]":
+def _one(opened: "Database", robot: str | None, fits: Callable[[RobotRows], bool]) -> tuple[str, RobotRows]:
     """Return the robot that is meant, or the only one that a file is for, with its rows."""
     found = [(name, opened.load(name)) for name in opened.robots(robot)]
     fitting = found if robot is not None else [(name, rows) for name, rows in found if fits(rows)]

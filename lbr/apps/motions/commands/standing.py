@@ -2,17 +2,14 @@
 
 import random
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import msgspec
 
+from lbr.database.rows import RobotRows
 from lbr.messages.joints import Joint, KeyFrame
 from lbr.operations.joints import trajectory
 from lbr.simulation.humanoid.balance import Balance
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
-
-if TYPE_CHECKING:
-    from lbr.database.rows import RobotRows
 
 WORLD = "humanoid_world"
 ROUNDS = (1, 2)
@@ -22,7 +19,7 @@ ASKEW_RAD = 0.006
 SEEDS = (1, 2, 3)
 
 
-def world(rows: "RobotRows", robot: str) -> HumanoidWorldSettings:
+def world(rows: RobotRows, robot: str) -> HumanoidWorldSettings:
     """Return how a robot is simulated: as its rows say, or with the body of its name."""
     found = (row.settings for row in rows.capabilities if row.kind == WORLD)
     return msgspec.json.decode(next(found, f'{{"model": "{robot}"}}'), type=HumanoidWorldSettings)

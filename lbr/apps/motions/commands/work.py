@@ -12,11 +12,12 @@ import time
 from collections.abc import Iterator
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import msgspec
 from msgspec.structs import replace
 
+from lbr.database import motion_files
 from lbr.errors import InputError, LbrError
 from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionRow, MotionStep, motions_of
@@ -35,11 +36,10 @@ from lbr.messages.motion_work import (
     WriteJob,
     Written,
 )
+from lbr.messages.rows import Row
 from lbr.messages.unreadable import UNREADABLE
-
-if TYPE_CHECKING:
-    from lbr.messages.rows import Row
-    from lbr.simulation.humanoid.settings import HumanoidWorldSettings
+from lbr.robot import registry
+from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 
 R = TypeVar("R", bound="Row")
 NICENESS = 10
@@ -130,10 +130,8 @@ def _reached(start: dict[str, float], frames: tuple[KeyFrame, ...], joints: dict
     return (replace(frames[0], duration_s=max(frames[0].duration_s, SMOOTHEST * max(ways, default=0.0))), *frames[1:])
 
 
-def _world(job: CheckJob) -> "HumanoidWorldSettings":
+def _world(job: CheckJob) -> HumanoidWorldSettings:
     """Return how the robot is simulated: as its own rows say, or its package's, or a body of its name."""
-    from lbr.simulation.humanoid.settings import HumanoidWorldSettings  # noqa: PLC0415
-
     for settings in (*_settings_in(Path(job.database), job.robot), *_settings_of_package(job.robot)):
         try:
             return msgspec.json.decode(settings, type=HumanoidWorldSettings)
@@ -155,7 +153,6 @@ def _settings_in(database: Path, robot: str) -> Iterator[str]:
 def _settings_of_package(robot: str) -> Iterator[str]:
     """Yield what the rows say that a robot's package brings."""
     from lbr.database import packaged  # noqa: PLC0415
-    from lbr.robot import registry  # noqa: PLC0415
 
     found = registry.find(robot)
     if found is None or found.robot is None or found.robot.rows is None:
@@ -165,8 +162,6 @@ def _settings_of_package(robot: str) -> Iterator[str]:
 
 
 def _read(job: ReadJob) -> ReadMotions:
-    from lbr.database import motion_files  # noqa: PLC0415
-
     rows = _Rows(job.joints, job.motors)
     found = motion_files.read(job.content, job.suffix)
     notes: list[Any] = []
@@ -190,8 +185,6 @@ def _read(job: ReadJob) -> ReadMotions:
 
 
 def _written(job: WriteJob) -> Written:
-    from lbr.database import motion_files  # noqa: PLC0415
-
     rows: Any = _Rows(job.joints, job.motors)
     content, notes = motion_files.exported(job.robot, job.motion, rows, job.suffix)
     return Written(content=content, notes=tuple(map(str, notes)))

@@ -3,20 +3,25 @@
 import time
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
+import msgspec
 
+from lbr import home
+from lbr.apps.recorder.commands import box
+from lbr.apps.recorder.recording import times
+from lbr.apps.recorder.recording.moment import Moment, moment
+from lbr.apps.recorder.recording.recorded import RecordedRows
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.commands.rows import opened
+from lbr.database.reading import RawTables
 from lbr.errors import InputError
+from lbr.messages.plain import one_line
 from lbr.messages.unreadable import UNREADABLE
-
-if TYPE_CHECKING:
-    from lbr.apps.recorder.recording.moment import Moment
-    from lbr.apps.recorder.recording.recorded import RecordedRows
-    from lbr.database.reading import RawTables
-    from lbr.why.snapshot import Snapshot
+from lbr.why import telling
+from lbr.why.chain import explain
+from lbr.why.snapshot import Facts, Said, Snapshot
 
 Tables = dict[str, list[dict[str, Any]]]
 SURE = "capability"
@@ -42,8 +47,6 @@ def command(
     are out of the black box; rows are out of the past that the rows have themselves, and out of the box if that is of
     other rows.
     """
-    from lbr.apps.recorder.recording import times  # noqa: PLC0415 - kept out of its `--help`
-
     now = time.time_ns()
     at_ns = times.moment_ns(when, now)
     if at_ns > now:
@@ -57,12 +60,8 @@ def command(
     return _why(found, part, as_json=as_json) if what == "why" else _status(found, as_json=as_json)
 
 
-def snapshot(found: "Moment") -> "Snapshot":
+def snapshot(found: Moment) -> Snapshot:
     """Return a moment as `why` explains one; InputError if its rows were not recorded."""
-    import msgspec  # noqa: PLC0415
-
-    from lbr.why.snapshot import Facts, Said, Snapshot  # noqa: PLC0415
-
     if found.rows is None:
         raise InputError("the rows of then are not in the recording, and without them nothing can be explained")
     try:
@@ -79,19 +78,12 @@ def snapshot(found: "Moment") -> "Snapshot":
     )
 
 
-def _moment(at_ns: int, robot: str | None, place: str) -> "Moment":
-    from lbr.apps.recorder.commands import box  # noqa: PLC0415
-    from lbr.apps.recorder.recording.moment import moment  # noqa: PLC0415
-
+def _moment(at_ns: int, robot: str | None, place: str) -> Moment:
     chosen, _start, _end = box.selected(place, robot, None, None, None)
     return moment(chosen.files, at_ns)
 
 
-def _why(found: "Moment", part: str, *, as_json: bool) -> int:
-    from lbr.messages.plain import one_line  # noqa: PLC0415
-    from lbr.why import telling  # noqa: PLC0415
-    from lbr.why.chain import explain  # noqa: PLC0415
-
+def _why(found: Moment, part: str, *, as_json: bool) -> int:
     answer = explain(snapshot(found), part)
     if as_json:
         print_json(answer)
@@ -101,8 +93,8 @@ def _why(found: "Moment", part: str, *, as_json: bool) -> int:
     return 0
 
 
-def _status(found: "Moment", *, as_json: bool) -> int:
-    from lbr.commands.status import show  # noqa: PLC0415
+def _status(found: Moment, *, as_json: bool) -> int:
+    from lbr.commands.status_table import show  # noqa: PLC0415 - rich, for people alone
 
     if found.status is None:
         raise InputError("the status of then is not in the recording")
@@ -121,10 +113,6 @@ def _rows(at_ns: int, table: str, robot: str | None, place: str, database: Path 
     if as_json:
         print_json({"revision": revision, "source": source, "tables": wanted})
         return 0
-    import msgspec  # noqa: PLC0415
-
-    from lbr.messages.plain import one_line  # noqa: PLC0415
-
     click.echo(f"revision {revision}, by {source}")
     for name, rows in wanted.items():
         click.echo(f"{name}: {len(rows)} rows")
@@ -139,8 +127,6 @@ def _tables(at_ns: int, robot: str | None, place: str, database: Path | None) ->
     Their own past has each edit at its moment; a recording has it once the executive has taken it in. But the recorded
     rows may have been replaced since.
     """
-    from lbr import home  # noqa: PLC0415
-
     path = database or home.default_database()
     recorded, name = (None, robot) if database else _recorded(at_ns, robot, place)
     if recorded is not None and (place or not _goes_back_to(path, recorded, name)):
@@ -150,7 +136,7 @@ def _tables(at_ns: int, robot: str | None, place: str, database: Path | None) ->
     return *_past(path, at_ns, name), f"the past of {path}"
 
 
-def _recorded(at_ns: int, robot: str | None, place: str) -> "tuple[RecordedRows | None, str | None]":
+def _recorded(at_ns: int, robot: str | None, place: str) -> tuple[RecordedRows | None, str | None]:
     """Return the rows of then as they were recorded, if they were, and whose they are."""
     try:
         found = _moment(at_ns, robot, place)
@@ -162,7 +148,7 @@ def _recorded(at_ns: int, robot: str | None, place: str) -> "tuple[RecordedRows 
     return (found.rows if place or found.late_s <= SILENT_S else None), name
 
 
-def _goes_back_to(path: Path, recorded: "RecordedRows", robot: str | None) -> bool:
+def _goes_back_to(path: Path, recorded: RecordedRows, robot: str | None) -> bool:
     """Say whether a database had these rows: it was not replaced by another one."""
     if not path.exists():
         return False
@@ -181,7 +167,7 @@ def _past(path: Path, at_ns: int, robot: str | None) -> tuple[int, Tables]:
         return revision, _of(rows.tables_at(revision), robot)
 
 
-def _of(tables: "RawTables", robot: str | None) -> Tables:
+def _of(tables: RawTables, robot: str | None) -> Tables:
     """Return the rows of one robot, without tokens; of all if none is named."""
     return {
         name: [dict(row) for row in found if robot is None or row.get("robot", row.get("name", robot)) == robot]

@@ -1,20 +1,24 @@
 """`lbr box`: what the black box holds, whether a robot runs or not."""
 
 import time
+from fnmatch import fnmatchcase
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from lbr import home
 from lbr.apps.recorder.commands.completing import complete_recording
+from lbr.apps.recorder.recording import export as exports
+from lbr.apps.recorder.recording import selection, shelf, times
+from lbr.apps.recorder.recording.chunks import Message
+from lbr.apps.recorder.recording.segments import in_use
+from lbr.apps.recorder.recording.selection import Chosen, Damage
+from lbr.apps.recorder.recording.shelf import Shelf
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
-
-if TYPE_CHECKING:
-    from lbr.apps.recorder.recording.chunks import Message
-    from lbr.apps.recorder.recording.selection import Chosen, Damage
-    from lbr.apps.recorder.recording.shelf import Shelf
+from lbr.messages.plain import one_line
 
 AROUND_S = 10.0
 SHOWN_EVENTS = 20
@@ -46,8 +50,6 @@ def command() -> None:
 @json_option
 def list_box(robot: str | None, as_json: bool) -> int:
     """List what there is: the box itself, what it kept and why, and what was recorded on purpose."""
-    from lbr.apps.recorder.recording import selection, shelf, times  # noqa: PLC0415 - kept out of its `--help`
-
     name, place = of_robot(robot)
     files, now = place.files(), time.time_ns()
     begin_ns, end_ns = selection.span_ns([*files[:1], *files[-1:]])
@@ -83,8 +85,6 @@ def list_box(robot: str | None, as_json: bool) -> int:
 @json_option
 def show(what: str, robot: str | None, begin: str | None, end: str | None, around: str | None, as_json: bool) -> int:
     """Show what is in WHAT: topics with how many messages, and what happened. Without WHAT it is the box."""
-    from lbr.apps.recorder.recording import times  # noqa: PLC0415
-
     chosen, start_ns, end_ns = selected(what, robot, begin, end, around)
     found = _counted(chosen, start_ns, end_ns)
     if as_json:
@@ -134,11 +134,6 @@ def export(
     force: bool,
 ) -> int:
     """Write WHAT into files for other programs. Without WHAT it is the box; a time says which part of it."""
-    from fnmatch import fnmatchcase  # noqa: PLC0415
-
-    from lbr.apps.recorder.recording import export as exports  # noqa: PLC0415
-    from lbr.apps.recorder.recording import selection  # noqa: PLC0415
-
     if (mcap is None) == (folder is None):
         raise InputError("say where to: --mcap FILE, or --csv FOLDER")
     target = mcap or folder
@@ -152,7 +147,7 @@ def export(
     chosen, start_ns, end_ns = selected(what, robot, begin, end, around)
     damage = selection.Damage()
 
-    def wanted(*, count: bool = False) -> "Any":
+    def wanted(*, count: bool = False) -> Any:
         there = selection.messages(chosen.files, start_ns, end_ns, damage=damage if count else None)
         return (one for one in there if not topics or any(fnmatchcase(one.topic, pattern) for pattern in topics))
 
@@ -173,9 +168,6 @@ def export(
 @which_robot
 def delete(what: tuple[str, ...], robot: str | None) -> int:
     """Delete WHAT: what the box kept or a recording, by name; box for all of its own files but the one it writes."""
-    from lbr.apps.recorder.recording import selection  # noqa: PLC0415
-    from lbr.apps.recorder.recording.segments import in_use  # noqa: PLC0415
-
     _name, place = of_robot(robot)
     if "" in what:  # as an unset variable of a shell is: it means the box where something is shown
         raise InputError("nothing is named that is to be deleted; 'lbr box list' shows what there is")
@@ -203,11 +195,8 @@ def delete(what: tuple[str, ...], robot: str | None) -> int:
     return code
 
 
-def of_robot(robot: str | None) -> "tuple[str, Shelf]":
+def of_robot(robot: str | None) -> tuple[str, Shelf]:
     """Return whose recordings are meant, and where they are; InputError says which there are."""
-    from lbr import home  # noqa: PLC0415
-    from lbr.apps.recorder.recording import shelf  # noqa: PLC0415
-
     place = home.home()
     there = shelf.robots(place)
     if robot is None:
@@ -228,11 +217,8 @@ def of_robot(robot: str | None) -> "tuple[str, Shelf]":
 
 def selected(
     what: str, robot: str | None, begin: str | None, end: str | None, around: str | None
-) -> "tuple[Chosen, int, int]":
+) -> tuple[Chosen, int, int]:
     """Return what is meant, and from when to when; InputError says what there is."""
-    from lbr import home  # noqa: PLC0415
-    from lbr.apps.recorder.recording import selection, shelf  # noqa: PLC0415
-
     start_ns, end_ns = span(begin, end, around)
     if what and Path(what).is_file():
         return selection.choose(shelf.Shelf(home.home(), "none"), what), start_ns, end_ns
@@ -241,8 +227,6 @@ def selected(
 
 def span(begin: str | None, end: str | None, around: str | None) -> tuple[int, int]:
     """Return the times that are meant; InputError for what is no time, or ends before it begins."""
-    from lbr.apps.recorder.recording import selection, times  # noqa: PLC0415
-
     now = time.time_ns()
     if around is not None:
         if begin is not None or end is not None:
@@ -256,16 +240,13 @@ def span(begin: str | None, end: str | None, around: str | None) -> tuple[int, i
     return start_ns, end_ns
 
 
-def _counted(chosen: "Chosen", start_ns: int, end_ns: int) -> dict[str, Any]:
-    from lbr.apps.recorder.recording import export as exports  # noqa: PLC0415
-    from lbr.apps.recorder.recording import selection  # noqa: PLC0415
-
+def _counted(chosen: Chosen, start_ns: int, end_ns: int) -> dict[str, Any]:
     damage = selection.Damage()
     topics: dict[str, dict[str, Any]] = {}
     events: list[dict[str, Any]] = []
     first = last = 0
 
-    def note(one: "Message") -> None:
+    def note(one: Message) -> None:
         nonlocal first, last
         first, last = min(first or one.log_ns, one.log_ns), max(last, one.log_ns)
         known = topics.setdefault(one.topic, {"messages": 0, "bytes": 0, "message": one.channel.schema_name})
@@ -281,7 +262,7 @@ def _counted(chosen: "Chosen", start_ns: int, end_ns: int) -> dict[str, Any]:
     return {"from_ns": first, "to_ns": last, "topics": topics, "events": events, "damage": damage}
 
 
-def _tell_damage(damage: "Damage") -> None:
+def _tell_damage(damage: Damage) -> None:
     for text in damage.files:
         click.echo(_line(text), err=True)
     if damage.places:
@@ -290,6 +271,4 @@ def _tell_damage(damage: "Damage") -> None:
 
 
 def _line(text: str) -> str:
-    from lbr.messages.plain import one_line  # noqa: PLC0415
-
     return one_line(text)

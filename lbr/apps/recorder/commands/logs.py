@@ -8,6 +8,10 @@ from pathlib import Path
 import click
 from click.shell_completion import CompletionItem
 
+from lbr import home
+from lbr.apps.recorder.commands import box
+from lbr.apps.recorder.recording import export, selection, times
+from lbr.database import glance
 from lbr.errors import InputError
 from lbr.names import did_you_mean
 
@@ -18,8 +22,6 @@ MOST_LINES = 10_000
 
 def complete_log(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the logs that there are, to complete a command line by."""
-    from lbr import home  # noqa: PLC0415 - kept out of its `--help`
-
     there = _names(home.home() / "logs", None)
     found = {*there, *(one for one, log in _sharing() if log in there)}
     return [CompletionItem(name) for name in sorted(found) if name.startswith(begun)]
@@ -45,8 +47,6 @@ def command(name: str, robot: str | None, follow: bool, lines: int, begin: str |
     A log has what the part has written, and its events between, in order; no robot need run. Events have times, what
     a part writes has them in the black box (--from, --to).
     """
-    from lbr import home  # noqa: PLC0415
-
     if begin is not None or end is not None:
         return _recorded(name, robot, begin, end)
     there = _names(home.home() / "logs", robot)
@@ -106,9 +106,6 @@ def _means(name: str, one: str) -> bool:
 
 def _sharing() -> list[tuple[str, str]]:
     """Return each capability that has a process with others, and that process, by their robot and name."""
-    from lbr import home  # noqa: PLC0415
-    from lbr.database import glance  # noqa: PLC0415
-
     rows = glance.rows(home.default_database(), "capability", "robot", "name", "process")
     return [(f"{robot}/{name}", f"{robot}/{process}") for robot, name, process in rows if process]
 
@@ -146,9 +143,6 @@ def _followed(path: Path, at: int) -> Iterator[str]:
 
 
 def _recorded(name: str, robot: str | None, begin: str | None, end: str | None) -> int:
-    from lbr.apps.recorder.commands import box  # noqa: PLC0415
-    from lbr.apps.recorder.recording import export, selection, times  # noqa: PLC0415
-
     shared = {log.rpartition("/")[2] for one, log in _sharing() if _means(name, one)}
     wanted = {name, *shared}
     chosen, start_ns, end_ns = box.selected("", robot, begin, end, None)

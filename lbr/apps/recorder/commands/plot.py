@@ -5,16 +5,20 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import click
 
+from lbr.apps.recorder.commands import box
+from lbr.apps.recorder.recording import export, selection, times
+from lbr.apps.recorder.recording.export import fields
+from lbr.bus import wire
+from lbr.bus.codec import decode
+from lbr.bus.session import Session
 from lbr.commands.completing import complete_field
 from lbr.commands.options import Number, Whom, robot_options
-from lbr.errors import BusError, InputError
-
-if TYPE_CHECKING:
-    from lbr.bus.session import Session
+from lbr.console import target, topics
+from lbr.errors import BusError, InputError, MalformedError
 
 FRAME_S = 0.2
 WAIT_S = 5.0
@@ -64,8 +68,6 @@ def command(
     series = [_series(text) for text in fields]
     if begin is not None or end is not None or what:
         return _recorded(series, whom.robot, begin, end, what)
-    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
-
     found = target.find(*whom)
     with target.connected(found) as bus:
         take = _taker(bus, found.robot, series)
@@ -99,13 +101,8 @@ def value_of(message: Any, path: Iterable[str]) -> float | None:
     return float(message) if isinstance(message, bool | int | float) else None
 
 
-def _taker(bus: "Session", robot: str, series: list[Series]) -> Callable[[], dict[str, Any]]:
+def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[str, Any]]:
     """Return what takes in news, and returns the newest message of each topic that was heard."""
-    from lbr.bus import wire  # noqa: PLC0415
-    from lbr.bus.codec import decode  # noqa: PLC0415
-    from lbr.console import topics  # noqa: PLC0415
-    from lbr.errors import MalformedError  # noqa: PLC0415
-
     feeds = {one.topic: wire.Subscription(bus, topics.key_of(robot, one.topic), depth=2000) for one in series}
     newest: dict[str, Any] = {}
 
@@ -138,8 +135,6 @@ def _wait(take: Callable[[], dict[str, Any]], series: list[Series]) -> None:
 
 def _refuse(one: Series, message: Any) -> None:
     """Raise InputError for a field that is not there, or never a number; one that is null now may become one."""
-    from lbr.apps.recorder.recording.export import fields  # noqa: PLC0415
-
     there = dict(fields(message))
     path = ".".join(one.path)
     if path in there and there[path] is None:
@@ -150,24 +145,16 @@ def _refuse(one: Series, message: Any) -> None:
 
 
 def _live(take: Callable[[], Any], series: list[Series], seconds: float) -> int:
-    from rich.live import Live  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
+    from lbr.commands.screen import redraw  # noqa: PLC0415 - rich, for people alone
 
-    from lbr.console.outlet import unhurried  # noqa: PLC0415
+    def frame() -> str:
+        take()
+        return _drawn(series, time.monotonic(), seconds, *size(), colours=True)
 
-    with unhurried() as outlet, Live(Text(""), screen=True, auto_refresh=False) as live:
-        while True:
-            take()
-            text = _drawn(series, time.monotonic(), seconds, *size(), colours=True)
-            if not outlet.waiting:  # else the terminal is not read, and would only fall behind
-                live.update(Text.from_ansi(text, no_wrap=True), refresh=True)
-            time.sleep(FRAME_S)
+    redraw(frame, FRAME_S)
 
 
 def _recorded(series: list[Series], robot: str | None, begin: str | None, end: str | None, what: str) -> int:
-    from lbr.apps.recorder.commands import box  # noqa: PLC0415
-    from lbr.apps.recorder.recording import export, selection, times  # noqa: PLC0415
-
     chosen, start_ns, end_ns = box.selected(what, robot, begin, end, None)
     last: dict[str, Any] = {}
     for message in selection.messages(chosen.files, start_ns, end_ns):

@@ -2,19 +2,21 @@
 
 import signal
 import time
-from typing import TYPE_CHECKING
 
 import click
+import msgspec
+from msgspec import Struct
 
+from lbr.apps.recorder.messages import BoxReply, EndRecording, RecordCommand
+from lbr.bus import keys, latest, wire
+from lbr.bus.session import Session
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
+from lbr.console import target
+from lbr.console.interrupt import told_to_leave
+from lbr.console.target import Target
 from lbr.errors import BusError, InputError
-
-if TYPE_CHECKING:
-    from msgspec import Struct
-
-    from lbr.apps.recorder.messages import BoxReply
-    from lbr.bus.session import Session
-    from lbr.console.target import Target
+from lbr.messages.system import Status
+from lbr.messages.units import FILE_STEM
 
 ASK_S = 10.0
 GONE_S = 20.0
@@ -35,18 +37,11 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
     Ctrl-C, SIGTERM and a terminal that is closed end it. The black box writes it, so it goes on after a SIGKILL;
     `/record/end` ends it then.
     """
-    from lbr.apps.recorder.messages import EndRecording, RecordCommand  # noqa: PLC0415
-    from lbr.console import target  # noqa: PLC0415 - the bus is for those who use it
-    from lbr.console.interrupt import told_to_leave  # noqa: PLC0415
-    from lbr.messages.units import FILE_STEM  # noqa: PLC0415
-
     found, left = target.find(*whom), list[bool]()
     target.need(found, "operate")
     with target.connected(found) as bus:
         box = _box_of(bus, found)
         try:
-            import msgspec  # noqa: PLC0415
-
             asked = msgspec.convert(
                 {"seconds": seconds or 0.0, "cameras": "cameras" in also, "lines": lines, "name": name}, RecordCommand
             )
@@ -70,10 +65,8 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
     return 0
 
 
-def _wait(bus: "Session", found: "Target", box: str, seconds: float | None, left: list[bool]) -> None:
+def _wait(bus: Session, found: Target, box: str, seconds: float | None, left: list[bool]) -> None:
     """Wait until it is over, or this command is told to leave; a box that is gone ends it as well."""
-    from lbr.bus import keys, latest  # noqa: PLC0415
-
     end = time.monotonic() + seconds + 2.0 if seconds else float("inf")
     heard = time.monotonic()
     while time.monotonic() < end and not left:
@@ -89,12 +82,7 @@ def _wait(bus: "Session", found: "Target", box: str, seconds: float | None, left
             return
 
 
-def _box_of(bus: "Session", found: "Target") -> str:
-    import msgspec  # noqa: PLC0415
-
-    from lbr.bus import keys, wire  # noqa: PLC0415
-    from lbr.messages.system import Status  # noqa: PLC0415
-
+def _box_of(bus: Session, found: Target) -> str:
     answers = wire.ask(bus, keys.status(found.robot), None, source="lbr record", timeout_s=ASK_S)
     if not answers:
         raise BusError(f"'{found.robot}' does not answer")
@@ -105,13 +93,7 @@ def _box_of(bus: "Session", found: "Target") -> str:
     return name
 
 
-def _ask(bus: "Session", found: "Target", command: str, message: "Struct") -> "BoxReply":
-    import msgspec  # noqa: PLC0415
-
-    from lbr.apps.recorder.messages import BoxReply  # noqa: PLC0415
-    from lbr.bus import wire  # noqa: PLC0415
-    from lbr.console import target  # noqa: PLC0415
-
+def _ask(bus: Session, found: Target, command: str, message: Struct) -> BoxReply:
     key = f"{found.robot}/{command}"
     answers = wire.ask(bus, key, message, source=target.source("lbr record"), timeout_s=ASK_S)
     if not answers:

@@ -6,24 +6,29 @@ import re
 import secrets
 import select
 import sys
+import termios
 import time
+import tty
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
+import msgspec
+from msgspec import Raw
 
+from lbr import home
 from lbr.apps.recorder.commands import box
 from lbr.apps.recorder.commands.completing import complete_recording
-from lbr.apps.recorder.recording import lines
+from lbr.apps.recorder.recording import lines, selection, times
+from lbr.apps.recorder.recording.chunks import Channel, Message
+from lbr.apps.recorder.recording.export import PICTURES, picture_in
+from lbr.apps.recorder.recording.player import Player
+from lbr.bus import access, keys, session, wire
+from lbr.bus.session import Session
 from lbr.commands.options import Number, json_option
 from lbr.errors import BusError, InputError
+from lbr.messages.camera import JpegFrame
 from lbr.messages.unreadable import UNREADABLE
-
-if TYPE_CHECKING:
-    from lbr.apps.recorder.recording.chunks import Channel, Message
-    from lbr.apps.recorder.recording.player import Player
-    from lbr.bus.session import Session
 
 NOT_ON_A_BUS = frozenset({"@rows", "@log"})
 SHOWN_S = 0.5
@@ -78,9 +83,6 @@ def command(
     WHAT is the box (if left out), what it kept, a recording or a file. Meanwhile `lbr topic`, `lbr plot` and `lbr
     status` with --robot replay look at it. In a terminal space pauses, the arrows jump and change the speed, q ends.
     """
-    from lbr.apps.recorder.recording import selection  # noqa: PLC0415 - kept out of its `--help`
-    from lbr.apps.recorder.recording.player import Player  # noqa: PLC0415
-
     if not _NAME.fullmatch(name):
         raise InputError(f"'{name[:60]}' is not a robot's name: small letters, digits and _")
     chosen, start_ns, end_ns = box.selected(what, robot, begin, end, around)
@@ -108,21 +110,15 @@ def command(
 class Stage:
     """Publishes what was said then, as if it were said now."""
 
-    def __init__(self, bus: "Session", robot: str) -> None:
-        from lbr.bus import wire  # noqa: PLC0415
-
+    def __init__(self, bus: Session, robot: str) -> None:
         self._wire = wire
         self._bus = bus
         self._robot = robot
         self._publishers: dict[str, wire.Publisher] = {}
         self._schemas: dict[str, wire.StaticReply] = {}
 
-    def say(self, one: "Message") -> None:
+    def say(self, one: Message) -> None:
         """Publish a message."""
-        from msgspec import Raw  # noqa: PLC0415
-
-        from lbr.apps.recorder.recording.export import PICTURES, picture_in  # noqa: PLC0415
-
         if one.topic in NOT_ON_A_BUS or one.topic.startswith(lines.TAPED):
             return
         picture = one.channel.schema_name == PICTURES
@@ -137,14 +133,10 @@ class Stage:
         if not picture:
             publisher.put(Raw(self._own(one)))
         elif (data := picture_in(one)) is not None:
-            from lbr.messages.camera import JpegFrame  # noqa: PLC0415
-
             publisher.put(JpegFrame(data))
 
-    def _own(self, one: "Message") -> bytes:
+    def _own(self, one: Message) -> bytes:
         """Return a message's bytes; the status tells the name that the robot has here."""
-        import msgspec  # noqa: PLC0415
-
         if one.topic != "@status":
             return one.data
         try:
@@ -153,18 +145,14 @@ class Stage:
         except (TypeError, *UNREADABLE):
             return one.data
 
-    def _describe(self, channel: "Channel") -> None:
-        from msgspec import Raw  # noqa: PLC0415
-
-        from lbr.bus import keys  # noqa: PLC0415
-
+    def _describe(self, channel: Channel) -> None:
         capability, _, port = channel.topic.partition("/")
         if channel.schema and port and not channel.topic.startswith("@"):
             key = keys.schema(self._robot, capability, port)
             self._schemas[channel.topic] = self._wire.StaticReply(self._bus, key, lambda: Raw(channel.schema))
 
 
-def _play(stage: Stage, player: "Player", files: tuple[Path, ...], keys: Callable[[float], str]) -> bool:
+def _play(stage: Stage, player: Player, files: tuple[Path, ...], keys: Callable[[float], str]) -> bool:
     """Play to the end; False if that was asked for earlier."""
     shown_at = 0.0
     while True:
@@ -185,7 +173,7 @@ def _play(stage: Stage, player: "Player", files: tuple[Path, ...], keys: Callabl
             return True
 
 
-def _obeyed(player: "Player", asked: str) -> bool:
+def _obeyed(player: Player, asked: str) -> bool:
     """Do what was asked for; say whether it was a jump."""
     now = time.monotonic()
     if asked == "pause":
@@ -198,10 +186,8 @@ def _obeyed(player: "Player", asked: str) -> bool:
     return False
 
 
-def _from(stage: Stage, at_ns: int, files: tuple[Path, ...], end_ns: int) -> "Iterator[Message]":
+def _from(stage: Stage, at_ns: int, files: tuple[Path, ...], end_ns: int) -> Iterator[Message]:
     """Say what each stream had said last by then, and return what comes after."""
-    from lbr.apps.recorder.recording import selection  # noqa: PLC0415
-
     path = selection.file_at(files, at_ns)
     if path is not None:
         newest = {one.topic: one for one in selection.messages([path], 0, at_ns) if one.topic != selection.EVENT}
@@ -210,10 +196,8 @@ def _from(stage: Stage, at_ns: int, files: tuple[Path, ...], end_ns: int) -> "It
     return selection.messages(files, at_ns + 1, end_ns)
 
 
-def _show(player: "Player", shown_at: float) -> float:
+def _show(player: Player, shown_at: float) -> float:
     """Show where it is, in a terminal and now and then."""
-    from lbr.apps.recorder.recording import times  # noqa: PLC0415
-
     now = time.monotonic()
     if now < shown_at or not sys.stderr.isatty():
         return shown_at
@@ -226,11 +210,8 @@ def _show(player: "Player", shown_at: float) -> float:
 
 
 @contextlib.contextmanager
-def _robot(name: str) -> "Iterator[Session]":
+def _robot(name: str) -> Iterator[Session]:
     """Be a robot of that name on this machine, as far as looking goes, for the time of a `with`."""
-    from lbr import home  # noqa: PLC0415
-    from lbr.bus import access, session  # noqa: PLC0415
-
     lock = home.RunLock(name)
     try:
         endpoint, password = f"unixsock-stream/{home.socket_path(name)}", secrets.token_hex(16)
@@ -264,14 +245,11 @@ def _sleep(wait_s: float) -> str:
 
 
 @contextlib.contextmanager
-def _typed() -> "Iterator[Callable[[float], str]]":
+def _typed() -> Iterator[Callable[[float], str]]:
     """Give what waits for so long for a key that means something, and returns what; nothing without a terminal."""
     if not sys.stdin.isatty():
         yield _sleep
         return
-    import termios  # noqa: PLC0415
-    import tty  # noqa: PLC0415
-
     fd = sys.stdin.fileno()
     before = termios.tcgetattr(fd)
 

@@ -3,20 +3,17 @@
 import math
 import sys
 import time
-from typing import TYPE_CHECKING
 
 import click
 
+from lbr.apps.recorder.recording.selection import Chosen
+from lbr.apps.recorder.rerun.check import Outcome, Recorded
 from lbr.commands.options import print_json
-
-if TYPE_CHECKING:
-    from lbr.apps.recorder.recording.selection import Chosen
-    from lbr.apps.recorder.rerun.check import Outcome, Recorded
 
 SHOWN = 5
 
 
-def check(chosen: "Chosen", start_ns: int, end_ns: int, tries: int, *, as_json: bool) -> int:
+def check(chosen: Chosen, start_ns: int, end_ns: int, tries: int, *, as_json: bool) -> int:
     """Run a recording again, up to `tries` times until it does the same, and say where it did otherwise; 1 if it
     did."""
     from lbr.apps.recorder.rerun import check as checks  # noqa: PLC0415 - kept out of its `--help`
@@ -53,7 +50,7 @@ def _clear() -> None:
         print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
-def _tell(outcome: "Outcome", recorded: "Recorded") -> None:
+def _tell(outcome: Outcome, recorded: Recorded) -> None:
     for name, why in sorted(outcome.left_out.items()):
         click.echo(f"  without {name}: {why}", err=True)
     for topic, count in outcome.setpoints.items():
@@ -88,7 +85,7 @@ def _tell(outcome: "Outcome", recorded: "Recorded") -> None:
     click.echo(_judgement(outcome))
 
 
-def _plain(outcome: "Outcome", recorded: "Recorded", tries: int) -> dict[str, object]:
+def _plain(outcome: Outcome, recorded: Recorded, tries: int) -> dict[str, object]:
     return {
         "robot": recorded.robot,
         "recorded_at": time.strftime("%Y-%m-%dT%H:%M:%S", time.localtime(recorded.start_ns / 1e9)),
@@ -134,7 +131,7 @@ def _plain(outcome: "Outcome", recorded: "Recorded", tries: int) -> dict[str, ob
     }
 
 
-def _judgement(outcome: "Outcome") -> str:
+def _judgement(outcome: Outcome) -> str:
     if outcome.late:
         late = f"what was said then came up to {outcome.late_s:.1f} s late"
         return f"nothing is shown by this run: {late}, as this machine is too busy; run it when it has time"
@@ -145,7 +142,7 @@ def _verdict(differences: int) -> str:
     return "all as recorded" if not differences else f"{differences} otherwise"
 
 
-def _at(at_ns: int, recorded: "Recorded") -> str:
+def _at(at_ns: int, recorded: Recorded) -> str:
     return f"at {(at_ns - recorded.start_ns) / 1e9:.2f} s"
 
 

@@ -2,16 +2,19 @@
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
+import msgspec
 
+from lbr import home
+from lbr.apps.registry import asking
+from lbr.apps.registry.book import Listed
+from lbr.apps.registry.guests import Guests
+from lbr.bus import tokens
+from lbr.bus.tokens import Token
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
-
-if TYPE_CHECKING:
-    from lbr.bus.tokens import Token
 
 PORT = 9147
 VARIABLE = "LBR_REGISTRY_TOKEN"
@@ -44,8 +47,6 @@ def serve(host: str, port: int) -> int:
 def add(name: str) -> int:
     """Make a token of this name and print it, once: for a robot that is to be listed, or for who is to read the
     list."""
-    from lbr.apps.registry.guests import Guests  # noqa: PLC0415 - kept out of its `--help`
-
     click.echo(str(Guests().add(name)))
     click.echo(
         "note: on the robot put it into credentials/registry.token of its home, for its eyes alone (chmod 600)",
@@ -58,8 +59,6 @@ def add(name: str) -> int:
 @click.argument("name")
 def revoke(name: str) -> int:
     """Have a token count for nothing from now on; its robot is not listed any more."""
-    from lbr.apps.registry.guests import Guests  # noqa: PLC0415
-
     Guests().revoke(name)
     click.echo(f"the token '{name}' counts for nothing now")
     return 0
@@ -69,8 +68,6 @@ def revoke(name: str) -> int:
 @json_option
 def list_tokens(as_json: bool) -> int:
     """List whose tokens there are; the tokens themselves are nowhere."""
-    from lbr.apps.registry.guests import Guests  # noqa: PLC0415
-
     found = Guests().names()
     if as_json:
         print_json([{"name": name, "since": since} for name, since in found.items()])
@@ -88,11 +85,6 @@ def list_tokens(as_json: bool) -> int:
 @json_option
 def list_robots(url: str, token_file: Path | None, as_json: bool) -> int:
     """List the robots that the service at URL knows, such as https://HOST:9147, those that are up first."""
-    import msgspec  # noqa: PLC0415 - kept out of its `--help`
-
-    from lbr.apps.registry import asking  # noqa: PLC0415
-    from lbr.apps.registry.book import Listed  # noqa: PLC0415
-
     said = asking.ask(url, _token(token_file), "GET")
     try:
         found = msgspec.json.decode(said, type=tuple[Listed, ...])
@@ -110,10 +102,7 @@ def list_robots(url: str, token_file: Path | None, as_json: bool) -> int:
     return 0
 
 
-def _token(path: Path | None) -> "Token":
-    from lbr import home  # noqa: PLC0415
-    from lbr.bus import tokens  # noqa: PLC0415
-
+def _token(path: Path | None) -> Token:
     if path is None and (text := os.environ.get(VARIABLE)):
         return tokens.parse(text)
     own = home.directory("credentials") / "registry.token"
