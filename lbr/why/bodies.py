@@ -1,13 +1,16 @@
 """What joints and servos say of themselves, as links: all of a body, and one joint."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import degrees
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.joints import JointsState, JointState
+from lbr.messages.motors import MotorsState
 from lbr.messages.servos import ServosState
 from lbr.messages.why import Link
 from lbr.why import leases
-from lbr.why.snapshot import Part, Snapshot
+from lbr.why.snapshot import Part, Report, Snapshot
 
 PASSES_ON = ("", "pc")
 """Modes of a servos' controller in which it passes goals on."""
@@ -16,163 +19,76 @@ LOST = ("holding", "releasing")
 NEAR_LIMIT_RAD = 0.02
 
 
-def joints(now: Snapshot, part: Part, said: JointsState, topic: str, age_s: float | None) -> Iterator[Link]:
+def joints(report: Report[JointsState]) -> Iterator[Link]:
     """Yield who holds the joints, which have no torque or have latched, and how the last motion ended."""
-    yield from leases.holder(now, part, said.holder, topic, age_s, moving=said.moving)
-    recover = now.facts.say(f"{part.name}.recover", "/recover")
-    on = now.facts.say(f"{part.name}.torque", "/torque/on", on=True)
-    latched = [f"{name} ({', '.join(one.latched)})" for name, one in said.joints.items() if one.latched]
-    if latched:
-        yield Link(
-            name="fault",
-            about=part.name,
-            state="doubt",
-            text=f"latched, and without torque until recovered: {_some(latched)}",
-            code="latched",
-            age_s=age_s,
-            evidence=topic,
-            do=f"remove the cause, then {recover}, then {on}",
-        )
-    without = [name for name, one in said.joints.items() if one.torque == 0.0]
-    loose = [name for name in without if not said.joints[name].latched]
-    if loose:
-        every = len(without) == len(said.joints)
-        named = "no joint has torque" if every else f"{_some(loose)} without torque"
-        yield Link(
-            name="torque",
-            about=part.name,
-            state="held" if every else "doubt",
-            text=named,
-            code="no_torque",
-            since_s=now.since_s(part.name, ("torque", "let_go")),
-            age_s=age_s,
-            evidence=topic,
-            do=on,
-        )
-    if said.phase in LOST and without != list(said.joints):
-        yield Link(
-            name="holder",
-            about=part.name,
-            state="past",
-            text=f"the mover of the joints was lost: they are {said.phase}",
-            code="holder_gone",
-            since_s=now.since_s(part.name, ("mover_lost", "lapsed")),
-            age_s=age_s,
-            evidence=topic,
-            do="move them again, or /torque/on to keep them",
-        )
-    yield leases.last(now, part, said.holder, said.code, said.reason, topic, age_s, stopped_by=said.stopped_by)
+    state, part, say = report.state, report.part, report.now.facts.say
+    yield from leases.holder(report, moving=state.moving)
+    recover = say(f"{part.name}.recover", "/recover")
+    on = say(f"{part.name}.torque", "/torque/on", on=True)
+    if latched := [f"{name} ({', '.join(one.latched)})" for name, one in state.joints.items() if one.latched]:
+        text = f"latched, and without torque until recovered: {_some(latched)}"
+        yield report.link("fault", "doubt", text, "latched", do=f"remove the cause, then {recover}, then {on}")
+    without = [name for name, one in state.joints.items() if one.torque == 0.0]
+    if loose := [name for name in without if not state.joints[name].latched]:
+        every = len(without) == len(state.joints)
+        text = "no joint has torque" if every else f"{_some(loose)} without torque"
+        yield report.link("torque", "held" if every else "doubt", text, "no_torque", do=on, since=("torque", "let_go"))
+    if state.phase in LOST and without != list(state.joints):
+        text = f"the mover of the joints was lost: they are {state.phase}"
+        do = "move them again, or /torque/on to keep them"
+        yield report.link("holder", "past", text, "holder_gone", do=do, since=("mover_lost", "lapsed"))
+    yield leases.last(report)
 
 
 def joint(now: Snapshot, part: Part, name: str) -> Iterator[Link]:
     """Yield what holds one joint: that it is not measured, has latched, has no torque, or stands at a limit."""
-    found = now.heard(part, JointsState)
-    if found is None:
+    report = now.report(part, JointsState)
+    if report is None:
         return
-    said, topic, _ = found
-    one = said.joints.get(name)
-    where = f"{topic}: joints.{name}"
+    one = report.state.joints.get(name)
     if one is None:
         text = f"'{part.name}' has no joint '{name}': its row names the bus of another driver"
-        yield Link(
-            name="row",
-            about=name,
-            state="held",
-            text=text,
-            code="unknown_name",
-            evidence=f"row joint.{name}",
-            do="correct column bus of that row",
-        )
+        row, do = f"row joint.{name}", "correct column bus of that row"
+        yield Link(name="row", about=name, state="held", text=text, code="unknown_name", evidence=row, do=do)
         return
+    yield from _joint(replace(report, about=name, topic=f"{report.topic}: joints.{name}", age_s=one.age_s), name, one)
+
+
+def _joint(report: Report[JointsState], name: str, one: JointState) -> Iterator[Link]:
+    part, say = report.part, report.now.facts.say
+    reason = f": {one.reason}" if one.reason else ""
     if one.latched:
-        yield Link(
-            name="fault",
-            about=name,
-            state="held",
-            text=f"servo {one.id} of '{name}' has latched {', '.join(one.latched)}",
-            code="latched",
-            age_s=one.age_s,
-            evidence=where,
-            do="remove the cause, let it cool, then "
-            + now.facts.say(f"{part.name}.recover", f"/recover/{name}", joints=[name]),
-        )
+        text = f"servo {one.id} of '{name}' has latched {', '.join(one.latched)}"
+        recover = say(f"{part.name}.recover", f"/recover/{name}", joints=[name])
+        yield report.link("fault", "held", text, "latched", do=f"remove the cause, let it cool, then {recover}")
     elif one.trusted is False:
-        text = f"what servo {one.id} of '{name}' tells of its place is not believed" + (
-            f": {one.reason}" if one.reason else ""
-        )
-        yield Link(
-            name="reading",
-            about=name,
-            state="held",
-            text=text,
-            code="stale_sensor",
-            age_s=one.age_s,
-            evidence=where,
-            do="look at its horn and its wiring",
-        )
+        text = f"what servo {one.id} of '{name}' tells of its place is not believed{reason}"
+        yield report.link("reading", "held", text, "stale_sensor", do="look at its horn and its wiring")
     elif one.position_rad is None and not _open_loop(part):
-        yield _unmeasured(said, name, one, where)
+        others = [other for other, each in report.state.joints.items() if each.position_rad is None and other != name]
+        if others:  # that is no servo's fault
+            text = f"'{name}' and {_some(others)} are not measured: their supply, what feeds them, or their driver"
+            do = "see that they have power; lbr why tells of all that moves"
+            yield report.link("power", "held", text, "unreachable", do=do)
+        else:
+            text = f"servo {one.id} of '{name}' does not answer{reason}"
+            yield report.link("line", "held", text, "unreachable", do="check its cable and its number")
     if one.torque == 0.0:
-        yield Link(
-            name="torque",
-            about=name,
-            state="held",
-            text=f"'{name}' has no torque",
-            code="no_torque",
-            since_s=now.since_s(part.name, ("torque", "let_go")),
-            age_s=one.age_s,
-            evidence=where,
-            do=now.facts.say(f"{part.name}.torque", f"/torque/on/{name}", on=True, joints=[name]),
-        )
+        do = say(f"{part.name}.torque", f"/torque/on/{name}", on=True, joints=[name])
+        yield report.link("torque", "held", f"'{name}' has no torque", "no_torque", do=do, since=("torque", "let_go"))
     elif one.faults and not one.latched:
         text = f"servo {one.id} of '{name}' reports {', '.join(one.faults)}"
-        yield Link(
-            name="fault",
-            about=name,
-            state="held",
-            text=text,
-            code="failed",
-            age_s=one.age_s,
-            evidence=where,
-            do="look at it: temperature, load and voltage are in lbr topic echo joints/state",
-        )
-    yield from _at_limit(now, name, one.position_rad, where, one.age_s)
+        do = "look at it: temperature, load and voltage are in lbr topic echo joints/state"
+        yield report.link("fault", "held", text, "failed", do=do)
     if one.position_rad is not None:
-        text = f"at {degrees(one.position_rad):.0f}°" + (
-            f", goal {degrees(one.goal_rad):.0f}°" if one.goal_rad is not None else ""
-        )
-        yield Link(name="motor", about=name, state="ok", text=text, age_s=one.age_s, evidence=where)
+        yield from _at_limit(report, name, one.position_rad)
+        goal = f", goal {degrees(one.goal_rad):.0f}°" if one.goal_rad is not None else ""
+        yield report.link("motor", "ok", f"at {degrees(one.position_rad):.0f}°{goal}")
 
 
-def _unmeasured(said: JointsState, name: str, one: JointState, where: str) -> Link:
-    """Return why a joint is not measured: its own servo is silent, or many are, which is no servo's fault."""
-    others = [other for other, state in said.joints.items() if state.position_rad is None and other != name]
-    if others:
-        return Link(
-            name="power",
-            about=name,
-            state="held",
-            text=f"'{name}' and {_some(others)} are not measured: their supply, what feeds them, or their driver",
-            code="unreachable",
-            age_s=one.age_s,
-            evidence=where,
-            do="see that they have power; lbr why tells of all that moves",
-        )
-    return Link(
-        name="line",
-        about=name,
-        state="held",
-        text=f"servo {one.id} of '{name}' does not answer" + (f": {one.reason}" if one.reason else ""),
-        code="unreachable",
-        age_s=one.age_s,
-        evidence=where,
-        do="check its cable and its number",
-    )
-
-
-def _at_limit(now: Snapshot, name: str, position_rad: float | None, where: str, age_s: float | None) -> Iterator[Link]:
-    row = next((one for one in now.facts.joints if one.name == name), None)
-    if row is None or position_rad is None:
+def _at_limit(report: Report[JointsState], name: str, position_rad: float) -> Iterator[Link]:
+    row = next((one for one in report.now.facts.joints if one.name == name), None)
+    if row is None:
         return
     for which, limit_rad, beyond in (
         ("lower", row.lower_rad, position_rad <= row.lower_rad + NEAR_LIMIT_RAD),
@@ -180,64 +96,34 @@ def _at_limit(now: Snapshot, name: str, position_rad: float | None, where: str, 
     ):
         if beyond:
             text = f"'{name}' stands at its {which} limit of {degrees(limit_rad):.0f}°, and moves only the other way"
-            yield Link(
-                name="limit",
-                about=name,
-                state="doubt",
-                text=text,
-                code="limit",
-                age_s=age_s,
-                evidence=f"{where}; row joint.{name}",
-                do=f"move it the other way, or correct {which}_rad of that row",
-            )
+            do = f"move it the other way, or correct {which}_rad of that row"
+            evidence = f"{report.topic}; row joint.{name}"
+            yield report.link("limit", "doubt", text, "limit", do=do, evidence=evidence)
 
 
-def unheard(part: Part, who: str, topic: str, age_s: float | None) -> Link:
+def unheard(report: Report[MotorsState | ServosState], who: str) -> Link:
     """Return that a device has never sent anything: that it does what it is told is an assumption."""
-    return Link(
-        name="line",
-        about=part.device or part.name,
-        state="doubt",
-        text=f"{who} has sent nothing since its line was opened: it is told, and may not be there",
-        code="unreachable",
-        age_s=age_s,
-        evidence=topic,
-        do="check its power and cable; of one that never answers nothing is known but what it was told",
-    )
+    text = f"{who} has sent nothing since its line was opened: it is told, and may not be there"
+    do = "check its power and cable; of one that never answers nothing is known but what it was told"
+    return report.link("line", "doubt", text, "unreachable", do=do, about=report.part.device)
 
 
-def servos(now: Snapshot, part: Part, said: ServosState, topic: str, age_s: float | None) -> Iterator[Link]:
+def servos(report: Report[ServosState]) -> Iterator[Link]:
     """Yield whether the servos of a bus would do what they are told."""
-    if said.armed and said.heard is False:
-        yield unheard(part, "the servos' line", topic, age_s)
-    if said.mode not in PASSES_ON:
-        text = f"the servos' controller is in mode '{said.mode}', in which it passes no goals on"
-        yield Link(
-            name="arming",
-            about=part.name,
-            state="held",
-            text=text,
-            code="not_possible",
-            age_s=age_s,
-            evidence=topic,
-            do="wait; it comes back by itself once what it plays is over",
-        )
-    elif not said.armed and said.phase not in LOST:
-        yield Link(
-            name="arming",
-            about=part.name,
-            state="held",
-            text=f"the servos are not armed: {said.reason or 'no reason given'}",
-            code="estop" if said.estop else "not_armed",
-            since_s=now.since_s(part.name, ("mover_lost", "degraded", "let_go")),
-            age_s=age_s,
-            evidence=topic,
-            do="move again; /torque/on keeps what holds",
-        )
+    state = report.state
+    if state.armed and state.heard is False:
+        yield unheard(report, "the servos' line")
+    if state.mode not in PASSES_ON:
+        text = f"the servos' controller is in mode '{state.mode}', in which it passes no goals on"
+        do = "wait; it comes back by itself once what it plays is over"
+        yield report.link("arming", "held", text, "not_possible", do=do)
+    elif not state.armed and state.phase not in LOST:
+        text = f"the servos are not armed: {state.reason or 'no reason given'}"
+        code: ReasonCode = "estop" if state.estop else "not_armed"
+        do, since = "move again; /torque/on keeps what holds", ("mover_lost", "degraded", "let_go")
+        yield report.link("arming", "held", text, code, do=do, since=since)
     else:
-        yield Link(
-            name="arming", about=part.name, state="ok", text=f"the servos are {said.phase}", age_s=age_s, evidence=topic
-        )
+        yield report.link("arming", "ok", f"the servos are {state.phase}")
 
 
 def _open_loop(part: Part) -> bool:

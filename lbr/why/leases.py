@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator
 
+from lbr.messages.drive import DriveState
+from lbr.messages.joints import JointsState
 from lbr.messages.why import Link
-from lbr.why.snapshot import Part, Snapshot
+from lbr.why.snapshot import Part, Report, Snapshot
 
 PLANNED = frozenset(
     {"", "done", "idle", "stopped", "time_over", "superseded", "taken_over", "cancelled", "estop", "off_goal"}
@@ -16,76 +18,32 @@ RENEWALS = frozenset({"dead_lease", "late", "repeated"})
 ENDED = ("lapsed", "fault", "stopped", "reached", "interval", "superseded", "holder")
 
 
-def holder(
-    now: Snapshot, part: Part, by: str | None, topic: str, age_s: float | None, *, moving: bool
-) -> Iterator[Link]:
+def holder(report: Report[DriveState | JointsState], *, moving: bool) -> Iterator[Link]:
     """Yield who holds a part: another that moves it keeps all others from it."""
-    since_s = now.since_s(part.name, ("holder",))
+    by, now, name = report.state.holder, report.now, report.part.name
     if by is None:
-        yield Link(
-            name="holder",
-            about=part.name,
-            state="ok",
-            text=f"no sender holds '{part.name}'",
-            age_s=age_s,
-            evidence=topic,
-        )
+        yield report.link("holder", "ok", f"no sender holds '{name}'")
     elif by in {now.asker, now.asked}:
-        yield Link(
-            name="holder",
-            about=part.name,
-            state="ok",
-            text=f"{'who asks' if by == now.asker else by} holds '{part.name}'",
-            since_s=since_s,
-            age_s=age_s,
-            evidence=topic,
-        )
+        text = f"{'who asks' if by == now.asker else by} holds '{name}'"
+        yield report.link("holder", "ok", text, since=("holder",))
     else:
-        yield Link(
-            name="holder",
-            about=part.name,
-            state="held" if moving else "doubt",
-            text=f"{by} holds '{part.name}'" + (" and moves it" if moving else ""),
-            code="held",
-            since_s=since_s,
-            age_s=age_s,
-            evidence=topic,
-            do="stop, then move it; or take it over",
-        )
+        text, do = f"{by} holds '{name}'" + (" and moves it" if moving else ""), "stop, then move it; or take it over"
+        yield report.link("holder", "held" if moving else "doubt", text, "held", do=do, since=("holder",))
 
 
-def last(
-    now: Snapshot,
-    part: Part,
-    by: str | None,
-    code: str,
-    reason: str,
-    topic: str,
-    age_s: float | None,
-    *,
-    stopped_by: str = "",
-) -> Link:
+def last(report: Report[DriveState | JointsState]) -> Link:
     """Return how the last motion ended: a mishap, or a stop by another, is told, what was planned only mentioned."""
-    stopped = _stopped(now, part, stopped_by) if by is None and code == "stopped" else ""
-    mishap = by is None and (code not in PLANNED or bool(stopped))
-    ended = f"its last motion ended: {reason}" if reason and code != "idle" else ""
-    rests = "; ".join(filter(None, ("it waits for a command", ended))) if by is None else "it does what was asked"
-    text = (stopped or ended or f"its last motion ended: {code}") if mishap else rests
-    return Link(
-        name="last",
-        about=part.name,
-        state="past" if mishap else "ok",
-        text=f"'{part.name}': {text}" if mishap else text,
-        code=code if mishap else "",
-        since_s=now.since_s(part.name, ENDED),
-        age_s=age_s,
-        evidence=topic,
-        do=f"see what {stopped_by} is, then say again what it shall do"
-        if stopped
-        else "say again what it shall do"
-        if mishap
-        else "",
-    )
+    state = report.state
+    ended = f"its last motion ended: {state.reason}" if state.reason and state.code != "idle" else ""
+    if state.holder is not None:
+        return report.link("last", "ok", "it does what was asked", since=ENDED)
+    stopped = _stopped(report.now, report.part, state.stopped_by) if state.code == "stopped" else ""
+    if state.code in PLANNED and not stopped:
+        text = "; ".join(filter(None, ("it waits for a command", ended)))
+        return report.link("last", "ok", text, since=ENDED)
+    text = f"'{report.part.name}': {stopped or ended or f'its last motion ended: {state.code}'}"
+    do = f"see what {state.stopped_by} is, then say again what it shall do" if stopped else "say again what it shall do"
+    return report.link("last", "past", text, state.code, do=do, since=ENDED)
 
 
 def _stopped(now: Snapshot, part: Part, by: str) -> str:

@@ -16,7 +16,7 @@ from lbr.messages.sensing import Ranges
 from lbr.messages.servos import ServosState
 from lbr.messages.why import Link
 from lbr.why import bodies, leases
-from lbr.why.snapshot import Part, Snapshot
+from lbr.why.snapshot import Part, Report, Snapshot
 
 SLOW = 0.5
 """A camera that gives less than this part of its pictures is told of."""
@@ -25,166 +25,119 @@ CLOSING = frozenset({"countdown", "parking", "powering_off", "off"})
 
 def links(now: Snapshot, part: Part) -> Iterator[Link]:
     """Yield what a part says that holds it, or that it is well; nothing for one of which nothing is known here."""
-    for message, told in _TELLERS.items():
-        if message.__name__ in part.outputs.values():
-            found = now.heard(part, message)
-            if found is not None:
-                said, topic, age_s = found
-                yield from told(now, part, said, topic, age_s)
+    for message, of_state in _STATES.items():
+        if message.__name__ in part.outputs.values() and (report := now.report(part, message)) is not None:
+            yield from of_state(report)
 
 
 def works(now: Snapshot, part: Part) -> bool:
     """Say whether a driver that is degraded moves all the same what it can: the other servos of its bus."""
-    servos = now.heard(part, ServosState)
-    return servos is not None and servos[0].armed
+    report = now.report(part, ServosState)
+    return report is not None and report.state.armed
 
 
-def _drive(now: Snapshot, part: Part, said: DriveState, topic: str, age_s: float | None) -> Iterator[Link]:
-    yield from leases.holder(now, part, said.holder, topic, age_s, moving=said.moving and not said.limited_by)
-    if said.holder and said.limited_by:
-        how = "slowed" if said.moving else "stopped"
-        yield Link(
-            name="rule",
-            about=part.name,
-            state="doubt" if said.moving else "held",
-            text=f"'{part.name}' is {how} by {said.limited_by}" + (f": {said.reason}" if said.reason else ""),
-            code=said.code or "limit",
-            age_s=age_s,
-            evidence=topic,
-            do="move away from it, or see what the sensor sees: lbr topic echo ranges/readings",
+def _drive(report: Report[DriveState]) -> Iterator[Link]:
+    state = report.state
+    yield from leases.holder(report, moving=state.moving and not state.limited_by)
+    if state.holder and state.limited_by:
+        how = "slowed" if state.moving else "stopped"
+        text = f"'{report.part.name}' is {how} by {state.limited_by}" + (f": {state.reason}" if state.reason else "")
+        do = "move away from it, or see what the sensor sees: lbr topic echo ranges/readings"
+        yield report.link("rule", "doubt" if state.moving else "held", text, state.code or "limit", do=do)
+    yield leases.last(report)
+
+
+def _motors(report: Report[MotorsState]) -> Iterator[Link]:
+    state, part = report.state, report.part
+    if state.faults and not state.estop:
+        text = f"the motor controller reports {', '.join(state.faults)}"
+        do = "remove the cause; a fault that stays is released by switching the controller off and on"
+        yield report.link(
+            "fault",
+            "doubt" if state.armed else "held",
+            text,
+            "latched",
+            do=do,
+            about=part.device,
+            since=("fault",),
         )
-    yield leases.last(now, part, said.holder, said.code, said.reason, topic, age_s, stopped_by=said.stopped_by)
-
-
-def _motors(now: Snapshot, part: Part, said: MotorsState, topic: str, age_s: float | None) -> Iterator[Link]:
-    if said.faults and not said.estop:
-        yield Link(
-            name="fault",
-            about=part.device or part.name,
-            state="doubt" if said.armed else "held",
-            text=f"the motor controller reports {', '.join(said.faults)}",
-            code="latched",
-            since_s=now.since_s(part.name, ("fault",)),
-            age_s=age_s,
-            evidence=topic,
-            do="remove the cause; a fault that stays is released by switching the controller off and on",
-        )
-    if not said.armed and not (said.faults and not said.estop):
-        enable = now.facts.say(f"{part.name}.enable", "", enabled=True)
-        yield Link(
-            name="arming",
-            about=part.name,
-            state="held",
-            text=f"the motors are not armed: {said.reason or 'no reason given'}",
-            code="estop" if said.estop else "not_armed",
-            since_s=now.since_s(part.name, ("trip", "fault", "degraded")),
-            age_s=age_s,
-            evidence=topic,
+    if state.armed:
+        if state.heard is False:
+            yield bodies.unheard(report, "the motor controller")
+        powers = [state.left, state.right, *(one.power for one in state.motors.values())]
+        yield report.link("motor", "ok", "the motors are armed" + (", and turn" if any(powers) else ", at zero"))
+    elif not state.faults or state.estop:
+        enable = report.now.facts.say(f"{part.name}.enable", "", enabled=True)
+        yield report.link(
+            "arming",
+            "held",
+            f"the motors are not armed: {state.reason or 'no reason given'}",
+            "estop" if state.estop else "not_armed",
             do="stop, then move again" + (f"; if they were disabled: {enable}" if enable else ""),
+            since=("trip", "fault", "degraded"),
         )
-    elif said.armed:
-        if said.heard is False:
-            yield bodies.unheard(part, "the motor controller", topic, age_s)
-        powers = [said.left, said.right, *(one.power for one in said.motors.values())]
-        text = "the motors are armed" + (", and turn" if any(powers) else ", at zero")
-        yield Link(name="motor", about=part.name, state="ok", text=text, age_s=age_s, evidence=topic)
 
 
-def _camera(now: Snapshot, part: Part, said: CameraState, topic: str, age_s: float | None) -> Iterator[Link]:
-    short = part.name.removeprefix("camera_")
-    pub = f"lbr topic pub {part.name}/switch '{{\"on\": true}}'"
-    if not said.on:
-        others = (one.name for one in now.facts.parts.values() if "CamerasState" in one.outputs.values())
-        chooser = next(others, "")
-        yield Link(
-            name="switch",
-            about=part.name,
-            state="held",
-            text=f"'{part.name}' is switched off, for privacy: its device is closed",
-            code="off",
-            since_s=now.since_s(part.name, ("switched", "camera", "off")),
-            age_s=age_s,
-            evidence=topic,
-            do=now.facts.say(f"{chooser}.select", pub, name=short) if chooser else pub,
-        )
-    elif said.phase != "streaming":
-        yield Link(
-            name="line",
-            about=part.device or part.name,
-            state="held",
-            text=f"'{part.name}' gives no pictures" + (f": {said.reason}" if said.reason else f": it is {said.phase}"),
-            code="unreachable" if said.phase == "lost" or said.reason else "not_ready",
-            since_s=now.since_s(part.name, ("degraded", "lost")),
-            age_s=age_s,
-            evidence=topic,
+def _camera(report: Report[CameraState]) -> Iterator[Link]:
+    state, part, facts = report.state, report.part, report.now.facts
+    if not state.on:
+        do = f"lbr topic pub {part.name}/switch '{{\"on\": true}}'"
+        chooser = next((one.name for one in facts.parts.values() if "CamerasState" in one.outputs.values()), "")
+        if chooser:
+            do = facts.say(f"{chooser}.select", do, name=part.name.removeprefix("camera_"))
+        text = f"'{part.name}' is switched off, for privacy: its device is closed"
+        yield report.link("switch", "held", text, "off", do=do, since=("switched", "camera", "off"))
+    elif state.phase != "streaming":
+        yield report.link(
+            "line",
+            "held",
+            f"'{part.name}' gives no pictures: {state.reason or f'it is {state.phase}'}",
+            "unreachable" if state.phase == "lost" or state.reason else "not_ready",
             do="what it says; else wait a second",
+            about=part.device,
+            since=("degraded", "lost"),
         )
     else:
-        yield from _rate(now, part, said, topic, age_s)
+        yield _rate(report)
 
 
-def _rate(now: Snapshot, part: Part, said: CameraState, topic: str, age_s: float | None) -> Iterator[Link]:
-    unit = now.unit(part.name)
+def _rate(report: Report[CameraState]) -> Link:
+    state, part = report.state, report.part
+    unit = report.now.unit(part.name)
     wanted = float(part.settings.get("fps", 15))
-    rate = unit.rates_hz.get("frame", 0.0) if unit is not None else (said.fps or 0.0)
+    rate = unit.rates_hz.get("frame", 0.0) if unit is not None else (state.fps or 0.0)
     young = unit is not None and (unit.uptime_s or 0.0) < 5.0
-    size = f"{said.width_px} x {said.height_px}" if said.width_px else ""
-    if rate >= SLOW * wanted or young or (said.rests and rate > 0.0):
-        yield Link(
-            name="rate",
-            about=part.name,
-            state="ok",
-            text=f"{rate:.0f} pictures a second {size}".strip(),
-            age_s=age_s,
-            evidence=topic,
-        )
-        return
-    yield Link(
-        name="rate",
-        about=part.name,
-        state="held" if rate == 0.0 else "doubt",
-        text=f"'{part.name}' gives {rate:.0f} pictures a second, where its row asks for {wanted:.0f}",
-        code="timeout",
-        age_s=age_s,
-        evidence=f"@status: rates_hz; {topic}: dropped {said.dropped}",
+    if rate >= SLOW * wanted or young or (state.rests and rate > 0.0):
+        size = f"{state.width_px} x {state.height_px}" if state.width_px else ""
+        return report.link("rate", "ok", f"{rate:.0f} pictures a second {size}".strip())
+    return report.link(
+        "rate",
+        "held" if rate == 0.0 else "doubt",
+        f"'{part.name}' gives {rate:.0f} pictures a second, where its row asks for {wanted:.0f}",
+        "timeout",
         do="more light, a smaller picture, or less for the machine to do",
+        evidence=f"@status: rates_hz; {report.topic}: dropped {state.dropped}",
     )
 
 
-def _ranges(now: Snapshot, part: Part, said: Ranges, topic: str, age_s: float | None) -> Iterator[Link]:
-    del part
+def _ranges(report: Report[Ranges]) -> Iterator[Link]:
     rules = [
         (one["sensor"], one["direction"], float(one["stop_m"]))
-        for each in now.facts.parts.values()
+        for each in report.now.facts.parts.values()
         for one in _rules(each)
     ]
     for sensor, direction, stop_m in dict.fromkeys(rules):
-        status = said.status.get(sensor, "ok")
-        metres = said.metres(sensor)
-        blind = said.tells_of(sensor) and metres is None and status != "over_range"
-        if blind:
-            text = f"sensor '{sensor}' reads nothing ({status}): what goes {direction} is refused"
-            yield Link(
-                name="reading",
-                about=sensor,
-                state="doubt",
-                text=text,
-                code="stale_sensor",
-                age_s=age_s,
-                evidence=topic,
-                do="check that sensor's cable; other directions go",
-            )
+        status = report.state.status.get(sensor, "ok")
+        metres = report.state.metres(sensor)
+        refused = f"what goes {direction} is refused"
+        if report.state.tells_of(sensor) and metres is None and status != "over_range":
+            text = f"sensor '{sensor}' reads nothing ({status}): {refused}"
+            do = "check that sensor's cable; other directions go"
+            yield report.link("reading", "doubt", text, "stale_sensor", do=do, about=sensor)
         elif metres is not None and metres <= stop_m:
-            text = f"something is {metres:.2f} m from sensor '{sensor}', nearer than {stop_m:.2f} m: what goes {direction} is refused"
-            yield Link(
-                name="reading",
-                about=sensor,
-                state="doubt",
-                text=text,
-                code="obstacle",
-                age_s=age_s,
-                evidence=topic,
-                do="move the other way, or take it away",
+            text = f"something is {metres:.2f} m from sensor '{sensor}', nearer than {stop_m:.2f} m: {refused}"
+            yield report.link(
+                "reading", "doubt", text, "obstacle", do="move the other way, or take it away", about=sensor
             )
 
 
@@ -205,144 +158,67 @@ def oldest_s(part: Part, message: str) -> float | None:
     return float(found) if isinstance(found, int | float) else None
 
 
-def _attitude(now: Snapshot, part: Part, said: AttitudeState, topic: str, age_s: float | None) -> Iterator[Link]:
-    del now
-    if not said.valid:
-        text = f"'{part.name}' does not know how the robot lies: {said.reason or 'no reason given'}"
-        yield Link(
-            name="reading",
-            about=part.name,
-            state="held",
-            text=text,
-            code="stale_sensor",
-            age_s=age_s,
-            evidence=topic,
-            do="keep the robot still for some seconds",
-        )
+def _attitude(report: Report[AttitudeState]) -> Iterator[Link]:
+    if not report.state.valid:
+        text = f"'{report.part.name}' does not know how the robot lies: {report.state.reason or 'no reason given'}"
+        yield report.link("reading", "held", text, "stale_sensor", do="keep the robot still for some seconds")
 
 
-def _odometry(now: Snapshot, part: Part, said: OdometryState, topic: str, age_s: float | None) -> Iterator[Link]:
-    del now
-    if not said.valid:
-        text = f"'{part.name}' does not know how far the robot came: {said.reason or 'no reason given'}"
-        yield Link(
-            name="reading",
-            about=part.name,
-            state="held",
-            text=text,
-            code="stale_sensor",
-            age_s=age_s,
-            evidence=topic,
-            do="look at the encoders' wiring",
-        )
-    elif said.stalled:
-        text = "the motors push and the wheels stand"
-        yield Link(
-            name="motor",
-            about=part.name,
-            state="held",
-            text=text,
-            code="stuck",
-            age_s=age_s,
-            evidence=topic,
-            do="free the wheels",
-        )
+def _odometry(report: Report[OdometryState]) -> Iterator[Link]:
+    state = report.state
+    if not state.valid:
+        text = f"'{report.part.name}' does not know how far the robot came: {state.reason or 'no reason given'}"
+        yield report.link("reading", "held", text, "stale_sensor", do="look at the encoders' wiring")
+    elif state.stalled:
+        yield report.link("motor", "held", "the motors push and the wheels stand", "stuck", do="free the wheels")
 
 
-def _dock(now: Snapshot, part: Part, said: DockSignal, topic: str, age_s: float | None) -> Iterator[Link]:
-    del now
-    seen = [name for name in ("left", "right", "power") if getattr(said, name)]
-    if seen:
-        yield Link(
-            name="reading",
-            about=part.name,
-            state="ok",
-            text=f"beams are seen: {', '.join(seen)}",
-            age_s=age_s,
-            evidence=topic,
-        )
+def _dock(report: Report[DockSignal]) -> Iterator[Link]:
+    state = report.state
+    if seen := [name for name in ("left", "right", "power") if getattr(state, name)]:
+        yield report.link("reading", "ok", f"beams are seen: {', '.join(seen)}")
         return
-    ages = [age for name in ("left", "right", "power") if (age := getattr(said, f"{name}_age_s")) is not None]
+    ages = [age for age in (state.left_age_s, state.right_age_s, state.power_age_s) if age is not None]
     last = f"the last one {min(ages):.0f} s ago" if ages else "none since it started"
     text = f"no beam of a dock is seen, {last}"
-    yield Link(
-        name="reading",
-        about=part.name,
-        state="doubt",
-        text=text,
-        code="stale_sensor",
-        since_s=min(ages, default=None),
-        age_s=age_s,
-        evidence=topic,
-        do="turn the robot so that the receiver looks at the dock, and see that the dock has power",
-    )
+    do = "turn the robot so that the receiver looks at the dock, and see that the dock has power"
+    yield report.link("reading", "doubt", text, "stale_sensor", do=do, since_s=min(ages, default=None))
 
 
-def _power(now: Snapshot, part: Part, said: PowerState, topic: str, age_s: float | None) -> Iterator[Link]:
-    if said.phase in CLOSING:
-        left = f" in {said.remaining_s:.0f} s" if said.remaining_s is not None else ""
-        text = f"the computer is shut down{left}: {said.reason or said.phase}"
-        yield Link(
-            name="power",
-            about=part.name,
-            state="held",
-            text=text,
-            code="shutting_down",
-            age_s=age_s,
-            evidence=topic,
-            do=now.facts.say(f"{part.name}.cancel", "cancel"),
-        )
+def _power(report: Report[PowerState]) -> Iterator[Link]:
+    state = report.state
+    if state.phase in CLOSING:
+        left = f" in {state.remaining_s:.0f} s" if state.remaining_s is not None else ""
+        text = f"the computer is shut down{left}: {state.reason or state.phase}"
+        do = report.now.facts.say(f"{report.part.name}.cancel", "cancel")
+        yield report.link("power", "held", text, "shutting_down", do=do)
 
 
-def _ups(now: Snapshot, part: Part, said: UpsState, topic: str, age_s: float | None) -> Iterator[Link]:
-    if said.relay is False:
-        text = "the relay of the motors' power is off"
-        yield Link(
-            name="power",
-            about=part.name,
-            state="held",
-            text=text,
-            code="off",
-            since_s=now.since_s(part.name, ("relay",)),
-            age_s=age_s,
-            evidence=topic,
-            do=now.facts.say(f"{part.name}.relay", "/relay/on", on=True),
-        )
-    elif not said.valid:
-        text = f"'{part.name}' cannot be read: {said.reason or 'no reason given'}"
-        yield Link(
-            name="power",
-            about=part.name,
-            state="doubt",
-            text=text,
-            code="stale_sensor",
-            age_s=age_s,
-            evidence=topic,
-            do="check its wiring",
-        )
+def _ups(report: Report[UpsState]) -> Iterator[Link]:
+    state, part = report.state, report.part
+    if state.relay is False:
+        do = report.now.facts.say(f"{part.name}.relay", "/relay/on", on=True)
+        yield report.link("power", "held", "the relay of the motors' power is off", "off", do=do, since=("relay",))
+    elif not state.valid:
+        text = f"'{part.name}' cannot be read: {state.reason or 'no reason given'}"
+        yield report.link("power", "doubt", text, "stale_sensor", do="check its wiring")
 
 
-def _teleop(now: Snapshot, part: Part, said: TeleopState, topic: str, age_s: float | None) -> Iterator[Link]:  # noqa: ARG001 - as all
-    moves = said.driving or bool(said.line)
-    text = f"it says '{said.line}'" if said.line else said.reason
-    missing = not said.pad
-    yield Link(
-        name="input",
-        about=part.name,
-        state="ok" if moves else "doubt" if missing else "held",
-        text=text if moves else f"the gamepad moves nothing: {text}",
-        code="" if moves else said.code,
-        age_s=age_s,
-        evidence=topic,
-        do=""
-        if moves
-        else "lbr devices says what is plugged in"
-        if missing
-        else "hold its dead-man button, and then push a stick from its centre",
-    )
+def _teleop(report: Report[TeleopState]) -> Iterator[Link]:
+    state = report.state
+    text = f"it says '{state.line}'" if state.line else state.reason
+    if state.driving or state.line:
+        yield report.link("input", "ok", text)
+        return
+    text = f"the gamepad moves nothing: {text}"
+    if state.pad:
+        do = "hold its dead-man button, and then push a stick from its centre"
+        yield report.link("input", "held", text, state.code, do=do)
+    else:
+        yield report.link("input", "doubt", text, state.code, do="lbr devices says what is plugged in")
 
 
-_TELLERS: dict[type[Any], Callable[[Snapshot, Part, Any, str, float | None], Iterator[Link]]] = {
+_STATES: dict[type[Any], Callable[[Report[Any]], Iterator[Link]]] = {
     DriveState: _drive,
     JointsState: bodies.joints,
     MotorsState: _motors,
@@ -360,4 +236,4 @@ _TELLERS: dict[type[Any], Callable[[Snapshot, Part, Any, str, float | None], Ite
 
 def understood() -> frozenset[str]:
     """Return the names of the messages that are read here."""
-    return frozenset(message.__name__ for message in _TELLERS)
+    return frozenset(message.__name__ for message in _STATES)

@@ -3,15 +3,19 @@ lately."""
 
 from collections.abc import Collection, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import datetime
-from typing import Any, Literal, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 import msgspec
 from msgspec import Struct
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.system import CapabilityStatus, Event, Role, Status
+from lbr.messages.why import Link, LinkName, LinkState
 
 T = TypeVar("T", bound=Struct)
+State_co = TypeVar("State_co", bound=Struct, covariant=True)
 ITSELF = "executive"
 """What stands in place of a capability for what the robot itself does."""
 
@@ -140,14 +144,14 @@ class Snapshot(Struct, frozen=True, kw_only=True):
         units = self.status.capabilities if self.status is not None else ()
         return next((one for one in units if one.name == name), None)
 
-    def heard(self, part: Part, message: type[T]) -> tuple[T, str, float | None] | None:
-        """Return what a part's stream of this message said last, on which topic, and how old that is."""
+    def report(self, part: Part, message: type[T]) -> "Report[T] | None":
+        """Return the newest state that a part's stream of this message has."""
         for port, name in part.outputs.items():
             said = self.said.get(f"{part.name}/{port}")
             if name == message.__name__ and said is not None:
                 fields = {key: value for key, value in said.message.items() if key != "age_s"}
                 try:
-                    return msgspec.convert(fields, message), f"{part.name}/{port}", said.age_s
+                    return Report(self, part, msgspec.convert(fields, message), f"{part.name}/{port}", said.age_s)
                 except msgspec.ValidationError:
                     return None
         return None
@@ -169,6 +173,45 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     def ago_s(self, event: Event) -> float | None:
         """Return how long ago an event was, by the wall clock of the robot."""
         return max(0.0, (self.wall_ns - event.wall_ns) / 1e9) if event.wall_ns and self.wall_ns else None
+
+
+@dataclass(frozen=True, slots=True)
+class Report(Generic[State_co]):
+    """The newest state of a part, its topic and its age (null: its clock cannot be compared with ours), and what its
+    links are about if not the part."""
+
+    now: Snapshot
+    part: Part
+    state: State_co
+    topic: str
+    age_s: float | None
+    about: str = ""
+
+    def link(
+        self,
+        name: LinkName,
+        state: LinkState,
+        text: str,
+        code: ReasonCode = "",
+        *,
+        do: str = "",
+        about: str = "",
+        evidence: str = "",
+        since: Collection[str] = (),
+        since_s: float | None = None,
+    ) -> Link:
+        """Return a link that this state is the evidence of; `since` are the kinds of events that began it."""
+        return Link(
+            name=name,
+            about=about or self.about or self.part.name,
+            state=state,
+            text=text,
+            code=code,
+            since_s=self.now.since_s(self.part.name, since) if since else since_s,
+            age_s=self.age_s,
+            evidence=evidence or self.topic,
+            do=do,
+        )
 
 
 def _filled(saying: Saying, wanted: dict[str, Any]) -> str:
