@@ -1,5 +1,7 @@
 """Zenoh sessions: one router in the executive, clients everywhere else; no scouting, nothing beyond what is named."""
 
+# ruff: noqa: E402 - the runtime reads its environment when the library loads
+
 import base64
 import json
 import os
@@ -19,13 +21,13 @@ RUNTIME_VARIABLE = "ZENOH_RUNTIME"
 if os.environ.get(RUNTIME_VARIABLE) != LEAF_RUNTIME:
     os.environ.pop(RUNTIME_VARIABLE, None)  # a shell's own wish, which the library may not understand, and then panics
 
-import zenoh  # noqa: E402 - the runtime reads its environment when the library loads
-from msgspec import Struct  # noqa: E402
+import zenoh
+from msgspec import Struct
 
-from lbr.bus import access  # noqa: E402
-from lbr.bus.access import Credentials, Limits, Rights  # noqa: E402
-from lbr.bus.wire import plain  # noqa: E402
-from lbr.errors import BusError  # noqa: E402
+from lbr.bus import access
+from lbr.bus.access import Credentials, Limits, Rights
+from lbr.bus.wire import plain
+from lbr.errors import BusError
 
 Session = zenoh.Session
 

@@ -3,6 +3,8 @@
 What has to be done of it stands in `orders`, what is to be told in `news`; the capability takes both.
 """
 
+# ruff: noqa: A002 - `id`, as the messages call it
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
@@ -129,7 +131,7 @@ class Desk:
             self._connect(guest, now)
         return self._told(guest)
 
-    def keep(self, id: str, now: float, *, leave: bool = False) -> RingReply:  # noqa: A002 - as the message calls it
+    def keep(self, id: str, now: float, *, leave: bool = False) -> RingReply:
         """Note that a page is there, or leaves; say how its call is."""
         guest = self._guests.get(id)
         if guest is None and (why := self._ended.get(id)) is not None:
@@ -162,19 +164,19 @@ class Desk:
         self._end(guest, Reason("refused" if declined else "stopped", f"{by} {'declined' if declined else 'ended'} it"))
         return None
 
-    def answered(self, id: str, answer: str) -> None:  # noqa: A002
+    def answered(self, id: str, answer: str) -> None:
         """Note the robot's part of a guest's connection."""
         if (guest := self._guests.get(id)) is not None:
             guest.answer = answer
 
-    def connected(self, id: str) -> None:  # noqa: A002
+    def connected(self, id: str) -> None:
         """Note that picture and sound have a way."""
         if (guest := self._guests.get(id)) is not None:
             guest.phase, guest.until_s = "talking", inf
             if guest.purpose != "display":
                 self.news.append(News("call_connected", f"{guest.who} is connected ({_MEANS[guest.purpose]})"))
 
-    def lost(self, id: str, why: Reason) -> None:  # noqa: A002
+    def lost(self, id: str, why: Reason) -> None:
         """Note that a guest's connection failed, or is over."""
         if (guest := self._guests.get(id)) is not None:
             self._end(guest, why)

@@ -4,6 +4,8 @@ Orders go in by methods from any thread, what became of them comes out in `news`
 browser and robot find each other within their network, or not at all.
 """
 
+# ruff: noqa: A002 - `id`, as the messages call it
+
 import asyncio
 import ctypes
 import gc
@@ -82,11 +84,11 @@ class Media:
         """How many frames came of callers, of picture and sound."""
         return self._fan.count
 
-    def connect(self, id: str, purpose: Purpose, offer: str) -> None:  # noqa: A002 - as the messages call it
+    def connect(self, id: str, purpose: Purpose, offer: str) -> None:
         """Answer an offer."""
         self._soon(lambda: self._start(self._connect(id, purpose, offer)))
 
-    def close(self, id: str) -> None:  # noqa: A002
+    def close(self, id: str) -> None:
         """Close a connection, if there is one."""
         self._soon(lambda: self._start(self._close(id)))
 
@@ -133,7 +135,7 @@ class Media:
         self.news.append(news)
         self._wake()
 
-    async def _connect(self, id: str, purpose: Purpose, offer: str) -> None:  # noqa: A002
+    async def _connect(self, id: str, purpose: Purpose, offer: str) -> None:
         assert self._pictures is not None
         peer = self._peers[id] = _Peer(id, self._tell, self._start)
         peer.begun = asyncio.current_task()
@@ -154,7 +156,7 @@ class Media:
         else:
             self._tell(Happened(id, "answer", answer))
 
-    async def _close(self, id: str) -> None:  # noqa: A002
+    async def _close(self, id: str) -> None:
         peer = self._peers.pop(id, None)
         if peer is None:
             return
@@ -193,7 +195,7 @@ class _Peer:
 
     def __init__(
         self,
-        id: str,  # noqa: A002
+        id: str,
         tell: Callable[[Happened], None],
         start: Callable[[Coroutine[Any, Any, None]], asyncio.Task[None]],
     ) -> None:

@@ -3,6 +3,8 @@
 Addresses: `usb:` for the only unit, `usb:SERIAL` for one of several, `unix:PATH`.
 """
 
+# ruff: noqa: N802, N803 - the library's own names
+
 import re
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
@@ -17,22 +19,22 @@ OnData = Callable[[Any, Sequence[float], Sequence[float], Sequence[float], float
 class Spatial(Protocol):
     """The calls of `Phidget22.Devices.Spatial.Spatial` that are used here, by their own names."""
 
-    def setOnSpatialDataHandler(self, handler: OnData | None) -> None:  # noqa: N802
+    def setOnSpatialDataHandler(self, handler: OnData | None) -> None:
         """Have a function called with every sample, on a thread of the library's."""
 
-    def setOnDetachHandler(self, handler: Callable[[Any], None] | None) -> None:  # noqa: N802
+    def setOnDetachHandler(self, handler: Callable[[Any], None] | None) -> None:
         """Have a function called when the unit is gone."""
 
-    def openWaitForAttachment(self, timeout: int) -> None:  # noqa: N802
+    def openWaitForAttachment(self, timeout: int) -> None:
         """Wait up to `timeout` milliseconds for the unit."""
 
-    def setDataInterval(self, DataInterval: int) -> None:  # noqa: N802, N803
+    def setDataInterval(self, DataInterval: int) -> None:
         """Have a sample at this interval, in milliseconds; forgotten when it is plugged in again."""
 
-    def getDeviceName(self) -> str:  # noqa: N802
+    def getDeviceName(self) -> str:
         """Return what it is."""
 
-    def zeroGyro(self) -> None:  # noqa: N802
+    def zeroGyro(self) -> None:
         """Take the gyro's zero, for about two seconds."""
 
     def close(self) -> None:

@@ -1,5 +1,7 @@
 """Answers of the API: keys and their order are those that phones and scripts know; others come only when asked for."""
 
+# ruff: noqa: N815 - the API's own names
+
 from typing import Any, Literal
 
 from msgspec import UNSET, Struct, UnsetType
@@ -29,8 +31,8 @@ class MotorData(Struct, frozen=True):
     max: int
     default: int
     inverted: bool
-    smartPosition: Number | UnsetType | None = UNSET  # noqa: N815 - the API's name
-    rawPosition: int | UnsetType = UNSET  # noqa: N815 - the API's name
+    smartPosition: Number | UnsetType | None = UNSET
+    rawPosition: int | UnsetType = UNSET
     measured: Measured | UnsetType | None = UNSET
     commanded: Number | UnsetType = UNSET
 
@@ -40,8 +42,8 @@ class MotorAnswer(Struct, frozen=True):
 
     data: list[MotorData] | MotorData
     message: Literal["getAllMotors", "getMotorInfo", "setMotorPos"]
-    oldPosition: Number | UnsetType = UNSET  # noqa: N815 - the API's name
-    newPosition: Number | UnsetType = UNSET  # noqa: N815 - the API's name
+    oldPosition: Number | UnsetType = UNSET
+    newPosition: Number | UnsetType = UNSET
     torq: Number | UnsetType = UNSET
     job: str | UnsetType = UNSET
 
@@ -56,7 +58,7 @@ class MultiAnswer(Struct, frozen=True):
     """Several motors that move from now on, or after their delays as `job`."""
 
     message: Literal["setMultiMotorsPos"]
-    multiMsg: MultiPositions  # noqa: N815 - the API's name
+    multiMsg: MultiPositions
     job: str | UnsetType = UNSET
 
 
@@ -87,4 +89,4 @@ class PlayedAnswer(Struct, frozen=True):
 
     data: MotionData
     message: Literal["callMotionById", "callMotionByName"]
-    motionMsg: MotionMessage  # noqa: N815 - the API's name
+    motionMsg: MotionMessage
