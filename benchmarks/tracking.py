@@ -16,7 +16,7 @@ import numpy as np
 import psutil
 
 from benchmarks import Measured
-from lbr.apps.vision import finding
+from lbr.apps.vision import finding, opencv
 from lbr.apps.vision.eye import Eye
 from lbr.apps.vision.tracking.kind import TrackingSettings
 from lbr.messages.tracking import Seen
@@ -37,13 +37,13 @@ def measure(given: argparse.Namespace) -> Measured:
     """Find the ball in pictures made here."""
     made = pictures(given.pictures)
     settings = TrackingSettings()
-    ranges = finding.hsv_ranges(settings)
+    ranges = opencv.hsv_ranges(settings)
     blob = finding.finder(settings, "colour")
     kilobytes = statistics.mean(len(data) for data, _ in made) / 1000
     text = [
         f"OpenCV {cv2.__version__}, {WIDTH}x{HEIGHT}, {kilobytes:.0f} kB",
         f"{'decode, whole':24}{_ms(made, lambda data: cv2.imdecode(_bytes(data), cv2.IMREAD_COLOR)):8.2f} ms",
-        f"{'decode, half':24}{_ms(made, finding.decode):8.2f} ms",
+        f"{'decode, half':24}{_ms(made, opencv.decode):8.2f} ms",
     ]
     for name, find in (("blob", blob), ("circles", lambda data: _circles(data, ranges))):
         errors, missed = _errors(made, find)
@@ -73,10 +73,10 @@ def pictures(count: int) -> list[tuple[bytes, tuple[float, float, float]]]:
     return made
 
 
-def _circles(data: bytes, ranges: tuple[tuple[finding.Hsv, finding.Hsv], ...]) -> Seen | None:
-    image = finding.decode(data)
+def _circles(data: bytes, ranges: tuple[tuple[opencv.Hsv, opencv.Hsv], ...]) -> Seen | None:
+    image = opencv.decode(data)
     assert image is not None
-    where = cv2.GaussianBlur(finding.mask(image, ranges), (5, 5), 0)
+    where = cv2.GaussianBlur(opencv.mask(image, ranges), (5, 5), 0)
     found = cv2.HoughCircles(where, cv2.HOUGH_GRADIENT, 1, 40, param1=100, param2=10, minRadius=2, maxRadius=60)
     if found is None:
         return None

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.apps.vision import finding
+from lbr.apps.vision import finding, opencv
 from lbr.apps.vision.sketch import sketch
 from lbr.apps.vision.tracking.kind import KIND
 from lbr.errors import InputError
@@ -84,7 +84,7 @@ SMALL = picture((40, 30, 12, ORANGE), width=80, height=60)
 
 def test_a_picture_that_says_it_is_enormous_is_none():
     at = SMALL.index(b"\xff\xc0")
-    assert finding.decode(SMALL[: at + 5] + b"\xff\xff\xff\xff" + SMALL[at + 9 :]) is None
+    assert opencv.decode(SMALL[: at + 5] + b"\xff\xff\xff\xff" + SMALL[at + 9 :]) is None
 
 
 class Detector:
@@ -103,16 +103,16 @@ class Detector:
 
 def test_the_largest_face_is_followed():
     detector = Detector([10, 10, 20, 20, *[0] * 10, 0.9], [180, 60, 40, 60, *[0] * 10, 0.8])
-    seen = finding.largest_face(np.zeros((240, 320, 3), np.uint8), detector)
+    seen = opencv.largest_face(np.zeros((240, 320, 3), np.uint8), detector)
     assert detector.size == (320, 240)
     assert (seen.x, seen.y, seen.radius) == pytest.approx((40.5 / 320, -29.5 / 320, 30 / 320))
 
 
 def test_no_face_and_a_nonsensical_one_are_none():
     image = np.zeros((240, 320, 3), np.uint8)
-    assert finding.largest_face(image, Detector()) is None
-    assert finding.largest_face(image, Detector([np.nan] * 15)) is None
-    assert finding.largest_face(image, Detector([9e9, 0, 1, 1, *[0] * 10, 0.9])) is None
+    assert opencv.largest_face(image, Detector()) is None
+    assert opencv.largest_face(image, Detector([np.nan] * 15)) is None
+    assert opencv.largest_face(image, Detector([9e9, 0, 1, 1, *[0] * 10, 0.9])) is None
 
 
 def test_a_face_needs_a_model_and_is_told_which(tmp_path):
@@ -126,6 +126,8 @@ def test_a_face_needs_a_model_and_is_told_which(tmp_path):
 
 def test_without_opencv_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "cv2", None)
+    monkeypatch.delitem(sys.modules, "lbr.apps.vision.opencv")
+    monkeypatch.delattr("lbr.apps.vision.opencv")
     with pytest.raises(InputError, match=r"lbr\[vision\]"):
         finding.finder(KIND.settings(), "colour")
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
