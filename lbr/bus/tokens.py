@@ -60,19 +60,18 @@ def fingerprint(certificate_der: bytes) -> str:
 
 def hashed(secret: str) -> str:
     """Return what the rows keep of a secret: argon2id, with what OWASP asks for at least."""
-    from argon2 import PasswordHasher  # noqa: PLC0415 - for those who make or check tokens
+    import argon2  # noqa: PLC0415 - for those who make or check tokens
 
-    return PasswordHasher(time_cost=ROUNDS, memory_cost=MEMORY_KIB, parallelism=LANES).hash(secret)
+    return argon2.PasswordHasher(time_cost=ROUNDS, memory_cost=MEMORY_KIB, parallelism=LANES).hash(secret)
 
 
 def fits(secret: str, stored: str) -> bool:
     """Say whether a hash is of this secret; takes some 25 ms."""
-    from argon2 import PasswordHasher  # noqa: PLC0415
-    from argon2.exceptions import InvalidHashError, VerificationError  # noqa: PLC0415
+    import argon2  # noqa: PLC0415
 
     try:
-        return PasswordHasher().verify(stored, secret)
-    except (VerificationError, InvalidHashError, UnicodeEncodeError):
+        return argon2.PasswordHasher().verify(stored, secret)
+    except (argon2.exceptions.VerificationError, argon2.exceptions.InvalidHashError, UnicodeEncodeError):
         return False
 
 

@@ -86,7 +86,6 @@ class CsiSource:
 def _library() -> tuple[Any, Any]:
     try:
         import libcamera  # type: ignore[import-not-found, unused-ignore] # noqa: PLC0415 - comes with the system
-        import picamera2  # type: ignore[import-not-found, unused-ignore] # noqa: PLC0415
         import picamera2.encoders  # type: ignore[import-not-found, unused-ignore] # noqa: PLC0415
         import picamera2.outputs  # type: ignore[import-not-found, unused-ignore] # noqa: PLC0415
     except ImportError as err:
