@@ -3,8 +3,6 @@
 What has to be done of it stands in `orders`, what is to be told in `news`; the capability takes both.
 """
 
-# ruff: noqa: A002 - `id`, as the messages call it
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf

@@ -4,8 +4,6 @@ Orders go in by methods from any thread, what became of them comes out in `news`
 browser and robot find each other within their network, or not at all.
 """
 
-# ruff: noqa: A002 - `id`, as the messages call it
-
 import asyncio
 import ctypes
 import gc

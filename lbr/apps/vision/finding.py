@@ -9,14 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from lbr.apps.vision.settings import VisionSettings
+from lbr.apps.vision.settings import MODEL_HINT, VisionSettings
 from lbr.errors import InputError
 from lbr.messages.tracking import Seen, Target
-
-MODEL_HINT = (
-    "download face_detection_yunet_2026may.onnx (for OpenCV 4: 2023mar) from OpenCV's model zoo, "
-    "github.com/opencv/opencv_zoo, models/face_detection_yunet, and name the file in the setting `face_model`"
-)
 
 Finder = Callable[[bytes], Seen | None]
 """Finds the target in a JPEG picture; None if it is not there, or the picture cannot be read."""

@@ -7,8 +7,7 @@ from typing import Any, NamedTuple, Protocol
 import cv2
 import numpy as np
 
-from lbr.apps.vision.finding import MODEL_HINT, Finder
-from lbr.apps.vision.settings import VisionSettings
+from lbr.apps.vision.settings import MODEL_HINT, VisionSettings
 from lbr.bus import pictures
 from lbr.errors import InputError
 from lbr.messages.tracking import Seen, Target
@@ -47,7 +46,7 @@ class Detector(Protocol):
         """Return a row for each face: its left, top, width and height in pixels, ten marks, and the score."""
 
 
-def finder(settings: VisionSettings, target: Target) -> Finder:
+def finder(settings: VisionSettings, target: Target) -> Callable[[bytes], Seen | None]:
     """Return what finds the target; InputError if OpenCV does not read the model."""
     cv2.setNumThreads(1)
     if target == "face":

@@ -9,6 +9,11 @@ from lbr.capability.word import Word
 Degrees = Annotated[float, Meta(ge=0.0, le=360.0)]
 Percent = Annotated[float, Meta(ge=0.0, le=100.0)]
 
+MODEL_HINT = (
+    "download face_detection_yunet_2026may.onnx (for OpenCV 4: 2023mar) from OpenCV's model zoo, "
+    "github.com/opencv/opencv_zoo, models/face_detection_yunet, and name the file in the setting `face_model`"
+)
+
 
 class VisionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What is looked for and through what; the colour is that of an orange ball, as hue, saturation and value.
