@@ -9,7 +9,7 @@ import re
 import sqlite3
 import sys
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
 from functools import cache
 from itertools import pairwise
@@ -41,6 +41,7 @@ from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_role
 from lbr.executive.service.completion_values import REPORTS
 from lbr.executive.service.journal import CODES
 from lbr.messages import codes, system
+from lbr.messages.rows import Row
 from lbr.messages.system import Role, higher
 from lbr.simulation import faults
 
@@ -244,10 +245,13 @@ def _table_section(table: Table) -> str:
 def _users(table: str) -> str:
     """Return which kinds read a table, and which of them write it."""
     said = []
-    for what, of in (("Read by", "reads"), ("Learnt by", "learns"), ("Edited by", "edits")):
-        users = [
-            kind.name for kind in kinds() if table in {getattr(one, "row", one).TABLE for one in getattr(kind, of)}
-        ]
+    ways: dict[str, Callable[[Kind], Iterable[type[Row]]]] = {
+        "Read by": lambda kind: (one.row for one in kind.reads),
+        "Learnt by": lambda kind: kind.learns,
+        "Edited by": lambda kind: kind.rights.edits,
+    }
+    for what, rows in ways.items():
+        users = [kind.name for kind in kinds() if table in {row.TABLE for row in rows(kind)}]
         said += [f"{what} {', '.join(f'`{name}`' for name in users)}."] if users else []
     return f"\n{' '.join(said)}\n" if said else ""
 
@@ -456,7 +460,7 @@ def settings_page(known: list[Kind]) -> str:
     for kind in known:
         parts.append(f"## Kind `{kind.name}`\n\n{_sentence(kind.summary)}\n")
         if kind.device:
-            parts.append(f"Drives a device row of type `{kind.device}`, which its setting `device` names.\n")
+            parts.append(f"Drives a device row of type `{kind.device_type}`, which its setting `device` names.\n")
         parts.append(f"{_doc(kind.settings)}\n\n{struct_table(kind.settings)}")
         parts += [f"### `{one.__name__}`\n\n{_doc(one)}\n\n{struct_table(one)}" for one in nested(kind.settings)]
     parts.append(

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct, structs
 
-from lbr.capability import Call, Capability, Command, Kind, NoSettings, Row, names
+from lbr.capability import Call, Capability, Command, Kind, NoSettings, Row, Rows, names
 from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
 
@@ -46,6 +46,5 @@ KIND = Kind(
     entry=Greeter,
     commands={"greet": Command(GreetCommand, choices={"name": names(Greeting)})},
     replies={"greet": CommandReply},
-    rows=(Greeting,),
-    learns=(Greeting,),
+    rows=(Rows(Greeting, learnt=True),),
 )

@@ -5,7 +5,7 @@ A capability of your own needs no more than this package: `Kind` to declare it, 
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context, Device, PendingReply, Received
-from lbr.capability.kind import Command, Kind, NoSettings, Rows, names
+from lbr.capability.kind import Command, Kind, Needs, NoSettings, OnDevice, Rights, Rows, names
 from lbr.capability.word import Word
 from lbr.leases.client import LeaseClient, LeaseTarget
 from lbr.messages.rows import Row
@@ -19,9 +19,12 @@ __all__ = [
     "Kind",
     "LeaseClient",
     "LeaseTarget",
+    "Needs",
     "NoSettings",
+    "OnDevice",
     "PendingReply",
     "Received",
+    "Rights",
     "Row",
     "Rows",
     "Word",

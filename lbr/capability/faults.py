@@ -1,257 +1,164 @@
-"""What is wrong with a kind as it was declared: everything at once, before anything of it is used."""
+"""What is wrong with a kind as it was declared, before anything of it is used: first values that their fields do not
+take, then what does not fit together."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping
-from typing import Any, get_args
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import is_dataclass, replace
+from itertools import chain
+from types import NoneType, UnionType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import msgspec
 from msgspec import Struct
 
-from lbr.capability.kind import Command, Emulation, Family, Kind, Line, Rows, Wire
+from lbr.capability.kind import Command, Kind
 from lbr.capability.program import ProgramSettings
-from lbr.capability.word import Word
 from lbr.messages.rows import Row
-from lbr.messages.system import Role
 
 PORTS = ("inputs", "setpoints", "outputs", "commands", "replies", "requests")
-FAMILIES = tuple(family for family in get_args(Family) if family != "program")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _ENTRY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
+_SOUND = Kind(name="sound", summary="", family="app", entry="some:Class")
+"""Has what is looked at in place of a value that cannot be."""
+_PLAIN = {str: "a text", bool: "True or False", int: "a number", NoneType: "None", type: "a class", dict: "a dict"}
 
 
 def faults(kind: Kind) -> tuple[str, ...]:
     """Return a sentence for each thing that a kind must not say, whatever types its fields have."""
-    return tuple(_found(kind))
+    misfits = dict(_misfits(kind))
+    sound = replace(kind, **{name: getattr(_SOUND, name) for name, found in misfits.items() if found})
+    return (*chain.from_iterable(misfits.values()), *_contradictions(sound))
 
 
-def _found(kind: Kind) -> Iterator[str]:
-    yield from _words(kind)
+def _misfits(part: Any) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield the fields of a part, each with a sentence for each value that is not what it is annotated with."""
+    for name, hint in get_type_hints(type(part)).items():
+        yield name, tuple(_misfit(f"'{name}'", getattr(part, name), hint))
+
+
+def _misfit(where: str, value: Any, hint: Any) -> Iterator[str]:
+    origin, options = get_origin(hint) or hint, get_args(hint)
+    if origin is UnionType:
+        if all(any(_misfit(where, value, option)) for option in options):
+            if type(value) in options and is_dataclass(value):
+                yield from _misfit(where, value, type(value))
+            else:
+                yield f"{where} is {_shown(value)}, and must be {' or '.join(map(_in_words, options))}"
+    elif not _fits(value, origin, options):
+        yield f"{where} is {_shown(value)}, and must be {_in_words(hint)}"
+    elif origin is Mapping:
+        for key, one in value.items():
+            yield from _misfit(f"a name in {where}", key, options[0])
+            yield from _misfit(f"{_shown(key)} in {where}", one, options[1])
+    elif origin in {tuple, Collection}:
+        for one in value:
+            yield from _misfit(f"one of {where}", one, options[0])
+    elif is_dataclass(origin):
+        yield from chain.from_iterable(found for _name, found in _misfits(value))
+
+
+def _fits(value: Any, origin: Any, options: tuple[Any, ...]) -> bool:
+    """Say whether a value is what an annotation says, but for what it holds."""
+    if origin is Literal:
+        return isinstance(value, str) and value in options
+    if origin is type:
+        return isinstance(value, type) and all(issubclass(value, option) for option in options)
+    if origin is Callable:
+        return callable(value)
+    text = isinstance(value, str) and origin is Collection  # it is a collection, of its letters
+    return origin is Any or (isinstance(value, origin) and not text)
+
+
+def _in_words(hint: Any) -> str:
+    origin, options = get_origin(hint) or hint, get_args(hint)
+    if origin is Literal:
+        return f"one of {', '.join(map(repr, options))}"
+    if origin is type and options:
+        return f"a class that is a {options[0].__name__}"
+    names = {Mapping: "a dict", tuple: "a tuple", Collection: "a tuple", Callable: "a function"} | _PLAIN
+    return names.get(origin) or f"{origin.__name__}(…)"
+
+
+def _contradictions(kind: Kind) -> Iterator[str]:
+    if kind.family == "program" and not issubclass(kind.settings, ProgramSettings):
+        yield "'family' is 'program', which is for programs of the user's"
     yield from _entry(kind.entry)
     for group in PORTS:
         yield from _ports(group, getattr(kind, group))
-    yield from _wires(kind.wires)
-    yield from _optional(kind)
-    yield from _choices(kind)
     yield from _settings(kind)
-    yield from _pairing(kind)
-    yield from _lets_in(kind)
-    yield from _answers(kind)
-    yield from _devices(kind)
-    yield from _said(kind)
-
-
-def _words(kind: Kind) -> Iterator[str]:
-    for field in ("summary", "device", "extra", "package", "recognised", "says"):
-        if not isinstance(getattr(kind, field), str):
-            yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a text"
-    for field in ("moves", "serves", "serves_people", "records", "pairs", "emulates", "follows"):
-        if not isinstance(getattr(kind, field), bool):
-            yield f"'{field}' is {_shown(getattr(kind, field))}, and must be True or False"
-    if kind.family not in FAMILIES and not _is_struct(kind.settings, ProgramSettings):
-        yield f"'family' is {_shown(kind.family)}, and must be one of {', '.join(FAMILIES)}"
-    if kind.emulated not in get_args(Emulation):
-        yield f"'emulated' is {_shown(kind.emulated)}, and must be one of {', '.join(get_args(Emulation))}"
-    if kind.line not in get_args(Line):
-        yield f"'line' is {_shown(kind.line)}, and must be one of {', '.join(map(repr, get_args(Line)))}"
-    yield from _rows(kind)
-
-
-def _rows(kind: Kind) -> Iterator[str]:
-    for field in ("rows", "learns", "edits"):
-        if not isinstance(getattr(kind, field), tuple):
-            yield f"'{field}' is {_shown(getattr(kind, field))}, and must be a tuple of Row classes"
-            return
     for read in kind.reads:
-        if fault := _no_table("rows", read.row):
-            yield fault
-        else:
-            yield from _where(kind, read)
-    for row in kind.edits:
-        if fault := _no_table("edits", row):
-            yield fault
-    for row in kind.learns:
-        if row not in [read.row for read in kind.reads]:
-            yield f"'learns' names {_shown(row)}, which is not one of its rows"
+        yield from _table("rows", read.row)
+        yield from _strangers("rows", read.where, read.row.__struct_fields__, f"a column of {read.row.__name__}")
+        yield from _setting(kind, "rows", *read.where.values())
+    for row in kind.rights.edits:
+        yield from _table("edits", row)
+    yield from _setting(kind, "lets_in", *(name for name in kind.rights.lets_in if name != "enabled"))
+    yield from _strangers("optional", kind.optional, kind.inputs, "one of its inputs")
+    yield from _strangers("replies", kind.replies, {**kind.commands, **kind.requests}, "what it answers or asks for")
+    asked = [word.command for word in kind.words if not word.executive]
+    yield from _strangers("words", asked, kind.commands, "one of its commands")
+    for name in kind.commands:
+        command = kind.command(name)
+        fields = command.message.__struct_fields__
+        yield from _strangers("choices", command.choices, fields, f"a field of {command.message.__name__}")
+    if kind.rights.pairs and not ("address" in kind.commands and "pair" in kind.requests):
+        yield "'pairs' needs a command 'address', which says where it is, and a request 'pair'"
 
 
-def _lets_in(kind: Kind) -> Iterator[str]:
-    named: Any = kind.lets_in
-    if not isinstance(named, tuple):
-        yield f"'lets_in' is {_shown(named)}, and must be a tuple of settings"
-        return
-    for name in named:
-        if name != "enabled" and name not in getattr(kind.settings, "__struct_fields__", ()):
-            yield f"'lets_in' names {_shown(name)}, which is neither a field of {_shown(kind.settings)} nor 'enabled'"
+def _strangers(field: str, names: Iterable[object], known: Collection[str], what: str) -> Iterator[str]:
+    return (f"'{field}' names {_shown(name)}, which is not {what}" for name in names if name not in known)
 
 
-def _no_table(field: str, row: Any) -> str:
-    """Return why what a field names is not the rows of a table, or nothing."""
-    if not _is_struct(row, Row):
-        return f"'{field}' names {_shown(row)}, which is not a Row: class NAME(Row, frozen=True, kw_only=True)"
-    if fault := _unfit(row) or _row_fault(row):
-        return f"'{field}' names {row.__name__}, which is not a table: {fault}"
-    return ""
+def _setting(kind: Kind, field: str, *names: str) -> Iterator[str]:
+    return _strangers(field, names, kind.settings.__struct_fields__, f"a field of {kind.settings.__name__}")
 
 
-def _where(kind: Kind, read: Rows) -> Iterator[str]:
-    where: Any = read.where
-    if not isinstance(where, Mapping):
-        yield f"'rows' looks in {read.row.__name__} by {_shown(where)}, and must by a dict of columns to settings"
-        return
-    for column, setting in where.items():
-        if column not in read.row.__struct_fields__:
-            yield f"'rows' looks for {_shown(column)} in {read.row.__name__}, which has no such column"
-        if setting not in getattr(kind.settings, "__struct_fields__", ()):
-            yield f"'rows' names the setting {_shown(setting)}, which is not a field of {_shown(kind.settings)}"
-
-
-def _row_fault(row: type[Row]) -> str:
-    """Return why a struct is not a table, or nothing."""
-    if not (isinstance(row.TABLE, str) and _NAME.fullmatch(row.TABLE)):
-        return f"its TABLE is {_shown(row.TABLE)}, and must be the name of one"
-    key: Any = row.KEY
-    if not isinstance(key, tuple) or not key or any(column not in row.__struct_fields__ for column in key):
-        return f"its KEY is {_shown(row.KEY)}, and must be the columns that tell its rows apart"
-    return ""
-
-
-def _entry(entry: Any) -> Iterator[str]:
+def _entry(entry: str | type) -> Iterator[str]:
     if isinstance(entry, str):
         if not _ENTRY.fullmatch(entry):
             yield f"'entry' is {_shown(entry)}, and must be a class or \"module:Class\""
         return
     from lbr.capability.base import Capability  # noqa: PLC0415 - a caller with a class has imported it
 
-    if not (isinstance(entry, type) and issubclass(entry, Capability)):
+    if not issubclass(entry, Capability):
         yield f"'entry' is {_shown(entry)}, and must be a class that is a Capability, or \"module:Class\""
 
 
-def _ports(group: str, ports: Any) -> Iterator[str]:
-    if not isinstance(ports, Mapping):
-        yield f"'{group}' is {_shown(ports)}, and must be a dict of names to message types"
-        return
+def _ports(group: str, ports: Mapping[str, type[Struct] | Command]) -> Iterator[str]:
     for name, port in ports.items():
-        message: Any = port.message if isinstance(port, Command) else port
-        if not (isinstance(name, str) and _NAME.fullmatch(name)):
+        message = port.message if isinstance(port, Command) else port
+        if not _NAME.fullmatch(name):
             yield f"'{group}' names a port {_shown(name)}: small letters, digits, underscores; at most 40"
-        if not _is_struct(message, Struct):
-            yield f"port {_shown(name)} must carry a msgspec Struct, not {_shown(message)}"
-        elif not message.__struct_config__.frozen:
+        if not message.__struct_config__.frozen:
             yield f"port {_shown(name)} carries {message.__name__}, which must be frozen: class {message.__name__}(Struct, frozen=True)"
         elif fault := _unfit(message):
             yield f"port {_shown(name)} carries {message.__name__}, which is not JSON: {fault}"
 
 
-def _wires(wires: Any) -> Iterator[str]:
-    if not isinstance(wires, Mapping):
-        yield f"'wires' is {_shown(wires)}, and must be a dict of ports to Wire"
-        return
-    for port, wire in wires.items():
-        if not (isinstance(wire, Wire) and isinstance(wire.to, str) and isinstance(wire.history, int)):
-            yield f"'wires' has {_shown(wire)} for {_shown(port)}, which is no Wire of a port's name and a number"
-
-
-def _optional(kind: Kind) -> Iterator[str]:
-    optional: Any = kind.optional
-    if isinstance(optional, str) or not isinstance(optional, Collection):  # a text is a collection, of its letters
-        yield f"'optional' is {_shown(optional)}, and must be a tuple of inputs"
-        return
-    for name in optional:
-        if not (isinstance(name, str) and isinstance(kind.inputs, Mapping) and name in kind.inputs):
-            yield f"'optional' names {_shown(name)}, which is not one of its inputs"
-
-
-def _choices(kind: Kind) -> Iterator[str]:
-    """Look whether what a command's fields may be is told for fields that there are, by something that can tell it."""
-    for name, command in kind.commands.items() if isinstance(kind.commands, Mapping) else ():
-        if not (isinstance(command, Command) and _is_struct(command.message, Struct)):
-            continue
-        choices: Any = command.choices
-        if not isinstance(choices, Mapping):
-            yield f"'choices' of {_shown(name)} is {_shown(choices)}, and must be a dict of fields to functions"
-            continue
-        for field, may_be in choices.items():
-            if field not in command.message.__struct_fields__:
-                yield f"'choices' of {_shown(name)} names {_shown(field)}, which is not a field of {command.message.__name__}"
-            if not callable(may_be):
-                yield f"'choices' of {_shown(name)} gives {_shown(field)} {_shown(may_be)}, and must give a function"
-
-
 def _settings(kind: Kind) -> Iterator[str]:
-    if not _is_struct(kind.settings, Struct):
-        yield f"'settings' is {_shown(kind.settings)}, and must be a msgspec Struct"
-        return
     config = kind.settings.__struct_config__
     if not (config.frozen and config.forbid_unknown_fields):
         need = "frozen=True, forbid_unknown_fields=True"
         yield f"'settings' is {kind.settings.__name__}, which must be declared with {need}"
     if fault := _unfit(kind.settings):
         yield f"'settings' is {kind.settings.__name__}, which is not JSON: {fault}"
-    if kind.says and kind.says not in kind.settings.__struct_fields__:
-        yield f"'says' names {_shown(kind.says)}, which is not a field of {kind.settings.__name__}"
-    if kind.device and "device" not in kind.settings.__struct_fields__:
+    yield from _setting(kind, "says", *filter(None, (kind.says,)))
+    if kind.device is not None and "device" not in kind.settings.__struct_fields__:
         yield f"'device' needs a field 'device' in {kind.settings.__name__}, which names the device row"
-
-
-def _pairing(kind: Kind) -> Iterator[str]:
-    if not kind.pairs:
-        return
-    if "host" not in getattr(kind.settings, "__struct_fields__", ()):
+    if kind.rights.pairs and "host" not in kind.settings.__struct_fields__:
         yield "'pairs' needs a setting 'host', which the words `open` and `close` change"
-    if not _has(kind.commands, "address") or not _has(kind.requests, "pair"):
-        yield "'pairs' needs a command 'address', which says where it is, and a request 'pair'"
 
 
-def _has(ports: object, name: str) -> bool:
-    return isinstance(ports, Mapping) and name in ports
-
-
-def _answers(kind: Kind) -> Iterator[str]:
-    asked = {name for group in (kind.commands, kind.requests) if isinstance(group, Mapping) for name in group}
-    for name in kind.replies if isinstance(kind.replies, Mapping) else ():
-        if name not in asked:
-            yield f"'replies' answers {_shown(name)}, which is neither of its commands nor of its requests"
-    roles: Any = kind.roles
-    if not isinstance(roles, Mapping):
-        yield f"'roles' is {_shown(roles)}, and must be a dict of commands to roles"
-        return
-    for name, role in roles.items():
-        if name not in asked:
-            yield f"'roles' names {_shown(name)}, which is not one of its commands"
-        if role not in get_args(Role):
-            yield f"'roles' gives {_shown(name)} {_shown(role)}, and must give one of {', '.join(get_args(Role))}"
-
-
-def _devices(kind: Kind) -> Iterator[str]:
-    of_devices: Any = kind.device_settings
-    if not isinstance(of_devices, Mapping):
-        yield f"'device_settings' is {_shown(of_devices)}, and must be a dict of types to structs"
-        return
-    for name, settings in of_devices.items():
-        if not _is_struct(settings, Struct):
-            yield f"'device_settings' gives {_shown(name)} {_shown(settings)}, and must give a msgspec Struct"
-        elif fault := _unfit(settings):
-            yield f"'device_settings' gives {_shown(name)} {settings.__name__}, which is not JSON: {fault}"
-
-
-def _said(kind: Kind) -> Iterator[str]:
-    """Look whether the words are words; what their patterns and fields say, the plan of a robot checks."""
-    words: Any = kind.words
-    if not isinstance(words, tuple) or not all(isinstance(one, Word) for one in words):
-        yield f"'words' is {_shown(words)}, and must be a tuple of Word(…)"
-        return
-    commands = tuple(kind.commands) if isinstance(kind.commands, Mapping) else ()
-    for one in words:
-        if not (isinstance(one.pattern, str) and isinstance(one.help, str) and isinstance(one.fixed, dict)):
-            yield f"'words' has {_shown(one)}: its pattern and help must be texts, and 'fixed' a dict"
-        elif not one.executive and one.command not in commands:
-            yield f"'words' has {_shown(one.pattern)}, which asks for {_shown(one.command)}, none of its commands"
-        elif one.role not in get_args(Role):
-            yield f"'words' gives {_shown(one.pattern)} {_shown(one.role)}, and must give one of {', '.join(get_args(Role))}"
-
-
-def _is_struct(value: Any, of: type[Struct]) -> bool:
-    return isinstance(value, type) and issubclass(value, of)
+def _table(field: str, row: type[Row]) -> Iterator[str]:
+    """Yield why what a field names is not the rows of a table."""
+    table, key, fault = getattr(row, "TABLE", None), getattr(row, "KEY", None), _unfit(row)
+    if not fault and not (isinstance(table, str) and _NAME.fullmatch(table)):
+        fault = f"its TABLE is {_shown(table)}, and must be the name of one"
+    columns = row.__struct_fields__
+    if not fault and not (isinstance(key, tuple) and key and all(column in columns for column in key)):
+        fault = f"its KEY is {_shown(key)}, and must be the columns that tell its rows apart"
+    if fault:
+        yield f"'{field}' names {row.__name__}, which is not a table: {fault}"
 
 
 def _unfit(message: type[Struct]) -> str:

@@ -15,7 +15,7 @@ from lbr.capability import leaving
 from lbr.capability.word import Word
 from lbr.errors import LbrError
 from lbr.messages.camera import JpegFrame
-from lbr.messages.rows import Row
+from lbr.messages.rows import Row, RowsChanged
 from lbr.messages.system import Role
 
 STOP = "stop"
@@ -41,11 +41,59 @@ class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
 class Rows:
     """The rows of a table that a kind reads: all of its robot's, or those `where` a column is what a setting says.
 
-    An empty column goes with every setting, and an empty setting with every column.
+    An empty column goes with every setting, and an empty setting with every column. What is `learnt` it may write back.
     """
 
     row: type[Row]
     where: Mapping[str, str] = field(default_factory=dict)
+    learnt: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class OnDevice:
+    """The device that a kind owns: the device row that its setting `device` names has this `type`.
+
+    `line` says that it is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked
+    many times a second, so that what an adapter holds back matters. `emulated` is what stands in for it in a
+    simulation: a tty, a socket (`unix:PATH`) or a folder. `recognised` names how it is recognised, `module:HANDSHAKES`
+    (see `lbr.capability.recognition`), for `lbr devices`.
+    """
+
+    type: str
+    line: Line = ""
+    emulated: Emulation = "tty"
+    recognised: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Rights:
+    """What a kind may do besides what its wires let it.
+
+    What `serves` is a way by which people move and stop the robot: it ranks with what moves. What serves `people` may
+    hear every stream, ask for every command and say console lines of each role; it answers for who asks it. What
+    `pairs` lets their phones get tokens: by its request `pair` it may show the executive the digits that a person read
+    at the console, and the words `open` and `close` change its setting `host`. `lets_in` are its settings, or
+    `enabled`, that decide who comes in: no page changes them. What `records` may hear every stream, event and status,
+    look at what the robot is, and runs when all others leave it time. A world that `emulates` gets every device that
+    has a twin (see `lbr.capability.twins`). `edits` are the tables whose rows it may have written by `executive.edit`,
+    where it is wired to that.
+    """
+
+    serves: bool = False
+    people: bool = False
+    pairs: bool = False
+    lets_in: tuple[str, ...] = ()
+    records: bool = False
+    emulates: bool = False
+    edits: tuple[type[Row], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """What a kind cannot run without: a package to import, which the extra of lbr brings."""
+
+    package: str
+    extra: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +127,12 @@ class Command:
     """A command with what else there is to say of it than its message.
 
     One that is `leased` is held: its sender repeats it under its lease. `choices` are what its fields may
-    be on this robot, to complete a line by.
+    be on this robot, to complete a line by. `role` is what a sender on another machine needs.
     """
 
     message: type[Struct]
     leased: bool = False
+    role: Role = "operate"
     choices: Mapping[str, Choices] = field(default_factory=dict)
 
 
@@ -100,26 +149,11 @@ class Kind:
     streams it reads and `setpoints` streams sent to its own key, which only the wired source may write. `outputs` are
     streams it publishes, `commands` what it answers, `requests` what it asks of others' commands; who says no type of
     `replies` is answered by a CommandReply. `optional` are the inputs that it can do without: it is not reported that
-    nothing feeds them. `roles` are the commands that need another role than `operate`; anybody may stop. `words` are
-    what the console of every robot with a capability of this kind understands, besides the robot's rows. `moves` marks
-    a path to a motor: it gets the emergency stop on a session of its own and is stopped first. `serves` marks a way by
-    which people move and stop the robot: it ranks with what moves. What `serves_people` may hear every stream, ask for
-    every command and say console lines of each role; it answers for who asks it. What `records` may hear every stream,
-    event and status, look at what the robot is, and runs when all others leave it time. `pairs` marks one by which
-    their phones get tokens: by its request `pair` it may show the executive the digits that a person read at the
-    console, and the words `open` and `close` change its setting `host`. `lets_in` are its settings, or `enabled`, that
-    decide who comes in: no page changes them. `device` is the type of the device row that the setting `device` must
-    name; empty if it owns none. `device_settings` is what rows of a type of device may set for it; a world that
-    `emulates` every device that has a twin (see `lbr.capability.twins`) gets theirs. `line` says that its device is on
-    a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked many times a second, so
-    that what an adapter holds back matters. `emulated` is what stands in for its device in a simulation: a tty, a
-    socket (`unix:PATH`) or a folder. `recognised` names how its device is recognised, `module:HANDSHAKES` (see
-    `lbr.capability.recognition`), for `lbr devices`. `rows` are the tables whose rows it gets, and `learns` those of
-    them that it may write back; `edits` are those that it may have written by `executive.edit`, where it is wired to
-    that. `says` is its setting that has lines of the console, by name, each of which must be one that its robot
-    understands. `wires` are the inputs and requests that need no channel row. One that `follows` goes on when rows that
-    it reads are edited: it gets them by its command `rows`, a `RowsChanged`, and begins again only if it refuses.
-    `extra` is the extra of the package without which it cannot run at all, and `package` what that brings to import.
+    nothing feeds them. `wires` are the inputs and requests that need no channel row. `words` are what the console of
+    every robot with a capability of this kind understands, besides the robot's rows. `says` is its setting that has
+    lines of the console, by name, each of which must be one that its robot understands. `moves` marks a path to a
+    motor: it gets the emergency stop on a session of its own and is stopped first. `rows` are the tables whose rows it
+    gets; one with a command `rows`, a `RowsChanged`, hears by that of edits, and begins again only if it refuses.
     """
 
     name: str
@@ -134,28 +168,14 @@ class Kind:
     replies: Mapping[str, type[Struct]] = field(default_factory=dict)
     requests: Mapping[str, type[Struct]] = field(default_factory=dict)
     optional: Collection[str] = ()
-    roles: Mapping[str, Role] = field(default_factory=dict)
-    words: tuple[Word, ...] = ()
-    moves: bool = False
-    serves: bool = False
-    pairs: bool = False
-    serves_people: bool = False
-    records: bool = False
-    lets_in: tuple[str, ...] = ()
-    device: str = ""
-    device_settings: Mapping[str, type[Struct]] = field(default_factory=dict)
-    emulates: bool = False
-    emulated: Emulation = "tty"
-    line: Line = ""
-    recognised: str = ""
-    rows: tuple[type[Row] | Rows, ...] = ()
-    learns: tuple[type[Row], ...] = ()
-    edits: tuple[type[Row], ...] = ()
-    says: str = ""
     wires: Mapping[str, Wire] = field(default_factory=dict)
-    follows: bool = False
-    extra: str = ""
-    package: str = ""
+    words: tuple[Word, ...] = ()
+    says: str = ""
+    moves: bool = False
+    device: OnDevice | None = None
+    rows: tuple[type[Row] | Rows, ...] = ()
+    rights: Rights = Rights()
+    needs: Needs | None = None
 
     @property
     def messages(self) -> dict[str, type[Struct]]:
@@ -163,9 +183,24 @@ class Kind:
         return {name: self.command(name).message for name in self.commands}
 
     @property
+    def device_type(self) -> str:
+        """The type of its device row; empty if it owns none."""
+        return self.device.type if self.device is not None else ""
+
+    @property
     def reads(self) -> tuple[Rows, ...]:
         """The tables whose rows it gets."""
         return tuple(one if isinstance(one, Rows) else Rows(one) for one in self.rows)
+
+    @property
+    def learns(self) -> tuple[type[Row], ...]:
+        """The tables whose rows it may write back."""
+        return tuple(one.row for one in self.reads if one.learnt)
+
+    @property
+    def follows(self) -> bool:
+        """Whether it hears of edits of its rows, and goes on."""
+        return self.messages.get("rows") is RowsChanged
 
     def command(self, name: str) -> Command:
         """Return what there is to say of a command."""
@@ -173,8 +208,8 @@ class Kind:
         return found if isinstance(found, Command) else Command(found)
 
     def role(self, command: str) -> Role:
-        """Return the role that a command needs of a sender on another machine."""
-        return self.roles.get(command, "view" if command == STOP else "operate")
+        """Return the role that a command needs of a sender on another machine; anybody may stop."""
+        return "view" if command == STOP else self.command(command).role
 
     def schema(self, name: str, message: type[Struct]) -> dict[str, Any]:
         """Return the JSON Schema of a message of its, and for a command the role it needs of a sender elsewhere."""
@@ -185,10 +220,12 @@ class Kind:
 
     def lacks(self) -> str:
         """Return what has to be installed before it can run at all, and how; empty if nothing has."""
+        if self.needs is None:
+            return ""
         with contextlib.suppress(ImportError, ValueError):
-            if not self.package or importlib.util.find_spec(self.package) is not None:
+            if importlib.util.find_spec(self.needs.package) is not None:
                 return ""
-        return f"'{self.package}' is not installed: pip install 'lbr[{self.extra}]'"
+        return f"'{self.needs.package}' is not installed: pip install 'lbr[{self.needs.extra}]'"
 
     def parse(self, settings: str | bytes) -> Any:
         """Return the settings of a row, checked; raise msgspec.ValidationError naming the field."""

@@ -1,6 +1,6 @@
 """How a driver recognises its device on a line, a bus or by the kernel's name: questions that change and move nothing.
 
-A kind names what says so: `recognised="my_lamp.recognition:HANDSHAKES"`, one handshake or a tuple of them, imported
+A kind names what says so: `OnDevice("my_lamp", recognised="my_lamp.recognition:HANDSHAKES")`, one handshake or a tuple of them, imported
 only when devices are looked for. `python -m lbr devices` asks them; see docs/devices.md.
 """
 
@@ -71,19 +71,20 @@ Handshake = SerialHandshake | I2cHandshake | NameHandshake
 
 def handshakes(kind: Kind) -> tuple[Handshake, ...]:
     """Return how a kind recognises its device, none if it does not say; KindError if what it says cannot be used."""
-    if not kind.recognised or not kind.device:
+    if kind.device is None or not kind.device.recognised:
         return ()
-    module, _, name = kind.recognised.partition(":")
+    named = kind.device.recognised
+    module, _, name = named.partition(":")
     try:
         found = getattr(importlib.import_module(module), name)
     except Exception as err:  # a package of others may do anything
-        raise KindError(f"kind '{kind.name}': {kind.recognised} does not load: {type(err).__name__}: {err}") from err
+        raise KindError(f"kind '{kind.name}': {named} does not load: {type(err).__name__}: {err}") from err
     told = found if isinstance(found, tuple) else (found,)
     for one in told:
         if not isinstance(one, Handshake):
-            raise KindError(f"kind '{kind.name}': {kind.recognised} is no handshake, but a {type(one).__name__}")
+            raise KindError(f"kind '{kind.name}': {named} is no handshake, but a {type(one).__name__}")
         if fault := _fault(one):
-            raise KindError(f"kind '{kind.name}': {kind.recognised}: {fault}")
+            raise KindError(f"kind '{kind.name}': {named}: {fault}")
     return told
 
 

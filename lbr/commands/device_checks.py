@@ -148,8 +148,8 @@ def _line(device_type: str) -> str:
     for name in registry.names(NOWHERE):
         with contextlib.suppress(KindError):
             kind = registry.find(name, NOWHERE)
-            if kind.device == device_type:
-                return kind.line
+            if kind.device is not None and kind.device.type == device_type:
+                return kind.device.line
     return ""
 
 

@@ -92,7 +92,7 @@ def _new(
     name = called or first_free(one.type, names[0].__contains__)
     names[0].add(name)
     device = RowChange(table="device", after={"name": name, "type": one.type, "address": one.address})
-    kind = next((kind for kind in kinds.values() if kind.device == one.type), None)
+    kind = next((kind for kind in kinds.values() if kind.device_type == one.type), None)
     if kind is None:
         return Proposal(address=one.address, text=f"add it as device '{name}'", changes=[device])
     capability = first_free(called or kind.name, names[1].__contains__)

@@ -57,7 +57,7 @@ def known_kinds(home: Path) -> tuple[dict[str, Kind], Known, list[str]]:
             kind = registry.find(name, home)
             kinds[name] = kind
             if told := recognition.handshakes(kind):
-                found[kind.device] = told
+                found[kind.device_type] = told
         except KindError as err:
             wrong.append(str(err))
     return kinds, found, wrong

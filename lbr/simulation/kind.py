@@ -1,6 +1,6 @@
 """The kind `world`: its settings, ports and words."""
 
-from lbr.capability.kind import Command, Kind
+from lbr.capability.kind import Command, Kind, Needs, Rights
 from lbr.capability.word import Word
 from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.leases import CommandReply
@@ -25,21 +25,19 @@ KIND = Kind(
     name="world",
     summary="a simulated room and robot, and an emulated twin on a pseudo-terminal for each of its devices",
     family="simulation",
-    extra="sim",
-    package="mujoco",
+    needs=Needs("mujoco", extra="sim"),
     entry="lbr.simulation.capability:World",
     settings=WorldSettings,
     outputs={"pose": WorldPose, "scene": WorldScene},
     commands={
-        "picture": PictureRequest,
-        "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}),
-        "plug": PlugRequest,
-        "place": PlaceRequest,
-        "remove": RemoveRequest,
+        "picture": Command(PictureRequest, role="admin"),
+        "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}, role="admin"),
+        "plug": Command(PlugRequest, role="admin"),
+        "place": Command(PlaceRequest, role="admin"),
+        "remove": Command(RemoveRequest, role="admin"),
         "ball": BallRequest,
     },
-    roles={"picture": "admin", "fault": "admin", "plug": "admin", "place": "admin", "remove": "admin"},
-    emulates=True,
+    rights=Rights(emulates=True),
     rows=(RangeSensor, Kinematics, Wheel),
     replies={
         "picture": PictureReply,

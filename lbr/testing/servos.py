@@ -197,7 +197,7 @@ def bench(
     no torque limit, so that they are let go at once.
     """
     shafts = Shafts(ids)
-    with plugged(kind.device, folder, settings=dict(device or {}), live=shafts) as found:
+    with plugged(kind.device_type, folder, settings=dict(device or {}), live=shafts) as found:
         made = ServosBench(kind, settings or {}, found, shafts, fades=fades)
         try:
             yield made

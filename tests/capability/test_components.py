@@ -19,7 +19,7 @@ from tests.support.robot import LBR, environment
 GRIPPER = """
 import click
 from click.shell_completion import CompletionItem
-from lbr.capability import Capability, Kind
+from lbr.capability import Capability, Kind, OnDevice
 from lbr.capability.twins import DeviceTwin
 from lbr.errors import InputError
 from lbr.simulation.faults import Faults
@@ -37,7 +37,8 @@ class Gripper(Capability[Settings]):
 class Twin:
     pass
 
-KIND = Kind(name="gripper", summary="grips", family="driver", entry=Gripper, settings=Settings, device="gripper")
+KIND = Kind(name="gripper", summary="grips", family="driver", entry=Gripper, settings=Settings,
+    device=OnDevice("gripper"))
 TWIN = DeviceTwin(device="gripper", row=Row, entry=Twin)
 
 def complete(context, parameter, begun):
@@ -82,7 +83,7 @@ def lbr(site: Path, home: Path, *words: str, **more: str) -> "tuple[int, str, st
 def test_one_entry_point_brings_a_kind_a_twin_and_a_command(site):
     package(site, "my-gripper", brings=BRINGS, files={"gripper.py": GRIPPER})
     plugins.forget()
-    assert registry.find("gripper", site).device == "gripper"
+    assert registry.find("gripper", site).device_type == "gripper"
     assert twins.find("gripper").device == "gripper"
     assert [one.name for one in plugins.every("commands")][-1] == "grip"
 

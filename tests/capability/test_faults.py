@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from lbr.capability.base import Capability
 from lbr.capability.faults import PORTS, faults
-from lbr.capability.kind import Command, Kind, KindError, Rows
+from lbr.capability.kind import Command, Kind, KindError, OnDevice, Rights, Rows
 from lbr.capability.word import Word
 from lbr.messages.rows import Row
 from tests.support.packages import imported_from
@@ -47,14 +47,13 @@ GOOD = Kind(
     family="app",
     entry=Capability,
     settings=Settings,
-    commands={"go": Command(Go, leased=True)},
+    commands={
+        "go": Command(Go, leased=True, role="admin"),
+    },
     replies={"go": Go},
-    roles={"go": "admin"},
     words=(Word("go", "go", "Go"),),
-    rows=(Rows(Kept, where={"name": "device"}),),
-    learns=(Kept,),
-    device="claw",
-    device_settings={"claw": Settings},
+    rows=(Rows(Kept, where={"name": "device"}, learnt=True),),
+    device=OnDevice("claw"),
 )
 NAMES = [field.name for field in fields(Kind)]
 ODD = st.one_of(
@@ -74,6 +73,8 @@ PARTS = st.recursive(
         inner.map(lambda one: Rows(Kept, where=one)),
         inner.map(Rows),
         inner.map(Command),
+        inner.map(OnDevice),
+        inner.map(Rights),
         st.tuples(inner, inner, inner, inner, inner).map(lambda five: Word(*five)),
     ),
     max_leaves=6,
@@ -103,12 +104,14 @@ def test_a_value_that_no_field_can_have_is_a_fault_that_names_the_field(field, v
     [
         {"rows": (Keyed,)},
         {"rows": (Rows(Kept, where=["name"]),)},
-        {"learns": (["kept"],)},
-        {"edits": (Go,)},
-        {"lets_in": ("enabled", "gate")},
+        {"rights": Rights(edits=(Go,))},
+        {"rights": Rights(lets_in=("enabled", "gate"))},
+        {"rights": Rights(pairs=1, edits=["kept"])},
+        {"device": OnDevice("claw", line="bent", emulated="dream")},
+        {"needs": "numpy"},
         {"optional": ("eyes",)},
         {"optional": "ranges"},
-        {"commands": 3, "replies": {}, "roles": {}},
+        {"commands": 3, "replies": {}},
         {"commands": {"go": Command(Go, choices={"near": list})}, "words": ()},
         {"commands": {"go": Command(Go, choices={"far_m": 3})}, "words": ()},
     ],
@@ -117,7 +120,7 @@ def test_what_is_wrong_is_named_with_where_it_stands(said, wording):
     wording(*faults(replace(GOOD, **said)))
 
 
-@pytest.mark.parametrize("field", [*PORTS, "roles", "device_settings"])
+@pytest.mark.parametrize("field", [*PORTS, "wires"])
 def test_a_name_that_moves_a_cursor_or_has_no_end_is_told_as_a_short_line(field):
     for name in ("\x1b[2J", "g" * 900):
         told = faults(replace(GOOD, **{field: {name: 3}}))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lbr.capability.kind import Kind, KindError, NoSettings
+from lbr.capability.kind import Kind, KindError, NoSettings, OnDevice
 from lbr.capability.recognition import NameHandshake, Seen, handshakes
 from lbr.drivers import recognising
 from tests.support.packages import imported_from
@@ -14,8 +14,7 @@ KIND = Kind(
     family="driver",
     entry="crab:Crab",
     settings=NoSettings,
-    device="crab",
-    recognised="crab_recognition:HANDSHAKE",
+    device=OnDevice("crab", recognised="crab_recognition:HANDSHAKE"),
 )
 
 

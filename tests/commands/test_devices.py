@@ -131,15 +131,15 @@ def other_end(folder, name, says=b"", *, every_s=0.0, hang_up=False):
 HANGING = """
 from threading import Event
 from msgspec import Struct
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.capability.recognition import SerialHandshake
 
 class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     device: str
 
 KIND = Kind(
-    name="crab", summary="a crab", family="driver", entry="crab:Crab", settings=Settings, device="crab",
-    recognised="crab:HANDSHAKE",
+    name="crab", summary="a crab", family="driver", entry="crab:Crab", settings=Settings,
+    device=OnDevice("crab", recognised="crab:HANDSHAKE"),
 )
 HANDSHAKE = SerialHandshake(baud=115_200, seen=lambda _heard: Event().wait(), questions=(b"a?",))
 """

@@ -69,7 +69,8 @@ def declare(tree: Path) -> None:
     messages, kind = (tree / "lbr" / "apps" / "dance" / name for name in ("messages.py", "kind.py"))
     messages.write_text(messages.read_text() + ENCORE)
     edit(kind, "DanceState, DanceStep\n", "DanceState, DanceStep, Encore\n")
-    edit(kind, "rows=(DanceStep,)", "rows=(DanceStep, Encore), learns=(Encore,)")
+    edit(kind, "import Command, Kind, Known, names", "import Command, Kind, Known, Rows, names")
+    edit(kind, "rows=(DanceStep,)", "rows=(DanceStep, Rows(Encore, learnt=True))")
 
 
 def test_two_files_make_a_table_in_new_databases_old_ones_and_pages(tree, tmp_path):

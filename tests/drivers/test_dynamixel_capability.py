@@ -378,7 +378,7 @@ def test_nothing_is_said_before_every_servo_was_looked_for(chain):
 
 
 def test_its_kind_moves_something_and_polls_its_line():
-    assert (KIND.moves, KIND.line, KIND.family) == (True, "polled", "driver")
+    assert (KIND.moves, KIND.device.line, KIND.family) == (True, "polled", "driver")
     assert faults(KIND) == ()
 
 

@@ -110,7 +110,7 @@ def test_whether_a_controller_has_ever_sent_a_byte_is_in_its_state(ctx, peer):
 def test_its_kind_is_as_kinds_must_be():
     assert faults(KIND) == ()
     assert KIND.moves
-    assert KIND.device == "tiny"
+    assert KIND.device_type == "tiny"
 
 
 def test_a_row_that_says_nothing_of_safety_has_all_of_its_layers():

@@ -5,7 +5,7 @@ from dataclasses import replace
 import msgspec
 from msgspec import Struct
 
-from lbr.capability import Capability, Kind
+from lbr.capability import Capability, Kind, Rights
 from lbr.messages.faces import EditCommand, EditReply, Motor
 from lbr.messages.joints import MotionRow, MotionStep
 
@@ -56,6 +56,6 @@ KIND = Kind(
     requests={"edit": EditCommand},
     replies={"edit": EditReply, "write": EditReply},
     rows=EDITED,
-    edits=EDITED,
+    rights=Rights(edits=EDITED),
 )
-ONLOOKER = replace(KIND, name="onlooker", rows=(MotionRow, MotionStep), edits=())
+ONLOOKER = replace(KIND, name="onlooker", rows=(MotionRow, MotionStep), rights=Rights())

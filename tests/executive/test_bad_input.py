@@ -257,7 +257,7 @@ def test_rows_and_files_that_only_fail_when_used_do_not_end_the_executive(robot)
         "KIND = Kind(name='odd', summary='', family='app', entry=Capability, commands={'go': dict})\n"
     )
     robot.edit("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'odd', 'odd')")
-    until(lambda: any("port 'go'" in problem for problem in robot.status()["problems"]))
+    until(lambda: any("'go' in 'commands'" in problem for problem in robot.status()["problems"]))
     robot.edit("DELETE FROM capability WHERE name = 'odd'")
     until(lambda: robot.status()["problems"] == [])
 

@@ -277,7 +277,7 @@ class Compass(Capability[Settings]):
 
 KIND = Kind(name="compass", summary="measures", family="app", entry=Compass, settings=Settings,
             outputs={"known": Known}, commands={"measure": HushCommand},
-            rows=(Rows(CalibrationValue, where={"device": "device"}),), learns=(CalibrationValue,))
+            rows=(Rows(CalibrationValue, where={"device": "device"}, learnt=True),))
 """
 
 

@@ -72,7 +72,7 @@ KIND = Kind(name="mate", summary="counts", family="operation", entry=Mate, input
 """
 TOUCHER = """
 from msgspec import Struct
-from lbr.capability import Capability, Kind
+from lbr.capability import Capability, Kind, OnDevice
 from lbr.errors import DeviceError
 
 class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -85,7 +85,8 @@ class Toucher(Capability[Settings]):
         except OSError as err:
             raise DeviceError(str(err)) from err
 
-KIND = Kind(name="toucher", summary="opens a file", family="driver", entry=Toucher, settings=Settings, device="thing")
+KIND = Kind(name="toucher", summary="opens a file", family="driver", entry=Toucher, settings=Settings,
+    device=OnDevice("thing"))
 """
 HEARD_S = 1.0
 """A line is answered in some milliseconds; a busy machine may take longer."""

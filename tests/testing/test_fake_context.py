@@ -6,7 +6,7 @@ import pytest
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.capability import Kind, NoSettings
+from lbr.capability import Kind, NoSettings, Rows
 from lbr.capability.context import Call, Context, EmergencyStop
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply, StopCommand
@@ -30,8 +30,7 @@ KIND = Kind(
     outputs={"state": Said, "frame": Said},
     requests={"go": Said},
     replies={"go": Said},
-    rows=(Joint, Phrase),
-    learns=(Joint,),
+    rows=(Rows(Joint, learnt=True), Phrase),
 )
 
 

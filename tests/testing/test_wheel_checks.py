@@ -39,7 +39,7 @@ BROKEN = """
             return Broken(open_line(device, self.ctx.settings.baud), self.ctx.settings, self.ctx.clock, beat)
 
 
-    KIND = replace(BASE, name="broken", entry=Driver, device="roboteq")
+    KIND = replace(BASE, name="broken", entry=Driver)
 """
 UNSET = """
 def _insist(self, command, trouble):

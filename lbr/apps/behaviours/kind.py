@@ -73,13 +73,14 @@ KIND = Kind(
     outputs={"state": BehaviourState, "tables": BehaviourTables},
     commands={
         "run": Command(RunBehaviour, choices=_TABLES),
-        "show": Command(NamedBehaviour, choices=_TABLES),
-        **dict.fromkeys(("list", "why", "pause", "step", "resume"), BehaviourOrder),
+        "show": Command(NamedBehaviour, choices=_TABLES, role="view"),
+        **dict.fromkeys(("list", "why"), Command(BehaviourOrder, role="view")),
+        **dict.fromkeys(("pause", "step", "resume"), BehaviourOrder),
         "stop": StopCommand,
-        "check": CheckBehaviour,
-        "read": ReadBehaviour,
-        "write": Command(WriteBehaviour, choices=_TABLES),
-        "rows": RowsChanged,
+        "check": Command(CheckBehaviour, role="view"),
+        "read": Command(ReadBehaviour, role="view"),
+        "write": Command(WriteBehaviour, choices=_TABLES, role="view"),
+        "rows": Command(RowsChanged, role="admin"),
     },
     requests={
         "move": DriveCommand,
@@ -101,7 +102,6 @@ KIND = Kind(
         "read": BehaviourChecked,
         "write": BehaviourWritten,
     },
-    roles={**dict.fromkeys(("list", "show", "why", "check", "read", "write"), "view"), "rows": "admin"},
     rows=(BehaviourTable, BehaviourRow, RangeSensor),
     wires={
         **{stream: Wire("state" if stream != "ranges" else "readings", _STREAM_DEPTH) for stream in STREAMS},
@@ -109,7 +109,6 @@ KIND = Kind(
         "results": Wire("result", 16),
         **_ASKED,
     },
-    follows=True,
     moves=True,
     words=(
         Word("/behaviour/list", "list", "List the behaviours, and what is wrong with those that cannot be run"),

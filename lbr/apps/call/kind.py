@@ -5,13 +5,11 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.apps.call.messages import CallState, CallWord, KeepCommand, RingCommand, RingReply
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Command, Kind
 from lbr.capability.word import Word
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import Role
-
-_OWNER = ("answer", "decline", "end")
 
 
 class CallSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -19,16 +17,14 @@ class CallSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     answer: Annotated[
         Literal["ask", "at_once"],
-        Meta(description="ask: a person at the robot answers; at_once: each call is answered"),
+        Meta(description="ask: a person at the robot answers; at_once: each is answered"),
     ] = "ask"
     callers: Annotated[Role, Meta(description="the least role that may call")] = "operate"
     watchers: Annotated[Role, Meta(description="the least role that may watch by WebRTC, without sound")] = "view"
     most: Annotated[
         int, Meta(ge=1, le=8, description="pages with a picture by WebRTC; each is encoded by itself, others get MJPEG")
     ] = 2
-    ring_s: Annotated[float, Meta(ge=1.0, le=300.0, description="a call that is not answered for so long is over")] = (
-        45.0
-    )
+    ring_s: Annotated[float, Meta(ge=1.0, le=300.0, description="a call not answered for so long is over")] = 45.0
     microphone: Annotated[
         str,
         Meta(
@@ -47,9 +43,13 @@ KIND = Kind(
     inputs={"frames": JpegFrame, "cameras": CameraState},
     optional=("frames", "cameras"),
     outputs={"state": CallState},
-    commands={"ring": RingCommand, "keep": KeepCommand, **dict.fromkeys(_OWNER, CallWord)},
-    replies={"ring": RingReply, "keep": RingReply, **dict.fromkeys(_OWNER, CommandReply)},
-    roles={"ring": "admin", "keep": "admin", "answer": "admin"},
+    commands={
+        "ring": Command(RingCommand, role="admin"),
+        "keep": Command(KeepCommand, role="admin"),
+        "answer": Command(CallWord, role="admin"),
+        **dict.fromkeys(("decline", "end"), CallWord),
+    },
+    replies={"ring": RingReply, "keep": RingReply, **dict.fromkeys(("answer", "decline", "end"), CommandReply)},
     words=(
         Word("/call/answer", "answer", "Answer the call that rings"),
         Word("/call/decline", "decline", "Decline the call that rings"),

@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 
 from lbr.apps.foxglove.messages import FoxgloveState
 from lbr.bus.door import LanUser
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, Needs, Rights
 from lbr.messages.joints import Joint
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor
@@ -54,12 +54,10 @@ KIND = Kind(
     name="foxglove",
     summary="serves the robot to Foxglove: streams, cameras, its body, its words as services",
     family="app",
-    serves_people=True,
-    lets_in=("enabled", "host", "tls", "clear_text", "cors", "names"),
+    rights=Rights(people=True, lets_in=("enabled", "host", "tls", "clear_text", "cors", "names")),
     entry="lbr.apps.foxglove.start:Foxglove",
     settings=FoxgloveSettings,
     outputs={"state": FoxgloveState},
     rows=(Joint, Wheel, RangeSensor, LanUser),
-    extra="foxglove",
-    package="uvicorn",
+    needs=Needs("uvicorn", extra="foxglove"),
 )

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, Rights
 
 Endpoint = Annotated[str, Meta(pattern="^(tls|tcp)/[^\\s#?]+:[0-9]{1,5}$(?!\\n)", max_length=200)]
 
@@ -41,8 +41,7 @@ KIND = Kind(
     name="lan",
     summary="the door to other machines: each token lets in with the rights of its role",
     family="app",
-    serves=True,
-    lets_in=("enabled", "listen"),
+    rights=Rights(serves=True, lets_in=("enabled", "listen")),
     entry="lbr.apps.lan.capability:Lan",
     settings=LanSettings,
 )

@@ -9,7 +9,7 @@ from msgspec import Meta, Struct
 from lbr.apps.mqtt.messages import MqttState
 from lbr.apps.mqtt.words import Word
 from lbr.bus.door import TokenRight
-from lbr.capability.kind import Kind, Rows, Wire
+from lbr.capability.kind import Kind, Needs, Rights, Rows, Wire
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.behaviour import BehaviourState, RunBehaviour
@@ -136,9 +136,11 @@ KIND = Kind(
     name="mqtt",
     summary="tells a broker of MQTT how the robot is, and does what its row lets be asked there",
     family="app",
-    lets_in=(
-        *("enabled", "host", "port", "tls", "clear_text", "ca", "user", "topic"),
-        *("token", "words", "shadow", "home_assistant"),
+    rights=Rights(
+        lets_in=(
+            *("enabled", "host", "port", "tls", "clear_text", "ca", "user", "topic"),
+            *("token", "words", "shadow", "home_assistant"),
+        )
     ),
     entry="lbr.apps.mqtt.capability:Mqtt",
     settings=MqttSettings,
@@ -163,6 +165,5 @@ KIND = Kind(
         "results": Wire("result", 16),
         **_ASKED,
     },
-    extra="mqtt",
-    package="paho",
+    needs=Needs("paho", extra="mqtt"),
 )

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Command, Kind, names
+from lbr.capability.kind import Command, Kind, OnDevice, names
 from lbr.capability.word import Word
 from lbr.messages.leases import CommandReply
 from lbr.messages.speech import HushCommand, Phrase, PlayReply, SayCommand, SongCommand, SpeechState
@@ -57,8 +57,7 @@ KIND = Kind(
     outputs={"state": SpeechState},
     commands={"say": Command(SayCommand, choices={"phrase": names(Phrase)}), "hush": HushCommand, "play": SongCommand},
     replies={"say": CommandReply, "hush": CommandReply, "play": PlayReply},
-    device="speaker",
-    emulated="folder",
+    device=OnDevice("speaker", emulated="folder"),
     rows=(Phrase,),
     words=(
         Word("/s/{text...}", "say", "Say a text, 5000 characters at most; one that is <name plays a recording"),

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind, Wire
+from lbr.capability.kind import Kind, Rights, Wire
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand, TwistCommand
 from lbr.messages.gamepad import Button, GamepadState, TeleopState
@@ -88,7 +88,7 @@ KIND = Kind(
         "say": LineCommand,
     },
     replies={**dict.fromkeys(_ASKED, CommandReply), "say": ConsoleResult},
-    serves=True,
+    rights=Rights(serves=True),
     says="lines",
     wires={"pad": Wire("gamepad.state", 16), "results": Wire("result", 16), **_ASKED},
 )

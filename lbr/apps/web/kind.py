@@ -9,7 +9,7 @@ from msgspec import Meta, Struct
 from lbr import plugins
 from lbr.apps.web.ports import FacePorts, with_faces
 from lbr.bus.door import LanUser
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Command, Kind, Rights
 from lbr.capability.word import Word
 from lbr.messages.battery import BatteryState
 from lbr.messages.drive import DriveState, GoalResult
@@ -137,25 +137,22 @@ PORTS, REFUSED = with_faces(
 """The ports of the server and of all faces that are installed; in REFUSED what is wrong with those of some."""
 
 PHONE = "Connect a phone: open the web server to your network, and show one code to scan"
+LETS_IN = ("host", "tls", "clear_text", "legacy", "trusted", "cors", "names", "announce")
+
 KIND = Kind(
     name="web",
     summary="serves the robot over HTTP: an API, a page, and a stream of states",
     family="app",
-    serves=True,
-    pairs=True,
-    serves_people=True,
-    lets_in=("host", "tls", "clear_text", "legacy", "trusted", "cors", "names", "announce"),
+    rights=Rights(serves=True, people=True, pairs=True, lets_in=LETS_IN, edits=PORTS.edits),
     entry="lbr.apps.web.start:Web",
     settings=WebSettings,
     inputs=PORTS.inputs,
     optional=tuple(PORTS.inputs),
     outputs={"state": WebState},
-    commands={"address": AddressCommand, "stop": StopCommand},
+    commands={"address": Command(AddressCommand, role="view"), "stop": StopCommand},
     requests={**PORTS.requests, "pair": PairCommand},
     replies={"address": AddressReply, "stop": CommandReply, "pair": PairReply, **PORTS.replies},
-    roles={"address": "view"},
     rows=PORTS.rows,
-    edits=PORTS.edits,
     words=(
         Word("phone", "phone", PHONE, executive=True, role="admin"),
         Word("p", "phone", PHONE, executive=True, role="admin"),

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
@@ -38,7 +38,5 @@ KIND = Kind(
     outputs={"frame": JpegFrame, "state": CameraState},
     commands={"switch": SwitchCommand, "snapshot": SnapshotCommand},
     replies={"switch": CommandReply, "snapshot": SnapshotReply},
-    device="camera",
-    emulated="socket",
-    recognised="lbr.drivers.camera.recognition:HANDSHAKE",
+    device=OnDevice("camera", emulated="socket", recognised="lbr.drivers.camera.recognition:HANDSHAKE"),
 )

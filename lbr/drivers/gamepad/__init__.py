@@ -2,7 +2,7 @@
 
 from msgspec import Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.messages.gamepad import GamepadState
 from lbr.messages.units import Name
 
@@ -20,6 +20,5 @@ KIND = Kind(
     entry="lbr.drivers.gamepad.capability:Gamepad",
     settings=GamepadSettings,
     outputs={"state": GamepadState},
-    device="gamepad",
-    recognised="lbr.drivers.gamepad.recognition:HANDSHAKE",
+    device=OnDevice("gamepad", recognised="lbr.drivers.gamepad.recognition:HANDSHAKE"),
 )

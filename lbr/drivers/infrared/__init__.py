@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.messages.dock import DockHeard, DockSignal
 from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
@@ -85,6 +85,5 @@ KIND = Kind(
     outputs={"signal": DockSignal},
     commands={"heard": DockHeard},
     replies={"heard": CommandReply},
-    device="infrared",
-    recognised="lbr.drivers.infrared.recognition:HANDSHAKE",
+    device=OnDevice("infrared", recognised="lbr.drivers.infrared.recognition:HANDSHAKE"),
 )

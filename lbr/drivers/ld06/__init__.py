@@ -4,7 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind, Rows
+from lbr.capability.kind import Kind, OnDevice, Rows
 from lbr.messages.sensing import RangeSensor, Scan
 from lbr.messages.units import Name
 
@@ -29,7 +29,5 @@ KIND = Kind(
     settings=Ld06Settings,
     outputs={"scan": Scan},
     rows=(Rows(RangeSensor, where={"name": "sensor"}),),
-    device="ld06",
-    line="serial",
-    recognised="lbr.drivers.ld06.recognition:HANDSHAKE",
+    device=OnDevice("ld06", line="serial", recognised="lbr.drivers.ld06.recognition:HANDSHAKE"),
 )

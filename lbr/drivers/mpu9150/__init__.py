@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.messages.imu import ImuSample
 from lbr.messages.units import Name
 
@@ -42,7 +42,5 @@ KIND = Kind(
     entry="lbr.drivers.mpu9150.capability:Mpu9150",
     settings=Mpu9150Settings,
     outputs={"sample": ImuSample},
-    device="mpu9150",
-    emulated="socket",
-    recognised="lbr.drivers.mpu9150.recognition:HANDSHAKE",
+    device=OnDevice("mpu9150", emulated="socket", recognised="lbr.drivers.mpu9150.recognition:HANDSHAKE"),
 )

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.capability.word import Word
 from lbr.messages.imu import ImuSample, ZeroCommand
 from lbr.messages.leases import CommandReply
@@ -37,8 +37,7 @@ KIND = Kind(
     outputs={"sample": ImuSample},
     commands={"zero": ZeroCommand},
     replies={"zero": CommandReply},
-    device="phidget_spatial",
-    emulated="socket",
+    device=OnDevice("phidget_spatial", emulated="socket"),
     words=(
         Word("zero", "zero", "Take the zero of the inertial unit's gyro again; keep the robot still for two seconds"),
     ),

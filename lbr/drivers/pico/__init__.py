@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.capability.word import Word
 from lbr.messages.leases import CommandReply
 from lbr.messages.power import RelayCommand, UpsState
@@ -50,9 +50,7 @@ KIND = Kind(
     outputs={"state": UpsState},
     commands={"relay": RelayCommand},
     replies={"relay": CommandReply},
-    device="pico",
-    emulated="socket",
-    recognised="lbr.drivers.pico.recognition:HANDSHAKE",
+    device=OnDevice("pico", emulated="socket", recognised="lbr.drivers.pico.recognition:HANDSHAKE"),
     words=(
         Word("/relay/on", "relay", "Switch the power of the motors on", {"on": True}, role="admin"),
         Word(

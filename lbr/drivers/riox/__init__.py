@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.messages.imu import ImuSample
 from lbr.messages.units import Name
 
@@ -44,7 +44,5 @@ KIND = Kind(
     entry="lbr.drivers.riox.capability:Riox",
     settings=RioxSettings,
     outputs={"sample": ImuSample},
-    device="riox",
-    line="serial",
-    recognised="lbr.drivers.riox.recognition:HANDSHAKE",
+    device=OnDevice("riox", line="serial", recognised="lbr.drivers.riox.recognition:HANDSHAKE"),
 )

@@ -21,16 +21,15 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind, Rows
+from lbr.capability.kind import Command, Kind, OnDevice, Rows
 from lbr.capability.word import Word
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
-from lbr.messages.system import AcknowledgeS, Role
+from lbr.messages.system import AcknowledgeS
 from lbr.messages.units import Name
 
 NO_PORTS: Mapping[str, type[Struct]] = {}
-NO_ROLES: Mapping[str, Role] = {}
 
 
 class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -75,9 +74,8 @@ def servos_kind(
     device: str = "",
     recognised: str = "",
     outputs: Mapping[str, type[Struct]] = NO_PORTS,
-    commands: Mapping[str, type[Struct]] = NO_PORTS,
+    commands: Mapping[str, type[Struct] | Command] = NO_PORTS,
     replies: Mapping[str, type[Struct]] = NO_PORTS,
-    roles: Mapping[str, Role] = NO_ROLES,
     words: tuple[Word, ...] = (),
 ) -> Kind:
     """Return the kind of a driver of servos; its device rows are of type `device`, which is its name unless said."""
@@ -91,11 +89,8 @@ def servos_kind(
         outputs={"state": ServosState, **outputs},
         commands={"recover": RecoverServos, **commands},
         replies={"recover": CommandReply, **replies},
-        roles=roles,
         words=words,
         moves=True,
-        device=device or name,
-        line="polled",
-        recognised=recognised,
+        device=OnDevice(device or name, line="polled", recognised=recognised),
         rows=(Rows(Joint, where={"bus": "device"}),),
     )

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.messages.sensing import RING, Ranges
 from lbr.messages.units import Name
 
@@ -38,7 +38,5 @@ KIND = Kind(
     entry="lbr.drivers.ultrasonic.capability:UltrasonicRing",
     settings=UltrasonicSettings,
     outputs={"readings": Ranges},
-    device="ultrasonic_ring",
-    line="serial",
-    recognised="lbr.drivers.ultrasonic.recognition:HANDSHAKES",
+    device=OnDevice("ultrasonic_ring", line="serial", recognised="lbr.drivers.ultrasonic.recognition:HANDSHAKES"),
 )

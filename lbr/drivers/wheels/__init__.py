@@ -23,7 +23,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, OnDevice
 from lbr.capability.word import Word
 from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.leases import CommandReply
@@ -74,9 +74,7 @@ def wheels_kind(
         replies={"enable": CommandReply},
         rows=(Kinematics, Wheel),
         moves=True,
-        device=device or name,
-        line="serial",
-        recognised=recognised,
+        device=OnDevice(device or name, line="serial", recognised=recognised),
         words=(
             Word("enable", "enable", "Let the motors run again after disable", {"enabled": True}),
             Word(

@@ -25,8 +25,8 @@ def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulat
     ]
     problems = []
     for device, label in devices:
-        for kind in {id(kind): kind for kind in kinds.values()}.values():
-            of_type, wrong = _settable(kind, device.type)
+        for kind in {id(kind): kind for kind in kinds.values() if kind.rights.emulates}.values():
+            of_type, wrong = _settable(device.type)
             if of_type is not None:
                 said = [f"{fault} (for kind '{kind.name}')" for fault in faults(of_type, device.settings)]
                 problems += [Problem("device", label, "settings", one) for one in said]
@@ -35,11 +35,8 @@ def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulat
     return problems
 
 
-def _settable(kind: Kind, device_type: str) -> tuple[type[Struct] | None, str]:
-    """Return what a device row of a type may set for a kind, or why that is not known."""
-    of_type = kind.device_settings.get(device_type)
-    if of_type is not None or not kind.emulates:
-        return of_type, ""
+def _settable(device_type: str) -> tuple[type[Struct] | None, str]:
+    """Return what a device row of a type may set for a world that emulates it, or why that is not known."""
     try:
         twin = twins.find(device_type)
     except TwinError as err:
@@ -55,7 +52,7 @@ def check_devices(
     devices = {device.name: device for device in rows.devices}
     owners: dict[str, str] = {}
     for row in chosen:
-        wanted = kinds[row.name].device
+        wanted = kinds[row.name].device_type
         if not wanted or row.name not in settings:
             continue
         name = str(getattr(settings[row.name], "device", ""))
@@ -76,8 +73,8 @@ def check_devices(
 def device_address(device: DeviceRow, kinds: Iterable[Kind], profile: Profile, site: RunIdentity, robot: str) -> str:
     """Return where a device is in this run: its emulated twin's place if it has a twin, the profile's word, or the
     row's."""
-    driver = next((kind for kind in kinds if kind.device == device.type), None)
-    emulated = driver.emulated if driver is not None else "tty"
+    driver = next((kind for kind in kinds if kind.device_type == device.type), None)
+    emulated = driver.device.emulated if driver is not None and driver.device is not None else "tty"
     if not profile.simulate or not (emulated == "folder" or device.type in twins.names()):
         return profile.devices.get(device.name, device.address)
     place = str(Path(site.home) / "run" / f"{robot}-devices" / device.name)

@@ -51,9 +51,9 @@ def _why_it_stays(name: str, kinds: Mapping[str, Kind], rows: RobotRows, profile
         "it may change rows or say lines, which only the robot's own processes may": EXECUTIVE
         in {target for target, _ in _fed(name, rows)},
         f"it decides the setpoints of '{fed[0][0] if fed else ''}', and they cross no network": bool(fed),
-        f"its device ({kind.device}) is emulated there": bool(kind.device) and profile.simulate,
-        f"it owns a device ({kind.device}); if that is plugged in at '{host}', say so in the profile: "
-        f'plugged_in_elsewhere = ["{name}"]': bool(kind.device) and name not in profile.plugged_in_elsewhere,
+        f"its device ({kind.device_type}) is emulated there": bool(kind.device_type) and profile.simulate,
+        f"it owns a device ({kind.device_type}); if that is plugged in at '{host}', say so in the profile: "
+        f'plugged_in_elsewhere = ["{name}"]': bool(kind.device_type) and name not in profile.plugged_in_elsewhere,
     }
     return next((why for why, holds in whys.items() if holds), "")
 

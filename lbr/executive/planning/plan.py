@@ -79,7 +79,7 @@ def difference(old: Plan, new: Plan) -> Change:
     """Return what has to start, stop and restart to get from one plan to another, and nothing else."""
     changed = [name for name, unit in new.units.items() if name in old.units and unit != old.units[name]]
     plug = tuple(
-        name for name in changed if new.kinds[name].emulates and added_devices(old.units[name], new.units[name])
+        name for name in changed if new.kinds[name].rights.emulates and added_devices(old.units[name], new.units[name])
     )
     follow = tuple(
         name for name in changed if new.kinds[name].follows and changed_rows(old.units[name], new.units[name])

@@ -112,9 +112,9 @@ def unit(
         kind=row.kind,
         family=kind.family,
         moves=kind.moves,
-        serves=kind.serves,
-        serves_people=kind.serves_people and not host,
-        records=kind.records and not host,
+        serves=kind.rights.serves,
+        serves_people=kind.rights.people and not host,
+        records=kind.rights.records and not host,
         restart=row.restart,
         needs=tuple(need for need in row.needs if need in running),
         config=config,
@@ -294,7 +294,7 @@ def _requests(
         if source == name and request in kinds[source].requests:
             own = _of_executive(robot) if target == EXECUTIVE else {}
             asked.setdefault(request, {})[target] = own.get(command, keys.port(robot, target, command))
-    return asked | ({"pair": {EXECUTIVE: keys.pair(robot)}} if kinds[name].pairs else {})
+    return asked | ({"pair": {EXECUTIVE: keys.pair(robot)}} if kinds[name].rights.pairs else {})
 
 
 def _of_executive(robot: str) -> dict[str, str]:

@@ -74,6 +74,6 @@ def _near(kind: Kind, steering: frozenset[type[Struct]]) -> str:
     """Return what tells with whom it may share; `steering` are the messages that motors are told by."""
     if kind.device or kind.setpoints or steering & set(kind.outputs.values()):
         return "is near a motor or a device"
-    if kind.serves_people:
+    if kind.rights.people:
         return "acts in people's names"
-    return "records everything" if kind.records else "does nothing of that kind"
+    return "records everything" if kind.rights.records else "does nothing of that kind"

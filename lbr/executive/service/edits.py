@@ -67,7 +67,7 @@ class Edits:
         if not self._may(name):
             raise InputError(f"'{name[:40]}' is not wired to executive.edit", "denied")
         command = _commands.decode(request.payload)
-        rows = edits.understood(command, self._rows.plan.kinds[name].edits)
+        rows = edits.understood(command, self._rows.plan.kinds[name].rights.edits)
         edit = Edit(name, command, rows, self._process(name), self._clock())
         return Job(request, self, partial(self._write, edit), partial(self._end, edit), holds=True)
 

@@ -128,7 +128,7 @@ class LettingIn:
     def _server(self) -> CapabilityRow:
         """Return the row of the server for people: of several, one that runs, or is called as its kind is."""
         plan = self._robot.plan
-        rows = [row for row in plan.rows.capabilities if row.name in plan.kinds and plan.kinds[row.name].pairs]
+        rows = [row for row in plan.rows.capabilities if row.name in plan.kinds and plan.kinds[row.name].rights.pairs]
         found = min(rows, key=lambda row: (row.name not in plan.units, row.name != row.kind, row.name), default=None)
         if found is None:
             raise InputError("this robot has no server for people", "not_possible")

@@ -231,7 +231,7 @@ def _letting_in(before: RobotRows, after: RobotRows) -> Iterator[Problem]:
         with contextlib.suppress(KindError):  # told as such
             kind = registry.find(row.kind, home.home())
             now, then = _deciding(kind, row), _deciding(kind, was if was and was.kind == row.kind else None)
-            for name in kind.lets_in if now is not None else ():
+            for name in kind.rights.lets_in if now is not None else ():
                 if then is None or now is None or now[name] != then[name]:
                     column = name if name == "enabled" else "settings"
                     yield Problem(row.TABLE, f"{after.robot.name}/{row.name}", column, f"{name} {LETS_IN}")
@@ -244,7 +244,7 @@ def _deciding(kind: Kind, row: CapabilityRow | None) -> dict[str, Any] | None:
     except Exception:  # noqa: BLE001 - a user's own kind may check its settings in any way, and that is told as such
         return None
     columns = {"enabled": row is not None and row.enabled}
-    return {name: columns[name] if name in columns else getattr(settings, name) for name in kind.lets_in}
+    return {name: columns[name] if name in columns else getattr(settings, name) for name in kind.rights.lets_in}
 
 
 def _own(tables: Any, table: str, robot: str) -> list[Any]:

@@ -49,7 +49,7 @@ class Grants:
     def pairs(self, name: str) -> bool:
         """Say whether a capability may show codes; the bus lets in no other, but a name in a stamp is a claim."""
         plan = self._rows.plan
-        return name in plan.units and plan.kinds[name].pairs
+        return name in plan.units and plan.kinds[name].rights.pairs
 
     def grant(self, name: str, code: codes.Code, asked: PairCommand, *, since_s: float) -> PairReply:
         """Make the token of a code that was right, for a device that came by a capability, which asked at `since_s`."""

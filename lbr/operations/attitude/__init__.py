@@ -26,8 +26,7 @@ KIND = Kind(
         "halt": CommandReply,
     },
     requests={"motion": DriveCommand, "halt": StopCommand},
-    rows=(Rows(CalibrationValue, where={"device": "device"}),),
-    learns=(CalibrationValue,),
+    rows=(Rows(CalibrationValue, where={"device": "device"}, learnt=True),),
     words=(
         Word(
             "/a/{angle_deg}",

@@ -39,15 +39,13 @@ KIND = Kind(
     outputs={"state": MotionsState, "result": GoalResult},
     commands={
         "play": Command(PlayCommand, leased=True, choices={"motion": names(MotionRow)}),
-        "capture": Command(CaptureCommand, choices={"motion": names(MotionRow)}),
+        "capture": Command(CaptureCommand, choices={"motion": names(MotionRow)}, role="admin"),
         "stop": StopCommand,
     },
     replies=dict.fromkeys(("play", "capture", "stop", "move", "halt"), CommandReply),
     requests={"move": JointsCommand, "halt": StopCommand},
-    roles={"capture": "admin"},
     moves=True,
-    rows=(Rows(Joint, where={"bus": "bus"}), MotionRow, MotionStep),
-    learns=(MotionRow, MotionStep),
+    rows=(Rows(Joint, where={"bus": "bus"}), Rows(MotionRow, learnt=True), Rows(MotionStep, learnt=True)),
     words=(
         Word("/play/{motion}", "play", "Play a motion once, by its name"),
         Word("/play/{motion}/{times}", "play", "Play a motion this many times, 1 to 1000; s ends it"),

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind, Rows
+from lbr.capability.kind import Command, Kind, Rows
 from lbr.capability.word import Word
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.drive import GoalResult
@@ -71,12 +71,13 @@ KIND = Kind(
     settings=PowerSettings,
     inputs={"ups": UpsState, "parked": GoalResult},
     outputs={"state": PowerState},
-    commands={"arm": ArmCommand, "cancel": CancelCommand},
+    commands={
+        "arm": Command(ArmCommand, role="admin"),
+        "cancel": CancelCommand,
+    },
     replies=dict.fromkeys(("arm", "cancel", "park", "halt", "let_go", "say"), CommandReply),
     requests={"park": PlayCommand, "halt": StopCommand, "let_go": TorqueCommand, "say": SayCommand},
-    roles={"arm": "admin"},
-    rows=(Rows(CalibrationValue, where={"device": "device"}),),
-    learns=(CalibrationValue,),
+    rows=(Rows(CalibrationValue, where={"device": "device"}, learnt=True),),
     words=(
         Word(
             "arm",

@@ -1,6 +1,6 @@
 """The simulated world of a humanoid: its body in the physics engine, and emulated twins of its devices."""
 
-from lbr.capability.kind import Command, Kind, names
+from lbr.capability.kind import Command, Kind, Needs, Rights, names
 from lbr.capability.word import Word
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
@@ -24,21 +24,19 @@ KIND = Kind(
     name="humanoid_world",
     summary="a simulated humanoid on a floor, and an emulated twin for each of its devices",
     family="simulation",
-    extra="sim",
-    package="mujoco",
+    needs=Needs("mujoco", extra="sim"),
     entry="lbr.simulation.humanoid.capability:HumanoidWorld",
     settings=HumanoidWorldSettings,
     outputs={"pose": HumanoidPose},
     commands={
-        "picture": PictureRequest,
-        "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}),
-        "plug": PlugRequest,
+        "picture": Command(PictureRequest, role="admin"),
+        "fault": Command(FaultRequest, choices={"device": lambda known: known.devices}, role="admin"),
+        "plug": Command(PlugRequest, role="admin"),
         "pick_up": PickUpRequest,
         "ball": BallRequest,
         "hand": Command(HandRequest, choices={"joint": names(Joint)}),
     },
-    roles={"picture": "admin", "fault": "admin", "plug": "admin"},
-    emulates=True,
+    rights=Rights(emulates=True),
     replies={
         "picture": PictureReply,
         "fault": FaultReply,

@@ -219,7 +219,7 @@ class BodyInstruments:
 
 
 def _player(kind: Kind) -> Player | None:
-    twin = twins.find(kind.device) if kind.device else None
+    twin = twins.find(kind.device_type) if kind.device else None
     found: Player | None = twin.load_player() if twin is not None else None
     return found
 

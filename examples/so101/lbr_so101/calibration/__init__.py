@@ -4,7 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind, Rows
+from lbr.capability.kind import Command, Kind, Rows
 from lbr.capability.word import Word
 from lbr.messages.joints import BusOfJoints, Joint, MotionStep
 from lbr.messages.leases import CommandReply, StopCommand
@@ -53,11 +53,13 @@ KIND = Kind(
     settings=CalibrationSettings,
     inputs={"servos": ServosState},
     outputs={"state": CalibrationState},
-    commands={"zero": ZeroCommand, "done": DoneCommand, "stop": StopCommand},
+    commands={
+        "zero": Command(ZeroCommand, role="admin"),
+        "done": Command(DoneCommand, role="admin"),
+        "stop": StopCommand,
+    },
     replies=dict.fromkeys(("zero", "done", "stop"), CommandReply),
-    roles={"zero": "admin", "done": "admin"},
-    rows=(Rows(Joint, where={"bus": "bus"}), MotionStep),
-    learns=(Joint,),
+    rows=(Rows(Joint, where={"bus": "bus"}, learnt=True), MotionStep),
     words=(
         Word(
             "/calibrate/zero",

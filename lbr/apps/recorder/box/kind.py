@@ -5,7 +5,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.apps.recorder.messages import BoxReply, BoxState, EndRecording, MarkCommand, RecordCommand
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, Rights
 from lbr.capability.word import Word
 
 Pattern = Annotated[str, Meta(min_length=1, max_length=80, description="topics, * for any letters: motors/*, */state")]
@@ -41,7 +41,7 @@ KIND = Kind(
     outputs={"state": BoxState},
     commands={"mark": MarkCommand, "record": RecordCommand, "end": EndRecording},
     replies=dict.fromkeys(("mark", "record", "end"), BoxReply),
-    records=True,
+    rights=Rights(records=True),
     words=(
         Word("mark", "mark", "Keep what led here, and a while after, in the black box", role="operate"),
         Word("/mark/{text...}", "mark", "The same, and say what was noticed, such as /mark/it limps", role="operate"),

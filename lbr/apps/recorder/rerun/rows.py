@@ -48,8 +48,8 @@ def prepare(place: Path, robot: str, rows: RecordedRows, lines: Collection[str])
     devices = {}
     for row in rows.tables.get("device", []):
         if row["name"] in lines:
-            kind = next((one for one in kinds.values() if one.device == row["type"]), None)
-            emulated: Emulation = kind.emulated if kind is not None else "tty"
+            kind = next((one for one in kinds.values() if one.device_type == row["type"]), None)
+            emulated: Emulation = kind.device.emulated if kind is not None and kind.device is not None else "tty"
             path = str(place / "run" / f"{robot}-devices" / str(row["name"]))
             devices[str(row["name"])] = f"unix:{path}" if emulated == "socket" else path
     profile = place / "recorded.toml"
@@ -96,7 +96,7 @@ def _running(rows: RecordedRows, lines: Collection[str], place: Path) -> tuple[d
 def _why_not(kind: Kind, settings: Any, lines: Collection[str]) -> str:
     if kind.family in {"simulation", "program"}:
         return "it is no part of the robot itself"
-    if kind.serves or kind.serves_people or kind.records or kind.name in OUTSIDE:
+    if kind.rights.serves or kind.rights.people or kind.rights.records or kind.name in OUTSIDE:
         return "it is for people and other machines"
     if kind.device and str(settings.get("device", "")) not in lines:
         return "its device's bytes were not recorded"

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct, field
 
+from lbr.capability.kind import Command
 from lbr.capability.word import Word
 from lbr.drivers.servos import ServosSettings, servos_kind
 from lbr.messages.imu import ImuSample
@@ -28,9 +29,7 @@ class ImuSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         Literal["never", "simulated", "always"],
         Meta(description="whether it is asked all the time; `simulated`: not on hardware"),
     ] = "never"
-    hz: Annotated[float, Meta(ge=1.0, le=20.0, description="how often, each time between two questions to servos")] = (
-        10.0
-    )
+    hz: Annotated[float, Meta(ge=1.0, le=20.0, description="how often, between two questions to servos")] = 10.0
     lsb_per_g: Annotated[
         float, Meta(gt=0.0, le=1e6, description="what it counts at rest along the axis that is up")
     ] = 256.0
@@ -92,9 +91,12 @@ KIND = servos_kind(
     Uxa90Settings,
     recognised="lbr.robots.uxa90.driver.recognition:HANDSHAKE",
     outputs={"controller": ControllerState, "imu": ImuSample},
-    commands={"take_control": TakeControlCommand, "inquire": InquireCommand, "configure": ConfigureCommand},
+    commands={
+        "take_control": TakeControlCommand,
+        "inquire": Command(InquireCommand, role="view"),
+        "configure": Command(ConfigureCommand, role="admin"),
+    },
     replies={"take_control": CommandReply, "inquire": InquireReply, "configure": InquireReply},
-    roles={"configure": "admin", "inquire": "view"},
     words=(
         Word(
             "pc",

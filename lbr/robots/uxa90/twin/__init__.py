@@ -69,9 +69,7 @@ class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     imu_lsb_per_g: Scale = 256.0
     reply_ms: Annotated[float, Meta(ge=0.0, le=250.0)] = 1.0
     jitter_ms: Annotated[float, Meta(ge=0.0, le=250.0)] = 0.3
-    saving_ms: Annotated[float, Meta(ge=0.0, le=250.0, description="how much longer it takes to save a register")] = (
-        30.0
-    )
+    saving_ms: Annotated[float, Meta(ge=0.0, le=250.0, description="how much longer saving a register takes")] = 30.0
     settle_ms: Annotated[float, Meta(ge=0.0, le=5000.0)] = 50.0
     trace: bool = False
 
