@@ -59,7 +59,6 @@ KIND = replace(
     name="scripted_servos",
     entry=ScriptedServos,
     settings=NoSettings,
-    device="",
-    device_settings={},
+    device=None,
     rows=(Rows(Joint),),
 )
