@@ -78,7 +78,10 @@ def test_a_kind_in_a_file_is_known_once_there_is_a_thread_to_try_it(tmp_path, no
 
 def test_what_is_asked_by_pages_and_capabilities_is_refused_until_there_is_a_thread_for_it(tmp_path, no_thread):
     requests = {"edit": {"executive": keys.edit("lbr")}}
-    unit, kind = SimpleNamespace(config=SimpleNamespace(requests=requests)), SimpleNamespace(edits=(Motor,))
+    unit, kind = (
+        SimpleNamespace(config=SimpleNamespace(requests=requests)),
+        SimpleNamespace(rights=SimpleNamespace(edits=(Motor,))),
+    )
     plan = SimpleNamespace(robot="lbr", rows=SimpleNamespace(revision=7), units={"face": unit}, kinds={"face": kind})
     looked, woken = [], []
     rows = SimpleNamespace(plan=plan, held=False, soon=lambda: looked.append(True))

@@ -158,7 +158,7 @@ def test_faults_reach_the_devices(bench):
 
 def test_every_device_of_the_robot_has_its_twin_and_what_its_row_may_set_is_known(bench):
     assert bench.ctx.health == []
-    assert KIND.emulates
+    assert KIND.rights.emulates
     assert {device.type for device in bench.ctx.devices} <= set(twins.names())
 
 
