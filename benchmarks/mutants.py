@@ -55,7 +55,7 @@ class Part(Struct, frozen=True):
 PARTS = {
     "leases": Part(
         ("lbr/leases/*.py", "lbr/operations/lender.py"),
-        ("tests/leases", "tests/operations/drive", "tests/bus/test_lease_client.py", "tests/models"),
+        ("tests/leases", "tests/operations/drive", "tests/models"),
         stops=True,
     ),
     "drive": Part(("lbr/operations/drive/*.py",), ("tests/operations/drive", "tests/models"), stops=True),
