@@ -92,7 +92,7 @@ def test_what_is_no_number_is_named_before_it_is_sent(robot, power):
         robot.borrow("drive/command", power=power)
     with pytest.raises(client.InputError, match=f"power={power} is no number"):
         robot.ask("drive/command", power=power)
-    with robot.borrow("drive/command", power=0.1) as motion, pytest.raises(client.InputError, match="is no number"):
+    with borrowed(robot, power=0.1) as motion, pytest.raises(client.InputError, match="is no number"):
         motion.keep(power=power)
 
 

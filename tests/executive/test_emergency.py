@@ -18,7 +18,7 @@ from lbr.messages.system import EstopAcknowledgement, EstopState
 from tests.support.waiting import until
 
 
-class LastGoodCopy:
+class KeptStop:
     """An emergency stop with one mover, `motors`, which the test plays; its loop is turned every millisecond."""
 
     def __init__(self, endpoint: str) -> None:
@@ -39,9 +39,13 @@ class LastGoodCopy:
         self._thread = Thread(target=self._turn)
         self._thread.start()
 
-    def close(self) -> None:
+    def rest(self) -> None:
+        """Turn its loop no more."""
         self._end.set()
         self._thread.join()
+
+    def close(self) -> None:
+        self.rest()
         self.kept.close()
 
     def _happened(self, kind: str, _subject: str, text: str, _level: str) -> None:
@@ -56,10 +60,10 @@ class LastGoodCopy:
 
 
 @contextmanager
-def keeper(tmp_path: Path) -> Iterator[tuple[LastGoodCopy, session.Session]]:
+def keeper(tmp_path: Path) -> Iterator[tuple[KeptStop, session.Session]]:
     endpoint = f"unixsock-stream/{tmp_path}/r.sock"
     with session.open_router(session.Router(listen=(endpoint,))), session.open_client([endpoint]) as bus:
-        kept = LastGoodCopy(endpoint)
+        kept = KeptStop(endpoint)
         try:
             until(
                 lambda: wire.ask(bus, keys.estop("lbr"), b"", source="tester", timeout_s=0.5), what="a press reaches it"
@@ -98,7 +102,7 @@ def test_a_press_that_bears_the_stamp_of_a_repetition_counts(tmp_path: Path) -> 
         del release
 
 
-def released(robot: LastGoodCopy) -> bool:
+def released(robot: KeptStop) -> bool:
     return robot.kept.release("tester", emergency.time.monotonic()) is None
 
 
@@ -121,6 +125,17 @@ def test_what_was_written_before_another_pressed_it_releases_nothing(tmp_path: P
         assert robot.kept.state().engaged
         assert released(robot)
         del release
+
+
+def test_an_acknowledgement_that_comes_before_the_next_round_is_reported(tmp_path: Path) -> None:
+    with keeper(tmp_path) as (robot, bus):
+        robot.rest()
+        bus.put(keys.estop("lbr"), json.dumps({"engaged": True, "reason": "a ladder"}))
+        until(lambda: robot.kept.state().engaged, what="it is latched")
+        acknowledge(bus, engaged=True)
+        until(lambda: robot.kept.state().acknowledged, what="the motors stand")
+        robot.kept.step(emergency.time.monotonic())
+        assert [kind for kind, _ in robot.news] == ["estop", "estop_acknowledged"]
 
 
 @pytest.mark.parametrize("when", ["before the movers are asked", "while they answer"])
@@ -161,7 +176,7 @@ def test_a_stop_that_only_a_mover_heard_is_latched_and_saved(tmp_path: Path) -> 
         until(lambda: robot.saved and robot.saved[-1][0], what="it is on the disk")
 
 
-def pressed(robot: LastGoodCopy) -> tuple[Thread, list[EstopState]]:
+def pressed(robot: KeptStop) -> tuple[Thread, list[EstopState]]:
     answers: list[EstopState] = []
     thread = Thread(target=lambda: answers.append(robot.kept.press("a ladder", "tester")))
     thread.start()

@@ -312,6 +312,7 @@ class Emergency(Service):
         self._repeat_until = now + REPEAT_FOR_S
         if not self._engaged:
             self._stopped.clear()
+            self._announced = False, ()  # all may have acknowledged before anybody looks
             self._latched_at = now
             self._engaged, self._reason, self._source = True, reason, source[:80]
             self._unsaved, self._save_tried, self._save_at = True, False, 0.0
