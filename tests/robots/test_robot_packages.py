@@ -297,7 +297,7 @@ def test_a_kind_whose_name_is_taken_stays_with_lbr_and_its_words_are_checked(sit
         },
     )
     lbr("db", "init")
-    for name, why in (("bad", "which asks for 'fly', none of its commands"), ("worse", "must be a tuple of Word")):
+    for name, why in (("bad", "'fly'"), ("worse", "'words'")):
         with sqlite3.connect(home / "robot.db") as database:
             database.execute("DELETE FROM capability WHERE name = 'new'")
             database.execute("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'new', ?)", (name,))
