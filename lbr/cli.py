@@ -60,16 +60,16 @@ class Commands(click.Group):
         raise PluginError(plugin, f"{plugin.value} is no click.Command, but of type {type(command).__name__}")
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """Write lbr's own commands by what they are for, others by their package, without importing any."""
+        """Write lbr's own commands by purpose and others by package, without an import."""
         known = self._known()
-        width = max(len(one.name) for one in known)
+        width = max(len(plugin.name) for plugin in known)
         headed: dict[str, list[Plugin]] = {group: [] for group in COMMAND_GROUPS}
-        for one in known:
-            heading = one.group if one.ours and one.group else f"Commands of package '{one.package}'"
-            headed.setdefault(heading, []).append(one)
+        for plugin in known:
+            heading = plugin.group if plugin.ours and plugin.group else f"Commands of package '{plugin.package}'"
+            headed.setdefault(heading, []).append(plugin)
         for heading, commands in headed.items():
             with formatter.section(heading[0].upper() + heading[1:]):
-                formatter.write_dl([(one.name.ljust(width), one.help) for one in commands])
+                formatter.write_dl([(plugin.name.ljust(width), plugin.help) for plugin in commands])
         if self.others and (broken := plugins.broken()):
             with formatter.section("Not loaded"):
                 for why in broken:

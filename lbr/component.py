@@ -20,8 +20,10 @@ COMMAND_GROUPS: tuple[CommandGroup, ...] = get_args(CommandGroup)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CliCommand:
-    """A command of the command line: `entry` is a `click.Command` as `module:attribute`, `help` its line in `lbr
-    --help`, `group` the heading above it there. Commands of other packages stand below the name of the package."""
+    """A command of the command line; `entry` is a `click.Command`, as `module:attribute`.
+
+    `help` and `group` are its line and heading in `lbr --help`. The heading of other packages is the package's name.
+    """
 
     entry: str
     help: str

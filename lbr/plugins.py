@@ -61,10 +61,9 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Plugin:
-    """One name that a component has in one of its fields: `value` is `module:attribute`, `help` a command's line, and
-    `group` its heading.
+    """One name in one field of a component; `value` is its object, as `module:attribute`.
 
-    `refusal` says why it has not the name that it claims; empty if it has.
+    `help` and `group` are a command's line and heading in `lbr --help`. `refusal` is why the name is refused, or empty.
     """
 
     field: Field

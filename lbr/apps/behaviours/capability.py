@@ -48,7 +48,7 @@ MOST_ASIDE = 8
 MOST_FAULTS = 50
 """Of a table, told to a page; what is beyond them is seen once they are mended."""
 MOST_FILES = 8
-"""Of pages that look at tables; one a round is looked at, so that no number of them keeps the robot busy."""
+"""Requests of pages that wait for a table's check; the robot checks one a round, so that they cannot keep it busy."""
 RESTING = BehaviourState(phase="resting")
 WATCHED = frozenset({"drive", "joints"})
 """What tells of stops by others: also while nothing of a table moves, a stop is the end of it."""
@@ -245,14 +245,14 @@ class Behaviours(Capability[BehaviourSettings]):
         if why := self._stopped_by_others():
             run.stop(why)
         now = self.ctx.clock()
-        self._hear(run, now)
+        self._report(run, now)
         run.step(now, self._senses.look)
         self._do(run, now)
         if run.over is not None:
             self._end(run)
 
-    def _hear(self, run: Run, now: float) -> None:
-        """Tell the run what became of its motion; a drive without an end is done once it has begun."""
+    def _report(self, run: Run, now: float) -> None:
+        """Report the end of its motion to the run; a drive without an end counts as done once it has begun."""
         good, why = self._holder.good, self._holder.ended
         begun = self._holder.holds and not bounded(self._holder.motion)
         if run.paused or not (begun or why):

@@ -36,7 +36,7 @@ DEEPEST = 8
 
 
 class Outcome(NamedTuple):
-    """How an order ended: `good` as planned, and why by the list of codes."""
+    """The end of an order: `good` if it went as planned, and the reason with its code."""
 
     good: bool
     why: Reason

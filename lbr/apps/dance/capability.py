@@ -21,7 +21,7 @@ from lbr.messages.leases import CommandReply, StopCommand
 
 DRIVE = LeaseTarget("motion", "halt", "drive", "the drive does not answer; the base has stopped by itself")
 TAKING_POWER = 0.001
-"""No lease is given for standing still; so much moves nothing, and a stop from now on ends what has not begun yet."""
+"""The power that borrows the drive, as a command of zero gets no lease. It moves nothing, and a stop ends the lease."""
 DANCING_HZ, IDLE_HZ = 50.0, 5.0
 STATE_EVERY_S = 1.0
 RESTING = DanceState(phase="resting")

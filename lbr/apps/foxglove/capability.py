@@ -259,13 +259,13 @@ class Foxglove(Capability[FoxgloveSettings]):
         return text
 
     def _renew(self, now: float) -> None:
-        left = []
+        active = []
         for goal in self._goals:
             with suppress(BusError):
                 goal.holder.step(gone=LOST if goal.viewer.gone else LATE if now >= goal.until_s else None)
                 if goal.holder.asks:
-                    left.append(goal)
-        self._goals = left
+                    active.append(goal)
+        self._goals = active
 
     def _release(self, goals: list[Goal], why: str) -> None:
         for goal in goals:

@@ -1,5 +1,4 @@
-"""A connection of a server: HTTP/1.1 by h11 for an ASGI app, which holds little, and says in its slot what it does, so
-that a slow one makes room for what is newer."""
+"""A connection of a server: HTTP/1.1 by h11 for an ASGI app, with small buffers and its phase in a slot."""
 
 import asyncio
 import time
@@ -21,28 +20,26 @@ from lbr.apps.http.slots import Phase, Slot, Slots
 
 LARGEST_HEAD = 16 * 1024
 LARGEST_BODY = 512 * 1024
-"""Of any request. It exceeds what is held of a body that nobody reads (64 KiB) and one reading of asyncio (256 KiB)
-together: a request is answered before its body is too large."""
+"""Bytes of a body. The unread buffer (64 KiB) plus one read (256 KiB) is less, so that the app can answer before."""
 MOST_HELD = 64 * 1024
 MOST_UNREAD = 16 * 1024 * 1024
-"""Of what still comes after an answer: it is thrown away, so that its sender reads the answer and not a reset."""
+"""Bytes that are discarded after an answer, so that the sender reads the answer and not a reset."""
 MOST_PIECES = 256
-"""Of a body, so that no client keeps the thread busy with pieces of a byte each: 43,000 of them fit into one reading
-and took 0.2 s."""
+"""Pieces of a body. Pieces of one byte would keep the thread busy: 43,000 fit into one read and took 0.2 s."""
 MOST_VIEWER_BYTES = 32 * 1024
-"""What a viewer may send in a second, pings and all; a browser sends six bytes in ten."""
+"""Bytes that a viewer may send in a second, with its pings; a browser sends six bytes in ten seconds."""
 GOING_AWAY = 1001
 BAD_REQUEST = b"Invalid HTTP request received."
 CLOSE = (b"connection", b"close")
 
 
 class Exchange:
-    """One request and its answer, as the app has them."""
+    """A request and its answer, as the app receives and sends them."""
 
     def __init__(self, connection: "Connection", scope: Scope, *, is_invited: bool) -> None:
         self.phase: Phase = "asking"
         self.is_whole = self.is_gone = self.is_done = False
-        """Whether its body came whole, its sender left, and it was answered."""
+        """Each is True once its event has happened: the body complete, the sender gone, the answer complete."""
         self._connection = connection
         self._scope = scope
         self._is_invited = is_invited
@@ -52,7 +49,7 @@ class Exchange:
         self._changed = asyncio.Event()
 
     async def run(self, app: ASGIApp) -> None:
-        """Have the app answer; an answer that is not whole ends the connection, so that its reader sees so."""
+        """Run the app; close the connection after an incomplete answer, so that its reader notices."""
         try:
             await app(self._scope, self._receive, self._send)
         finally:
@@ -60,7 +57,7 @@ class Exchange:
                 self._connection.close()
 
     def add(self, part: bytes) -> None:
-        """Take a part of the body; RemoteProtocolError if that is too large, or in too many pieces."""
+        """Add a part of the body; raise RemoteProtocolError if the body is too large or in too many pieces."""
         self._pieces += 1
         self._bytes += len(part)
         if self._pieces > MOST_PIECES or self._bytes > LARGEST_BODY:
@@ -72,17 +69,17 @@ class Exchange:
                 self._connection.transport.pause_reading()
 
     def end(self) -> None:
-        """Note that the body is whole."""
+        """Mark the body as complete."""
         self.is_whole = True
         self._changed.set()
 
     def leave(self) -> None:
-        """Note that nobody waits for the answer any more."""
+        """Mark the sender as gone, unless the answer is complete."""
         self.is_gone = not self.is_done
         self._changed.set()
 
     async def _receive(self) -> Message:
-        """Return the next part of the body, also of one that came whole before its sender left."""
+        """Return the next part of the body; a complete body can still be read after its sender has left."""
         if self._is_invited and not self.is_gone:
             self._is_invited = False
             self._connection.write(h11.InformationalResponse(status_code=100, headers=[], reason=b"Continue"))
@@ -101,7 +98,7 @@ class Exchange:
         return bool(self._body) or (self.is_whole and not self._is_passed_on)
 
     async def _send(self, message: Message) -> None:
-        """Send a part of the answer, once the connection takes more; to who has left nothing."""
+        """Send a part of the answer once the connection is writable; discard it if the sender has left."""
         await self._connection.is_writable.wait()
         if self.is_gone:
             return
@@ -121,15 +118,15 @@ class Exchange:
 
 
 class Connection(asyncio.Protocol):
-    """A connection in its slot: one exchange after the other, or a WebSocket."""
+    """A connection in its slot: a sequence of exchanges, or a WebSocket."""
 
     transport: asyncio.Transport
 
     def __init__(self, app: ASGIApp, config: uvicorn.Config, state: ServerState, slots: Slots) -> None:
         self.owner: bool | None = None
-        """Whether this robot's own user is at the other end, once the server has looked."""
+        """True if the peer runs as this robot's own user; None until the server has checked."""
         self.whose: str | None = None
-        """Whose program is at the other end, once the server has looked: see `peers.whose`."""
+        """The user of the peer's program, see `peers.whose`; None until the server has checked."""
         self.is_writable = asyncio.Event()
         self.is_writable.set()
         self._app = app
@@ -149,7 +146,7 @@ class Connection(asyncio.Protocol):
         self._unread = 0
 
     def begin(self, transport: asyncio.Transport, slot: Slot) -> None:
-        """Serve on a connection that stands."""
+        """Start to serve on an open transport."""
         self.transport, self._slot = transport, slot
         transport.set_write_buffer_limits(high=BUFFER_BYTES)
         self._open.add(self)
@@ -159,37 +156,37 @@ class Connection(asyncio.Protocol):
             self.data_received(early)
 
     def lead_to_https(self) -> None:
-        """Answer each request with its address by https."""
+        """Redirect each request to https."""
         self._app, self._takes_sockets = HTTPSRedirectMiddleware(self._app), False
 
     def mark(self, phase: Phase) -> None:
-        """Have the request that is under way count as something else than asking."""
+        """Set the phase of the current request, such as `stopping`."""
         if self._exchange is not None:
             self._exchange.phase = phase
         self._to(phase)
 
     @property
     def headers(self) -> list[tuple[bytes, bytes]]:
-        """Return what every answer begins with."""
+        """Return the headers of every answer."""
         return self._state.default_headers
 
     @property
     def is_held(self) -> bool:
-        """Return whether the other end has not cut the connection, as far as the kernel knows: see `peers.is_held`."""
+        """Return whether the connection still stands, see `peers.is_held`."""
         return peers.is_held(self.transport.get_extra_info("socket"))
 
     @property
     def is_closing(self) -> bool:
-        """Return whether nothing more is written."""
+        """Return whether the connection accepts no more writes."""
         return self._lingers or self.transport.is_closing()
 
     @property
     def has_left(self) -> bool:
-        """Return whether who sent the request that is under way is there no more."""
+        """Return whether the sender of the current request has left."""
         return self._exchange is not None and self._exchange.is_gone
 
     def data_received(self, data: bytes) -> None:
-        """Take what was sent; what comes before the other side of TLS has begun waits for that."""
+        """Accept bytes; those that arrive before the TLS handshake is complete wait for it."""
         if self._slot is None:
             self._early += data
         elif self._lingers:
@@ -203,7 +200,7 @@ class Connection(asyncio.Protocol):
             self._go_on()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Count one less."""
+        """Release the slot, and end the exchange or the WebSocket."""
         self._open.discard(self)
         self.is_writable.set()
         if self._exchange is not None:
@@ -214,26 +211,28 @@ class Connection(asyncio.Protocol):
             self._slots.leave(self._slot)
 
     def pause_writing(self) -> None:
-        """Have answers wait."""
+        """Suspend answers."""
         self.is_writable.clear()
         if self._socket is not None:
             self._socket.pause_writing()
 
     def resume_writing(self) -> None:
-        """Have answers go on."""
+        """Resume answers."""
         self.is_writable.set()
         if self._socket is not None:
             self._socket.resume_writing()
 
     def shutdown(self) -> None:
-        """End it after the answer that is under way: uvicorn asks for that when the server ends."""
+        """Close after the current answer; uvicorn calls it when the server ends."""
         self._ends = True
         if not self._is_asked and self._socket is None:
             self.close()
 
     def close(self) -> None:
-        """End it. Where more comes than was read, our side ends first, and listens on until the other side ends, too:
-        who is closed with something unread is told nothing but that, not even the answer before it."""
+        """Close the connection; with unread bytes, only our side, and the rest once the peer has closed too.
+
+        A full close with unread bytes resets the connection, and the peer may lose the answer before it.
+        """
         if self.is_closing:
             return
         if self._exchange is not None:
@@ -248,13 +247,13 @@ class Connection(asyncio.Protocol):
         self._look()
 
     def write(self, event: h11.Event) -> None:
-        """Send a part of an answer."""
+        """Write a part of an answer."""
         data = self._http.send(event)
         if data:
             self.transport.write(data)
 
     def answered(self) -> None:
-        """Wait for the next request."""
+        """Continue with the next request, or close."""
         if self._ends or self._http.our_state is h11.MUST_CLOSE:
             self.close()
         else:
@@ -262,13 +261,13 @@ class Connection(asyncio.Protocol):
             self._go_on()
 
     async def farewell(self) -> None:
-        """Close a WebSocket with the reason: the server ends."""
+        """Close a WebSocket with the reason that the server ends."""
         send, self._send = self._send, None
         if send is not None and not self.is_closing:
             await send({"type": "websocket.close", "code": GOING_AWAY, "reason": "the server ends"})
 
     def to_socket(self, send: Send) -> Send:
-        """Return how an app sends to a WebSocket: it fails once the connection was closed, whoever closed it."""
+        """Return the app's send function for a WebSocket; it raises OSError once the connection is closed."""
         self._send = send
 
         async def send_open(message: Message) -> None:
@@ -283,7 +282,7 @@ class Connection(asyncio.Protocol):
         return self._exchange is not None and not self._exchange.is_done
 
     def _view(self, data: bytes) -> None:
-        """Pass on what a viewer sends; cut it when that is much more than it has to say: pings, too, are work."""
+        """Pass a viewer's bytes to the WebSocket; abort the connection above the limit, which pings count for."""
         now = time.monotonic()
         if now - self._viewer_since > 1.0:
             self._viewer_since, self._viewer_bytes = now, 0.0
@@ -294,7 +293,7 @@ class Connection(asyncio.Protocol):
             self._socket.data_received(data)
 
     def _go_on(self) -> None:
-        """Take in what came, as far as it may be: the next request waits until this one is answered."""
+        """Handle the received events; the next request waits for the answer to the current one."""
         try:
             while self._take(self._http.next_event()):
                 pass
@@ -304,7 +303,7 @@ class Connection(asyncio.Protocol):
             self._look()
 
     def _take(self, event: h11.Event | type[h11.NEED_DATA] | type[h11.PAUSED]) -> bool:
-        """Do what follows from an event; say whether another may be there."""
+        """Handle an event; return whether another may follow at once."""
         if isinstance(event, h11.Data) and self._exchange is not None:
             self._exchange.add(event.data)
             return True
@@ -349,27 +348,25 @@ class Connection(asyncio.Protocol):
         return True
 
     def _ran(self, task: asyncio.Task[None]) -> None:
-        """Forget a task; what broke in it has been told by the app."""
+        """Discard a finished task; the app has already reported its exception."""
         self._state.tasks.discard(task)
         if not task.cancelled():
             task.exception()
 
     def _become_socket(self, request: h11.Request, headers: Iterable[tuple[bytes, bytes]]) -> None:
-        """Leave the connection to uvicorn's WebSocket; it asks until who answers it calls it `watching`."""
+        """Hand the connection to uvicorn's WebSocket; its phase is `asking` until the app marks it as `watching`."""
         self._to("asking")
-        made: Any = self._config.ws_protocol_class
-        self._socket = made(config=self._config, server_state=self._state, app_state={"connection": self})
+        protocol_class: Any = self._config.ws_protocol_class
+        self._socket = protocol_class(config=self._config, server_state=self._state, app_state={"connection": self})
         self._socket.connection_made(self.transport)
         lines = [b"%s %s HTTP/1.1" % (request.method, request.target), *(b"%s: %s" % header for header in headers)]
         self._socket.data_received(b"\r\n".join([*lines, b"", b""]))
 
     def _refuse(self) -> None:
-        """Say that what was sent is no request; one that is under way is done, if it can be, and not answered."""
+        """Answer 400 to bytes that are not a request; the current request runs on and gets no other answer."""
         if self._exchange is not None:
             self._exchange.leave()
-        with suppress(
-            h11.LocalProtocolError
-        ):  # what is wrong came after the answer, which its sender still has to read
+        with suppress(h11.LocalProtocolError):  # the error follows an answer that the sender has not read yet
             headers = [(b"content-type", b"text/plain; charset=utf-8"), CLOSE]
             self.write(h11.Response(status_code=400, headers=headers, reason=b"Bad Request"))
             self.write(h11.Data(data=BAD_REQUEST))
@@ -377,8 +374,7 @@ class Connection(asyncio.Protocol):
         self.close()
 
     def _look(self) -> None:
-        """Say what the connection does: of a body that is not whole when its request is answered, the rest is waited
-        for as a head is."""
+        """Report the phase to the slot; the rest of a body after the answer counts as a head."""
         if self.is_closing:
             self._to("leaving")
         elif self._exchange is not None and not self._exchange.is_done:
@@ -393,14 +389,16 @@ class Connection(asyncio.Protocol):
 
 
 def connection_of(scope: Scope) -> Connection | None:
-    """Return the connection that a request came by; None outside of a `Server`."""
+    """Return the connection of a request; None outside of a `Server`."""
     connection = scope.get("state", {}).get("connection")
     return connection if isinstance(connection, Connection) else None
 
 
 def _origin_form(request: h11.Request) -> h11.Request:
-    """Return a request as it is said without a proxy: one that names its host in its address as well (RFC 9112, 3.2.2).
-    One that names two hosts stays as it is, and is for no path that there is."""
+    """Return a request in origin form if its target is in absolute form (RFC 9112, 3.2.2).
+
+    A target with another host than the header stays as it is, and matches no route.
+    """
     scheme, sign, rest = request.target.partition(b"://")
     if not sign or scheme.lower() not in {b"http", b"https"}:
         return request
@@ -420,8 +418,7 @@ def _asks_for_socket(headers: Iterable[tuple[bytes, bytes]]) -> bool:
 
 
 def _ends_doubtfully(headers: Iterable[tuple[bytes, bytes]]) -> bool:
-    """Say whether a request tells its length in two ways (RFC 9112, 6.1): what follows it may be another's for a
-    proxy."""
+    """Return whether a request states its length twice; a proxy may then misread where it ends (RFC 9112, 6.1)."""
     names = {name for name, _value in headers}
     return b"content-length" in names and b"transfer-encoding" in names
 

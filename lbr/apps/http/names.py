@@ -83,7 +83,7 @@ def plain(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
 
 @cache
 def announced() -> str:
-    """Return the name by which multicast DNS finds this machine; it follows from its network card."""
+    """Return this machine's name in multicast DNS, which is made from the address of its network card."""
     mark = hashlib.blake2b(uuid.getnode().to_bytes(8, "big"), digest_size=2).hexdigest()
     return f"lbr-{mark}.local"
 

@@ -28,14 +28,16 @@ TLS_HANDSHAKE = b"\x16"
 
 
 class Server(uvicorn.Server):
-    """Serves an app with every connection in one of `slots`, from the first packet on; `sockets` are WebSockets.
+    """A server of an app. Every connection has one of the `slots` from the first packet on.
 
-    With `tls` it serves that. What comes without is led to https; with `plain_here` this machine's own is served.
+    - `sockets`: it accepts WebSockets.
+    - `tls`: it speaks TLS, and redirects plain HTTP to https.
+    - `plain_here`: it answers plain HTTP from this machine nevertheless.
     """
 
     def __init__(self, app: ASGIApp, *, tls: bool, sockets: bool = False, plain_here: bool = False) -> None:
         for name in ("uvicorn", "uvicorn.error"):
-            logging.getLogger(name).setLevel(logging.CRITICAL)  # strangers would fill the log
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # strangers could fill the log
         self._app = app
         self._tls = _context() if tls else None
         super().__init__(
@@ -165,7 +167,7 @@ async def _first_byte(transport: asyncio.Transport) -> bytes:
 
 
 def _sockets(app: ASGIApp) -> ASGIApp:
-    """Return an app for WebSockets, which are closed with the reason when the server ends."""
+    """Return the app for WebSockets; the server closes them with a reason when it ends."""
 
     async def serve(scope: Scope, receive: Receive, send: Send) -> None:
         connection = connection_of(scope)
@@ -176,7 +178,7 @@ def _sockets(app: ASGIApp) -> ASGIApp:
 
 
 def _context() -> ssl.SSLContext:
-    """Return what TLS is spoken with."""
+    """Return the TLS context of this machine's certificate."""
     key, public = listening.certificate()
     context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
     try:

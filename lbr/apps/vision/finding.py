@@ -32,16 +32,16 @@ def check(settings: VisionSettings, target: Target) -> None:
 
 
 def load() -> None:
-    """Load OpenCV, which takes a while on a busy machine, ahead of its first use; that tells what is missing."""
+    """Load OpenCV ahead of its first use, which reports a missing package; it is slow on a busy machine."""
     with contextlib.suppress(InputError):
         _opencv()
 
 
 def finder(settings: VisionSettings, target: Target) -> Finder:
-    """Return what finds the target; InputError says what is missing for it. Takes up to a second."""
+    """Return a finder of the target, within a second; raise InputError if something is missing for it."""
     check(settings, target)
-    found: Finder = _opencv().finder(settings, target)
-    return found
+    find: Finder = _opencv().finder(settings, target)
+    return find
 
 
 def _opencv() -> Any:

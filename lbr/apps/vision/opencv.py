@@ -1,4 +1,4 @@
-"""The eye by OpenCV: decodes pictures, finds what is to be found in them, and marks it."""
+"""Detection by OpenCV: decodes pictures, detects the target in them, and marks it."""
 
 from collections.abc import Callable
 from math import pi
@@ -16,20 +16,20 @@ Image = np.ndarray[Any, Any]
 
 MOST_PIXELS = 4096 * 4096
 REDUCED_TO_PX = 320
-"""Pictures are decoded as small as a half, a quarter or an eighth of their size, but not narrower than this."""
+"""Pictures are decoded at a half, a quarter or an eighth of their size, but not narrower than this."""
 LEAST_RADIUS = 0.006
-"""Smaller than this share of the width is noise: 4 pixels of 640."""
+"""A share of the picture's width, 4 pixels of 640. Smaller blobs are noise."""
 LEAST_ROUND = 0.55
-"""A blob covers so much of the smallest circle around it; a ball that is half in shade does, a stripe does not."""
+"""The share that a round blob covers of the smallest circle around it. A ball half in shade is round, a stripe not."""
 FACE_SCORE = 0.7
 MIDDLE = 0.04
-"""The middle is a square of twice this share of the width; what is held there should fill it."""
+"""The middle is a square with a side of twice this share of the width. The sample colour should fill it."""
 USUAL_PERCENT = (5.0, 95.0)
 SEEN_COLOUR, MIDDLE_COLOUR = (0, 255, 0), (255, 255, 255)
 
 
 class Hsv(NamedTuple):
-    """A colour as OpenCV has it: hue 0 to 180, saturation and value 0 to 255."""
+    """A colour on OpenCV's scales: hue 0 to 180, saturation and value 0 to 255."""
 
     hue: float
     saturation: float
@@ -37,17 +37,17 @@ class Hsv(NamedTuple):
 
 
 class Detector(Protocol):
-    """What is used of OpenCV's face detector."""
+    """The methods of OpenCV's face detector that are called here."""
 
     def setInputSize(self, input_size: tuple[int, int]) -> None:  # noqa: N802 - the library's name
-        """Say how large the next picture is."""
+        """Set the size of the next picture."""
 
     def detect(self, image: Any) -> tuple[int, Any]:
-        """Return a row for each face: its left, top, width and height in pixels, ten marks, and the score."""
+        """Return a row for each face: left, top, width and height in pixels, ten landmarks, and the score."""
 
 
 def finder(settings: VisionSettings, target: Target) -> Callable[[bytes], Seen | None]:
-    """Return what finds the target; InputError if OpenCV does not read the model."""
+    """Return a detector of the target in JPEG pictures; raise InputError if OpenCV cannot read the model."""
     cv2.setNumThreads(1)
     if target == "face":
         faces = _face_detector(settings.face_model)
@@ -57,7 +57,7 @@ def finder(settings: VisionSettings, target: Target) -> Callable[[bytes], Seen |
 
 
 def decode(data: bytes) -> Image | None:
-    """Return a JPEG picture as blue, green and red, small; None if it is none, or one too large to be real."""
+    """Return a JPEG picture as a small BGR image; None for other data, or an implausible size."""
     size = pictures.size_px(data)
     if size is None or not 0 < size[0] * size[1] <= MOST_PIXELS:
         return None
@@ -71,13 +71,12 @@ def decode(data: bytes) -> Image | None:
 
 
 def reduction(width_px: int) -> int:
-    """Return by how much a picture of this width is reduced: 1, 2, 4 or 8."""
+    """Return the divisor for a picture of this width: 1, 2, 4 or 8."""
     return next((by for by in (8, 4, 2) if width_px // by >= REDUCED_TO_PX), 1)
 
 
 def hsv_ranges(settings: VisionSettings) -> tuple[tuple[Hsv, Hsv], ...]:
-    """Return the colour of the settings as lowest and highest; two of them if the hue goes over red, such as 350 to
-    10."""
+    """Return the colour of the settings as ranges from low to high; a hue across red, such as 350 to 10, has two."""
     low, high = (degrees / 2.0 for degrees in settings.hue_deg)
     saturations = [percent * 2.55 for percent in settings.saturation_percent]
     values = [percent * 2.55 for percent in settings.value_percent]
@@ -86,17 +85,17 @@ def hsv_ranges(settings: VisionSettings) -> tuple[tuple[Hsv, Hsv], ...]:
 
 
 def mask(image: Image, ranges: tuple[tuple[Hsv, Hsv], ...]) -> Image:
-    """Return where the picture has the colour: 255 there, 0 elsewhere; without specks."""
+    """Return a mask without specks: 255 where the picture has the colour, else 0."""
     hsv = cv2.cvtColor(cv2.blur(image, (3, 3)), cv2.COLOR_BGR2HSV)
-    found = [cv2.inRange(hsv, np.floor(low), np.ceil(high)) for low, high in ranges]
-    whole = found[0] if len(found) == 1 else cv2.bitwise_or(found[0], found[1])
+    masks = [cv2.inRange(hsv, np.floor(low), np.ceil(high)) for low, high in ranges]
+    whole = masks[0] if len(masks) == 1 else cv2.bitwise_or(masks[0], masks[1])
     return cv2.morphologyEx(whole, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
 
 
-def largest_round(where: Image) -> Seen | None:
-    """Return the largest blob that is about round; one that the picture's edge cuts is, if the rest is."""
-    height, width = where.shape[:2]
-    contours, _ = cv2.findContours(where, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+def largest_round(colour_mask: Image) -> Seen | None:
+    """Return the largest roughly round blob; of a blob at the picture's edge only the visible part must be round."""
+    height, width = colour_mask.shape[:2]
+    contours, _ = cv2.findContours(colour_mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     best, best_area = None, 0.0
     for contour in contours:
         (x, y), radius = cv2.minEnclosingCircle(contour)
@@ -121,7 +120,7 @@ def largest_face(image: Image, detector: Detector) -> Seen | None:
 
 def _seen(x: float, y: float, radius: float, width: int, height: int) -> Seen | None:
     values = ((x + 0.5) / width - 0.5, ((y + 0.5) - height / 2.0) / width, radius / width)
-    within = all(-1.0 <= value <= 1.0 for value in values)  # which NaN is not
+    within = all(-1.0 <= value <= 1.0 for value in values)  # NaN is not
     return Seen(x=values[0], y=values[1], radius=values[2]) if within and radius >= 0.0 else None
 
 
@@ -136,16 +135,16 @@ def _in(data: bytes, look: Callable[[Image], Seen | None]) -> Seen | None:
 
 
 def _face_detector(model: str) -> Detector:
-    """Return the detector; raise InputError if OpenCV does not read the model."""
+    """Return the detector; raise InputError if OpenCV cannot read the model."""
     try:
-        made: Detector = cv2.FaceDetectorYN.create(model, "", (REDUCED_TO_PX, REDUCED_TO_PX), FACE_SCORE)
+        detector: Detector = cv2.FaceDetectorYN.create(model, "", (REDUCED_TO_PX, REDUCED_TO_PX), FACE_SCORE)
     except cv2.error as err:
         raise InputError(f"{model} is not a model of a YuNet face detector; {MODEL_HINT}") from err
-    return made
+    return detector
 
 
 def middle(image: Image) -> str:
-    """Return the colours of the middle; hues go round, so they are taken as far from the most frequent one."""
+    """Return the colours of the middle in words. Hues wrap, so they are measured from the most frequent hue."""
     height, width = image.shape[:2]
     half = max(1, round(MIDDLE * width))
     part = image[max(0, height // 2 - half) : height // 2 + half, max(0, width // 2 - half) : width // 2 + half]
@@ -161,7 +160,7 @@ def middle(image: Image) -> str:
 
 
 def marked(image: Image, seen: Seen | None) -> bytes:
-    """Return the picture as JPEG, with its middle and what is seen marked."""
+    """Return the picture as JPEG, with its middle and the target marked."""
     height, width = image.shape[:2]
     middle, half = (width // 2, height // 2), max(1, round(MIDDLE * width))
     corners = [(middle[0] + side * half, middle[1] + side * half) for side in (-1, 1)]

@@ -33,7 +33,7 @@ class AdvertisedAddress:
         self._settings = settings
         self._certified = ""
         if self.tls and settings.names:
-            with suppress(InputError):  # the server tells it when it reads them
+            with suppress(InputError):  # the server reports it when it reads them
                 self._certified = settings.names[0] if home.given_credentials(*certificates.OWN_FILES) else ""
         self._here = here
         self.look()
@@ -46,9 +46,9 @@ class AdvertisedAddress:
 
     @property
     def url(self) -> str:
-        """The most useful address; empty where there is no network.
+        """The most useful address; empty without a network.
 
-        It has the first of the setting `names` where browsers are shown the owner's certificate: that is for a name.
+        With the owner's certificate it has the first name of the setting `names`, as the certificate is for names.
         """
         if self.urls and self._certified:
             return addresses.url(self._certified, self.port, tls=True)
@@ -56,7 +56,7 @@ class AdvertisedAddress:
 
     @property
     def local(self) -> str:
-        """The address by the name that multicast DNS finds, if the server is announced."""
+        """The address by this machine's name in multicast DNS; it works while the server is announced."""
         return addresses.url(names.announced(), self.port, tls=self.tls)
 
     def words(self) -> str:

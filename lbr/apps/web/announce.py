@@ -19,12 +19,12 @@ def own_mark(there: tuple[str, ...], port: int) -> str:
 
 
 class Announcer:
-    """Announces `name` at `port` under the addresses that `where` returns, with `properties`, and follows both as they
-    change.
+    """Announces `name` at `port`, with the addresses of `where` and the `properties`, and follows their changes.
 
-    A mark of its own stands behind its name, and the host's name is this machine's alone, so that no other robot's
-    addresses pass for its own.
-    `said` is under which name it is announced now, or empty; `trouble` why it is not.
+    The announced name ends with a mark, and the host name is this machine's alone: robots cannot be mixed up.
+
+    - `said`: the announced name, or empty.
+    - `trouble`: the reason why it is not announced, or empty.
     """
 
     def __init__(

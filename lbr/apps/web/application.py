@@ -94,7 +94,7 @@ class Gate:
         return replace(client, whose=whose)
 
     async def arguments(self, endpoint: "Endpoint", scope: Scope, receive: Receive) -> dict[str, Any]:
-        """Return what a handler is called with for a request that may be answered; Refused for all others."""
+        """Return the handler's arguments for an allowed request; raise Refused for any other."""
         route, promised, headers = endpoint.route, endpoint.contract, headers_of(scope)
         self.refuse_strangers(scope, headers, visit=route.page and is_visit(headers))
         signs_in = route.role == "known" or "whose" in promised.takes
@@ -124,8 +124,7 @@ class Gate:
         return {name: given[name.removesuffix("_")] for name in promised.takes}
 
     async def _client_of(self, route: Route, scope: Scope, headers: Mapping[str, str], *, signs_in: bool) -> Client:
-        """Return who asks; what is for everybody is for who shows a wrong token as well, and stops are at this
-        machine."""
+        """Return the client; a wrong token is ignored if the route is for everybody, as stops are on this machine."""
         address = address_of(scope)
         everybody = route.role is None or (route.stops is True and names.is_loopback(address))
         try:
@@ -138,7 +137,7 @@ class Gate:
 
 
 class Endpoint(BaseRoute):
-    """A declared route among Starlette's, which answers whatever fits it. HEAD is answered as GET."""
+    """A declared route as a route of Starlette. HEAD is answered as GET."""
 
     def __init__(self, route: Route, gate: Gate, in_loop: InLoop) -> None:
         self.route = route
@@ -150,7 +149,7 @@ class Endpoint(BaseRoute):
         self._in_loop = in_loop
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """Say whether a request is for this route, and which keys its path has."""
+        """Return whether a request matches this route, with the keys of its path."""
         if scope["type"] != "http" or scope["method"] not in self._methods or not self.path.fits(asked_path(scope)):
             return Match.NONE, {}
         if self._accept and not _accepts(scope, self._accept):
@@ -166,11 +165,11 @@ class Endpoint(BaseRoute):
         await answer(scope, receive, send)
 
     async def _answer(self, arguments: Mapping[str, Any]) -> Response:
-        async def waited() -> Response:
+        async def answer() -> Response:
             return response(await self.route.handle(**arguments))
 
         if self.contract.waits:
-            return await self._in_loop(waited(), timeout_s=self.route.within_s)
+            return await self._in_loop(answer(), timeout_s=self.route.within_s)
         return response(self.route.handle(**arguments))
 
 
@@ -211,15 +210,15 @@ def application(
 
 
 def methods(endpoints: Iterable[Endpoint], path: str) -> tuple[str, ...]:
-    """Return the methods that a path has."""
-    there = {endpoint.route.method for endpoint in endpoints if endpoint.path.fits(path)}
-    return tuple(sorted(there | ({"HEAD"} if "GET" in there else set())))
+    """Return the methods of a path, sorted."""
+    declared = {endpoint.route.method for endpoint in endpoints if endpoint.path.fits(path)}
+    return tuple(sorted(declared | ({"HEAD"} if "GET" in declared else set())))
 
 
 def _accepts(scope: Scope, media: bytes) -> bool:
-    """Say whether a request names a media type itself; `*/*` names none."""
-    said = (value.lower() for name, value in scope["headers"] if name.lower() == b"accept")
-    return any(part.partition(b";")[0].strip() == media for value in said for part in value.split(b","))
+    """Return whether a request names a media type itself; `*/*` does not count."""
+    values = (value.lower() for name, value in scope["headers"] if name.lower() == b"accept")
+    return any(part.partition(b";")[0].strip() == media for value in values for part in value.split(b","))
 
 
 def _also_for_all(routes: Iterable[Route]) -> Iterator[Route]:
@@ -236,8 +235,8 @@ def no_route(scope: Scope, endpoints: Iterable[Endpoint]) -> Response:
     """Return the page that Express shows for what it does not know; what is below `/api` is refused in the API's own
     form."""
     if f"{asked_path(scope).lower()}/".startswith("/api/"):
-        there = methods(endpoints, asked_path(scope))
-        instead = f"it takes {', '.join(there)}" if there else "GET /api and /openapi.json name what there is"
+        allowed = methods(endpoints, asked_path(scope))
+        instead = f"it takes {', '.join(allowed)}" if allowed else "GET /api and /openapi.json name what there is"
         raise Refused(404, f"there is no {scope['method']} {asked_path(scope)[:80]}; {instead}")
     path = quote(asked_path(scope), safe="/%:@!$&()*+,;=~-._")
     shown = escape(f"Cannot {scope['method']} {path}", quote=True)
@@ -245,7 +244,7 @@ def no_route(scope: Scope, endpoints: Iterable[Endpoint]) -> Response:
 
 
 def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Response:
-    """Answer a preflight, or just say which methods there are."""
+    """Answer a preflight, or return the methods of the path."""
     headers, allowed = headers_of(scope), ",".join(methods(endpoints, asked_path(scope)))
     if not allowed:
         return no_route(scope, endpoints)
@@ -255,10 +254,10 @@ def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Respons
         raise Refused(
             403, f"{headers.get('origin', 'this page')} is not in the setting 'cors' of the row", code="denied"
         )
-    found = {**_PREFLIGHT, "Access-Control-Allow-Methods": allowed}
+    answer = {**_PREFLIGHT, "Access-Control-Allow-Methods": allowed}
     if headers.get("access-control-request-private-network", "").lower() == "true":
-        found["Access-Control-Allow-Private-Network"] = "true"
-    return Response(status_code=204, headers=found)
+        answer["Access-Control-Allow-Private-Network"] = "true"
+    return Response(status_code=204, headers=answer)
 
 
 async def is_owners(scope: Scope, address: str) -> bool:
@@ -286,7 +285,7 @@ async def _whose(scope: Scope) -> str | None:
 async def _content(
     endpoint: Endpoint, scope: Scope, receive: Receive, headers: Mapping[str, str]
 ) -> tuple[bytes, object]:
-    """Return a body, and what it says."""
+    """Return a body, as bytes and decoded."""
     promised, stops = endpoint.contract, endpoint.route.stops
     if stops is not True:
         body, left = await _body(scope, receive, headers)
@@ -318,7 +317,7 @@ def _data(promised: Contract, headers: Mapping[str, str], body: bytes) -> object
 
 
 async def _body(scope: Scope, receive: Receive, headers: Mapping[str, str]) -> tuple[bytes, bool]:
-    """Return a body that is whole, and whether its sender has left; raise ClientDisconnect for what was cut."""
+    """Return a whole body, and whether its sender has left; raise ClientDisconnect for an incomplete body."""
     too_much = Refused(413, f"a body may have {LARGEST_BODY} bytes", {"Connection": "close"})
     length = headers.get("content-length", "0")
     if length.isdigit() and int(length[:12]) > LARGEST_BODY:

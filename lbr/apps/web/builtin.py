@@ -111,8 +111,7 @@ class BuiltinRoutes:
     @post("/stop", stops=True, within_s=2 * STOP_S + 1.0)
     async def _stop(self, request: Request) -> Annotated[Message, Refuses({409: "The robot does not stop so."})]:
         """Stop: wheels stand, joints hold where they are."""
-        # Those who came while others are being answered are answered together by the next round, so that what stops is
-        # never asked more often than it hears.
+        # Requests that arrive during a round share the next one, so that each part is asked once a round at most.
         why = f"stopped by {request.client}"
         self._api.stopped(request.came_s)
         self._faces.stopped(why)

@@ -1,14 +1,20 @@
-"""What a handler's signature says: what it takes of a request, what it returns, and what the document tells of it.
+"""The contract of a route, read from its handler's signature and docstring.
 
-Its parameters are what it is called with. `request` and `client` are who asks, `whose` is whose program that is; the
-path's keys come by their names, `id` as `id_`. `params` is a Struct of the query's parameters, `body` what the JSON is, optional with
-`| None`: what does not fit is refused. `query: Annotated[Query, X]` and `body: Annotated[bytes, X]` are passed on as
-they came; `X` is what the document says they are.
+The parameters:
 
-What it returns is sent as JSON, None as no content. A `Response` is sent as it is: `Annotated[Response, "image/svg+xml"]`
-names its media type, `Annotated[Response, {201: X, 304: None}]` what is returned with which status. `Refuses` names the
-statuses that it refuses with besides the server's own, each with when. The docstring's first line is the summary, the
-rest the description; without one, or with a key that takes any path, a route is not in the document.
+- `request`, `client`, `whose`: the request, its sender, and the user of the sender's program.
+- the keys of the path, by their names; `id` as `id_`.
+- `params`: a Struct of the query's parameters.
+- `body`: the type of the JSON body, optional with `| None`. A query or body of another type is refused.
+- `query: Annotated[Query, X]`, `body: Annotated[bytes, X]`: passed on unread; the document gives `X` as their type.
+
+The return type:
+
+- Any value is sent as JSON, None as no content. A `Response` is sent unchanged.
+- `Annotated[Response, "image/svg+xml"]` names its media type, `Annotated[Response, {201: X, 304: None}]` its statuses.
+- `Refuses` adds the statuses of refusals to the server's own.
+
+A docstring is the summary and the description. Without one, or with a key for any path, a route is not documented.
 """
 
 import inspect
@@ -28,12 +34,12 @@ _OFFERED = frozenset({"request", "client", "whose", "query", "params", "body"})
 
 
 class Refuses(dict[int, str]):
-    """Statuses that a route refuses with, each with when."""
+    """The statuses that a route refuses with, and the reason for each."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contract:
-    """`reads` and `decodes` are whether `params` and `body` are converted for the handler."""
+    """A route's contract: `reads` and `decodes` state whether `params` and `body` are converted for the handler."""
 
     takes: frozenset[str]
     keys: tuple[str, ...]
@@ -47,11 +53,11 @@ class Contract:
     summary: str
     description: str
     waits: bool
-    """Whether the handler is a coroutine."""
+    """True for a coroutine."""
 
 
 def contract(route: Route) -> Contract:
-    """Return what a route's handler promises; TypeError for what no request has."""
+    """Return the contract of a route's handler; raise TypeError for a parameter that no request has."""
     signature = inspect.signature(route.handle, eval_str=True)
     given = signature.parameters
     keys = tuple(KEY.findall(route.path))
@@ -84,14 +90,14 @@ def contract(route: Route) -> Contract:
 
 
 def response(answer: Any) -> Response:
-    """Return what a handler answers as it is sent."""
+    """Return the response for a handler's return value."""
     if isinstance(answer, Response):
         return answer
     return Response(status_code=204) if answer is None else json(answer)
 
 
 def _annotated(given: Mapping[str, inspect.Parameter], name: str) -> tuple[Any, ...]:
-    """Return a parameter's type and what it is annotated with; (None,) without that parameter."""
+    """Return a parameter's type and its annotations; (None,) without that parameter."""
     if name not in given:
         return (None,)
     annotation = given[name].annotation
@@ -99,7 +105,7 @@ def _annotated(given: Mapping[str, inspect.Parameter], name: str) -> tuple[Any, 
 
 
 def _returned(annotation: Any) -> tuple[dict[int, Any], Refuses]:
-    """Return what is returned with which status, and when what is refused."""
+    """Return the type for each status of success, and the statuses of refusals."""
     kind, *marks = get_args(annotation) if get_origin(annotation) is Annotated else (annotation,)
     replies: dict[int, Any] = {}
     if kind not in {Response, inspect.Signature.empty}:

@@ -1,8 +1,9 @@
-"""What a face is: methods that are declared as routes, and a share of the loop. Each route's answers and its part of
-the OpenAPI document come from its method's signature and docstring: see `contract`.
+"""Faces: methods that are declared as routes, and a step in the loop of the capability.
 
-A face lives in the capability's loop, on one thread: there run `step`, `stopped` and each handler that is a coroutine.
-A handler that is a plain function is answered on the server's thread at once; it may read only what does not change.
+A route's answers and its part of the OpenAPI document come from its method's signature and docstring: see `contract`.
+
+A face lives in the capability's loop, on one thread. It runs `step`, `stopped` and each handler that is a coroutine.
+A plain function answers at once on the server's thread; it may read constant data only.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -43,7 +44,7 @@ CODES: dict[int, Code] = {
     500: "failed",
     503: "unreachable",
 }
-"""Why a request is refused with a status, unless it is told closer."""
+"""The code of a refusal by its status, unless the refusal has its own."""
 
 
 class Message(Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -54,10 +55,9 @@ class Message(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Refused(Exception):  # noqa: N818 - an answer, not a fault
-    """An answer `{"message": ..., "code": ...}` with a status, from wherever it is noticed.
+    """An answer `{"message": ..., "code": ...}` with a status, raised at any depth.
 
-    A `Reason` brings its own code; else it is the one given, or what the status says. The code is in the header
-    `Reason-Code` as well.
+    The code is the argument, else the code of the `Reason`, else the status's. The header `Reason-Code` has it as well.
     """
 
     def __init__(
@@ -71,9 +71,9 @@ class Refused(Exception):  # noqa: N818 - an answer, not a fault
         self.headers = dict(headers or {})
 
     def response(self) -> Response:
-        """Return it as an answer."""
-        told = Message(message=self.message, code=self.code)
-        return json(told, self.status, **{"Reason-Code": self.code, **self.headers})
+        """Return the refusal as a response."""
+        message = Message(message=self.message, code=self.code)
+        return json(message, self.status, **{"Reason-Code": self.code, **self.headers})
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,15 +108,15 @@ class Client:
 
 
 Query = tuple[tuple[str, str], ...]
-"""A query's parameters as they came."""
+"""A query's parameters in their order; a name may be repeated."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Request:
-    """A request: its `query` as it came, and its `body` where the route takes one.
+    """A request with its `query`, and its `body` if the route takes one.
 
-    `proven`: no foreign web page can have sent it. `came_s` is when its head was read, by the monotonic clock; infinite
-    is just now.
+    - `proven`: a foreign web page cannot have sent it.
+    - `came_s`: the monotonic time at which its head was read; infinite for now.
     """
 
     method: str
@@ -189,7 +189,7 @@ def text(content: str, status: int = 200, media: str = TEXT, **headers: str) -> 
 
 
 def static(package: str, name: str, media: str = HTML, status: int = 200, **headers: str) -> Response:
-    """Return a file out of a package's folder `pages`."""
+    """Return a file of a package's folder `pages`."""
     return text(_content(package, name), status, media, **headers)
 
 
@@ -204,17 +204,15 @@ def _named(headers: Mapping[str, str]) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Route:
-    """One method of one path, such as `/motion/{key}` or `/files/{rest:path}`, who may ask, and who answers.
+    """One method of one path, such as `/motion/{key}` or `/files/{rest:path}`, with its handler and its rights.
 
-    What it takes and returns is said by the signature of `handle`. A coroutine answers in the capability's loop, within
-    `within_s` (else 503), a plain function at once. `role` is the least that is needed, None for nobody's; `known` is
-    for who is known (`Client.known`). A `page` may be opened by a link from any other page, so it must change nothing;
-    everything else is refused to foreign pages. With `accept`, it is first for who names that media type in `Accept`,
-    such as a browser `text/html`; another route may answer all others at the same path.
-
-    What `stops` is done regardless of its body, to which the handler gets None where it is late, too large or wrong.
-    Where that depends on the path's keys and the body, a function says it of the arguments: then what stops is done
-    although its sender has left meanwhile.
+    - `handle`: its signature is the contract. A coroutine answers in the capability's loop, a plain function at once.
+    - `role`: the least role; None admits everybody, `known` admits known clients (`Client.known`).
+    - `page`: a link from any other page may open it, so it must change nothing. Foreign pages reach no other route.
+    - `accept`: a media type, such as `text/html`. The route comes first for clients that name it in `Accept`.
+    - `stops`: the handler runs regardless of the body; a late, too large or wrong one is None. A function decides by the
+      path's keys and the body; the handler then runs even if the sender has left.
+    - `within_s`: the time for a coroutine's answer; then the status is 503.
     """
 
     method: Method
@@ -228,16 +226,16 @@ class Route:
 
     @property
     def least(self) -> Role | None:
-        """Return the role that is needed at least."""
+        """Return the least role, without `known`."""
         return "view" if self.role == "known" else self.role
 
     def refused(self, err: Refused) -> Response:
-        """Return what is answered where a request is refused; a subclass may have manners of its own."""
+        """Return the response for a refusal; subclasses may change its form."""
         return err.response()
 
 
 class Options(TypedDict, total=False):
-    """What may be said of a route besides its method and path: see `Route`."""
+    """The options of a route besides its method and path: see `Route`."""
 
     role: Role | Literal["known"] | None
     page: bool
@@ -250,7 +248,7 @@ H = TypeVar("H", bound=Callable[..., Any])
 
 
 def route(method: Method, path: str, kind: type[Route] = Route, **options: Unpack[Options]) -> Callable[[H], H]:
-    """Declare a method as what answers a route; several may be declared of one."""
+    """Declare a method as the handler of a route; one method may handle several."""
 
     def declare(handle: H) -> H:
         vars(handle).setdefault("routes", []).insert(0, kind(method=method, path=path, handle=handle, **options))
@@ -263,7 +261,7 @@ get, post = partial(route, "GET"), partial(route, "POST")
 
 
 def declared(owner: object) -> list[Route]:
-    """Return the routes that an object's methods are declared as, in their order."""
+    """Return the routes that an object's methods handle, in the order of their declaration."""
     methods = [
         (name, vars(method)["routes"]) for name, method in vars(type(owner)).items() if hasattr(method, "routes")
     ]

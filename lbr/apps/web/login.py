@@ -12,8 +12,7 @@ from lbr.apps.web.sessions import LIFE_S, Sessions, name_in
 
 
 class Login:
-    """The routes to sign in and out, which give cookies and take them back; `name` is what they are called, with `tls`
-    they travel by nothing else."""
+    """The routes to sign in and out, which set and delete cookies of this `name`; with `tls` for https alone."""
 
     def __init__(self, sessions: Sessions, name: str, *, tls: bool) -> None:
         self._sessions = sessions

@@ -27,17 +27,17 @@ WITH_BODY: Mapping[int, str] = {408: "The body did not come.", 415: "The body is
 
 
 def document(routes: Iterable[Route], *, title: str, description: str, version: str) -> dict[str, Any]:
-    """Return the document of what these routes take and return."""
-    shown = [(route, promised) for route in routes if (promised := contract(route)).summary]
+    """Return the document of these routes."""
+    documented = [(route, promised) for route in routes if (promised := contract(route)).summary]
     kinds: list[Any] = [Message]
-    for _route, promised in shown:
+    for _route, promised in documented:
         kinds += [kind for kind in (promised.params, promised.body) if kind is not None]
         kinds += [reply for reply in promised.replies.values() if reply is not None and not isinstance(reply, str)]
     kinds = list({id(kind): kind for kind in kinds}.values())
     found, components = msgspec.json.schema_components(kinds, ref_template=_TEMPLATE)
     schemas = {id(kind): schema for kind, schema in zip(kinds, found, strict=True)}
     paths: dict[str, dict[str, Any]] = {}
-    for route, promised in shown:
+    for route, promised in documented:
         paths.setdefault(route.path, {})[route.method.lower()] = _operation(route, promised, schemas, components)
     return {
         "openapi": VERSION,
@@ -63,7 +63,7 @@ def _operation(
         {"name": name, "in": "path", "required": True, "schema": {"type": "string", "minLength": 1}}
         for name in promised.keys
     ]
-    found: dict[str, Any] = {
+    operation: dict[str, Any] = {
         "operationId": _operation_id(route),
         "summary": promised.summary,
         **({"description": promised.description} if promised.description else {}),
@@ -74,13 +74,13 @@ def _operation(
     if promised.params is not None:
         parameters += _query(schemas[id(promised.params)], components)
     if parameters:
-        found["parameters"] = parameters
+        operation["parameters"] = parameters
     if promised.body is not None:
-        found["requestBody"] = {
+        operation["requestBody"] = {
             "required": promised.body_required,
             "content": {JSON: {"schema": schemas[id(promised.body)]}},
         }
-    return found
+    return operation
 
 
 def _query(schema: Mapping[str, Any], components: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -106,16 +106,16 @@ def _responses(route: Route, promised: Contract, schemas: Mapping[int, Any]) -> 
         **(WITH_BODY if promised.body is not None and route.stops is not True else {}),
         **promised.refuses,
     }
-    found = {
+    responses = {
         str(status): {"description": promised.summary} | _content(reply, schemas)
         for status, reply in promised.replies.items()
     }
-    found |= {
+    responses |= {
         str(status): {"description": why, "content": message}
         for status, why in refusals.items()
-        if str(status) not in found
+        if str(status) not in responses
     }
-    return dict(sorted(found.items()))
+    return dict(sorted(responses.items()))
 
 
 def _content(reply: Any, schemas: Mapping[int, Any]) -> dict[str, Any]:

@@ -23,9 +23,9 @@ _PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`\Z")
 
 
 class Path:
-    """A path in Starlette's language, such as `/motion/{key}`, as it came: percent signs and all.
+    """A path in Starlette's syntax, such as `/motion/{key}`. It is compared with paths in percent-encoding.
 
-    A key such as `{rest:path}` is all that follows, slashes too, or nothing.
+    A key such as `{rest:path}` matches the whole rest with its slashes, and may be empty.
     """
 
     def __init__(self, path: str) -> None:

@@ -21,7 +21,7 @@ from lbr.apps.behaviours.table import (
     compiled_alone,
     linked,
 )
-from lbr.apps.behaviours.texts import fault as told
+from lbr.apps.behaviours.texts import fault as fault_text
 from lbr.commands.completing import complete_behaviour
 from lbr.commands.new_file import write_new
 from lbr.commands.options import FileName, Whom, database_option, json_option, print_json, robot_options
@@ -55,16 +55,16 @@ def check(what: str, robot: str | None, database: Path | None) -> int:
         table, compiled = _table(rows, what), _compiled(rows)[what]
         _complain(f"behaviour '{table.name}'", compiled.faults, {})
         if compiled.errors:
-            raise RowError(tuple(f"behaviour '{table.name}', {told(one)}" for one in compiled.errors))
+            raise RowError(tuple(f"behaviour '{table.name}', {fault_text(one)}" for one in compiled.errors))
         click.echo(f"{what}: good")
         return 0
     path = Path(what)
-    found = _read(path, "behaviour")
+    read = _read(path, "behaviour")
     of_robot = _rows_if_any(database, robot)
-    compiled = _fits(path, BehaviourTable(name=_name_of(path)), found, of_robot)
-    _complain(str(path), compiled.faults, found.lines)
+    compiled = _fits(path, BehaviourTable(name=_name_of(path)), read, of_robot)
+    _complain(str(path), compiled.faults, read.lines)
     states = len(compiled.table.states) if compiled.table is not None else 0
-    click.echo(f"{path}: good: {len(found.rows)} rows, {states} states")
+    click.echo(f"{path}: good: {len(read.rows)} rows, {states} states")
     return 0
 
 
@@ -101,9 +101,9 @@ def import_(
     called = name or _name_of(file)
     if not re.fullmatch(NAME_PATTERN, called) or len(called) > 40:
         raise InputError(f"'{called}' is not a name: small letters, digits and _, a letter first; give one by --name")
-    with opened(database) as there:
-        whose = robot_in(there, robot)
-        rows = there.load(whose)
+    with opened(database) as db:
+        whose = robot_in(db, robot)
+        rows = db.load(whose)
         before = next((one for one in rows.of(BehaviourTable) if one.name == called), None)
         if before is not None and not replacing:
             how = "--replace puts this one in its place, --name gives it another name"
@@ -114,14 +114,14 @@ def import_(
             help=kept.help if text is None else text,
             max_s=kept.max_s if max_s is None else max_s,
         )
-        found = _read(file, called)
-        compiled = _fits(file, table, found, rows)
-        _complain(str(file), compiled.faults, found.lines)
-        edits.write_rows(there, whose, (table, *found.rows), problems_of, create=None).good()
+        read = _read(file, called)
+        compiled = _fits(file, table, read, rows)
+        _complain(str(file), compiled.faults, read.lines)
+        edits.write_rows(db, whose, (table, *read.rows), problems_of, create=None).good()
     if as_json:
-        print_json({"robot": whose, "name": called, "rows": len(found.rows)})
+        print_json({"robot": whose, "name": called, "rows": len(read.rows)})
     else:
-        click.echo(f"took '{called}' for {whose}: {len(found.rows)} rows; 'lbr behaviour run {called}' runs it")
+        click.echo(f"took '{called}' for {whose}: {len(read.rows)} rows; 'lbr behaviour run {called}' runs it")
     return 0
 
 
@@ -218,7 +218,7 @@ def _word(name: str, text: str) -> None:
     @json_option
     @click.pass_context
     def say(context: click.Context, whom: Whom, as_json: bool) -> Any:
-        return _said(context, f"/behaviour/{name}", whom, as_json=as_json)
+        return _send(context, f"/behaviour/{name}", whom, as_json=as_json)
 
     command.add_command(say)
 
@@ -231,7 +231,7 @@ def _word(name: str, text: str) -> None:
 def run(context: click.Context, table: str, whom: Whom, as_json: bool) -> Any:
     """Have a running robot run TABLE from its start; it goes on without this command, and 'lbr behaviour stop' ends
     it."""
-    return _said(context, f"/behaviour/run/{table}", whom, as_json=as_json)
+    return _send(context, f"/behaviour/run/{table}", whom, as_json=as_json)
 
 
 for _name, _text in (
@@ -244,7 +244,7 @@ for _name, _text in (
     _word(_name, _text)
 
 
-def _said(context: click.Context, line: str, whom: Whom, *, as_json: bool) -> Any:
+def _send(context: click.Context, line: str, whom: Whom, *, as_json: bool) -> Any:
     from lbr.commands import send  # noqa: PLC0415 - the bus is for those who use it
 
     return context.invoke(
@@ -266,12 +266,12 @@ def chosen(
     if _is_a_file(what):
         path = Path(what)
         table = BehaviourTable(name=_name_of(path))
-        found = _read(path, table.name)
-        _complain(what, _fits(path, table, found, rows).faults, found.lines)
-        return rows, table, found.rows
+        read = _read(path, table.name)
+        _complain(what, _fits(path, table, read, rows).faults, read.lines)
+        return rows, table, read.rows
     table = _table(rows, what)
     if errors := _compiled(rows)[what].errors:
-        raise RowError(tuple(f"behaviour '{what}', {told(one)}" for one in errors))
+        raise RowError(tuple(f"behaviour '{what}', {fault_text(one)}" for one in errors))
     return rows, table, tuple(row for row in rows.of(BehaviourRow) if row.behaviour == what)
 
 
@@ -289,25 +289,25 @@ def _read(path: Path, name: str) -> Read:
     return files.read(content, name, json=path.suffix.lower() == ".json")
 
 
-def _fits(path: Path, table: BehaviourTable, found: Read, rows: RobotRows | None) -> Compiled:
-    """Return a table of a file, checked beside the robot's own; RowError names all that is wrong with it.
+def _fits(path: Path, table: BehaviourTable, read: Read, rows: RobotRows | None) -> Compiled:
+    """Return a file's table, checked beside the robot's own; raise RowError with all faults.
 
-    Of one that cannot all be read that is all cells: what lacks some says nothing of its states and their ways.
+    Of a table with unreadable cells only the cells are checked, as its states are incomplete.
     """
-    if found.faults:
-        told = [(one.line, f"{path}, {one}") for one in found.faults]
-        told += [
-            (found.lines.get(one.step, 0), _told(str(path), one, found.lines))
-            for one in cell_faults(found.rows, _parts(rows))
+    if read.faults:
+        problems = [(fault.line, f"{path}, {fault}") for fault in read.faults]
+        problems += [
+            (read.lines.get(fault.step, 0), _located(str(path), fault, read.lines))
+            for fault in cell_faults(read.rows, _parts(rows))
         ]
-        raise RowError(tuple(one_line(text) for _, text in sorted(told, key=lambda one: one[0])))
+        raise RowError(tuple(one_line(text) for _, text in sorted(problems, key=lambda problem: problem[0])))
     compiled = {
         **(_alone(rows) if rows is not None else {}),
-        table.name: compile_table(table, found.rows, _parts(rows)),
+        table.name: compile_table(table, read.rows, _parts(rows)),
     }
     mine = (linked(compiled) if rows is not None else compiled)[table.name]
     if mine.errors:
-        raise RowError(tuple(one_line(_told(str(path), one, found.lines)) for one in mine.errors))
+        raise RowError(tuple(one_line(_located(str(path), fault, read.lines)) for fault in mine.errors))
     return mine
 
 
@@ -315,10 +315,10 @@ def _complain(where: str, faults: tuple[Fault, ...], lines: Any) -> None:
     """Print what is odd, no more."""
     for one in faults:
         if not one.error:
-            click.echo(one_line(f"note: {_told(where, one, lines)}"), err=True)
+            click.echo(one_line(f"note: {_located(where, one, lines)}"), err=True)
 
 
-def _told(where: str, fault: Fault, lines: Any) -> str:
+def _located(where: str, fault: Fault, lines: Any) -> str:
     at = [f"line {lines[fault.step]}"] if fault.step in lines else [f"row {fault.step}"] if fault.step else []
     return ", ".join([where, *at, *([fault.column] if fault.column else [])]) + f": {fault.text}"
 

@@ -114,15 +114,15 @@ def import_(
     """
     if name is not None and not re.fullmatch(NAME_PATTERN, name):
         raise InputError(f"'{name}' is not a name: those are of lower-case letters, digits and _, a letter first")
-    with opened(database) as there:
-        whose, motion, rows, notes = _understood(there, file, robot, name)
+    with opened(database) as db:
+        whose, motion, rows, notes = _understood(db, file, robot, name)
         if not replacing and any(one.name == motion.name for one in rows.of(MotionRow)):
             how = "--replace puts this one in its place, --name gives it another name"
             raise InputError(f"motion '{motion.name}' is there already: {how}")
         motion, cut = motion_files.within_limits(motion, rows.of(Joint), clip=clip)
         about = motion_files.summary(motion, rows.of(Joint), cut)
         if not dry_run:
-            edits.write_rows(there, whose, motion.rows, problems_of, create=not replacing).good()
+            edits.write_rows(db, whose, motion.rows, problems_of, create=not replacing).good()
     if as_json:
         print_json(
             {
@@ -136,7 +136,7 @@ def import_(
         return 0
     for note in merged(notes):
         click.echo(one_line(f"note: {note}"), err=True)
-    click.echo(_said(whose, motion, about, written=not dry_run))
+    click.echo(_summary(whose, motion, about, written=not dry_run))
     return 0
 
 
@@ -154,9 +154,9 @@ def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: P
     """
     from lbr.apps.motions.commands import standing as motion_standing  # noqa: PLC0415 - the engine is for those who ask for it
 
-    told = []
-    with opened(database) as there:
-        whose, rows = _one(there, robot, lambda rows: bool(rows.of(Joint)))
+    results = []
+    with opened(database) as db:
+        whose, rows = _robot_for(db, robot, lambda rows: bool(rows.of(Joint)))
         known = {motion.name: motion for motion in _motions(rows)}
         if unknown := sorted(set(names) - set(known)):
             raise InputError(f"there is no motion '{unknown[0]}'; 'lbr motion list' shows them", "unknown_name")
@@ -165,17 +165,21 @@ def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: P
                 continue
             lead_in = known[motion.lead_in].frames if motion.lead_in in known else ()
             world = motion_standing.world(rows, whose)
-            found = tuple(motion_standing.stable_frames(world, rows.of(Joint), _home(), lead_in, motion.frames))
-            frames = tuple(replace(one, stable=stands) for one, stands in zip(motion.frames, found, strict=True))
-            told.append(
-                {"name": motion.name, "frames": len(found), "stable": [at for at, one in enumerate(found, 1) if one]}
+            stability = tuple(motion_standing.stable_frames(world, rows.of(Joint), _home(), lead_in, motion.frames))
+            frames = tuple(replace(one, stable=stands) for one, stands in zip(motion.frames, stability, strict=True))
+            results.append(
+                {
+                    "name": motion.name,
+                    "frames": len(stability),
+                    "stable": [at for at, stands in enumerate(stability, 1) if stands],
+                }
             )
             if not dry_run and frames != motion.frames:
-                edits.write_rows(there, whose, replace(motion, frames=frames).rows, problems_of).good()
+                edits.write_rows(db, whose, replace(motion, frames=frames).rows, problems_of).good()
             if not as_json:
-                click.echo(one_line(f"{motion.name}: stands in {sum(found)} of {len(found)} key frames"))
+                click.echo(one_line(f"{motion.name}: stands in {sum(stability)} of {len(stability)} key frames"))
     if as_json:
-        print_json(told)
+        print_json(results)
     return 0
 
 
@@ -194,10 +198,10 @@ def _understood(
         found = motion_files.read(content, file.suffix)
         if isinstance(found, motion_files.MotionFile):
             meant = robot or (found.robot if found.robot in opened.robots() else None)
-            whose, rows = _one(opened, meant, lambda rows: bool(rows.of(Joint)))
+            whose, rows = _robot_for(opened, meant, lambda rows: bool(rows.of(Joint)))
             motion = replace(found.motion, builtin=False)
         else:
-            whose, rows = _one(opened, robot, found.fits)
+            whose, rows = _robot_for(opened, robot, found.fits)
             motions, notes = found.motions(rows)
             motion = _only(motions)
     except InputError as err:
@@ -212,7 +216,7 @@ def _only(motions: tuple[Motion, ...]) -> Motion:
     return motions[0]
 
 
-def _said(robot: str, motion: Motion, about: Summary, *, written: bool) -> str:
+def _summary(robot: str, motion: Motion, about: Summary, *, written: bool) -> str:
     took = "took" if written else "would take"
     lines = [
         f"{took} '{motion.name}' for {robot}: {about.frames} key frames, {about.duration_s:g} s, {about.joints} joints",
@@ -235,10 +239,10 @@ def _motions(rows: RobotRows) -> tuple[Motion, ...]:
     return motions_of(rows.of(MotionRow), rows.of(MotionStep))
 
 
-def _one(opened: "Database", robot: str | None, fits: Callable[[RobotRows], bool]) -> tuple[str, RobotRows]:
-    """Return the robot that is meant, or the only one that a file is for, with its rows."""
-    found = [(name, opened.load(name)) for name in opened.robots(robot)]
-    fitting = found if robot is not None else [(name, rows) for name, rows in found if fits(rows)]
+def _robot_for(opened: "Database", robot: str | None, fits: Callable[[RobotRows], bool]) -> tuple[str, RobotRows]:
+    """Return the chosen robot, or the only one that a file fits, with its rows."""
+    robots = [(name, opened.load(name)) for name in opened.robots(robot)]
+    fitting = robots if robot is not None else [(name, rows) for name, rows in robots if fits(rows)]
     if len(fitting) != 1:
         names = ", ".join(name for name, _ in fitting) or "none"
         raise InputError(f"{len(fitting)} robots could play it ({names}); say which with --robot NAME")

@@ -270,7 +270,7 @@ class Box(Capability[BoxSettings]):
         except UNREADABLE:
             return
 
-    # -- what there is to hear -----------------------------------------------------------------------------------------
+    # -- what is recorded ----------------------------------------------------------------------------------------------
 
     def _describe(self, now: float) -> None:
         """Ask what there is to hear, and for the rows: at first, and whenever they are of another revision."""
@@ -381,7 +381,7 @@ class Box(Capability[BoxSettings]):
         self.ctx.event("recorded", text, level="warning" if lost else "info")
         return BoxReply(accepted=True, reason=text, path=str(path or ""))
 
-    # -- what it tells -------------------------------------------------------------------------------------------------
+    # -- what it publishes ---------------------------------------------------------------------------------------------
 
     def _tell(self, now: float) -> None:
         tape = self._tape

@@ -53,28 +53,28 @@ def command(
         raise InputError(f"{times.shown(at_ns, now)} is still to come")
     if what == "rows":
         return _rows(at_ns, part, robot, place, database, as_json=as_json)
-    found = _moment(at_ns, robot, place)
-    if found.late_s > SILENT_S:
-        said = f"nothing was recorded for {times.length(found.late_s)} until then; this is how it was before"
-        click.echo(f"lbr: {said}", err=True)
-    return _why(found, part, as_json=as_json) if what == "why" else _status(found, as_json=as_json)
+    moment = _moment(at_ns, robot, place)
+    if moment.late_s > SILENT_S:
+        text = f"nothing was recorded for {times.length(moment.late_s)} until then; this is how it was before"
+        click.echo(f"lbr: {text}", err=True)
+    return _why(moment, part, as_json=as_json) if what == "why" else _status(moment, as_json=as_json)
 
 
-def snapshot(found: Moment) -> Snapshot:
-    """Return a moment as `why` explains one; InputError if its rows were not recorded."""
-    if found.rows is None:
+def snapshot(moment: Moment) -> Snapshot:
+    """Return a moment as a snapshot for `why`; raise InputError if its rows were not recorded."""
+    if moment.rows is None:
         raise InputError("the rows of then are not in the recording, and without them nothing can be explained")
     try:
-        facts = msgspec.json.decode(found.rows.facts, type=Facts)
+        facts = msgspec.json.decode(moment.rows.facts, type=Facts)
     except UNREADABLE as err:
         raise InputError(f"the rows of then are of another version: {err}") from None
     return Snapshot(
         facts=facts,
-        executive="up" if found.late_s <= SILENT_S else "down",
-        status=found.status,
-        said={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in found.said.items()},
-        events=found.events,
-        wall_ns=found.at_ns,
+        executive="up" if moment.late_s <= SILENT_S else "down",
+        status=moment.status,
+        said={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in moment.said.items()},
+        events=moment.events,
+        wall_ns=moment.at_ns,
     )
 
 
@@ -83,8 +83,8 @@ def _moment(at_ns: int, robot: str | None, place: str) -> Moment:
     return moment(chosen.files, at_ns)
 
 
-def _why(found: Moment, part: str, *, as_json: bool) -> int:
-    answer = explain(snapshot(found), part)
+def _why(moment: Moment, part: str, *, as_json: bool) -> int:
+    answer = explain(snapshot(moment), part)
     if as_json:
         print_json(answer)
         return 0
@@ -93,15 +93,15 @@ def _why(found: Moment, part: str, *, as_json: bool) -> int:
     return 0
 
 
-def _status(found: Moment, *, as_json: bool) -> int:
+def _status(moment: Moment, *, as_json: bool) -> int:
     from lbr.commands.status_table import show  # noqa: PLC0415 - rich, for people alone
 
-    if found.status is None:
+    if moment.status is None:
         raise InputError("the status of then is not in the recording")
     if as_json:
-        print_json(found.status)
+        print_json(moment.status)
     else:
-        show(found.status)
+        show(moment.status)
     return 0
 
 

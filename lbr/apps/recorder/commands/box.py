@@ -246,19 +246,18 @@ def _counted(chosen: Chosen, start_ns: int, end_ns: int) -> dict[str, Any]:
     events: list[dict[str, Any]] = []
     first = last = 0
 
-    def note(one: Message) -> None:
+    def note(message: Message) -> None:
         nonlocal first, last
-        first, last = min(first or one.log_ns, one.log_ns), max(last, one.log_ns)
-        known = topics.setdefault(one.topic, {"messages": 0, "bytes": 0, "message": one.channel.schema_name})
+        first, last = min(first or message.log_ns, message.log_ns), max(last, message.log_ns)
+        known = topics.setdefault(message.topic, {"messages": 0, "bytes": 0, "message": message.channel.schema_name})
         known["messages"] += 1
-        known["bytes"] += len(one.data)
-        if one.topic == "@event" and isinstance(said := exports.decoded(one), dict):
-            events.append(
-                {"wall_ns": one.log_ns, "subject": str(said.get("subject", "")), "text": str(said.get("text", ""))}
-            )
+        known["bytes"] += len(message.data)
+        if message.topic == "@event" and isinstance(event := exports.decoded(message), dict):
+            texts = {key: str(event.get(key, "")) for key in ("subject", "text")}
+            events.append({"wall_ns": message.log_ns, **texts})
 
-    for one in selection.messages(chosen.files, start_ns, end_ns, damage=damage):
-        note(one)
+    for message in selection.messages(chosen.files, start_ns, end_ns, damage=damage):
+        note(message)
     return {"from_ns": first, "to_ns": last, "topics": topics, "events": events, "damage": damage}
 
 

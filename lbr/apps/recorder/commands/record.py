@@ -37,27 +37,27 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
     Ctrl-C, SIGTERM and a terminal that is closed end it. The black box writes it, so it goes on after a SIGKILL;
     `/record/end` ends it then.
     """
-    found, left = target.find(*whom), list[bool]()
-    target.need(found, "operate")
-    with target.connected(found) as bus:
-        box = _box_of(bus, found)
+    endpoint, interrupts = target.find(*whom), list[bool]()
+    target.need(endpoint, "operate")
+    with target.connected(endpoint) as bus:
+        box = _box_of(bus, endpoint)
         try:
             asked = msgspec.convert(
                 {"seconds": seconds or 0.0, "cameras": "cameras" in also, "lines": lines, "name": name}, RecordCommand
             )
         except msgspec.ValidationError:
             raise InputError(f"--name: {name[:80]!r} cannot be a file's name here: {FILE_STEM}") from None
-        with told_to_leave(lambda: left.append(True), signal.SIGINT):
-            begun = _ask(bus, found, f"{box}/record", asked)
+        with told_to_leave(lambda: interrupts.append(True), signal.SIGINT):
+            begun = _ask(bus, endpoint, f"{box}/record", asked)
             try:
                 if not as_json:
                     click.echo(begun.reason, err=True)
                 if not begun.accepted:
                     return 1
-                _wait(bus, found, box, seconds, left)
+                _wait(bus, endpoint, box, seconds, interrupts)
             finally:
                 if begun.accepted:
-                    ended = _ask(bus, found, f"{box}/end", EndRecording())
+                    ended = _ask(bus, endpoint, f"{box}/end", EndRecording())
     if as_json:
         print_json({"path": begun.path, "text": ended.reason if ended.accepted else begun.reason})
     else:
@@ -65,36 +65,36 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
     return 0
 
 
-def _wait(bus: Session, found: Target, box: str, seconds: float | None, left: list[bool]) -> None:
-    """Wait until it is over, or this command is told to leave; a box that is gone ends it as well."""
+def _wait(bus: Session, endpoint: Target, box: str, seconds: float | None, interrupts: list[bool]) -> None:
+    """Wait for the end of the recording or an interrupt; raise BusError if the box no longer answers."""
     end = time.monotonic() + seconds + 2.0 if seconds else float("inf")
-    heard = time.monotonic()
-    while time.monotonic() < end and not left:
+    answered_at = time.monotonic()
+    while time.monotonic() < end and not interrupts:
         time.sleep(LOOK_S)
-        said = latest.ask(bus, [keys.port(found.robot, box, "state")], source="lbr record", timeout_s=2.0)
-        state = said.get(f"{box}/state")
-        if state is None and time.monotonic() - heard > GONE_S:
+        states = latest.ask(bus, [keys.port(endpoint.robot, box, "state")], source="lbr record", timeout_s=2.0)
+        state = states.get(f"{box}/state")
+        if state is None and time.monotonic() - answered_at > GONE_S:
             raise BusError("the black box does not answer any more")
         if state is None:
             continue
-        heard = time.monotonic()
+        answered_at = time.monotonic()
         if not state.message.get("recording"):
             return
 
 
-def _box_of(bus: Session, found: Target) -> str:
-    answers = wire.ask(bus, keys.status(found.robot), None, source="lbr record", timeout_s=ASK_S)
+def _box_of(bus: Session, endpoint: Target) -> str:
+    answers = wire.ask(bus, keys.status(endpoint.robot), None, source="lbr record", timeout_s=ASK_S)
     if not answers:
-        raise BusError(f"'{found.robot}' does not answer")
+        raise BusError(f"'{endpoint.robot}' does not answer")
     status = msgspec.json.decode(answers[0].payload, type=Status)
     name = next((one.name for one in status.capabilities if one.kind == "box"), "")
     if not name:
-        raise BusError(f"'{found.robot}' has no black box that runs: switch on the row 'box'")
+        raise BusError(f"'{endpoint.robot}' has no black box that runs: switch on the row 'box'")
     return name
 
 
-def _ask(bus: Session, found: Target, command: str, message: Struct) -> BoxReply:
-    key = f"{found.robot}/{command}"
+def _ask(bus: Session, endpoint: Target, command: str, message: Struct) -> BoxReply:
+    key = f"{endpoint.robot}/{command}"
     answers = wire.ask(bus, key, message, source=target.source("lbr record"), timeout_s=ASK_S)
     if not answers:
         raise BusError(f"{key} does not answer")

@@ -108,7 +108,7 @@ def command(
 
 
 class Stage:
-    """Publishes what was said then, as if it were said now."""
+    """Publishes recorded messages on the bus of this robot."""
 
     def __init__(self, bus: Session, robot: str) -> None:
         self._wire = wire
@@ -117,33 +117,33 @@ class Stage:
         self._publishers: dict[str, wire.Publisher] = {}
         self._schemas: dict[str, wire.StaticReply] = {}
 
-    def say(self, one: Message) -> None:
+    def publish(self, message: Message) -> None:
         """Publish a message."""
-        if one.topic in NOT_ON_A_BUS or one.topic.startswith(lines.TAPED):
+        if message.topic in NOT_ON_A_BUS or message.topic.startswith(lines.TAPED):
             return
-        picture = one.channel.schema_name == PICTURES
-        if one.topic not in self._publishers:
-            key = f"{self._robot}/{one.topic}"
+        picture = message.channel.schema_name == PICTURES
+        if message.topic not in self._publishers:
+            key = f"{self._robot}/{message.topic}"
             try:
-                self._publishers[one.topic] = self._wire.Publisher(self._bus, key, "replay", pictures=picture)
+                self._publishers[message.topic] = self._wire.Publisher(self._bus, key, "replay", pictures=picture)
             except Exception as err:  # the bus library's own, for a name that no key may have
-                raise BusError(f"'{one.topic[:60]}' cannot be published: {err}") from err
-            self._describe(one.channel)
-        publisher = self._publishers[one.topic]
+                raise BusError(f"'{message.topic[:60]}' cannot be published: {err}") from err
+            self._describe(message.channel)
+        publisher = self._publishers[message.topic]
         if not picture:
-            publisher.put(Raw(self._own(one)))
-        elif (data := picture_in(one)) is not None:
+            publisher.put(Raw(self._renamed(message)))
+        elif (data := picture_in(message)) is not None:
             publisher.put(JpegFrame(data))
 
-    def _own(self, one: Message) -> bytes:
-        """Return a message's bytes; the status tells the name that the robot has here."""
-        if one.topic != "@status":
-            return one.data
+    def _renamed(self, message: Message) -> bytes:
+        """Return a message's bytes; the status gets the name of this robot."""
+        if message.topic != "@status":
+            return message.data
         try:
-            said = msgspec.json.decode(one.data)
-            return msgspec.json.encode(said | {"robot": self._robot})
+            status = msgspec.json.decode(message.data)
+            return msgspec.json.encode(status | {"robot": self._robot})
         except (TypeError, *UNREADABLE):
-            return one.data
+            return message.data
 
     def _describe(self, channel: Channel) -> None:
         capability, _, port = channel.topic.partition("/")
@@ -153,12 +153,12 @@ class Stage:
 
 
 def _play(stage: Stage, player: Player, files: tuple[Path, ...], keys: Callable[[float], str]) -> bool:
-    """Play to the end; False if that was asked for earlier."""
+    """Play to the end; return False for an earlier end by key."""
     shown_at = 0.0
     while True:
-        found = _from(stage, player.at_ns(time.monotonic()), files, player.end_ns)
-        for one in found:
-            while (wait_s := player.wait_s(one.log_ns, time.monotonic())) > 0:
+        messages = _from(stage, player.at_ns(time.monotonic()), files, player.end_ns)
+        for message in messages:
+            while (wait_s := player.wait_s(message.log_ns, time.monotonic())) > 0:
                 asked = keys(min(wait_s, SHOWN_S))
                 if asked == "end":
                     return False
@@ -166,15 +166,15 @@ def _play(stage: Stage, player: Player, files: tuple[Path, ...], keys: Callable[
                     break
                 shown_at = _show(player, shown_at)
             else:
-                stage.say(one)
+                stage.publish(message)
                 continue
-            break  # it jumped: what comes is from there on
+            break  # after a jump the messages are read from there on
         else:
             return True
 
 
 def _obeyed(player: Player, asked: str) -> bool:
-    """Do what was asked for; say whether it was a jump."""
+    """Obey a key; return whether it was a jump."""
     now = time.monotonic()
     if asked == "pause":
         player.pause(now, paused=not player.paused)
@@ -187,12 +187,12 @@ def _obeyed(player: Player, asked: str) -> bool:
 
 
 def _from(stage: Stage, at_ns: int, files: tuple[Path, ...], end_ns: int) -> Iterator[Message]:
-    """Say what each stream had said last by then, and return what comes after."""
+    """Publish the newest earlier message of each stream, and return the messages after that time."""
     path = selection.file_at(files, at_ns)
     if path is not None:
-        newest = {one.topic: one for one in selection.messages([path], 0, at_ns) if one.topic != selection.EVENT}
-        for one in newest.values():
-            stage.say(one)
+        newest = {each.topic: each for each in selection.messages([path], 0, at_ns) if each.topic != selection.EVENT}
+        for message in newest.values():
+            stage.publish(message)
     return selection.messages(files, at_ns + 1, end_ns)
 
 

@@ -26,8 +26,10 @@ class Neck(NamedTuple):
 
 
 class HeadClient(Holder):
-    """Holds the joints for one following, which was asked for at `asked_s`; looking at `first` gives them their
-    strength."""
+    """The holder of the head's joints during one tracking, which was requested at `asked_s`.
+
+    Its first command looks at `first` and sets the torque.
+    """
 
     def __init__(self, ctx: Transport, neck: Neck, first: Angles, asked_s: float) -> None:
         super().__init__(ctx, renewal=RENEWAL)
@@ -37,7 +39,7 @@ class HeadClient(Holder):
         self.begin(JOINTS, replace(self._command(first), torque=neck.torque, asked_s=asked_s))
 
     def look(self, wanted: Angles) -> None:
-        """Read the answers; look there from now on, or renew the lease."""
+        """Read the answers; send new angles, or renew the lease."""
         self.step()
         now = self._clock()
         due = wanted != self._sent and now - self._sent_at >= EVERY_S

@@ -48,7 +48,7 @@ class Handover:
 
         Told as event `asked_for`, with `by` in its data; the holder's page shows it.
         """
-        by, what = self._who("ask", client, body.capability), body.capability
+        by, what = self._sender("ask", client, body.capability), body.capability
         self._tell(ASKED, f"{by} asks for {what}", {"capability": what, "by": by})
         return Message(message="told to who holds it")
 
@@ -58,15 +58,15 @@ class Handover:
 
         Told as event `handed_over`, with `by` and `to` in its data. It moves and ends nothing.
         """
-        by, what, to = self._who("hand over", client, body.capability), body.capability, body.to
+        by, what, to = self._sender("hand over", client, body.capability), body.capability, body.to
         self._tell(HANDED, f"{by} hands {what} over to {to}", {"capability": what, "by": by, "to": to})
         return Message(message="told")
 
-    def _who(self, says: str, client: Client, what: str) -> str:
+    def _sender(self, verb: str, client: Client, part: str) -> str:
         by = source_of(client)
-        held = (command.leased for name, command in self._catalog().commands.items() if name.startswith(f"{what}/"))
+        held = (command.leased for name, command in self._catalog().commands.items() if name.startswith(f"{part}/"))
         if not any(held):
-            raise Refused(404, f"there is nothing '{what}' on this robot that is held; GET /api names what there is")
-        if not self._rates.take(f"{says} {by}", self._clock()):
+            raise Refused(404, f"there is nothing '{part}' on this robot that is held; GET /api names what there is")
+        if not self._rates.take(f"{verb} {by}", self._clock()):
             raise Refused(429, f"{by} said so two seconds ago", {"Retry-After": "2"})
         return by

@@ -73,11 +73,13 @@ class Said(Struct, frozen=True, kw_only=True):
 
 
 class Hand:
-    """A page's hand on the robot: `said` is written by its socket, all else by the loop.
+    """A page's hold on the robot: its socket writes `said`, and the loop everything else.
 
-    `may` says why what is wanted is not for this page; `tell` is called for news; `whose` names what has the hand.
-    A page learns that its motion has lapsed, and begins anew. A hand that `resumes` goes on with the same number
-    instead, dated by its first message: the mover refuses it if somebody has stopped the robot since.
+    - `may`: returns the reason why this page may not have a motion, or None.
+    - `tell`: receives the news.
+    - `whose`: the owner of the hand, in words.
+    - `resumes`: the hand continues a lapsed motion under the same number, dated by its first message. The mover refuses
+      it after a stop since then. Other pages receive the lapse as news, and begin again.
     """
 
     def __init__(
@@ -124,12 +126,12 @@ class Hand:
 
 
 class Holds:
-    """Every hand there is; all but `add` is for the loop.
+    """All hands; only `add` may be called outside the loop.
 
-    `transport` borrows motion in the name of a source, for a hand that has wanted it since its `Origin`. A hand stops
-    nobody: every later stop ends what it wants, also a stop of its own source, which may have other hands. `keys` are
-    those of a held command (`motion`) and of the stop of its capability (`halt`, if it has one). `patience_s` is how
-    long a page may be silent while its motion goes on. A motion begins only by a message of the last `SILENT_S`.
+    - `transport`: borrows motion for a source, dated by the hand's `Origin`. Every later stop ends the motion, also a
+      stop by the same source, which may have other hands.
+    - `keys`: those of the held command (`motion`) and of its capability's stop (`halt`, if it has one).
+    - `patience_s`: how long a page may be silent during a motion, which begins by a message of the last `SILENT_S`.
     """
 
     def __init__(

@@ -54,17 +54,17 @@ class Source(Protocol):
 
 
 class SignIn(Route):
-    """A page for who is known; others get the one to sign in."""
+    """A page for known clients; others receive the page to sign in."""
 
     def refused(self, err: Refused) -> Response:
-        """Return the page to sign in to who is not known."""
+        """Return the page to sign in for an unknown client, else the refusal."""
         if err.status != 401:
             return err.response()
         return static(HERE, "signin.html", HTML, 401, WWW_Authenticate=SIGN_IN)
 
 
 class CamerasFace(Face):
-    """The routes; all but the page to sign in are for who is `known`: to be at a place does not let anybody see."""
+    """The routes. All but the page to sign in require a `known` client; a trusted address is not enough."""
 
     name = "cameras"
 

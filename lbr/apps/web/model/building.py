@@ -221,16 +221,16 @@ class Building:
             lead_in=lead_in.frames if lead_in is not None else (),
             start=body.start,
         )
-        who = str(client)
+        owner = str(client)
         for number, (whose, work) in tuple(self._checks.items()):
-            if whose == who or work.result is not None:
+            if whose == owner or work.result is not None:
                 work.end(work.result or NotDone(reason="another was asked for", code="cancelled"))
                 del self._checks[number]
         work_ = self._works.start(job, asked=True)
         if work_ is None:
             raise _refused(BUSY)
         self._number += 1
-        self._checks[self._number] = who, work_
+        self._checks[self._number] = owner, work_
         return Check(check=self._number)
 
     @get("/api/motion/check")

@@ -112,13 +112,13 @@ class ModelFace(Face):
         if not frames:
             raise Refused(400, f"motion '{body.name}' has no key frames")
         before = self._named(body.name)
-        kept = Motion(name=body.name, frames=frames, help=body.help)
+        motion = Motion(name=body.name, frames=frames, help=body.help)
         if before is not None and body.replace:
-            kept = replace(kept, lead_in=before.lead_in, lead_out=before.lead_out, help=body.help or before.help)
-        reply = await self._robot.edit(kept.rows, create=not body.replace, by=str(client)[:80])
+            motion = replace(motion, lead_in=before.lead_in, lead_out=before.lead_out, help=body.help or before.help)
+        reply = await self._robot.edit(motion.rows, create=not body.replace, by=str(client)[:80])
         if not reply.accepted:
             raise Refused(409, heard(reply.code, reply.reason))
-        return Message(message=f"motion '{kept.name}' is kept")
+        return Message(message=f"motion '{motion.name}' is kept")
 
     def _named(self, name: str) -> Motion | None:
         return next((motion for motion in self._robot.motions if motion.name == name), None)

@@ -44,11 +44,10 @@ Text = Annotated[Response, web.TEXT]
 
 
 class Acting(Route):
-    """A route by which something is done: a refusal is told by its sentence alone, and to who shows no token or a wrong
-    one without a body, as it always had none."""
+    """A route for an action. Its refusals are a sentence alone, and without a body for a missing or wrong token."""
 
     def refused(self, err: Refused) -> Response:
-        """Return the refusal; the code is in the header."""
+        """Return the refusal, with the code in a header."""
         if err.status == 401:
             return Response(status_code=401, headers={"Reason-Code": "token", **ASK_FOR_TOKEN})
         return web.json({"message": err.message}, err.status, **{"Reason-Code": err.code, **err.headers})

@@ -1,5 +1,4 @@
-"""The routes of the UXA-90's API, in the capability's loop: from a request to `Service` and rows, and back to an
-answer."""
+"""The routes of the UXA-90's API, in the capability's loop: they pass requests on to `Service` and to the rows."""
 
 from typing import Annotated, Any
 
@@ -30,7 +29,7 @@ from lbr.robots.uxa90.rest.service import Service
 
 REFUSED = Refuses({400: "It makes no sense.", 409: "It is not there, is busy, held by another, or not allowed."})
 MOVE_S = 4.0
-"""A motion's answer may need three others': the joints given back, motions, joints again."""
+"""A motion's answer may need three others: the joints given back, the motions', and the joints' again."""
 EDIT_S = 7.0
 EDIT = Refuses(
     {
@@ -45,22 +44,22 @@ NO_ROW, NO_JOB = Refuses({404: "it is not there"}), Refuses({404: "there is no s
 
 
 class Moving(Route):
-    """A route of the first days: what it refuses is told by its sentence alone, as its clients know it."""
+    """A route of the first version. Its refusals are a sentence alone, as its clients expect."""
 
     def refused(self, err: Refused) -> Response:
-        """Return the sentence; the code is in the header."""
+        """Return the refusal's sentence, with the code in a header."""
         return web.json({"message": err.message}, err.status, **{"Reason-Code": err.code, **err.headers})
 
 
 class Handlers:
-    """What may be asked."""
+    """The handlers of all routes."""
 
     def __init__(self, robot: Robot, work: Service) -> None:
         self._work = work
         self._editor = Editor(robot, work.motors, work.buttons)
 
     @get("/", role=None, page=True)
-    def there(self) -> Annotated[Response, web.TEXT]:
+    def alive(self) -> Annotated[Response, web.TEXT]:
         """Say that it is there."""
         return web.text("OK")
 
