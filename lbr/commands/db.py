@@ -1,4 +1,4 @@
-"""`lbr db`: init, add, check, table, diff, audit and restore, and what it has from other modules: the rows' past."""
+"""`lbr db`: init, add, check, table, diff, audit and restore, with the commands of other modules below it."""
 
 import datetime as dt
 from pathlib import Path

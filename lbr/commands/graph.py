@@ -24,7 +24,7 @@ def command(whom: Whom, database: Path | None, as_dot: bool, as_json: bool) -> i
     """Show who feeds whom, from the rows; with states and rates if the robot runs."""
     if whom.connect and database is not None:
         raise InputError("--db is for rows here, and --connect for a robot elsewhere; leave out one")
-    found = _elsewhere(whom) if whom.connect else _here(whom.robot, database)
+    found = _elsewhere(whom) if whom.connect else _graph_here(whom.robot, database)
     if as_json:
         print_json(wiring.plain(found))
         return 0
@@ -47,7 +47,7 @@ def _elsewhere(whom: Whom) -> Graph:
     return wiring.from_plain(result.data)
 
 
-def _here(robot: str | None, database: Path | None) -> Graph:
+def _graph_here(robot: str | None, database: Path | None) -> Graph:
     here = [one for one in home.running() if robot in {None, one.robot}]
     record = here[0] if len(here) == 1 and database in {None, Path(here[0].database)} else None
     path = database or (Path(record.database) if record else home.default_database())

@@ -172,16 +172,16 @@ def _planned(
 
 
 def _write(rows: Database, robot: str, plan: Taken, revision: int, *, dry_run: bool) -> Taken:
-    """Write the plan without those of its rows that a start would refuse, which have no place here; return it."""
+    """Write the rows of a plan that a start accepts, and return the plan without the others."""
     while plan.rows:
         proposed = edits.write_rows(
             rows, robot, plan.rows, problems_of, create=None, revision=revision, dry_run=dry_run
         )
-        left = taking.without(plan, robot, proposed.problems)
-        if left.rows == plan.rows:
-            proposed.good()  # or what is wrong stands elsewhere
+        accepted = taking.without(plan, robot, proposed.problems)
+        if accepted.rows == plan.rows:
+            proposed.good()  # raises where the problem is in other rows
             break
-        plan = left
+        plan = accepted
     return plan
 
 

@@ -1,4 +1,4 @@
-"""One look at what is plugged in, for `lbr devices`: what it is, and the rows that would have a robot use it."""
+"""One look at attached devices, for `lbr devices`: their kinds, and rows by which a robot would use them."""
 
 import sys
 import time
@@ -29,13 +29,13 @@ from lbr.messages.manage import RowChange
 from lbr.messages.plain import one_line
 
 LOOK_S = 0.5
-"""From one look at what is plugged in to the next, with --watch."""
+"""Time between two looks, with --watch."""
 SETTLE_S = 0.5
 """udev sets rights and names just after a plug-in."""
 
 
 class Looked(Struct, frozen=True, kw_only=True):
-    """All that is told of one look; `robot` is empty without a database."""
+    """The result of one look; `robot` is empty without a database."""
 
     robot: str
     devices: list[Attached]
@@ -46,7 +46,7 @@ class Looked(Struct, frozen=True, kw_only=True):
 def run(
     robot: str | None, called: str | None, *, listen: bool, wait_s: float, database: Path | None, **how: Any
 ) -> int:
-    """Look once or with --watch for good, write what is agreed to, and return the exit code."""
+    """Look once, or with --watch until Ctrl-C; write the accepted rows, and return the exit code."""
     ports: tuple[str, ...] = how["ports"]
     if called is not None and (not called or len(ports) != 1):
         raise InputError("--as names the row of one device: say which with one --port")
@@ -63,7 +63,7 @@ def run(
 
 
 def _agreed(looking: "Looking", looked: Looked, good: list[Proposal], *, write: bool, as_json: bool) -> Proposed | None:
-    """Tell what was found, and write what a person agrees to."""
+    """Print the result of a look, and write the rows that a person accepts."""
     if as_json:
         proposed = looking.write(looked.robot, good) if write and good else None
         written = proposed is not None and not proposed.problems
@@ -89,7 +89,7 @@ def _agreed(looking: "Looking", looked: Looked, good: list[Proposal], *, write: 
 
 
 class Looking:
-    """Looks at ends for one robot's rows, or for none where there is no database."""
+    """Looks at ends for one robot's rows, or without rows where there is no database."""
 
     def __init__(self, robot: str | None, database: Path | None, called: str, *, wait_s: float, ask: bool) -> None:
         self._robot = robot
@@ -101,23 +101,23 @@ class Looking:
         self.kinds, self._known, self._hints = recognised.known_kinds(home.home())
 
     def look(self, ends: Collection[End]) -> Looked:
-        """Return what is at these ends, and what is proposed."""
-        found = recognised.ask_all(ends, self._known, _held(), wait_s=self._wait_s, ask=self._ask)
+        """Return the devices at these ends, and the proposed rows."""
+        devices = recognised.ask_all(ends, self._known, _held(), wait_s=self._wait_s, ask=self._ask)
         hints = [*self._hints, *recognising.hung()]
         if not self._database.exists():
             if self._robot is not None or self._given:
                 raise InputError(f"there is no database {self._database}; 'lbr db init' makes one", "unknown_name")
             hint = f"there is no database {self._database}, so no rows are proposed: 'lbr db init' makes one"
-            return Looked(robot="", devices=found, proposals=[], hints=[*hints, hint])
+            return Looked(robot="", devices=devices, proposals=[], hints=[*hints, hint])
         with opened(self._database) as rows:
             robot = self._whose(rows)
-            there = {one.path for one in (*attached.ends(), *ends)} | {one.address for one in found}
-            known, proposals = propose(rows.load(robot), self.kinds, found, there, self._called)
+            nodes = {end.path for end in (*attached.ends(), *ends)} | {device.address for device in devices}
+            known, proposals = propose(rows.load(robot), self.kinds, devices, nodes, self._called)
             offers = [self._previewed(rows, robot, one) for one in proposals]
         return Looked(robot=robot, devices=known, proposals=offers, hints=hints)
 
     def write(self, robot: str, offers: Collection[Proposal]) -> Proposed:
-        """Write the rows of some proposals, all or none; a row that several of them want is written once."""
+        """Write the rows of some proposals, all or none; a row of several proposals is written once."""
         changes: list[RowChange] = []
         for one in offers:
             changes += (each for each in one.changes if each not in changes)
@@ -146,7 +146,7 @@ class Looking:
 
 
 def _held() -> dict[str, str]:
-    """Return what robots that run hold by their rows: of simulated ones nothing, for their devices are emulated."""
+    """Return the devices that running robots hold by their rows. Simulated robots hold no devices."""
     held: dict[str, str] = {}
     for running in home.running():
         try:
@@ -155,7 +155,7 @@ def _held() -> dict[str, str]:
             with opened(Path(running.database)) as rows:
                 held |= recognised.held_by(running.robot, rows.load(running.robot).devices)
         except (LbrError, OSError):
-            continue  # what it holds is locked, too: see `serial_line.holder`
+            continue  # its devices are locked, too: see `serial_line.holder`
     return held
 
 
@@ -168,7 +168,7 @@ def _watch(looking: Looking, ports: tuple[str, ...], *, as_json: bool) -> int:
             if one.path.startswith(("i2c:", "unix:")) or Path(one.path).exists()
         }
 
-    known = now()  # before the first look: what is plugged in meanwhile is told twice rather than never
+    known = now()  # before the first look: a device plugged in meanwhile is reported twice rather than never
     first = looking.look([attached.named(port) for port in ports] if ports else attached.ends())
     if as_json:
         print_json(first)
@@ -177,41 +177,41 @@ def _watch(looking: Looking, ports: tuple[str, ...], *, as_json: bool) -> int:
         click.echo("watching; Ctrl-C ends it")
     while True:
         time.sleep(LOOK_S)
-        there = now()
-        for key in known.keys() - there.keys():
+        attached_now = now()
+        for key in known.keys() - attached_now.keys():
             _say(known[key], "gone", as_json=as_json)
-        if new := [there[key] for key in there.keys() - known.keys()]:
+        if new := [attached_now[key] for key in attached_now.keys() - known.keys()]:
             time.sleep(SETTLE_S)
             looked = looking.look(new)
             if as_json:
                 print_json({"came": looked})
             else:
                 _tell(looked)
-        known = there
+        known = attached_now
 
 
-def _say(end: End, what: str, *, as_json: bool) -> None:
+def _say(end: End, change: str, *, as_json: bool) -> None:
     if as_json:
-        print_json({what: end})
+        print_json({change: end})
     else:
-        click.echo(one_line(f"{end.address}: {what}"))
+        click.echo(one_line(f"{end.address}: {change}"))
 
 
 def _tell(looked: Looked) -> None:
     for hint in looked.hints:
         click.echo(f"note: {one_line(hint)}", err=True)
-    offers = {one.address: one for one in looked.proposals}
-    for one in looked.devices:
-        known = f"{one.what} ({one.type})" if one.type else one.name or one.place
-        row = f", device '{one.row}' of '{looked.robot}'" if one.row else ""
-        serial = f", serial number {one.serial}" if one.serial else ""
-        said = f"; {one.text}" if one.text else ""
-        click.echo(one_line(f"{one.address}: {known}{serial}{row}{said}"))
-        if (offer := offers.get(one.address)) is not None:
-            click.echo(one_line(f"    proposed: {offer.text}"))
-            for line in offer.differences:
+    proposals = {proposal.address: proposal for proposal in looked.proposals}
+    for device in looked.devices:
+        name = f"{device.what} ({device.type})" if device.type else device.name or device.place
+        row = f", device '{device.row}' of '{looked.robot}'" if device.row else ""
+        serial = f", serial number {device.serial}" if device.serial else ""
+        note = f"; {device.text}" if device.text else ""
+        click.echo(one_line(f"{device.address}: {name}{serial}{row}{note}"))
+        if (proposal := proposals.get(device.address)) is not None:
+            click.echo(one_line(f"    proposed: {proposal.text}"))
+            for line in proposal.differences:
                 click.echo(one_line(f"      {line}"))
-            for line in offer.problems:
+            for line in proposal.problems:
                 click.echo(one_line(f"      problem: {line}"), err=True)
     if not looked.devices:
         click.echo("nothing is plugged in that could be a device: no USB line, i2c bus, camera or receiver")

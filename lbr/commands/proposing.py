@@ -14,9 +14,9 @@ from lbr.names import first_free
 
 
 class Proposal(Struct, frozen=True, kw_only=True):
-    """What to do with one attached device: `text` in words, `changes` of rows; none if there is nothing to do.
+    """Changes of rows for one attached device, and their `text`; without changes, there is nothing to do.
 
-    Its preview is what would differ in the rows, and what would be wrong with that.
+    The preview of the changes is their `differences` and `problems`.
     """
 
     address: str

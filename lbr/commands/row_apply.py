@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 LONGEST_S = 600.0
 LOOK_S = 0.1
 GRACE_S = 5.0
-"""For a robot that writes down late how a trial ended: its disk may be slow."""
+"""Extra time for a robot that stores the end of a trial late, as on a slow disk."""
 
 
 @click.command("plan")
@@ -144,7 +144,7 @@ def _apply(
 
 
 def _awaited(rows: "Database", revision: int) -> Trial | None:
-    """Wait for what becomes of rows on trial; the executive goes on alone if this is killed."""
+    """Wait for the end of a trial of rows; the executive goes on alone if this process is killed."""
     from lbr.database import trials  # noqa: PLC0415
 
     trial = trials.newest(rows)

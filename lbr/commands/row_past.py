@@ -1,4 +1,4 @@
-"""`lbr db history`, `rollback` and `undo`: how the rows were, who changed them, and the way back."""
+"""`lbr db history`, `rollback` and `undo`: earlier rows, the authors of changes, and the way back."""
 
 import time
 from collections.abc import Callable
@@ -88,7 +88,7 @@ def history(
         print_json([{**asdict(change), "rows": lines} for change, lines in found])
         return 0
     for change, lines in found:
-        click.echo(one_line(f"{_numbers(change)}  {_local(change.at)}  {_who(change)}"))
+        click.echo(one_line(f"{_numbers(change)}  {_local(change.at)}  {_author(change)}"))
         for line in lines:
             click.echo(one_line(f"    {line}"))
     if not found:
@@ -148,7 +148,7 @@ COMMANDS = (history, rollback, undo)
 def go_back(
     rows: "Database", number: int, robot: str | None, expected: int | None, *, dry_run: bool = False
 ) -> Proposed:
-    """Change the rows to what they were at a revision; InputError says why that cannot be."""
+    """Change the rows back to those of a revision; InputError gives the reason where that is not possible."""
 
     def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
         return changes.between(tables, rows.tables_at(number), schema, robot)
@@ -184,8 +184,8 @@ def tell(
     place: Callable[[Problem], str] = str,
     trial: Trial | None = None,
 ) -> int:
-    """Say how a proposal ended, and return the exit code: 2 if nothing was changed because of problems."""
-    told = changes.differences(proposed.changes)
+    """Print the result of a proposal, and return the exit code: 2 if problems kept the rows unchanged."""
+    differences = changes.differences(proposed.changes)
     written = not (dry_run or proposed.problems or not proposed.changes)
     if as_json:
         print_json(
@@ -193,15 +193,15 @@ def tell(
                 "written": written,
                 "before": proposed.before,
                 "revision": proposed.revision,
-                "differences": told,
+                "differences": differences,
                 "problems": proposed.problems,
                 "touched": touched,
                 "trial": trial,
             }
         )
         return 2 if proposed.problems else 0
-    for one in told:
-        click.echo(one_line(str(one)))
+    for difference in differences:
+        click.echo(one_line(str(difference)))
     for problem in proposed.problems:
         click.echo(f"problem: {one_line(place(problem))}", err=True)
     if proposed.problems:
@@ -209,7 +209,7 @@ def tell(
         return 2
     for robot in touched:
         click.echo(one_line(str(robot)))
-    if not told:
+    if not differences:
         click.echo("nothing differs: nothing was changed")
     elif dry_run:
         click.echo(f"nothing was changed yet; the rows have revision {proposed.before}")
@@ -239,7 +239,7 @@ def _numbers(change: HistoryEntry) -> str:
     return str(change.last) if change.first == change.last else f"{change.first}-{change.last}"
 
 
-def _who(change: HistoryEntry) -> str:
+def _author(change: HistoryEntry) -> str:
     if not change.program:
         return change.text
     return f"{change.source}, {change.program}" + (f": {change.text}" if change.text else "")

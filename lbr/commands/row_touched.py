@@ -52,8 +52,7 @@ class Touching:
         self._after: dict[str, Plan | None] = {}
 
     def __call__(self, rows: RobotRows) -> tuple[Problem, ...]:
-        """Return what a start, or the robot that runs, would find wrong with rows; those to come are asked for
-        first."""
+        """Return the problems of rows at a start or in the running robot; a robot's new rows come first."""
         made, problems = self._planned(rows, self._before.get(rows.robot.name))
         self._after.setdefault(rows.robot.name, made)
         return problems
@@ -68,8 +67,7 @@ class Touching:
         self._before = self._rows.load_all([name for name in self._rows.robots() if {name, None} & whose])
 
     def judge_of(self, changes: Iterable[Change]) -> str:
-        """Return the robot that says whether changes work: the one that runs, and whose rows they are; else
-        InputError."""
+        """Return the running robot whose rows change, as the judge of a trial; InputError without such a robot."""
         whose = {change.robot for change in changes}
         found = sorted(name for name in self._running if {name, None} & whose)
         if not found or (len(found) > 1 and None not in whose):
@@ -122,7 +120,7 @@ def change_rows(
     *,
     dry_run: bool,
 ) -> Proposed:
-    """Change the rows as a command wants it; `touching` judges them and keeps what their change does to processes."""
+    """Change the rows for a command; `touching` judges them and keeps the effects on processes."""
     from lbr.database import proposals  # noqa: PLC0415
 
     if not dry_run:
@@ -148,8 +146,7 @@ def change_rows(
 
 
 def end_left_trial(rows: "Database") -> str:
-    """Take back what is on trial by a robot that does not run any more, as its next start would; return what was
-    done."""
+    """Roll back the trial of a robot that no longer runs, as its next start would; return a report."""
     from lbr.database import trials  # noqa: PLC0415
     from lbr.executive.planning.trials import go_back  # noqa: PLC0415
 

@@ -103,8 +103,10 @@ def wiring_of(rows: RobotRows, kind: str) -> frozenset[str] | None:
 def planned(
     rows: RobotRows, profile: Profile | None = None, before: RobotRows | None = None
 ) -> "tuple[Plan | None, tuple[Problem, ...]]":
-    """Return the plan that a robot's rows make by a profile, in a simulation if left out; None if they make none, and
-    what is wrong with them. Rows of a robot that runs follow those `before`."""
+    """Return the plan of a robot's rows, None if they make no plan, and the problems of these rows.
+
+    Without a profile, the plan is of a simulation. Rows of a running robot follow those `before`.
+    """
     from lbr.executive.planning import planner  # noqa: PLC0415
 
     site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))

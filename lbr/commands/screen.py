@@ -1,4 +1,4 @@
-"""A picture of text that fills the terminal and is drawn again and again."""
+"""A full screen of text that is redrawn again and again."""
 
 import time
 from collections.abc import Callable
@@ -11,10 +11,10 @@ from lbr.console.outlet import unhurried
 
 
 def redraw(frame: Callable[[], str], every_s: float) -> NoReturn:
-    """Draw what `frame` returns until Ctrl-C; it may hold colours."""
+    """Draw the text of `frame`, which may have colours, until Ctrl-C."""
     with unhurried() as outlet, Live(Text(""), screen=True, auto_refresh=False) as live:
         while True:
             text = frame()
-            if not outlet.waiting:  # else the terminal is not read, and would only fall behind
+            if not outlet.waiting:  # else the terminal is not being read, and would fall behind
                 live.update(Text.from_ansi(text, no_wrap=True), refresh=True)
             time.sleep(every_s)

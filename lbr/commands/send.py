@@ -104,7 +104,7 @@ def _stop_all(robots: list[Target], line: str, as_json: bool) -> int:
     """Say a stop to each robot, and print what each answers once it has; none waits for another."""
     said: dict[str, ConsoleResult] = {}
     with ThreadPoolExecutor(len(robots)) as pool:
-        asked = {pool.submit(_said, one, line): one.robot for one in robots}
+        asked = {pool.submit(_result, robot, line): robot.robot for robot in robots}
         for answered in as_completed(asked):
             said[asked[answered]] = result = answered.result()
             if not as_json:
@@ -114,7 +114,7 @@ def _stop_all(robots: list[Target], line: str, as_json: bool) -> int:
     return max(result.code for result in said.values())
 
 
-def _said(robot: Target, line: str) -> ConsoleResult:
+def _result(robot: Target, line: str) -> ConsoleResult:
     try:
         with _speaking(robot) as said:
             return said.submit(line)

@@ -26,10 +26,10 @@ def command(whom: Whom, as_json: bool) -> int:
     return 0
 
 
-def ask(found: Target, who: str) -> Status:
+def ask(robot: Target, who: str) -> Status:
     """Return a robot's status; BusError if it does not answer."""
-    with target.connected(found) as bus:
-        answers = wire.ask(bus, keys.status(found.robot), None, source=target.source(who))
+    with target.connected(robot) as bus:
+        answers = wire.ask(bus, keys.status(robot.robot), None, source=target.source(who))
     if not answers:
-        raise BusError(f"robot '{found.robot}' does not answer")
+        raise BusError(f"robot '{robot.robot}' does not answer")
     return msgspec.json.decode(answers[0].payload, type=Status)

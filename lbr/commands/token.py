@@ -140,18 +140,18 @@ def end_in(text: str) -> dt.datetime:
         raise InputError(f"'{text}' from now is beyond the last date there is: leave --expires out") from None
 
 
-def state_of(one: TokenRow) -> str:
+def state_of(token: TokenRow) -> str:
     """Return whether a token is valid, expired or revoked."""
-    if one.revoked_at is not None:
+    if token.revoked_at is not None:
         return "revoked"
-    return "expired" if one.has_expired(dt.datetime.now(dt.UTC)) else "valid"
+    return "expired" if token.has_expired(dt.datetime.now(dt.UTC)) else "valid"
 
 
-def until_of(one: TokenRow) -> str:
+def until_of(token: TokenRow) -> str:
     """Return the end of a token as a list shows it, nothing if it has none."""
-    if one.revoked_at is not None:
-        return f", until {one.revoked_at}"
-    return f", until {one.expires_at}" if one.expires_at else ""
+    if token.revoked_at is not None:
+        return f", until {token.revoked_at}"
+    return f", until {token.expires_at}" if token.expires_at else ""
 
 
 def _listens(rows: "Database") -> tuple[str, ...]:

@@ -65,7 +65,7 @@ def ask(part: str, whom: Whom, database: Path | None) -> Chain:
     if not here and not whom.connect:
         return explain(_dead(part, whom.robot, database or home.default_database()), part)
     try:
-        if (answer := _heard(target.find(*whom), part)) is not None:
+        if (answer := _answer(target.find(*whom), part)) is not None:
             return answer
     except BusError:
         if whom.connect or len(here) != 1:
@@ -75,17 +75,17 @@ def ask(part: str, whom: Whom, database: Path | None) -> Chain:
     return explain(_silent(here[0], time.monotonic() - began), part)
 
 
-def _heard(found: Target, part: str) -> Chain | None:
-    """Return the robot's own answer, None if it has none in time."""
+def _answer(robot: Target, part: str) -> Chain | None:
+    """Return the robot's own answer; None if it does not answer in time."""
     line, source, answered = clean(f"why {part}"), target.source("lbr why"), threading.Event()
-    with target.connected(found) as bus:
+    with target.connected(robot) as bus:
         question = wire.PendingQuery(
             bus,
-            keys.console(found.robot, found.role),
+            keys.console(robot.robot, robot.role),
             line.encode(),
             timeout_s=ANSWER_S,
             source=source,
-            proof=found.proof,
+            proof=robot.proof,
             wake=answered.set,
         )
         until = time.monotonic() + ANSWER_S

@@ -1,4 +1,4 @@
-"""The tables in which lbr keeps books. None of their rows makes a robot, and no revision is kept of them."""
+"""The tables in which lbr keeps books. Their rows are not part of a robot, and have no revisions."""
 
 from typing import Annotated, Any, Literal
 

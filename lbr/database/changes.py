@@ -1,4 +1,4 @@
-"""A changed row: what leads from some tables to others, in words, and in SQL. Pure but for `write`."""
+"""Changed rows: the difference of two sets of tables, in words and in SQL. Pure but for `write`."""
 
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
@@ -19,7 +19,7 @@ Key = tuple[Any, ...]
 
 
 class Change(Struct, frozen=True):
-    """One row to write: as it is, and as it is to be; None for no row. Its key is in the order of its table."""
+    """One row to write, before and after. None is no row. The order of the key is that of the table."""
 
     table: str
     key: Key
@@ -28,13 +28,13 @@ class Change(Struct, frozen=True):
 
     @property
     def robot(self) -> str | None:
-        """Whose row it is; None if it is every robot's."""
+        """The robot of the row. None for a row that all robots share."""
         values = self.after or self.before or {}
         return values.get("name" if self.table == ROBOT else "robot")
 
     @property
     def row(self) -> str:
-        """Its key as people read it."""
+        """The key as people read it."""
         return "/".join(map(shown, self.key))
 
     @property
@@ -49,8 +49,7 @@ class Change(Struct, frozen=True):
 
 
 def between(before: RawTables, after: RawTables, schema: Schema, robot: str | None = None) -> tuple[Change, ...]:
-    """Return what leads from some tables to others; of one robot alone, if so asked. What lbr writes itself is none of
-    it."""
+    """Return the changes from some tables to others, or those of one robot. Columns that lbr writes are left out."""
     changes = (change for table in schema.keys_of for change in _of_table(table, before, after, schema))
     return tuple(change for change in changes if robot is None or change.robot == robot)
 
@@ -79,8 +78,8 @@ def applied(tables: RawTables, schema: Schema, changes: Iterable[Change]) -> Raw
 def write(connection: Connection, changes: Sequence[Change], schema: Schema) -> None:
     """Write changes in the transaction that is under way; RowError names a row that SQLite refuses.
 
-    What refers to others may come before them. Updates go first: a row that refers to another now stays when the one
-    it referred to is taken out. What lbr alone writes stays.
+    A row may come before the rows that it refers to. Updates go first: a row that now refers to another row stays
+    when its former target is deleted. Columns that lbr alone writes stay.
     """
     dangling = _dangling(connection)
     connection.execute("PRAGMA defer_foreign_keys = ON")
@@ -144,5 +143,5 @@ def _by_key(tables: RawTables, table: str, schema: Schema) -> dict[Key, RawRow]:
 
 
 def _order(key: Key) -> tuple[tuple[bool, Any], ...]:
-    """Sort keys as SQLite does, and those that no column can hold, too."""
+    """Return a sort key by which keys are ordered as in SQLite, also keys that no column can hold."""
     return tuple((isinstance(part, str), 0 if part is None else part) for part in key)

@@ -38,7 +38,7 @@ def raw(row: Row) -> dict[str, Any]:
 class Column:
     """Reads and writes one column. `stand_in` is a harmless value for one that cannot be read.
 
-    The changes of one that is `by_lbr` are no edits.
+    Changes of a column that is `by_lbr` are not edits.
     """
 
     def __init__(self, field: msgspec.structs.FieldInfo) -> None:
@@ -90,12 +90,12 @@ class Column:
 
     @property
     def meaning(self) -> str:
-        """Return what is said of it in its annotation, or of its type."""
+        """Return the text in its annotation, or that of its type."""
         described = getattr(inspect.type_info(self._type), "extra_json_schema", None) or {}
-        return next(iter(_said(self._type)), described.get("description", ""))
+        return next(iter(_descriptions(self._type)), described.get("description", ""))
 
     def choices(self) -> tuple[Any, ...]:
-        """Return what a literal may be, in the order in which that was declared."""
+        """Return the values of a literal, in the order of its declaration."""
         literal = self._type
         while get_origin(literal) is Annotated:
             literal = get_args(literal)[0]
@@ -121,8 +121,8 @@ class Column:
         except ValueError as err:
             raise WrongError(f"is not JSON: {err}") from None
 
-    def _sentence(self, value: Any, said: str) -> str:
-        """Return what a value is not, as its annotation has it; or what msgspec says of it."""
+    def _sentence(self, value: Any, complaint: str) -> str:
+        """Return the rule that a value breaks, as its annotation or else msgspec has it."""
         info = self.info
         if self._meant:
             return f"'{shown(value)}' is not {self._meant}"
@@ -135,13 +135,13 @@ class Column:
             return self._number(value)
         if isinstance(info, inspect.StrType):
             longer = info.max_length is not None and len(str(value)) > info.max_length
-            return f"is longer than {info.max_length} characters" if longer else said
-        return self._no_json(value, said)
+            return f"is longer than {info.max_length} characters" if longer else complaint
+        return self._no_json(value, complaint)
 
-    def _no_json(self, value: Any, said: str) -> str:
+    def _no_json(self, value: Any, complaint: str) -> str:
         if isinstance(self.info, inspect.DictType):
-            return self._entries(value) or said if isinstance(value, dict) else _OBJECT
-        return _TEXTS if _texts(self.info) else _LIST if not isinstance(value, list) else said
+            return self._entries(value) or complaint if isinstance(value, dict) else _OBJECT
+        return _TEXTS if _texts(self.info) else _LIST if not isinstance(value, list) else complaint
 
     def _number(self, value: Any) -> str:
         info, zero = self.info, self.extra.get("zero")
@@ -198,10 +198,10 @@ def _bare(info: Any) -> tuple[Any, dict[str, Any], bool]:
     return info, {}, False
 
 
-def _said(annotation: Any) -> list[str]:
+def _descriptions(annotation: Any) -> list[str]:
     """Return the texts in an annotation."""
     texts = [one for one in getattr(annotation, "__metadata__", ()) if isinstance(one, str)]
-    return texts or [text for one in get_args(annotation) for text in _said(one)]
+    return texts or [text for one in get_args(annotation) for text in _descriptions(one)]
 
 
 def _texts(info: Any) -> bool:

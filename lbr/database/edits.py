@@ -1,4 +1,4 @@
-"""Whole rows in the place of those that are there, as capabilities and imports have them, and what is learnt."""
+"""Whole rows in place of others, for capabilities and imports, and rows that were learnt."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
@@ -27,7 +27,7 @@ them."""
 
 
 def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> tuple[Row, ...]:
-    """Return an edit's rows of these tables; InputError names the table that is none of them, or what is no row."""
+    """Return an edit's rows of these tables. InputError names another table, or a bad row."""
     tables = {row.TABLE: row for row in allowed if row.TABLE not in MAKE_PROCESSES}
     rows: list[Row] = []
     for table, of_table in command.rows.items():
@@ -40,8 +40,8 @@ def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> tuple[Row,
     return tuple(rows)
 
 
-def told(rows: Iterable[Row]) -> str:
-    """Return which rows those are, for people."""
+def names(rows: Iterable[Row]) -> str:
+    """Return the names of these rows, for people."""
     return ", ".join(row.told for row in rows if not row.PART_OF)
 
 
@@ -56,11 +56,10 @@ def write_rows(
     by: str = "",
     dry_run: bool = False,
 ) -> Proposed:
-    """Propose rows over those that are there, all or none; all of the robot's rows must be good then.
+    """Propose new rows, or rows in place of old ones, all or none. The robot's rows must be good then.
 
-    `create` says whether they must be new, or there already; None takes both. `revision` is the one since which none
-    of them may have changed. Parts of a row come with it, and are then all that it has. InputError says why it may not
-    be.
+    `create` true is for new rows, false for old ones, None for both. The rows must not have changed since `revision`.
+    The parts of a row come in place of all its old parts. InputError gives the reason against the rows.
     """
 
     def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
@@ -74,7 +73,7 @@ def write_rows(
 def write_setting(
     database: Database, robot: str, capability: str, setting: str, value: Any, judge: Judge, *, by: str = ""
 ) -> Proposed:
-    """Propose another setting of a capability; all its others stay, and all of the robot's rows must be good then."""
+    """Propose a new value of a setting. All others stay, and the robot's rows must be good then."""
 
     def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
         return changes.between(tables, with_setting(tables, robot, capability, setting, value), schema)
@@ -90,10 +89,10 @@ def learn(
     *,
     by: str = "",
 ) -> None:
-    """Write what a capability has learnt of its robot, all of it or none; on return it is on the disk.
+    """Write the rows that a capability has learnt, all or none. On return they are on the disk.
 
-    Of rows that it had, `known` by table and key, only what differs is written: what others have edited stays, and so
-    does a row that is gone. Another row must not be there yet.
+    Rows that it had are `known`, by table and key. Only the columns that differ are written. Edits of others stay, and
+    a deleted row stays deleted. Each other row must be new.
     """
     with database.writing(durable=True) as connection, database.noted(connection, by):
         schema = Schema(connection)
@@ -127,7 +126,7 @@ def _with_rows(
     newer: Iterable[RevisionRow],
     revision: int | None,
 ) -> RawTables:
-    """Return the tables as they are with these rows; InputError if that may not be, in one sentence."""
+    """Return the tables with these rows. InputError gives the reason against them in one sentence."""
     if not rows:
         raise InputError("this edit has no rows")
     by_table: dict[str, list[Row]] = {}
@@ -137,7 +136,7 @@ def _with_rows(
         raise InputError(f"there is no table '{missing[0]}'", "unknown_name")
     part_of = {table: of_table[0].PART_OF for table, of_table in by_table.items()}
     changed = set(_changed(newer, robot, schema, part_of))
-    here = {table: _own(tables, of_table[0], robot) for table, of_table in by_table.items()}
+    existing = {table: _own(tables, of_table[0], robot) for table, of_table in by_table.items()}
     written: set[tuple[str, Key]] = set()
     parts = _parts(rows)
     for row in rows:
@@ -146,7 +145,7 @@ def _with_rows(
             raise InputError(f"{row.told} is there twice")
         written.add(key)
         if not row.PART_OF:
-            _refuse(row, here[row.TABLE].get(key[1]), create, parts.pop(key, ()))
+            _refuse(row, existing[row.TABLE].get(key[1]), create, parts.pop(key, ()))
             if key in changed:
                 raise InputError(f"{row.told} has changed since revision {revision}: look at it again", "changed")
     if parts:
@@ -156,7 +155,7 @@ def _with_rows(
         )
     after: dict[str, Sequence[RawRow]] = dict(tables)
     for table, of_table in by_table.items():
-        mine = here[table]
+        mine = existing[table]
         others = [values for values in tables.get(table, ()) if values.get("robot", robot) != robot]
         kept = {key: values for key, values in mine.items() if (part_of[table], key[:1]) not in written}
         owner = _owner(table, robot, schema)
@@ -175,13 +174,13 @@ def _learnt(row: Row, robot: str, known: Mapping[RowKey, Mapping[str, Any]], sch
     return Change(row.TABLE, key, {}, {name: values[name] for name in now if now[name] != before.get(name)})
 
 
-def _refuse(row: Row, there: RawRow | None, create: bool | None, parts: Sequence[Row]) -> None:
+def _refuse(row: Row, existing: RawRow | None, create: bool | None, parts: Sequence[Row]) -> None:
     """Raise InputError if a row may not be written."""
-    if create is True and there is not None:
+    if create is True and existing is not None:
         raise InputError(f"{row.told} is there already", "exists")
-    if (create is False or row.TABLE == ROBOT) and there is None:
+    if (create is False or row.TABLE == ROBOT) and existing is None:
         raise InputError(f"there is no {row.told}", "unknown_name")
-    if why := row.refusal(there, parts):
+    if why := row.refusal(existing, parts):
         raise InputError(*why)
 
 
@@ -212,13 +211,13 @@ def _changed(
 
 
 def _own(tables: RawTables, row: Row, robot: str) -> dict[Key, RawRow]:
-    """Return the robot's rows of a table, and what is every robot's, by their keys without the robot."""
+    """Return the rows of a table, the robot's and shared ones, by their keys without the robot."""
     rows = (values for values in tables.get(row.TABLE, ()) if values.get("robot", robot) == robot)
     return {_texts(values.get(column) for column in row.KEY): values for values in rows}
 
 
 def _owner(table: str, robot: str, schema: Schema) -> dict[str, str]:
-    """Return the column that says whose a row is; none for rows that are every robot's."""
+    """Return the column of a row's robot. It is empty for tables that all robots share."""
     return {"robot": robot} if "robot" in schema[table] else {}
 
 

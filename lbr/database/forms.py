@@ -1,4 +1,4 @@
-"""Changes of rows as people make them in forms: what they make of the tables, and why not. Pure."""
+"""Changes of rows from forms: the tables after them, or the reason against them. Pure."""
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,11 +19,11 @@ from lbr.messages.rows import Row, shown
 Classes = Mapping[str, type[Row]]
 NAMES_PROGRAMS = "names a program, and a page changes none: edit it with an SQLite client at the robot"
 PROGRAM_KIND = "exec"
-"""The kind whose rows say which program runs."""
+"""The kind whose rows name a program to run."""
 
 
 class ChangedError(InputError):
-    """A row is not any more as it was when it was looked at: which one, by its table and what names it."""
+    """A row was changed or deleted after the form read it. The error has its table and key."""
 
     def __init__(self, text: str, table: str, key: tuple[Any, ...]) -> None:
         super().__init__(text, "changed")
@@ -44,32 +44,32 @@ def schema(row: type[Row]) -> dict[str, Any]:
     return whole
 
 
-def told(row: type[Row], values: RawRow) -> dict[str, Any]:
-    """Return a row as JSON has it, without whose it is; what cannot be read stands as it is in the table."""
-    return {name: _told(column, values.get(name)) for name, column in columns(row).items()}
+def json_row(row: type[Row], values: RawRow) -> dict[str, Any]:
+    """Return a row as in JSON, without its robot. A bad value stays as it is in the table."""
+    return {name: _json_value(column, values.get(name)) for name, column in columns(row).items()}
 
 
 def wanted(robot: str, forms: Sequence[RowChange], classes: Classes) -> Wanted:
-    """Return what forms want of a robot's rows; ChangedError if one is not as it was when it was looked at."""
+    """Return a function for the changes of forms. It raises ChangedError for a row that others changed."""
     return lambda tables, schema: changes.between(tables, changed(tables, schema, robot, forms, classes), schema)
 
 
 def changed(tables: RawTables, schema: Schema, robot: str, forms: Sequence[RowChange], classes: Classes) -> RawTables:
-    """Return the tables as they are after some changes; InputError says which row is in the way, and why."""
+    """Return the tables after some changes. InputError names the row in the way, with the reason."""
     after: dict[str, Sequence[RawRow]] = dict(tables)
     for change in forms:
         row = _class_of(change, schema, classes)
         key = _key(row, change)
-        there = next((one for one in after.get(row.TABLE, ()) if _is(one, row, schema, robot, key)), None)
-        _compare(row, key, there, change)
-        _allow(row, key, there, change)
-        rest = [one for one in after.get(row.TABLE, ()) if one is not there]
-        after[row.TABLE] = rest if change.after is None else [*rest, _raw(row, schema, robot, there, change.after)]
+        existing = next((each for each in after.get(row.TABLE, ()) if _is(each, row, schema, robot, key)), None)
+        _compare(row, key, existing, change)
+        _allow(row, key, existing, change)
+        rest = [each for each in after.get(row.TABLE, ()) if each is not existing]
+        after[row.TABLE] = rest if change.after is None else [*rest, _raw(row, schema, robot, existing, change.after)]
     return after
 
 
 def of(table: str, schema: Schema, classes: Classes) -> type[Row]:
-    """Return what a table's rows are; InputError if there is no such table, or none whose changes are kept."""
+    """Return the class of a table's rows. InputError if no such table has revisions."""
     known = sorted(name for name in classes if name in schema)
     if table not in known:
         raise InputError(f"there is no table '{shown(table)}': {', '.join(known)}", "unknown_name")
@@ -86,15 +86,15 @@ def _class_of(change: RowChange, schema: Schema, classes: Classes) -> type[Row]:
 
 
 def _key(row: type[Row], change: RowChange) -> tuple[Any, ...]:
-    """Return which row is meant; one that is changed keeps its name."""
-    old, new = change.before, change.after
-    said: Mapping[str, Any] = old if old is not None else new or {}
-    if missing := [name for name in row.KEY if name not in said]:
+    """Return the key of the row to change. An existing row keeps its key."""
+    before, after = change.before, change.after
+    given: Mapping[str, Any] = before if before is not None else after or {}
+    if missing := [name for name in row.KEY if name not in given]:
         raise InputError(f"a row of {row.TABLE} needs {' and '.join(missing)}")
-    if unknown := [name for one in (old, new) for name in one or () if name not in columns(row)]:
+    if unknown := [name for values in (before, after) for name in values or () if name not in columns(row)]:
         raise InputError(f"{row.TABLE} has no column '{shown(unknown[0])}'", "unknown_name")
-    key = tuple(said[name] for name in row.KEY)
-    if old is not None and new is not None and any(new.get(name, old[name]) != old[name] for name in row.KEY):
+    key = tuple(given[name] for name in row.KEY)
+    if any((after or given).get(name, value) != value for name, value in zip(row.KEY, key, strict=True)):
         raise InputError(f"{_named(row, key)} keeps its {' and '.join(row.KEY)}: add another row, and delete this one")
     return key
 
@@ -104,22 +104,22 @@ def _is(values: RawRow, row: type[Row], schema: Schema, robot: str, key: tuple[A
     return mine and tuple(values[name] for name in row.KEY) == key
 
 
-def _compare(row: type[Row], key: tuple[Any, ...], there: RawRow | None, change: RowChange) -> None:
-    """Raise InputError if the row is not as it was when it was looked at."""
+def _compare(row: type[Row], key: tuple[Any, ...], existing: RawRow | None, change: RowChange) -> None:
+    """Raise InputError if the row was changed after the form read it."""
     before = change.before
     if before is None:
-        if there is not None:
+        if existing is not None:
             raise InputError(f"{_named(row, key)} is there already", "exists")
         return
-    if there is None:
+    if existing is None:
         raise ChangedError(f"{_named(row, key)} was deleted meanwhile", row.TABLE, key)
-    now = told(row, there)
+    now = json_row(row, existing)
     if others := [name for name, value in before.items() if now.get(name) != value]:
         raise ChangedError(f"{_named(row, key)} was changed meanwhile: {', '.join(others)}", row.TABLE, key)
 
 
-def _allow(row: type[Row], key: tuple[Any, ...], there: RawRow | None, change: RowChange) -> None:
-    """Raise InputError for what no page may change."""
+def _allow(row: type[Row], key: tuple[Any, ...], existing: RawRow | None, change: RowChange) -> None:
+    """Raise InputError for a change that pages may not make."""
     after = change.after or {}
     if row.TABLE == ROBOT:
         if change.after is None or change.before is None:
@@ -128,32 +128,32 @@ def _allow(row: type[Row], key: tuple[Any, ...], there: RawRow | None, change: R
             name for name in after if (ROBOT, name) in WRITTEN_BY_LBR and after[name] != change.before.get(name)
         ]:
             raise InputError(f"{', '.join(others)} of the robot is written by lbr itself", "read_only")
-    if row is CapabilityRow and PROGRAM_KIND in {(there or {}).get("kind"), after.get("kind")}:
+    if row is CapabilityRow and PROGRAM_KIND in {(existing or {}).get("kind"), after.get("kind")}:
         raise InputError(f"{_named(row, key)} {NAMES_PROGRAMS}", "denied")
 
 
-def _raw(row: type[Row], schema: Schema, robot: str, there: RawRow | None, after: Mapping[str, Any]) -> RawRow:
-    values: dict[str, Any] = dict(there) if there is not None else _defaults(row)
-    if there is None and "robot" in schema[row.TABLE]:
+def _raw(row: type[Row], schema: Schema, robot: str, existing: RawRow | None, after: Mapping[str, Any]) -> RawRow:
+    values: dict[str, Any] = dict(existing) if existing is not None else _defaults(row)
+    if existing is None and "robot" in schema[row.TABLE]:
         values = {"robot": robot, **values}
     of_row = columns(row)
     for name, value in after.items():
-        if there is None or _told(of_row[name], there.get(name)) != value:
+        if existing is None or _json_value(of_row[name], existing.get(name)) != value:
             values[name] = _stored(of_row[name], value)
     return values
 
 
 def _defaults(row: type[Row]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for field in msgspec.structs.fields(row):
         if field.default is not msgspec.NODEFAULT:
-            found[field.name] = columns(row)[field.name].write(field.default)
+            values[field.name] = columns(row)[field.name].write(field.default)
         elif field.default_factory is not msgspec.NODEFAULT:
-            found[field.name] = columns(row)[field.name].write(field.default_factory())
-    return found
+            values[field.name] = columns(row)[field.name].write(field.default_factory())
+    return values
 
 
-def _told(column: Column, value: Any) -> Any:
+def _json_value(column: Column, value: Any) -> Any:
     if column.holds_json and isinstance(value, str):
         try:
             return json_strictly(value)
@@ -163,7 +163,7 @@ def _told(column: Column, value: Any) -> Any:
 
 
 def _stored(column: Column, value: Any) -> Any:
-    """Return what SQLite is to hold; what is wrong with it the check of all rows says, beside the column."""
+    """Return a value for SQLite. The check of all rows reports a bad value beside its column."""
     if column.holds_json and value is not None:
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, bool) and column.is_flag:

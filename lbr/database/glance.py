@@ -1,4 +1,4 @@
-"""A look at columns of a database, as they stand: without checks, upgrades or waiting. For completion."""
+"""A quick read of columns for completion, with no checks, upgrades or waits."""
 
 import sqlite3
 from contextlib import closing
@@ -8,7 +8,7 @@ from lbr.database.statements import select
 
 
 def rows(path: Path, table: str, *columns: str) -> list[tuple[str, ...]]:
-    """Return what stands in some columns, each once; nothing where they cannot be read."""
+    """Return the values of some columns, each once. The list is empty if they cannot be read."""
     try:
         with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=0.1)) as database:
             found = database.execute(select(table, columns, columns))

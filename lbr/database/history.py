@@ -87,8 +87,10 @@ def makers(connection: Connection) -> tuple[ChangeRow, ...]:
 def last_change(
     connection: Connection, table: str, names: Sequence[Iterable[object]], program: str
 ) -> tuple[str, str] | None:
-    """Return the time of a row's newest change, and who made it, if it was by this program; `names` are the sets of
-    values that may be its key."""
+    """Return the time of a row's newest change, and its author if that was this program.
+
+    `names` are the sets of values that may be the row's key.
+    """
     keys = [sorted(map(str, one)) for one in names]
     newest = selected(connection, "revision", "table_name = ? ORDER BY id DESC LIMIT ?", table, MOST_LOOKED_THROUGH)
     for row in newest:

@@ -1,4 +1,4 @@
-"""Rows at an earlier revision, and who made which revisions. Pure.
+"""Rows at an earlier revision, and the authors of revisions. Pure.
 
 tables of now ──► undo the newer revisions, the newest first ──► tables of then
 """

@@ -1,4 +1,4 @@
-"""Changes of rows as they are proposed: judged by what they make of the rows, and written in one transaction.
+"""Proposed changes of rows: judged by the rows after them, and written in one transaction.
 
 wanted(tables of now) ──► changes ──► judged beside, without a lock ──► written if the revision is still the same
         ▲                                                                     │
@@ -24,17 +24,16 @@ from lbr.errors import InputError, RowError
 
 TRIES = 5
 Wanted = Callable[[RawTables, Schema], tuple[Change, ...]]
-"""Returns what is to be done to the tables of now; InputError says why it may not be."""
+"""Returns the changes of the tables as they are now. InputError gives the reason against them."""
 Judge = Callable[[RobotRows], Iterable[Problem]]
-"""Returns what is wrong with a robot's rows."""
+"""Returns the problems of a robot's rows."""
 Write = Callable[[Connection, Sequence[Change], Schema], None]
 OnTrial = Callable[[tuple[Change, ...]], tuple[str, float]]
-"""Returns the robot whose executive judges changes on trial, and the seconds that it may take."""
+"""Returns the robot whose executive judges changes on trial, and its time limit in seconds."""
 
 
 class Proposed(Struct, frozen=True, kw_only=True):
-    """What became of a proposal: the revisions before and after, what was changed, and the problems for which nothing
-    was."""
+    """The result of a proposal: revisions before and after, and its changes. With problems, nothing was changed."""
 
     before: int
     revision: int
@@ -42,14 +41,14 @@ class Proposed(Struct, frozen=True, kw_only=True):
     problems: tuple[Problem, ...] = ()
 
     def good(self) -> Self:
-        """Return it; RowError if it has problems."""
+        """Return itself. RowError if it has problems."""
         if self.problems:
             raise RowError(tuple(map(str, self.problems)))
         return self
 
 
 class _RehearsedError(Exception):
-    """A dry run has done all that it would do; its transaction is rolled back."""
+    """The end of a dry run, which rolls its transaction back."""
 
 
 def propose(
@@ -65,11 +64,11 @@ def propose(
     dry_run: bool = False,
     write: Write = changes.write,
 ) -> Proposed:
-    """Write what is wanted, all or nothing, if it has no problems; on return it is on the disk.
+    """Write the wanted changes, all or none, unless they have problems. On return they are on the disk.
 
-    `robot` is whose rows alone are judged. `mending` lets problems that were there before be in no one's way.
-    `expected` is the revision that the rows must have. `by` and `text` say who does what. A dry run does all of it and
-    then takes it back. The checks hold up no other writer; if one comes between, they begin again.
+    With `robot`, only the rows of this robot are judged. With `mending`, old problems do not count.
+    `expected` is the revision that the rows must have. `by` and `text` name the author and the change. A dry run rolls
+    all of it back at the end. The checks hold up no other writer. After another write they begin again.
     """
     for _ in range(TRIES):
         with database.reading() as connection:
@@ -104,7 +103,7 @@ def command(
     dry_run: bool = False,
     on_trial: OnTrial | None = None,
 ) -> Proposed:
-    """Propose what a person's command does to many rows: none else changes with them, and it is in the audit trail."""
+    """Propose a person's changes of many rows. No other row changes with them; the audit trail names them."""
 
     def write(connection: Connection, made: Sequence[Change], schema: Schema) -> None:
         back = adopted.revision(connection)
@@ -123,25 +122,25 @@ def command(
 def _in_the_way(
     seen: Seen, after: RawTables, judge: Judge, robot: str | None, known: Sequence[Problem], *, mending: bool
 ) -> Iterator[Problem]:
-    """Yield what the rows of `after` have against them. A robot that is latched is not taken out."""
+    """Yield the problems of the rows `after`, and one for each latched robot that would be removed."""
     robots = {row["name"]: row for row in seen.tables.get(ROBOT, ())}
     stays = [row["name"] for row in after.get(ROBOT, ())]
     for name, row in robots.items():
         if name not in stays and row.get("estop_engaged"):
             text = "its emergency stop is latched: 'reset' it before the robot is taken out"
             yield Problem(ROBOT, name, "estop_engaged", text)
-    told: set[Problem] = set()
+    reported: set[Problem] = set()
     for name in stays if robot is None else (robot,):
         now = list(judge(seen.rows(name, after, problems=known)))
         was = list(judge(seen.rows(name, problems=known))) if now and mending and name in robots else []
         for problem in now:
-            if problem not in was and problem not in told:
-                told.add(problem)
+            if problem not in was and problem not in reported:
+                reported.add(problem)
                 yield problem
 
 
 def _refuse_other(revision: int, expected: int | None) -> None:
-    """Raise InputError if the rows were changed since they were looked at."""
+    """Raise InputError if the rows do not have the expected revision any more."""
     if expected is not None and revision != expected:
         raise InputError(
             f"the rows have revision {revision}, not {expected}: they were changed meanwhile; look at them again",

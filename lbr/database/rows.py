@@ -21,7 +21,7 @@ JsonObject = Annotated[str, Meta(extra={"shape": shapes.OBJECT})]
 """The text of a JSON object, for others to parse."""
 End = Annotated[str, Meta(pattern=r"^[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}$(?!\n)", extra={"shape": shapes.PORT})]
 BY_LBR = Meta(extra={"by_lbr": True})
-"""Of a column that lbr writes while a robot runs: its changes are no edits."""
+"""For a column that lbr writes while a robot runs: its changes are not edits."""
 EXECUTIVE = "executive"
 """What verbs and channels may have as their target without a row of its own: lbr itself."""
 BUILT_IN = "is a word that every robot has, and no row changes: drop this row, or choose another word"

@@ -50,7 +50,7 @@ def metadata(rows: Iterable[type[Row]]) -> MetaData:
 
 
 def text(table: Table) -> str:
-    """Return the SQL that makes a table, to be read."""
+    """Return the readable SQL that makes a table."""
     name = max(len(column.name) for column in table.columns)
     kind = max(len(str(column.type)) for column in table.columns)
     key = [column.name for column in table.primary_key]
@@ -66,41 +66,44 @@ def text(table: Table) -> str:
 
 
 def script(row: type[Row]) -> str:
-    """Return the SQL that makes the table of a kind of one's own, with its triggers."""
+    """Return the SQL that makes the table of a user's own kind, with its triggers."""
     table = metadata([row]).tables[row.TABLE]
     return f"{text(table)}\n{revision_triggers(table)}"
 
 
 def rebuilt(table: Table, kept: Sequence[str]) -> str:
-    """Return the SQL that makes a table anew, with what stood in the columns that are `kept`; its triggers go."""
+    """Return the SQL that builds a table anew with its values in the columns `kept`. Its triggers go."""
     known = MetaData()
-    new, old = table.to_metadata(known, name=f"{table.name}_new"), sql.table(table.name, *map(sql.column, kept))
-    copied = sql.insert(new).from_select(list(kept), sql.select(old), include_defaults=False)
+    replacement, former = (
+        table.to_metadata(known, name=f"{table.name}_new"),
+        sql.table(table.name, *map(sql.column, kept)),
+    )
+    copied = sql.insert(replacement).from_select(list(kept), sql.select(former), include_defaults=False)
     lines = [str(copied.compile(dialect=sqlite.dialect())), str(DropTable(table))]
-    moved = f"ALTER TABLE {new.name} RENAME TO {table.name}"
-    return text(new) + "".join(f"{' '.join(line.split())};\n" for line in (*lines, moved))
+    moved = f"ALTER TABLE {replacement.name} RENAME TO {table.name}"
+    return text(replacement) + "".join(f"{' '.join(line.split())};\n" for line in (*lines, moved))
 
 
 def over_all(table: Table) -> list[str]:
-    """Return what holds over several columns: the key, whose a row is, and checks."""
-    found = [f"PRIMARY KEY ({', '.join(column.name for column in table.primary_key)})"]
+    """Return the rules over more than one column: the keys and the checks."""
+    constraints = [f"PRIMARY KEY ({', '.join(column.name for column in table.primary_key)})"]
     for own in table.foreign_key_constraints:
         targets = [element.target_fullname.partition(".") for element in own.elements]
         refers = f"{targets[0][0]} ({', '.join(name for _, _, name in targets)})"
         keys = ", ".join(own.column_keys)
-        found.append(f"FOREIGN KEY ({keys}) REFERENCES {refers} ON UPDATE CASCADE ON DELETE CASCADE")
+        constraints.append(f"FOREIGN KEY ({keys}) REFERENCES {refers} ON UPDATE CASCADE ON DELETE CASCADE")
     checks = [one for one in table.constraints if isinstance(one, CheckConstraint) and "of" not in one.info]
-    return found + sorted(f"CHECK ({check.sqltext})" for check in checks)
+    return constraints + sorted(f"CHECK ({check.sqltext})" for check in checks)
 
 
 def revision_triggers(table: Table) -> str:
-    """Return the SQL of the triggers that keep the changes of a table's rows, but what lbr itself writes there."""
+    """Return the SQL of the triggers that record changes of a table's rows, but not of columns that lbr writes."""
     kept = [column.name for column in table.columns if not column.info.get("by_lbr")]
     return triggers.revision_triggers(table.name, kept, [column.name for column in table.primary_key])
 
 
 def differences(connection: sqlite3.Connection, known: MetaData) -> list[Any]:
-    """Return what Alembic finds otherwise in a database than in these tables."""
+    """Return the differences of a database from these tables, by Alembic."""
     engine = create_engine("sqlite://", creator=lambda: connection, poolclass=StaticPool)
     with engine.connect() as opened:
         return list(compare_metadata(MigrationContext.configure(opened, opts={"compare_server_default": True}), known))
@@ -141,7 +144,7 @@ def _type(column: Column) -> type[Any]:
 
 
 def _default(column: Column) -> str | None:
-    """Return what a new row has that leaves a column out; None if it must not be left out, or is NULL then."""
+    """Return a column's default as SQL. None if it has to be given, or is NULL."""
     if "default" in column.extra:
         return column.extra["default"]  # type: ignore[no-any-return]
     if column.field.required or "counted" in column.extra:
@@ -151,7 +154,7 @@ def _default(column: Column) -> str | None:
 
 
 def _shape(column: Column) -> tuple[Shape, dict[str, str]] | None:
-    """Return what a column may be, with the bounds that its annotation has; None if its type says it all."""
+    """Return the shape and bounds of a column's values. None if any value of its type will do."""
     info = column.info
     if "shape" in column.extra:
         return column.extra["shape"], {}
@@ -189,12 +192,12 @@ def _line(column: SqlColumn[Any], name: int, kind: int, comma: str, *, key: bool
 
 
 def comment(column: SqlColumn[Any]) -> str:
-    """Return what a column means, and in which form it stands there."""
+    """Return the meaning of a column, and the form of its values."""
     check = column.info.get("check", "")
     form = "JSON object: " if "= 'object'" in check else "JSON list: " if "= 'array'" in check else ""
     return form + str(column.comment) + "; written by lbr" * ("by_lbr" in column.info)
 
 
 def default_of(column: SqlColumn[Any]) -> str:
-    """Return what a new row has that leaves a column out, as SQL."""
+    """Return the default of a column as SQL."""
     return str(column.server_default.arg)  # type: ignore[union-attr]

@@ -65,11 +65,11 @@ def add(database: Database, robot: str, judge: Judge = lambda _rows: ()) -> dict
     else:
         rows = packaged.rows_of(found, judge)
 
-    def wanted(here: RawTables, schema: Schema) -> tuple[Change, ...]:
+    def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
         return tuple(
             Change(table, tuple(row[name] for name in key), None, row)
             for table, key in schema.keys_of.items()
-            for row in _missing(key, rows.get(table, ()), here.get(table, ()))
+            for row in _missing(key, rows.get(table, ()), tables.get(table, ()))
         )
 
     added = propose(database, wanted, lambda _rows: ()).changes

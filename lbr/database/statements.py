@@ -1,4 +1,4 @@
-"""Statements of SQL for tables and columns of any names. Values are bound by `?`, in the order of the names."""
+"""SQL statements for tables and columns of any name. `?` binds the values, in the order of the names."""
 
 from collections.abc import Iterable
 
@@ -16,17 +16,17 @@ def insert(table: str, columns: Iterable[str]) -> str:
 
 
 def update(table: str, columns: Iterable[str], key: Iterable[str]) -> str:
-    """Return the statement that changes columns of the rows with a key, whose values come last."""
+    """Return the statement that changes columns of the row with a key. The values of the key come last."""
     return f"UPDATE {quoted(table)} SET {', '.join(_bound(columns))} WHERE {' AND '.join(_bound(key))}"
 
 
 def delete(table: str, key: Iterable[str]) -> str:
-    """Return the statement that takes out the rows with a key."""
+    """Return the statement that deletes the row with a key."""
     return f"DELETE FROM {quoted(table)} WHERE {' AND '.join(_bound(key))}"
 
 
 def quoted(name: str) -> str:
-    """Return a name as SQL takes it, whatever it is."""
+    """Return any name, quoted for SQL."""
     return '"' + name.replace('"', '""') + '"'
 
 

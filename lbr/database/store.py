@@ -237,8 +237,7 @@ class Database:
             return history.newest_events(connection, limit, subject=subject, levels=levels)
 
     def last_change(self, robot: str, table: str, key: Sequence[object]) -> tuple[str, str] | None:
-        """Return the time of the newest change of one of a robot's rows, if it was changed lately; and who made it, if
-        this program did."""
+        """Return the time of a row's newest change, and its author if that was this program. None if it is old."""
         with self.reading() as connection:
             return history.last_change(connection, table, [key, (robot, *key)], self.program)
 
@@ -354,7 +353,7 @@ class Database:
             history.made(connection, change)
 
     def edit_entry(self, text: str) -> AuditRow:
-        """Return an entry of the audit trail, now, of an edit of rows."""
+        """Return a new entry of the audit trail for an edit of rows."""
         return AuditRow(wall_ns=self.wall_ns(), kind="edit", subject="rows", source=self.program, text=text)
 
     def _begin(self) -> None:

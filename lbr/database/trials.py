@@ -35,7 +35,7 @@ class Trial(Row, frozen=True, kw_only=True):
 
 
 def begin(connection: Connection, trial: Trial) -> None:
-    """Write down that what was just written is on trial."""
+    """Store a trial of the rows just written."""
     insert(connection, "trial", [msgspec.structs.asdict(trial)])
     connection.execute(_OLDER_GO, (KEPT,))
 
@@ -52,15 +52,15 @@ def refuse_running(connection: Connection) -> None:
 
 
 def newest(database: Database) -> Trial | None:
-    """Return the newest change of rows that was on trial, or still is."""
+    """Return the newest trial, running or ended."""
     with database.reading() as connection:
         return _newest(connection)
 
 
 def judge(database: Database, trial: Trial, *, good: bool, text: str) -> Trial:
-    """End a trial, if it still runs: keep its rows, or take them back; return what became of it.
+    """End a trial that runs: keep its rows, or roll them back. Return the trial as it ended.
 
-    What others have changed since in the same rows stays. Rows that cannot be taken back are told in its text.
+    Rows that others have changed since stay. If rows cannot be rolled back, the trial's text has the reason.
     """
     with database.writing(durable=True) as connection:
         now = _newest(connection)

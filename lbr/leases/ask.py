@@ -1,4 +1,4 @@
-"""A request as the leases of now have it, resolved once where it comes in: every check and every grant goes by that."""
+"""A request as the leases of now have it, resolved once where it comes in. All checks and grants use it."""
 
 from math import inf, isfinite, isnan
 from typing import Generic, Literal
@@ -12,10 +12,10 @@ Intent = Literal["stop", "renewal", "change", "offer", "begin"]
 
 
 class Ask(Struct, Generic[M], frozen=True, kw_only=True):
-    """What a request `wants` of the `leases` as they are `now`.
+    """A request resolved against the `leases` at the time `now`.
 
-    `quotes` is the lease or the offer whose lease it quotes, `sent` when it was sent at the latest, on our clock. The
-    sender's clock is behind that by `behind_s` at most; infinite if that cannot be told.
+    `quotes` is the lease or offer that it quotes. `sent` is the latest possible time of sending, on our clock.
+    The sender's clock is behind ours by `behind_s` at most. That is infinite if it is not known.
     """
 
     request: LeaseRequest
@@ -29,22 +29,22 @@ class Ask(Struct, Generic[M], frozen=True, kw_only=True):
 
     @property
     def confirms(self) -> Lease[M] | None:
-        """Return the offer that it confirms, asking for exactly what was offered."""
+        """Return the offer that it confirms. The motion must be just the offered one."""
         offer = self.quotes if self.wants == "begin" else None
         return offer if offer is not None and offer.what == self.request.what else None
 
     @property
     def streams(self) -> bool:
-        """Say whether its sender asks without its lease, and has never quoted the lease that it holds by."""
+        """Return whether the holder sends without its lease, and has never quoted that lease."""
         lease, request = self.leases.live, self.request
         return lease is not None and lease.source == request.source and isnan(lease.renewed) and not request.lease
 
 
 def resolve(leases: LeaseTable[M], request: LeaseRequest, now: float) -> Ask[M]:
-    """Return a request with what the leases say of it.
+    """Return a request resolved against the leases.
 
-    A remote sender's clock is read by the quickest message under the same lease: nothing sent later came sooner, so
-    what a partition held back cannot pass for new when it heals.
+    The quickest message under the same lease dates a remote sender's clock. So a message that a partition held back
+    never looks new after the partition.
     """
     lease = quoted(leases, request)
     behind_s = _behind_s(request, lease)
@@ -61,14 +61,14 @@ def resolve(leases: LeaseTable[M], request: LeaseRequest, now: float) -> Ask[M]:
 
 
 def quoted(leases: LeaseTable[M], request: LeaseRequest) -> Lease[M] | None:
-    """Return the lease or the offer whose lease a request quotes; an offer stands as of the last event."""
+    """Return the lease or offer that a request quotes. Offers are those of the last event."""
     known = (leases.live, *leases.offers)
     quotes = (lease for lease in known if lease is not None and lease.id == request.lease)
     return next(quotes, None) if request.lease else None
 
 
 def _wants(leases: LeaseTable[M], request: LeaseRequest, lease: Lease[M] | None) -> Intent:
-    """Return what a request wants: standing still without a lease is a stop, by whomever."""
+    """Return the intent of a request. To stand still without a lease is a stop, from any sender."""
     if not request.moves and not request.lease:
         return "stop"
     if lease is None:

@@ -1,4 +1,4 @@
-"""What becomes of a command: refused, or it renews, changes, begins or is offered a lease to confirm; and stops."""
+"""The effects of commands and stops. A command is refused, renews, changes, begins or is offered a lease."""
 
 from math import inf, isnan
 
@@ -17,7 +17,7 @@ STOPPED = Reply(message=CommandReply(accepted=True, reason="stopped"))
 
 
 def refuse(ask: Ask[M], why: Reason) -> tuple[LeaseTable[M], Reply]:
-    """Refuse a command. A sender that goes on when it should not is remembered."""
+    """Refuse a command, and remember a sender that continues when it should not."""
     leases, request = ask.leases, ask.request
     if request.moves and (how := _persists(ask)):
         leases = note_persistent(leases, request.source, how, ask.now)
@@ -25,7 +25,7 @@ def refuse(ask: Ask[M], why: Reason) -> tuple[LeaseTable[M], Reply]:
 
 
 def renew(ask: Ask[M]) -> LeaseTable[M]:
-    """Have the motion go on as it is."""
+    """Renew the lease of the motion, which goes on unchanged."""
     leases = ask.leases
     assert leases.live is not None
     return _keep(leases, replace(_quoting(ask, leases.live), ttl_s=ask.ttl_s), ask.now)

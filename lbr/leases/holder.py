@@ -1,4 +1,4 @@
-"""One motion after another by leases like anyone's: renewed while it is wanted, given up whenever it is not."""
+"""One motion after another, each by a lease: renewed while the motion is wanted, then given back."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -12,7 +12,7 @@ from lbr.messages.leases import CommandReply
 
 GONE = "it does not answer; what moved has stopped by itself"
 RESULT_S = 0.5
-"""A lease that died is heard of before the result that says why: not later than this on a busy machine."""
+"""The result that explains a dead lease arrives within this time, also on a busy machine."""
 TARGETS: Mapping[type, LeaseTarget] = {
     DriveCommand: LeaseTarget("move", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
     TurnCommand: LeaseTarget("turn", "halt", "drive", f"the drive: {GONE}", result_s=RESULT_S),
@@ -20,23 +20,22 @@ TARGETS: Mapping[type, LeaseTarget] = {
     PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
     SeekCommand: LeaseTarget("seek", "seek_halt", "beacon", f"the beacon: {GONE}", result_s=RESULT_S),
 }
-"""The lenders of each motion, for a capability that has requests of these names."""
+"""The lender of each motion, for a capability whose requests have these names."""
 FINAL = frozenset({"stopped", "stopped_since", "taken_over", "held", "estop", "role", "denied", "shutting_down"})
-"""Why a command ends, or is refused, when a person wants the robot to stand, or has it: then all that was planned is
-over."""
+"""Codes of an end or a refusal by a person who stops or holds the robot. All plans are over then, too."""
 
 
 def bounded(motion: Any) -> bool:
-    """Say whether a motion ends by itself."""
+    """Return whether a motion ends by itself."""
     if isinstance(motion, DriveCommand):
         return bool(motion.range_cm or motion.interval_s or motion.distance_cm)
     return True
 
 
 class Holder:
-    """Borrows what moves, for one motion at a time; `step` it ten times a second.
+    """Borrows motion, for one motion at a time; call `step` ten times a second.
 
-    It repeats the motion to renew the lease, or sends `renewal`. `lease` is that of the last motion, until its release.
+    The repeated motion, or `renewal`, renews the lease. `lease` is that of the last motion, until its release.
     """
 
     def __init__(self, transport: Transport, *, renewal: Message | None = None) -> None:
@@ -66,9 +65,9 @@ class Holder:
         return self.lease is not None and self.lease.good
 
     def begin(self, target: LeaseTarget, motion: Message, *, given: CommandReply | None = None) -> LeaseClient:
-        """Move so from now on, by a lease that was `given` if any.
+        """Begin a motion, by a lease that was `given` if there is one.
 
-        A drive without an end goes over into another under the same lease.
+        A drive without an end changes into another under the same lease.
         """
         if self.lease is not None and self.lease.holds and not bounded(self.motion) and not bounded(motion):
             self.change(motion)
@@ -80,13 +79,13 @@ class Holder:
         return self.lease
 
     def change(self, motion: Message) -> None:
-        """Go on so under the same lease."""
+        """Change the motion under the same lease."""
         self.motion = motion
         if self.lease is not None:
             self.lease.keep(motion)
 
     def step(self, results: Iterable[GoalResult] = (), gone: Reason | None = None) -> Reason | None:
-        """Read the answers, and renew; who wanted the motion may be `gone`. Return why it is over, if it is since."""
+        """Read the answers, and renew unless the motion's user is `gone`. Return the reason if the motion ended now."""
         lease = self.lease
         if lease is None or lease.ended is not None:
             return None
@@ -103,6 +102,6 @@ class Holder:
         return lease.ended
 
     def release(self, why: str, *, lost: bool = False, by: str = "", at_once: bool = False) -> PendingReply | None:
-        """Stand still, if it is still ours to stop or may become so."""
+        """Stop the motion, if the lease is held or still asked for."""
         lease, self.lease = self.lease, None
         return lease.release(why, lost=lost, by=by, at_once=at_once) if lease is not None else None

@@ -1,4 +1,4 @@
-"""The checks that a command passes that are about leases; the first that objects refuses it."""
+"""The checks of a command by the rules of leases. The first that fails refuses it."""
 
 from math import isfinite
 
@@ -24,7 +24,7 @@ TWICE = Reason("repeated", "this command came twice, or after a newer one")
 
 
 def refusal(ask: Ask[M], trouble: Reason | None = None) -> Reason | None:
-    """Return why the rules of leases refuse a command, or nothing."""
+    """Return the reason for which the rules of leases refuse a command, or None."""
     return form(ask) or holder(ask) or at_rest(ask, trouble)
 
 
@@ -81,7 +81,7 @@ def latched(leases: LeaseTable[M]) -> Reason:
 
 
 def _not_fresh(ask: Ask[M]) -> Reason | None:
-    """Return why a command is too old to move anything, or nothing; standing still is never too old."""
+    """Return a reason if a command is too old to move anything. To stand still is never too old."""
     request = ask.request
     if not request.moves:
         return None

@@ -1,5 +1,6 @@
-"""What a table is: one struct. Its annotations are the constraints, texts in them what a column means, and its docstring
-what the table is for; the SQL that makes the table follows from it.
+"""A table as one struct, from which its SQL follows.
+
+Annotations are the constraints of columns, and the texts in them their meaning. The docstring is the table's purpose.
 
     robot.db ── read, checked (lbr.database) ──► Phrase(…) ── one document ──► ctx.rows(Phrase)
              ◄── written by key ─────────────── learnt ◄──── heartbeat pipe ── ctx.learn(Phrase(…))
@@ -17,11 +18,11 @@ from lbr.messages.codes import Code
 
 R = TypeVar("R", bound="Row")
 NOW = Meta(extra={"default": "(strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))"})
-"""Of a column that holds when its row was written, unless it says otherwise."""
+"""For a column with the time at which its row was written, by default."""
 COUNTED = Meta(extra={"counted": True})
-"""Of a number that SQLite gives out, and never twice."""
+"""For a number that SQLite assigns, and never twice."""
 REQUIRED = Meta(extra={"default": None})
-"""Of a column that is never left out in SQL, whatever stands for it in Python."""
+"""For a column that SQL requires, even with a default in Python."""
 Fault = tuple[str, str]
 """A column, and what is wrong there."""
 Check = Callable[[Any, "Others"], Iterator[Fault]]
@@ -39,12 +40,12 @@ class Others(Protocol):
 
 
 class Row(Struct, frozen=True, kw_only=True):
-    """A row of TABLE, told from others by KEY. A field is a column; whose robot's it is, is not one of them: that is a
-    column of every table but those that are SHARED by all robots.
+    """A row of TABLE, identified by KEY; each field is a column.
 
-    Rows that are OF those of another table, whose names begin their keys, go with them. If they are PART_OF those, they
-    are written together, too: parts that are not there any more go. Of two columns that are ASCENDING the second is
-    greater, of two TOGETHER none is NULL without the other. CHECKS are what all this cannot say.
+    The column `robot` is not a field: every table has it, but those that all robots have SHARED. Rows OF another table
+    are deleted with the row there whose name begins their key. Rows that are PART_OF a row are also written with it:
+    the parts that it does not have any more are deleted. Of two ASCENDING columns the second is greater. Two columns
+    TOGETHER are both NULL or both not. CHECKS are all further constraints.
     """
 
     TABLE: ClassVar[str] = ""
@@ -58,7 +59,7 @@ class Row(Struct, frozen=True, kw_only=True):
 
     @classmethod
     def whole(cls) -> str:
-        """Return the table to whose rows these belong; empty for none."""
+        """Return the table of the rows to which these belong; empty without one."""
         return cls.OF or cls.PART_OF
 
     @property

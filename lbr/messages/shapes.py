@@ -1,4 +1,4 @@
-"""What a value may be, twice side by side: as a CHECK of SQL, and in words for people."""
+"""The shapes of values: each as a CHECK of SQL, and in words for people."""
 
 import re
 
@@ -6,8 +6,7 @@ from msgspec import Struct
 
 
 class Shape(Struct, frozen=True):
-    """A CHECK of the column `{x}`, by bounds `{a}` and `{b}`, a `{list}` or another column `{y}`; `words` name what is
-    allowed, and with it those."""
+    """A CHECK of a column `{x}` in SQL and `words`, by bounds `{a}` and `{b}`, a `{list}` or a column `{y}`."""
 
     sql: str
     words: str
@@ -20,7 +19,7 @@ class Shape(Struct, frozen=True):
         return self.sql.format(x=x, **parts)
 
     def allowed(self, check: str) -> tuple[str, str] | None:
-        """Return the column that a CHECK of this shape is about, and what that may be."""
+        """Return the column of a CHECK of this shape, and the allowed values in words; None for another CHECK."""
         match = re.fullmatch(self._pattern(), check)
         if match is None:
             return None

@@ -45,45 +45,46 @@ def joint(now: Snapshot, part: Part, name: str) -> Iterator[Link]:
     report = now.report(part, JointsState)
     if report is None:
         return
-    one = report.state.joints.get(name)
-    if one is None:
+    state = report.state.joints.get(name)
+    if state is None:
         text = f"'{part.name}' has no joint '{name}': its row names the bus of another driver"
         row, do = f"row joint.{name}", "correct column bus of that row"
         yield Link(name="row", about=name, state="held", text=text, code="unknown_name", evidence=row, do=do)
         return
-    yield from _joint(replace(report, about=name, topic=f"{report.topic}: joints.{name}", age_s=one.age_s), name, one)
+    of_joint = replace(report, about=name, topic=f"{report.topic}: joints.{name}", age_s=state.age_s)
+    yield from _joint(of_joint, name, state)
 
 
-def _joint(report: Report[JointsState], name: str, one: JointState) -> Iterator[Link]:
+def _joint(report: Report[JointsState], name: str, state: JointState) -> Iterator[Link]:
     part, say = report.part, report.now.facts.say
-    reason = f": {one.reason}" if one.reason else ""
-    if one.latched:
-        text = f"servo {one.id} of '{name}' has latched {', '.join(one.latched)}"
+    reason = f": {state.reason}" if state.reason else ""
+    if state.latched:
+        text = f"servo {state.id} of '{name}' has latched {', '.join(state.latched)}"
         recover = say(f"{part.name}.recover", f"/recover/{name}", joints=[name])
         yield report.link("fault", "held", text, "latched", do=f"remove the cause, let it cool, then {recover}")
-    elif one.trusted is False:
-        text = f"what servo {one.id} of '{name}' tells of its place is not believed{reason}"
+    elif state.trusted is False:
+        text = f"what servo {state.id} of '{name}' tells of its place is not believed{reason}"
         yield report.link("reading", "held", text, "stale_sensor", do="look at its horn and its wiring")
-    elif one.position_rad is None and not _open_loop(part):
+    elif state.position_rad is None and not _open_loop(part):
         others = [other for other, each in report.state.joints.items() if each.position_rad is None and other != name]
-        if others:  # that is no servo's fault
+        if others:  # that is not the fault of one servo
             text = f"'{name}' and {_some(others)} are not measured: their supply, what feeds them, or their driver"
             do = "see that they have power; lbr why tells of all that moves"
             yield report.link("power", "held", text, "unreachable", do=do)
         else:
-            text = f"servo {one.id} of '{name}' does not answer{reason}"
+            text = f"servo {state.id} of '{name}' does not answer{reason}"
             yield report.link("line", "held", text, "unreachable", do="check its cable and its number")
-    if one.torque == 0.0:
+    if state.torque == 0.0:
         do = say(f"{part.name}.torque", f"/torque/on/{name}", on=True, joints=[name])
         yield report.link("torque", "held", f"'{name}' has no torque", "no_torque", do=do, since=("torque", "let_go"))
-    elif one.faults and not one.latched:
-        text = f"servo {one.id} of '{name}' reports {', '.join(one.faults)}"
+    elif state.faults and not state.latched:
+        text = f"servo {state.id} of '{name}' reports {', '.join(state.faults)}"
         do = "look at it: temperature, load and voltage are in lbr topic echo joints/state"
         yield report.link("fault", "held", text, "failed", do=do)
-    if one.position_rad is not None:
-        yield from _at_limit(report, name, one.position_rad)
-        goal = f", goal {degrees(one.goal_rad):.0f}°" if one.goal_rad is not None else ""
-        yield report.link("motor", "ok", f"at {degrees(one.position_rad):.0f}°{goal}")
+    if state.position_rad is not None:
+        yield from _at_limit(report, name, state.position_rad)
+        goal = f", goal {degrees(state.goal_rad):.0f}°" if state.goal_rad is not None else ""
+        yield report.link("motor", "ok", f"at {degrees(state.position_rad):.0f}°{goal}")
 
 
 def _at_limit(report: Report[JointsState], name: str, position_rad: float) -> Iterator[Link]:

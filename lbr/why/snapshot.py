@@ -145,7 +145,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
         return next((one for one in units if one.name == name), None)
 
     def report(self, part: Part, message: type[T]) -> "Report[T] | None":
-        """Return the newest state that a part's stream of this message has."""
+        """Return the newest message of this type in a part's streams."""
         for port, name in part.outputs.items():
             said = self.said.get(f"{part.name}/{port}")
             if name == message.__name__ and said is not None:
@@ -177,14 +177,14 @@ class Snapshot(Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, slots=True)
 class Report(Generic[State_co]):
-    """The newest state of a part, its topic and its age (null: its clock cannot be compared with ours), and what its
-    links are about if not the part."""
+    """The newest state of a part, with its topic and age; links are `about` another subject, or else the part."""
 
     now: Snapshot
     part: Part
     state: State_co
     topic: str
     age_s: float | None
+    """None if its clock cannot be compared with ours."""
     about: str = ""
 
     def link(
@@ -200,7 +200,7 @@ class Report(Generic[State_co]):
         since: Collection[str] = (),
         since_s: float | None = None,
     ) -> Link:
-        """Return a link that this state is the evidence of; `since` are the kinds of events that began it."""
+        """Return a link with this state as its evidence; `since` are the kinds of events that began it."""
         return Link(
             name=name,
             about=about or self.about or self.part.name,

@@ -186,7 +186,7 @@ def asked(*rows, **more):
 def test_rows_come_by_table_and_are_read_with_their_bounds():
     rows = edits.understood(asked(MOTOR, *NOD.rows, BUTTON), ALLOWED)
     assert rows == (MOTOR, *NOD.rows, BUTTON)
-    assert edits.told(rows) == "motor 23 of layer 'mine', motion 'nod', button 120"
+    assert edits.names(rows) == "motor 23 of layer 'mine', motion 'nod', button 120"
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ TABLES = {
     ],
     "channel": [],
 }
-BOARD = forms.told(DeviceRow, TABLES["device"][0])
+BOARD = forms.json_row(DeviceRow, TABLES["device"][0])
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
@@ -107,7 +107,7 @@ def test_what_refers_to_a_deleted_row_goes_with_it_and_bad_rows_are_mended_one_a
     client.execute("INSERT INTO device (robot, name, type, address) VALUES ('lbr', 'spare', 'roboteq', '/dev/spare')")
     client.execute("INSERT INTO calibration (robot, device, name, value) VALUES ('lbr', 'spare', 'scale', 1.0)")
     tables, _ = database.tables()
-    spare = forms.told(DeviceRow, next(row for row in tables["device"] if row["name"] == "spare"))
+    spare = forms.json_row(DeviceRow, next(row for row in tables["device"] if row["name"] == "spare"))
     bad = Problem("capability", "lbr/drive", "settings", "was bad before")
     wanted = forms.wanted("lbr", [RowChange(table="device", before=spare)], CLASSES)
     tried = propose(database, wanted, lambda _rows: [bad], robot="lbr", dry_run=True)

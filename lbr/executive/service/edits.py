@@ -105,7 +105,7 @@ class Edits:
         name, by, took_s = edit.name, edit.command.by, self._clock() - edit.begun_s
         if took_s < WAITED_FOR_S and self._may(name) and self._process(name) is edit.process:
             self._rows.knows(name, edit.rows)
-        text = f"wrote {edits.told(edit.rows)[:300]}" + (f" for {by}" if by else "")
+        text = f"wrote {edits.names(edit.rows)[:300]}" + (f" for {by}" if by else "")
         self._happened("edit", name, text, data={"revision": reply.revision})
         if took_s > SLOW_S:
             self._happened("slow_disk", name, f"it took {took_s:.1f} s to write rows", "warning")

@@ -123,7 +123,7 @@ class Pages:
             "fixed": forms.fixed(row),
             "schema": forms.schema(row),
             "settings": self._settings(row, plan),
-            "rows": [forms.told(row, one) for one in _own(tables, table, plan.robot)],
+            "rows": [forms.json_row(row, one) for one in _own(tables, table, plan.robot)],
         }
         return ManageReply(accepted=True, revision=revision, data=data)
 

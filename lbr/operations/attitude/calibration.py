@@ -51,7 +51,7 @@ class Collection:
 
     @property
     def turns(self) -> bool:
-        """Say whether the drive took the command."""
+        """Return whether the drive accepted the command."""
         return self.spin.lease is not None and self.spin.lease.accepted is not None
 
     @property

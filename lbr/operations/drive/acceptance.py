@@ -1,4 +1,4 @@
-"""The checks that a drive command passes before it moves anything; the first that objects refuses it."""
+"""The checks of a drive command before it moves anything; the first objection refuses it."""
 
 from math import isfinite
 
@@ -15,9 +15,9 @@ from lbr.operations.drive.state import ActiveMotion, Command, State, motors_trou
 
 
 def judge(state: State, event: Command, ask: Ask[ActiveMotion], *, checked: bool = True) -> Reason | Limit:
-    """Return why a command is refused, or else what the rules would do to it now, were it at its full speed.
+    """Return the reason of a refusal, or else the limit by the rules at full speed.
 
-    What is renewed was looked at before. `checked` false leaves out the user's own checks.
+    A renewal passes fewer checks. `checked` false leaves out the user's own checks.
     """
     command, moves, renewed, now = event.command, ask.request.moves, ask.wants == "renewal", ask.now
     why = _form(state, command) or rules.refusal(ask, motors_trouble(state, now))
@@ -34,7 +34,7 @@ def judge(state: State, event: Command, ask: Ask[ActiveMotion], *, checked: bool
 
 
 def _form(state: State, command: Motion) -> Reason | None:
-    """Numbers are finite and within their bounds, as decoding saw to, and a sensor is there."""
+    """Refuse numbers that are not finite or outside their bounds, and a sensor that is not there."""
     for name, value, low, high in _bounds(command):
         if not (isfinite(value) and low <= value <= high):
             return Reason("bad_value", f"{name} {value:g} is outside {low:g} to {high:g}")

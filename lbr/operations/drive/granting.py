@@ -1,5 +1,4 @@
-"""What becomes of a command: it is refused, or the base begins, goes on, changes, or is offered with a lease to
-confirm."""
+"""The effect of a command: a refusal, a renewal, a change, a beginning or an offer of a lease to confirm."""
 
 from math import copysign
 
@@ -39,7 +38,7 @@ def command(state: State, event: Command, now: float) -> Decision:
 
 
 def to_be_checked(state: State, event: Command, now: float) -> bool:
-    """Say whether the user's checks are to be asked: for new and changed motion that nothing else refuses."""
+    """Return whether the user's checks are needed: for new or changed motion that no other check refuses."""
     ask = _asked(state, event, now)
     if not ask.request.moves or ask.wants == "renewal" or ask.confirms is not None:
         return False
@@ -62,7 +61,7 @@ def drive(state: State, now: float) -> Decision:
 
 
 def _asked(state: State, event: Command, now: float) -> Ask[ActiveMotion]:
-    """Return what a command asks of the leases; one that the user's checks have seen may be older."""
+    """Return a command as a request to the leases; after the user's checks, it may be older."""
     command = event.command
     request = LeaseRequest(
         source=event.source,
@@ -103,18 +102,18 @@ def _accepted(leases: LeaseTable[ActiveMotion], ask: Ask[ActiveMotion], note: Re
 
 
 def _note(state: State, command: Motion, limit: Limit) -> Reason | None:
-    """Return what the asker of an accepted command should know: how far it is limited, and by what."""
-    found: list[str] = []
+    """Return a note for the sender of an accepted command: its limit, and the cause; None without one."""
+    notes: list[str] = []
     if isinstance(command, DriveCommand) and command.power > state.settings.max_power:
-        found.append(f"limited to {state.settings.max_power:g}")
+        notes.append(f"limited to {state.settings.max_power:g}")
     if isinstance(command, TwistCommand):
         share = state.base.fitting(*asked_sides(command, state.settings), state.settings.max_power)
         if share < 1.0:
-            found.append(f"limited to {share:.0%} of this twist: a motor may not get more")
+            notes.append(f"limited to {share:.0%} of this twist: a motor may not get more")
     if not limit.scale > 0.0:
-        found.append(f"stopped by {limit.detail}")
+        notes.append(f"stopped by {limit.detail}")
     elif limit.scale < 1.0:
         power = power_of(command, state.settings) * limit.scale
-        found.append(f"slowed to {power:.2f} by {limit.text}")
+        notes.append(f"slowed to {power:.2f} by {limit.text}")
     code: Code = limit.code if limit.scale < 1.0 else "limit"
-    return Reason(code, ", ".join(found)) if found else None
+    return Reason(code, ", ".join(notes)) if notes else None

@@ -25,7 +25,7 @@ Link = Callable[[State, JointsCommand, Ask[Move]], Reason | None]
 
 
 def asked_of(state: State, event: Command, now: float) -> Ask[Move]:
-    """Return what a command asks of the leases; a lease with nothing to move goes on with what it was given for."""
+    """Return a command as a request to the leases; an empty command repeats the motion of its lease."""
     command = event.command
     request = LeaseRequest(
         source=event.source,

@@ -104,15 +104,15 @@ def _change(state: State, event: Command, ask: Ask[Move], now: float) -> Decisio
             longer = planning.append(state, move, command, now)
         else:
             longer = planning.joined(state, move, command, now, idle_s)
-        held, said = leasing.grant(state.leases, ask, longer)
-        said = tuple(each for each in said if not isinstance(each, Ended))
+        leases, outputs = leasing.grant(state.leases, ask, longer)
+        outputs = tuple(each for each in outputs if not isinstance(each, Ended))
     else:
         state, anew = _move(state, ask, event.new_goal, idle_s, now)
-        held, said = leasing.grant(state.leases, ask, planning.instead(move, anew))
-    state, outputs = take(state, (held, said), now)
+        leases, outputs = leasing.grant(state.leases, ask, planning.instead(move, anew))
+    state, reports = take(state, (leases, outputs), now)
     state = _underway(state, ask)
     at_once = setpoint(state) if command.join else ()
-    return state, (*told, *outputs, _yes(state, ask), *at_once)
+    return state, (*told, *reports, _yes(state, ask), *at_once)
 
 
 def _move(state: State, ask: Ask[Move], goal: str, idle_s: float, now: float) -> tuple[State, Move]:
