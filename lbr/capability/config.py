@@ -42,14 +42,14 @@ class DeviceConfig(Struct, frozen=True, kw_only=True):
 class ProcessConfig(Struct, frozen=True, kw_only=True):
     """Everything a process needs to know; it reads nothing else.
 
-    `wiring` maps inputs and setpoints to the streams that feed them, `outputs` every output to its keys, `requests` to
-    the capabilities asked and their keys. `simulated`: the robot's devices are emulated. `release_key` proves that a
-    release of the e-stop is the executive's. `rows` are those that its kind reads, by table, and `private` is a
-    document between its kind and the executive alone. `host` is the other machine that it runs on, where `certificate`
-    (PEM) is the only one that the robot's door may show; both are empty where the robot runs. `source` is the text of
-    the user's own file that declares its kind, as it was accepted; empty: the kind is an installed one, or the host has
-    its file. `process` is the one that it shares with others; empty: it has one of its own. `reach` are the addresses
-    of all devices of those who share it.
+    `wiring` maps inputs and setpoints to the streams that feed them. `outputs` maps every output to its keys, and
+    `requests` maps requests to those asked and their keys. `simulated`: the robot's devices are emulated.
+    `release_key` proves that a release of the e-stop is the executive's. `rows` are those that its kind reads, by
+    table. `private` is a document between its kind and the executive alone. `host` is the other machine that it runs
+    on. `certificate` (PEM) is the only one that the robot's door may show there. Both are empty where the robot runs.
+    `source` is the text of the user's own file that declares its kind, as it was accepted. It is empty for a kind that
+    is installed, or whose file the host has. `process` names the process that it shares with others. It is empty if it
+    has its own. `reach` are the addresses of all devices of the capabilities in that process.
     """
 
     robot: str
@@ -77,16 +77,15 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
 
     @property
     def places(self) -> tuple[str, ...]:
-        """What must stay within reach of its process: its home, and the devices of all who share it."""
+        """The places that its process must reach: its home, and the devices of all capabilities in it."""
         return (self.home, *self.reach, *(device.address for device in self.devices))
 
 
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A line from a process to its executive; one with a number alone is a bare heartbeat.
+    """A line from a process to its executive. A line with a number alone is a bare heartbeat.
 
-    `number` is the order by which the capability began that it is about. `code` says by the list of codes what `reason`
-    says; `learnt` are rows to be written down, by table; `thread` is the kernel's number of the one that its loop runs
-    in.
+    `number` is that of the order which started the capability. `code` classifies `reason`, by the list of codes.
+    `learnt` are rows to write down, by table. `thread` is the kernel's number of the thread that the loop runs in.
     """
 
     number: int = 0
@@ -99,9 +98,9 @@ class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Order(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A line to a process: `start` a capability, or let the one end that was started by this number.
+    """A line to a process: `start` a capability, or end the one that was started with this number.
 
-    No number is given twice, so that nothing that was said of a start is taken for another's.
+    No number is used twice, so that a report about one start never counts for another.
     """
 
     number: int

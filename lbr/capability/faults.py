@@ -1,5 +1,4 @@
-"""What is wrong with a kind as it was declared, before anything of it is used: first values that their fields do not
-take, then what does not fit together."""
+"""Faults of a declared kind: first values that do not fit their fields, then fields that contradict each other."""
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -19,19 +18,19 @@ PORTS = ("inputs", "setpoints", "outputs", "commands", "replies", "requests")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _ENTRY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 _SOUND = Kind(name="sound", summary="", family="app", entry="some:Class")
-"""Has what is looked at in place of a value that cannot be."""
+"""Has the values that stand in for those that do not fit."""
 _PLAIN = {str: "a text", bool: "True or False", int: "a number", NoneType: "None", type: "a class", dict: "a dict"}
 
 
 def faults(kind: Kind) -> tuple[str, ...]:
     """Return a sentence for each thing that a kind must not say, whatever types its fields have."""
     misfits = dict(_misfits(kind))
-    sound = replace(kind, **{name: getattr(_SOUND, name) for name, found in misfits.items() if found})
+    sound = replace(kind, **{name: getattr(_SOUND, name) for name, texts in misfits.items() if texts})
     return (*chain.from_iterable(misfits.values()), *_contradictions(sound))
 
 
 def _misfits(part: Any) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield the fields of a part, each with a sentence for each value that is not what it is annotated with."""
+    """Yield the fields of a part, each with a sentence for each value that does not fit its annotation."""
     for name, hint in get_type_hints(type(part)).items():
         yield name, tuple(_misfit(f"'{name}'", getattr(part, name), hint))
 
@@ -43,29 +42,29 @@ def _misfit(where: str, value: Any, hint: Any) -> Iterator[str]:
             if type(value) in options and is_dataclass(value):
                 yield from _misfit(where, value, type(value))
             else:
-                yield f"{where} is {_shown(value)}, and must be {' or '.join(map(_in_words, options))}"
+                yield f"{where} is {_brief(value)}, and must be {' or '.join(map(_in_words, options))}"
     elif not _fits(value, origin, options):
-        yield f"{where} is {_shown(value)}, and must be {_in_words(hint)}"
+        yield f"{where} is {_brief(value)}, and must be {_in_words(hint)}"
     elif origin is Mapping:
-        for key, one in value.items():
+        for key, item in value.items():
             yield from _misfit(f"a name in {where}", key, options[0])
-            yield from _misfit(f"{_shown(key)} in {where}", one, options[1])
+            yield from _misfit(f"{_brief(key)} in {where}", item, options[1])
     elif origin in {tuple, Collection}:
-        for one in value:
-            yield from _misfit(f"one of {where}", one, options[0])
+        for item in value:
+            yield from _misfit(f"one of {where}", item, options[0])
     elif is_dataclass(origin):
-        yield from chain.from_iterable(found for _name, found in _misfits(value))
+        yield from chain.from_iterable(texts for _name, texts in _misfits(value))
 
 
 def _fits(value: Any, origin: Any, options: tuple[Any, ...]) -> bool:
-    """Say whether a value is what an annotation says, but for what it holds."""
+    """Return whether a value fits an annotation, apart from the values in it."""
     if origin is Literal:
         return isinstance(value, str) and value in options
     if origin is type:
         return isinstance(value, type) and all(issubclass(value, option) for option in options)
     if origin is Callable:
         return callable(value)
-    text = isinstance(value, str) and origin is Collection  # it is a collection, of its letters
+    text = isinstance(value, str) and origin is Collection  # a text is a collection of its letters
     return origin is Any or (isinstance(value, origin) and not text)
 
 
@@ -106,7 +105,7 @@ def _contradictions(kind: Kind) -> Iterator[str]:
 
 
 def _strangers(field: str, names: Iterable[object], known: Collection[str], what: str) -> Iterator[str]:
-    return (f"'{field}' names {_shown(name)}, which is not {what}" for name in names if name not in known)
+    return (f"'{field}' names {_brief(name)}, which is not {what}" for name in names if name not in known)
 
 
 def _setting(kind: Kind, field: str, *names: str) -> Iterator[str]:
@@ -116,23 +115,23 @@ def _setting(kind: Kind, field: str, *names: str) -> Iterator[str]:
 def _entry(entry: str | type) -> Iterator[str]:
     if isinstance(entry, str):
         if not _ENTRY.fullmatch(entry):
-            yield f"'entry' is {_shown(entry)}, and must be a class or \"module:Class\""
+            yield f"'entry' is {_brief(entry)}, and must be a class or \"module:Class\""
         return
     from lbr.capability.base import Capability  # noqa: PLC0415 - a caller with a class has imported it
 
     if not issubclass(entry, Capability):
-        yield f"'entry' is {_shown(entry)}, and must be a class that is a Capability, or \"module:Class\""
+        yield f"'entry' is {_brief(entry)}, and must be a class that is a Capability, or \"module:Class\""
 
 
 def _ports(group: str, ports: Mapping[str, type[Struct] | Command]) -> Iterator[str]:
     for name, port in ports.items():
         message = port.message if isinstance(port, Command) else port
         if not _NAME.fullmatch(name):
-            yield f"'{group}' names a port {_shown(name)}: small letters, digits, underscores; at most 40"
+            yield f"'{group}' names a port {_brief(name)}: small letters, digits, underscores; at most 40"
         if not message.__struct_config__.frozen:
-            yield f"port {_shown(name)} carries {message.__name__}, which must be frozen: class {message.__name__}(Struct, frozen=True)"
+            yield f"port {_brief(name)} carries {message.__name__}, which must be frozen: class {message.__name__}(Struct, frozen=True)"
         elif fault := _unfit(message):
-            yield f"port {_shown(name)} carries {message.__name__}, which is not JSON: {fault}"
+            yield f"port {_brief(name)} carries {message.__name__}, which is not JSON: {fault}"
 
 
 def _settings(kind: Kind) -> Iterator[str]:
@@ -150,19 +149,19 @@ def _settings(kind: Kind) -> Iterator[str]:
 
 
 def _table(field: str, row: type[Row]) -> Iterator[str]:
-    """Yield why what a field names is not the rows of a table."""
+    """Yield why the row type in a field is not that of a table."""
     table, key, fault = getattr(row, "TABLE", None), getattr(row, "KEY", None), _unfit(row)
     if not fault and not (isinstance(table, str) and _NAME.fullmatch(table)):
-        fault = f"its TABLE is {_shown(table)}, and must be the name of one"
+        fault = f"its TABLE is {_brief(table)}, and must be the name of one"
     columns = row.__struct_fields__
     if not fault and not (isinstance(key, tuple) and key and all(column in columns for column in key)):
-        fault = f"its KEY is {_shown(key)}, and must be the columns that tell its rows apart"
+        fault = f"its KEY is {_brief(key)}, and must be the columns that tell its rows apart"
     if fault:
         yield f"'{field}' names {row.__name__}, which is not a table: {fault}"
 
 
 def _unfit(message: type[Struct]) -> str:
-    """Return why a type cannot be told or read as JSON."""
+    """Return why a type cannot be written or read as JSON."""
     try:
         msgspec.json.schema(message)
         msgspec.json.Decoder(message)
@@ -171,7 +170,7 @@ def _unfit(message: type[Struct]) -> str:
     return ""
 
 
-def _shown(value: Any) -> str:
+def _brief(value: Any) -> str:
     """Return a foreign value as one short line; its `repr` may be anything."""
     try:
         text = value.__name__ if isinstance(value, type) else repr(value)

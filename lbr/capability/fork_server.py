@@ -6,7 +6,7 @@
 
 `python -P -m lbr.capability.fork_server FD ROOM`, where FD is a socket that keeps messages apart. There must be neither
 a thread nor a session of the bus before a fork. When the executive is gone this process ends; the forked have lifelines
-of their own. All of them lie at the same places in memory: who has learnt that of one knows it of the others.
+of their own. All of them lie at the same places in memory: knowing those of one process is knowing all.
 """
 
 import ctypes

@@ -39,9 +39,9 @@ class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """The rows of a table that a kind reads: all of its robot's, or those `where` a column is what a setting says.
+    """The rows of a table that a kind reads: all of the robot, or those `where` a column equals a setting.
 
-    An empty column goes with every setting, and an empty setting with every column. What is `learnt` it may write back.
+    An empty column matches every setting. An empty setting matches every column. `learnt` rows may be written back.
     """
 
     row: type[Row]
@@ -51,12 +51,12 @@ class Rows:
 
 @dataclass(frozen=True, slots=True)
 class OnDevice:
-    """The device that a kind owns: the device row that its setting `device` names has this `type`.
+    """The device that a kind owns: its setting `device` names a device row of this `type`.
 
-    `line` says that it is on a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`; `polled`: it is asked
-    many times a second, so that what an adapter holds back matters. `emulated` is what stands in for it in a
-    simulation: a tty, a socket (`unix:PATH`) or a folder. `recognised` names how it is recognised, `module:HANDSHAKES`
-    (see `lbr.capability.recognition`), for `lbr devices`.
+    `line` marks a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`. `polled` lines carry many questions
+    a second, so that the latency of an adapter matters. `emulated` is what a simulation has: a tty, a socket
+    (`unix:PATH`) or a folder. `recognised` names its handshakes for `lbr devices`, `module:HANDSHAKES` (see
+    `lbr.capability.recognition`).
     """
 
     type: str
@@ -67,16 +67,15 @@ class OnDevice:
 
 @dataclass(frozen=True, slots=True)
 class Rights:
-    """What a kind may do besides what its wires let it.
+    """The rights of a kind beyond its wires.
 
-    What `serves` is a way by which people move and stop the robot: it ranks with what moves. What serves `people` may
-    hear every stream, ask for every command and say console lines of each role; it answers for who asks it. What
-    `pairs` lets their phones get tokens: by its request `pair` it may show the executive the digits that a person read
-    at the console, and the words `open` and `close` change its setting `host`. `lets_in` are its settings, or
-    `enabled`, that decide who comes in: no page changes them. What `records` may hear every stream, event and status,
-    look at what the robot is, and runs when all others leave it time. A world that `emulates` gets every device that
-    has a twin (see `lbr.capability.twins`). `edits` are the tables whose rows it may have written by `executive.edit`,
-    where it is wired to that.
+    `serves`: people move and stop the robot by it, so it ranks with what moves. `people`: it may receive every stream,
+    request every command and send console lines of each role. It is responsible for its users. `pairs`: it gives tokens
+    to phones. By its request `pair` it may show the executive the digits that a person read at the console. The words
+    `open` and `close` change its setting `host`. `lets_in`: its settings, or `enabled`, that decide about access. No
+    page changes them. `records`: it may receive every stream, event and status, and read the robot's description. It
+    runs when all others leave it time. `emulates`: a world that gets every device with a twin (see
+    `lbr.capability.twins`). `edits`: the tables whose rows it may have written by `executive.edit`, if wired to that.
     """
 
     serves: bool = False
@@ -90,7 +89,7 @@ class Rights:
 
 @dataclass(frozen=True, slots=True)
 class Needs:
-    """What a kind cannot run without: a package to import, which the extra of lbr brings."""
+    """The package that a kind cannot run without, and the extra of lbr that installs it."""
 
     package: str
     extra: str
@@ -127,7 +126,7 @@ class Command:
     """A command with what else there is to say of it than its message.
 
     One that is `leased` is held: its sender repeats it under its lease. `choices` are what its fields may
-    be on this robot, to complete a line by. `role` is what a sender on another machine needs.
+    be on this robot, to complete a line by. `role` is the least role of a sender on another machine.
     """
 
     message: type[Struct]
@@ -146,14 +145,14 @@ class Kind:
     """One kind of driver, operation or app: its settings, its ports and where its code is.
 
     `entry` names the class that runs (`module:Class`), imported only in its own process, or is that class. `inputs` are
-    streams it reads and `setpoints` streams sent to its own key, which only the wired source may write. `outputs` are
-    streams it publishes, `commands` what it answers, `requests` what it asks of others' commands; who says no type of
-    `replies` is answered by a CommandReply. `optional` are the inputs that it can do without: it is not reported that
-    nothing feeds them. `wires` are the inputs and requests that need no channel row. `words` are what the console of
-    every robot with a capability of this kind understands, besides the robot's rows. `says` is its setting that has
-    lines of the console, by name, each of which must be one that its robot understands. `moves` marks a path to a
-    motor: it gets the emergency stop on a session of its own and is stopped first. `rows` are the tables whose rows it
-    gets; one with a command `rows`, a `RowsChanged`, hears by that of edits, and begins again only if it refuses.
+    streams it reads. `setpoints` are streams sent to its own key, which only the wired source may write. `outputs` are
+    streams it publishes, `commands` what it answers, `requests` the commands that it sends to others. A command without
+    a type in `replies` is answered by a CommandReply. `optional` are the inputs that it can do without: they may be
+    unfed. `wires` are the inputs and requests that need no channel row. `words` are added to the console of every robot
+    with a capability of this kind. `says` is its setting with console lines, by name, each of which its robot must
+    understand. `moves` marks a path to a motor. Such a kind gets the emergency stop on a session of its own. It
+    is stopped first. `rows` are the tables whose rows it gets. A kind with a command `rows`, a `RowsChanged`, receives
+    edits by that, and is restarted only if it refuses.
     """
 
     name: str
@@ -184,7 +183,7 @@ class Kind:
 
     @property
     def device_type(self) -> str:
-        """The type of its device row; empty if it owns none."""
+        """The type of its device row; empty without a device."""
         return self.device.type if self.device is not None else ""
 
     @property
@@ -199,7 +198,7 @@ class Kind:
 
     @property
     def follows(self) -> bool:
-        """Whether it hears of edits of its rows, and goes on."""
+        """True if it receives edits of its rows, and is not restarted for them."""
         return self.messages.get("rows") is RowsChanged
 
     def command(self, name: str) -> Command:
@@ -208,7 +207,7 @@ class Kind:
         return found if isinstance(found, Command) else Command(found)
 
     def role(self, command: str) -> Role:
-        """Return the role that a command needs of a sender on another machine; anybody may stop."""
+        """Return the least role that a command needs of a sender on another machine. Anybody may stop."""
         return "view" if command == STOP else self.command(command).role
 
     def schema(self, name: str, message: type[Struct]) -> dict[str, Any]:
@@ -237,9 +236,9 @@ class Kind:
             return self.entry
         module, _, name = self.entry.partition(":")
         try:
-            found = getattr(importlib.import_module(module), name)
+            loaded = getattr(importlib.import_module(module), name)
         except Exception as err:
             raise KindError(f"kind '{self.name}': its entry {self.entry} does not load: {leaving.text(err)}") from err
-        if not isinstance(found, type):
+        if not isinstance(loaded, type):
             raise KindError(f"kind '{self.name}': its entry {self.entry} is not a class")
-        return found
+        return loaded

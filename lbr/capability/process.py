@@ -2,13 +2,13 @@
 
     executive ── Order, by standard input ──► main thread ──► a thread for each loop ── Report, by number ──► executive
 
-Orders begin with a capability, or let one end; most processes get but one. Standard input stays open as the lifeline:
-when it closes, the executive is gone, and the process stops its motion and ends, also if it was frozen.
+An order starts a capability, or ends one. Most processes get only one capability. Standard input stays open as the
+lifeline: when it closes, the executive has ended. Then the process stops its motion and ends, even after a freeze.
 
-Those of one process share the interpreter, the session on the bus and its rights there. Each ends when it is asked to,
-without the others; what fails takes them along, because nobody knows what of the process is still good. One that does
-not even begin has done nothing, and leaves alone. Every way out that is not a requested stop ends in `os._exit(70)`,
-because a thread of the bus library would keep a process alive that Python has left.
+Capabilities of one process share the interpreter, the session on the bus and its rights there. Each ends when asked to,
+without the others. A failure ends all of them, because the state of the process is unknown then. A capability that does
+not even begin has done nothing, and ends alone. Every exit except a requested stop is `os._exit(70)`. A thread of the
+bus library would keep the process alive after Python's end.
 """
 
 import contextlib
@@ -30,14 +30,15 @@ from lbr.capability.loop import Garbage, Loop
 from lbr.capability.reporter import HEARTBEAT_VARIABLE, Phase, Reporter
 
 PART_OF_CLOSING = 0.8
-"""How much of the time to leave the others get to end in order."""
+"""The share of the time to leave in which the other loops may end in order."""
 SWITCH_S = 0.0005
-"""So soon a loop gets the interpreter that another goes on using: the slowest of a hundred commands came to the motors
-after 5 ms instead of 8, and the usual one no later. Python's own 5 ms is as long as a command takes in all."""
+"""A waiting loop gets the interpreter after this time. Python's own 5 ms is as long as a whole command.
+
+The slowest of a hundred commands reached the motors after 5 ms instead of 8, the usual one no later."""
 
 
 class Member:
-    """A capability that runs here, in a thread of its own: `run(member)`."""
+    """A capability of this process. `run(member)` runs it in its own thread."""
 
     def __init__(
         self, number: int, config: ProcessConfig, fd: int, garbage: Garbage, run: "Callable[[Member], None]"
@@ -49,7 +50,7 @@ class Member:
 
 
 class ProcessHost:
-    """Runs capabilities; `stop` may come from a signal handler. `fd` is the pipe of reports."""
+    """Runs capabilities. `stop` may be called by a signal handler. `fd` is the pipe of reports."""
 
     def __init__(self, fd: int) -> None:
         self._fd = fd
@@ -59,7 +60,7 @@ class ProcessHost:
         self._crashing = threading.Lock()
 
     def obey(self, order: Order) -> None:
-        """Do what an order says; none begins where all are to end."""
+        """Carry out an order. Nothing starts once all are to end."""
         if order.start is None:
             if order.number in self._members:
                 self._members[order.number].loop.stop()
@@ -67,19 +68,19 @@ class ProcessHost:
             self._begin(order.number, order.start)
 
     def stop(self) -> None:
-        """Ask all of them to end, and the process with the last of them."""
+        """Ask all capabilities to end, and the process with the last one."""
         self._stopping = True
         for member in list(self._members.values()):
             member.loop.stop()
         self._leave_with_the_last()
 
     def wait(self) -> None:
-        """Return when all have ended."""
+        """Wait until all have ended."""
         for member in list(self._members.values()):
             member.thread.join()
 
     def crash(self, err: BaseException, of: Member | None = None) -> None:
-        """End the process, with each loop as far as there is time. Never returns."""
+        """End the process, each loop in order as far as the time allows. Never return."""
         self._crashing.acquire()
         try:
             leaving.within(leaving.CLOSE_LIMIT_S)
@@ -90,7 +91,7 @@ class ProcessHost:
                 member.loop.stop()
             leaving.trace(err)
             if of is not None:
-                with contextlib.suppress(Exception):  # it has failed already, and the others are still to end
+                with contextlib.suppress(Exception):  # its failure is reported already, and the others are still to end
                     of.loop.close()
             until = time.monotonic() + PART_OF_CLOSING * leaving.CLOSE_LIMIT_S
             for member in members:
@@ -109,7 +110,7 @@ class ProcessHost:
         try:
             member.thread.start()
         except RuntimeError as err:  # this machine gives no more threads now
-            self._gone(member, _left(err))
+            self._remove(member, _not_begun(err))
 
     def _run(self, member: Member) -> None:
         try:
@@ -118,13 +119,13 @@ class ProcessHost:
         except BaseException as err:  # noqa: BLE001 - this thread's outermost frame: stop the motion and leave
             if member.loop.began:
                 self.crash(err, member)
-            ended: Phase = _left(err)
+            ended: Phase = _not_begun(err)
         else:
             ended = "ended", "", ""
-        if not self._crashing.locked():  # the process ends: who made it end is told, not this
-            self._gone(member, ended)
+        if not self._crashing.locked():  # in a crash only its cause is reported
+            self._remove(member, ended)
 
-    def _gone(self, member: Member, ended: Phase) -> None:
+    def _remove(self, member: Member, ended: Phase) -> None:
         member.reporter.phase(*ended)
         del self._members[member.number]
         self._leave_with_the_last()
@@ -134,14 +135,14 @@ class ProcessHost:
             os._exit(0)
 
 
-def _left(err: BaseException) -> Phase:
-    """Return what is reported of one that did not begin, and write down why."""
+def _not_begun(err: BaseException) -> Phase:
+    """Log why a capability did not begin, and return the phase to report."""
     leaving.trace(err)
     return "left", leaving.text(err), "failed"
 
 
 def _orders() -> Iterator[Order]:
-    """Yield what comes on standard input, line by line, until it closes."""
+    """Yield the orders on standard input, line by line, until it closes."""
     decoder = msgspec.json.Decoder(Order)
     rest = b""
     while part := os.read(0, 65536):
@@ -161,7 +162,7 @@ def _heed(host: ProcessHost) -> None:
 
 
 def main() -> None:
-    """Run what is ordered, and leave for certain."""
+    """Carry out orders, and end the process for certain."""
     host = ProcessHost(int(os.environ[HEARTBEAT_VARIABLE]))
     try:
         wire.on_callback_error = host.crash

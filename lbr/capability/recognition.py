@@ -1,7 +1,8 @@
-"""How a driver recognises its device on a line, a bus or by the kernel's name: questions that change and move nothing.
+"""Handshakes, by which drivers recognise their devices: questions that change and move nothing.
 
-A kind names what says so: `OnDevice("my_lamp", recognised="my_lamp.recognition:HANDSHAKES")`, one handshake or a tuple of them, imported
-only when devices are looked for. `python -m lbr devices` asks them; see docs/devices.md.
+A kind names one handshake or a tuple of them, which are imported only by a search for devices:
+`OnDevice("my_lamp", recognised="my_lamp.recognition:HANDSHAKES")`. `python -m lbr devices` uses them; see
+docs/devices.md.
 """
 
 import importlib
@@ -76,16 +77,16 @@ def handshakes(kind: Kind) -> tuple[Handshake, ...]:
     named = kind.device.recognised
     module, _, name = named.partition(":")
     try:
-        found = getattr(importlib.import_module(module), name)
+        loaded = getattr(importlib.import_module(module), name)
     except Exception as err:  # a package of others may do anything
         raise KindError(f"kind '{kind.name}': {named} does not load: {type(err).__name__}: {err}") from err
-    told = found if isinstance(found, tuple) else (found,)
-    for one in told:
-        if not isinstance(one, Handshake):
-            raise KindError(f"kind '{kind.name}': {named} is no handshake, but a {type(one).__name__}")
-        if fault := _fault(one):
+    handshakes = loaded if isinstance(loaded, tuple) else (loaded,)
+    for handshake in handshakes:
+        if not isinstance(handshake, Handshake):
+            raise KindError(f"kind '{kind.name}': {named} is no handshake, but a {type(handshake).__name__}")
+        if fault := _fault(handshake):
             raise KindError(f"kind '{kind.name}': {named}: {fault}")
-    return told
+    return handshakes
 
 
 def _fault(one: Handshake) -> str:

@@ -19,7 +19,7 @@ BEAT_S = 0.2
 COUNTS_S = 1.0
 HEARTBEAT_VARIABLE = "LBR_HEARTBEAT_FD"
 _whose: ContextVar[int] = ContextVar("whose", default=0)
-"""The number by which the capability began that runs in this thread."""
+"""The number of the order that started this thread's capability."""
 
 
 def final_report(phase: str, reason: str, code: Code) -> tuple[int, bytes]:
@@ -32,8 +32,9 @@ def final_report(phase: str, reason: str, code: Code) -> tuple[int, bytes]:
 
 
 class Reporter:
-    """Writes what a capability reports, which began by order `number`, to the pipe that the executive gave; one line
-    each. `reported` is the phase that it reported last.
+    """Writes a capability's reports to the pipe of the executive, one line each.
+
+    `number` is that of the order that started it. `reported` is the phase that it reported last.
     """
 
     def __init__(self, fd: int, number: int = 0) -> None:
@@ -52,7 +53,7 @@ class Reporter:
             self._write(_encode(Report(phase=phase, reason=reason[:500], code=code, number=self._number)))
 
     def begins(self) -> None:
-        """Report which thread the loop runs in; called by that."""
+        """Report the thread of the loop, which calls this."""
         _whose.set(self._number)
         self._write(_encode(Report(number=self._number, thread=threading.get_native_id())))
 

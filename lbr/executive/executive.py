@@ -1,6 +1,6 @@
-"""The executive: runs a robot by services that take turns, until it is told to stop, and ends motion first.
+"""The executive: runs a robot by services that take turns, until asked to shut down. Motion ends first.
 
-One thread owns the database, the processes and the plan; console lines run in a pool beside it and reach it by
+One thread owns the database, the processes and the plan. Console lines run in a pool beside it, and reach it by
 `MainThread.call`.
 """
 
@@ -65,7 +65,7 @@ def run(
     *,
     console: terminal.Start | None,
 ) -> int:
-    """Run a robot until it is told to shut down; return the exit code."""
+    """Run a robot until it is asked to shut down; return the exit code."""
     robot, core = profile.robot, (core_endpoint(profile.robot),)
     since, main, notifier = time.monotonic(), MainThread(), Notifier.from_environment()
     identity = RunIdentity(
@@ -78,7 +78,7 @@ def run(
     connect = partial(session.open_client, core, identity.credentials(doors.EXECUTIVE), lease_ms=session.HELD_MS)
 
     def publish(plan: Plan) -> None:
-        """Write down for this machine how the robot is reached."""
+        """Publish on this machine how to reach the robot."""
         lock.publish(
             home.Running(
                 robot=robot,
@@ -104,7 +104,7 @@ def run(
 
 
 class Ground(NamedTuple):
-    """What a robot stands on before any of it runs."""
+    """The parts that are open before a robot is composed."""
 
     since: float
     main: MainThread
@@ -129,9 +129,9 @@ def compose(
     *,
     console: terminal.Start | None,
 ) -> "Executive":
-    """Return the executive of a robot: it answers, is seen on the bus, and is about to start what is planned.
+    """Return the executive of a robot, which answers, is present on the bus, and is about to start its plan.
 
-    Processes, emergency stop and rows are a ring: each hears of the next by a function that is called later.
+    Processes, emergency stop and rows form a ring: each reaches the next by a function that is called later.
     """
     robot, bus, main = plan.robot, ground.bus, ground.main
     served = partial(wire.QueryServer, bus, wake=main.wake, puts=False, source=EXECUTIVE)
@@ -141,8 +141,8 @@ def compose(
         emergency.forget(name)
         return emergency.state()
 
-    def learnt(name: str, told: Mapping[str, Raw]) -> None:
-        rows.learnt(name, told)
+    def learnt(name: str, tables: Mapping[str, Raw]) -> None:
+        rows.learnt(name, tables)
 
     def present(name: str) -> bool:
         return name in presence.names
@@ -221,7 +221,7 @@ def compose(
 
 @dataclass(frozen=True, slots=True)
 class Executive:
-    """Runs a robot: its services have their turns, and are closed, in their order; `token` shows that it is there."""
+    """Runs a robot: steps its services and closes them, in their order. `token` shows its presence on the bus."""
 
     ground: Ground
     journal: Journal
@@ -231,7 +231,7 @@ class Executive:
     services: tuple[Service, ...]
 
     def run(self) -> int:
-        """Stay until told to shut down, and close everything; return the exit code."""
+        """Run until asked to shut down, and close everything; return the exit code."""
         shutdown = self.ground.shutdown
         try:
             self.start_console()
@@ -244,7 +244,7 @@ class Executive:
         return shutdown.code
 
     def _wait(self, timeout_s: float) -> None:
-        """Wait for news or the next turn, and do what other threads ask for."""
+        """Wait for news or the next turn, and run the calls of other threads."""
         self.ground.notifier.beat()
         self.ground.reaper.beat()
         self.ground.main.wait(*self.processes.supervisor.awaited(max(0.0, timeout_s)))

@@ -1,7 +1,7 @@
-"""The shutdown of a robot: once asked for, it ends this process for certain, whatever its main thread hangs in.
+"""The shutdown of a robot: it ends this process for certain, even if the main thread hangs.
 
-Python runs signal handlers in the main thread alone, between two steps of its own, and a call into a library may never
-return. The kernel's part of the handler writes to a pipe at once; a thread of this module reads it, and counts.
+Python runs signal handlers in the main thread alone, between two steps of its own. A call into a library may never
+return. The kernel's part of the handler writes to a pipe at once, and a thread of this module reads that.
 """
 
 import contextlib
@@ -52,7 +52,7 @@ class Shutdown:
         threading.Thread(target=self._count, name="last resort", daemon=True).start()
 
     def heed_signals(self) -> None:
-        """Begin at a signal; one that was written to a file before counts. From the main thread."""
+        """Begin at a signal, also at one that a file has noted before; from the main thread."""
         file, noted = signal.set_wakeup_fd(self.signal_fd, warn_on_full_buffer=False), b""
         for number in self._signals:
             signal.signal(number, lambda n, _frame: self.begin(f"signal {signal.Signals(n).name}"))

@@ -28,9 +28,9 @@ def run(
     console: bool = True,
     verbose: bool = False,
 ) -> int:
-    """Run a robot until it is told to shut down; return the exit code. Errors people can mend are LbrErrors.
+    """Run a robot until it is asked to shut down; return the exit code. Errors that people can fix are LbrErrors.
 
-    A `verbose` console shows how all start.
+    A `verbose` console shows how all parts start.
     """
     profile = profiles.load(profile_name)
     lock, claim = home.RunLock(profile.robot), Claim(profile.robot)

@@ -36,7 +36,7 @@ def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulat
 
 
 def _settable(device_type: str) -> tuple[type[Struct] | None, str]:
-    """Return what a device row of a type may set for a world that emulates it, or why that is not known."""
+    """Return the settings of a device row that an emulating world accepts, or why they are not known."""
     try:
         twin = twins.find(device_type)
     except TwinError as err:

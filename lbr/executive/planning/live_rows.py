@@ -34,16 +34,17 @@ from lbr.messages.unreadable import UNREADABLE
 
 LOOK_S = 0.2
 LOOK_SHARE = 5.0
-"""Rows that are slow to read are looked at less often: they get a fifth of the main thread's time."""
+"""Looking takes at most a fifth of the main thread's time: slow reads are less frequent."""
 PROBLEMS_TOLD = 3
 """How many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
 
 
 class LiveRows(Service):
-    """`plan` runs, `vocabulary` are its words; `problems` is why an edit is not in force, `code` which sort of why.
+    """The rows in force: `plan` runs, and `vocabulary` are its words.
 
-    While it is `held`, edits wait. `processes` start and stop what another plan wants, and go on with what they learnt;
-    by `plugging` they go on with more emulated devices, or other rows. `publish(plan)` tells how the robot is reached.
+    `problems` and their `code` are why an edit is not in force. While it is `held`, edits wait. `processes` carry out
+    another plan, and go on with what they learnt. By `plugging` they receive more emulated devices, or other rows.
+    `publish(plan)` publishes how to reach the robot.
     """
 
     def __init__(
@@ -72,7 +73,7 @@ class LiveRows(Service):
         self._look_at = 0.0
 
     def step(self, now: float) -> float:
-        """Look at the rows when it is time, and keep a copy of good ones; return when to be called again."""
+        """Look at the rows when due, and keep a copy of good ones; return when to call again."""
         self._keeper.step(now, self.plan.rows.digest)
         if now >= self._look_at:
             self.look()
@@ -80,20 +81,20 @@ class LiveRows(Service):
         return self._look_at
 
     def soon(self) -> None:
-        """Look at the rows in the next turn: some were written."""
+        """Look at the rows in the next turn, because some were written."""
         self._look_at = 0.0
 
     def well(self) -> None:
-        """Take note that what runs is well: its rows are copied once that has lasted for some seconds."""
+        """Note that the robot runs well: after some seconds its rows are copied."""
         self._keeper.touched(time.monotonic())
 
     def planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
-        """Plan for rows that are not written yet; from any thread."""
+        """Return the plan for rows that are not written yet, and their problems; from any thread."""
         plan, problems = self._watch.planned(rows, self.plan)
         return plan, (*problems, *oversized(plan)) if plan is not None else problems
 
     def judge(self, rows: RobotRows) -> tuple[Problem, ...]:
-        """Return what is wrong with rows that are not written yet; from any thread."""
+        """Return the problems of rows that are not written yet; from any thread."""
         return self.planned(rows)[1]
 
     def look(self) -> None:

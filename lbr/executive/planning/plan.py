@@ -30,7 +30,7 @@ class Plan(Struct, frozen=True, kw_only=True):
 
     @property
     def lan(self) -> tuple[str, ...]:
-        """Return the endpoints at which other machines come in."""
+        """The endpoints at which other machines connect."""
         return tuple(endpoint for unit in self.units.values() if unit.lan is not None for endpoint in unit.lan.listen)
 
     def log(self, name: str) -> str:
@@ -52,7 +52,7 @@ class Plan(Struct, frozen=True, kw_only=True):
         return tuple(name for name in moving if STOP in self.commands(name))
 
     def outputs(self) -> Iterator[tuple[str, str, str, type[Struct] | None]]:
-        """Yield each stream, setpoints too: whose it is, its port, its key, and its message; None if a program's own."""
+        """Yield capability, port, key and message of each stream, also of setpoints; a program's has no message."""
         for unit in self.units.values():
             for port, wires in unit.config.outputs.items():
                 yield from ((unit.name, port, one.key, self.kinds[unit.name].outputs.get(port)) for one in wires)

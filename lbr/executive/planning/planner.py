@@ -40,10 +40,10 @@ def make(
     find: Find = registry.find,
     before: RobotRows | None = None,
 ) -> tuple[Plan | None, tuple[Problem, ...]]:
-    """Return the plan, or None and everything that is wrong with the rows, and on this machine.
+    """Return the plan, or None and all problems of the rows and of this machine.
 
-    At a start, a capability of a kind that a broken component may have is left out. Where rows are to follow others,
-    those `before`, this is so for the capabilities that these have: what is new must be there.
+    At a start, a capability is left out if its kind may belong to a broken component. After rows `before`, only a
+    capability that these have is left out: the kind of a new one must load.
     """
     known = cache(partial(_find, find, Path(site.home)))
     rows = _listening(rows, (*profile.listen, *site.listen))
@@ -143,7 +143,7 @@ def _understand(
         return None, None, []
     kind = known(row.kind)
     if isinstance(kind, Exception):
-        without = may_lack and isinstance(kind, LackingError)  # the robot runs all the same
+        without = may_lack and isinstance(kind, LackingError)  # the robot runs without it
         return None, None, [] if without else [Problem("capability", label, "kind", str(kind))]
     if "settings" in bad:  # by a device that is not there, perhaps, and in more
         return kind, None, _more(row, kind, label)

@@ -47,7 +47,7 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
 
     @property
     def process(self) -> str:
-        """Return the name of its process: of the one that it shares, or its own."""
+        """The name of its process: the shared one, or its own."""
         return self.config.process or self.name
 
     @property

@@ -112,12 +112,12 @@ class Trials:
             self._step(problems)
         elif self._looked != (revision, problems):
             try:
-                found = trials.newest(self._database)
+                trial = trials.newest(self._database)
             except LbrError:
                 return  # asked again at the next look
             self._looked = (revision, problems)
-            if found is not None and found.state == "running" and found.robot == robot:
-                self._begin(found, problems)
+            if trial is not None and trial.state == "running" and trial.robot == robot:
+                self._begin(trial, problems)
 
     def _begin(self, trial: Trial, problems: tuple[str, ...]) -> None:
         self._trial, self._until = trial, self._clock() + trial.within_s

@@ -88,17 +88,17 @@ class RowWatch:
             return self._locked_out(plan, rows) if rows.tokens != plan.rows.tokens else None
         self._version, self._files = seen, files
         room, find = self._room_beside(plan), self._kinds.find
-        new, problems = planner.make(rows, self._profile, self._site, room, find=find, before=plan.rows)
+        wanted, problems = planner.make(rows, self._profile, self._site, room, find=find, before=plan.rows)
         self._kinds.forget_faults()
         self._problems = tuple(str(problem) for problem in problems)
-        if new is None and rows.tokens != plan.rows.tokens:
+        if wanted is None and rows.tokens != plan.rows.tokens:
             return self._locked_out(plan, rows)
-        if new is None:
+        if wanted is None:
             return News(problems=self._problems)
-        return self._news(plan, new)
+        return self._news(plan, wanted)
 
     def _locked_out(self, plan: Plan, rows: RobotRows) -> News:
-        """Return the old plan with the tokens of now."""
+        """Return the running plan with the tokens of now."""
         new = planner.with_tokens(plan, rows.tokens, self._profile, self._site, self._room_beside(plan))
         return self._news(plan, new) if new is not None else News(problems=self._problems)
 
@@ -111,7 +111,7 @@ class RowWatch:
         return News(plan=new, change=plans.difference(plan, new), edited=edited, problems=self._problems)
 
     def planned(self, rows: RobotRows, beside: Plan) -> tuple[Plan | None, tuple[Problem, ...]]:
-        """Plan for rows that are not written yet, beside a plan that runs; from any thread."""
+        """Return the plan for rows that are not written yet, beside another, and their problems; from any thread."""
         return planner.make(rows, self._profile, self._site, self._room_beside(beside), before=beside.rows)
 
     def look_again(self) -> None:

@@ -26,7 +26,7 @@ _reports = Decoder(Report)
 
 
 class Reports:
-    """What a process reports, by the pipe that is its alone; -1: none."""
+    """The reports of a process, from its own pipe `fd`; -1 without a pipe."""
 
     def __init__(self, fd: int) -> None:
         self._fd = fd
@@ -34,25 +34,25 @@ class Reports:
 
     @property
     def fds(self) -> tuple[int, ...]:
-        """The pipe, while more may come."""
+        """The pipe, until it is closed."""
         return (self._fd,) if self._fd >= 0 else ()
 
     def take(self) -> list[Report]:
-        """Return what came since the last call."""
+        """Return the reports since the last call."""
         if self._fd < 0:
             return []
         try:
             part = os.read(self._fd, 65536)
         except BlockingIOError:
             return []
-        if not part:  # it closed its end, and will say no more
+        if not part:  # the process has closed its end
             self.close()
         self._buffer = (self._buffer + part)[-65536:]
         *lines, self._buffer = self._buffer.split(b"\n")
         return [_decode(line) for line in lines]
 
     def close(self) -> None:
-        """Hear no more."""
+        """Close the pipe."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
@@ -80,7 +80,7 @@ def launch(
                 pass_fds=(report_fd,),
                 start_new_session=True,
             )
-    except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+    except BaseException:  # an interruption, too, leaves nothing open
         os.close(reports_fd)
         raise
     finally:
@@ -96,13 +96,13 @@ def launch_program(program: ProgramSettings, config: ProcessConfig, log: IO[byte
         stdin=subprocess.DEVNULL,
         stdout=log,
         stderr=log,
-        env=environment | {"LBR_CONFIG": str(_way_in(config))},
+        env=environment | {"LBR_CONFIG": str(_settings_file(config))},
         start_new_session=True,
     )
 
 
 def program_environment(program: ProgramSettings, config: ProcessConfig) -> dict[str, str]:
-    """Return what a program of kind `exec` learns about its wiring."""
+    """Return the variables that describe its wiring to a program of kind `exec`."""
     return program.env | {
         "LBR_ROBOT": config.robot,
         "LBR_NAME": config.name,
@@ -120,12 +120,12 @@ def _environment(config: ProcessConfig) -> dict[str, str]:
 
 
 def _is_leaf(config: ProcessConfig) -> bool:
-    """Say whether a process opens one session as a leaf; the door to other machines is a router."""
+    """Return whether a process opens one session as a leaf. The door to other machines is a router."""
     return config.private == NOTHING
 
 
-def _way_in(config: ProcessConfig) -> Path:
-    """Write down, in Zenoh's own words, how a program gets to the bus as itself; for its owner's eyes only."""
+def _settings_file(config: ProcessConfig) -> Path:
+    """Write the Zenoh settings by which a program connects as itself. Only their owner may read the file."""
     path = home.directory("run") / f"{config.robot}-{config.name}.json5"
     with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "w") as file:
         json.dump(client_settings(config.endpoints, config.credentials, certificate=config.certificate), file)

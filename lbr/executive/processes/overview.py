@@ -13,7 +13,7 @@ Read = tuple[float | None, float | None, int | None]
 
 
 class Overview:
-    """Reads the supervisor's capabilities and the processes' meters; CPU is since the look before."""
+    """Reads the supervisor's capabilities and the processes' meters; CPU is that since the last call."""
 
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor
@@ -25,9 +25,9 @@ class Overview:
         pids = {part.child.pid for part in parts.values() if part.child is not None}
         self._meters = {pid: meter for pid, meter in self._meters.items() if pid in pids}
         read = {pid: self._read(pid) for pid in pids}
-        return tuple(self._one(name, part, now, read) for name, part in parts.items())
+        return tuple(self._status(name, part, now, read) for name, part in parts.items())
 
-    def _one(self, name: str, part: Part, now: float, read: Mapping[int, Read]) -> CapabilityStatus:
+    def _status(self, name: str, part: Part, now: float, read: Mapping[int, Read]) -> CapabilityStatus:
         cpu, memory, nice = read[part.child.pid] if part.child is not None else (None, None, None)
         return CapabilityStatus(
             name=name,

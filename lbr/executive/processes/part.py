@@ -1,4 +1,4 @@
-"""One capability as the supervisor keeps it: its process, its phase, its past."""
+"""A capability in the supervisor: its process, its phase, its past."""
 
 from math import inf
 
@@ -9,15 +9,13 @@ from lbr.messages.system import CapabilityPhase
 
 
 class Part:
-    """`child` is what runs of it now.
+    """`child` is its process now; None without one.
 
-    - `reason` and `code` are about now.
-    - `final_report` announces an end; `last_end` is the last one that was not asked for.
-    - `reported` is a phase that counts once the capability is seen on the bus.
-    - `announced` is the phase and the reason that people know; `announce_at` is when a start that does not settle is
-      announced.
-    - `suspect` is the first look at its threads in a silence, `newest` the last; `look_at` is when to look again.
-    - `usual` is the last look at how much it waits.
+    `reason` and `code` are those of now. `final_report` announces an end. `last_end` is the last end that was not
+    requested. `reported` is a phase that counts once the capability is present on the bus. `announced` are the last
+    announced phase and reason. `announce_at` is when an unsettled start is announced. `suspect` is the first look at
+    its threads in a silence, `newest` the last. `look_at` is when to look again. `usual` is the last look at how long
+    it waits for a processor.
     """
 
     def __init__(self, spec: ProcessSpec) -> None:

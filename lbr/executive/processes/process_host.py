@@ -3,8 +3,8 @@
     supervisor ── a Child for each capability ──► Process ── orders ──► the process
                                                           ◄── reports, by number ──┘
 
-A process begins with its first capability and ends with its last; most have but one. To kill one is to kill all. A
-program of the user's is a process that takes no orders and reports nothing.
+A process begins with its first capability and ends with its last. Most have only one. Killing one kills all of its
+process. A program of the user's is a process without orders and reports.
 """
 
 import contextlib
@@ -32,17 +32,16 @@ from lbr.executive.processes.reaper import Mark, Reaper
 
 LARGEST_DOCUMENT_BYTES = 1 << 20
 MORE_IN_A_DOCUMENT_BYTES = 4096
-"""What a process is told at its start besides what is planned."""
+"""Room for what is added to the plan at a start."""
 PIPE_BYTES = 1 << 16
 TERM_S = 0.8
-"""How long a process may take to end when it is asked to."""
+"""The time in which a process must end when it is asked to."""
 SLOW_S = 5.0
-"""A capability that is asked to end gets longer where others would end with it: a start, or a device, may take its
-time."""
+"""The time for a capability whose kill would end others, too: a start, or a device, may be slow."""
 
 
 def oversized(plan: Plan) -> Iterator[Problem]:
-    """Yield the processes that could not be given the rows that a plan has for them."""
+    """Yield a problem for each process that a plan has too many rows for."""
     for unit in plan.units.values():
         if len(msgspec.json.encode(unit.config)) + MORE_IN_A_DOCUMENT_BYTES > LARGEST_DOCUMENT_BYTES:
             text = f"its rows would be too many: it can be given {LARGEST_DOCUMENT_BYTES} bytes of them"
@@ -50,7 +49,7 @@ def oversized(plan: Plan) -> Iterator[Problem]:
 
 
 class ProcessHost:
-    """Starts capabilities, each in its process; their logs are in a directory."""
+    """Starts capabilities, each in its process. `logs` is the directory of their logs."""
 
     def __init__(self, logs: Path, reaper: Reaper, forks: ForkServer | None = None) -> None:
         self._logs = logs
@@ -60,9 +59,9 @@ class ProcessHost:
         self._processes: dict[str, Process] = {}
 
     def start(self, spec: ProcessSpec, config: ProcessConfig) -> "Child":
-        """Start a capability in its process; ValueError if that cannot be given so much.
+        """Start a capability in its process; raise ValueError if its order is too large.
 
-        Another process begins where there is none, or where it has given up the right to open the capability's device.
+        A new process begins where none runs, or where the running one may not open the device any more.
         """
         number = next(self._numbers)
         order = b"" if spec.program else _line(Order(number=number, start=config))
@@ -85,12 +84,12 @@ class ProcessHost:
 
 
 class Process:
-    """One of them. Nothing begins in one that is `over`: it ends, or is asked to, with all that it has."""
+    """A process with its capabilities. Once it is `over`, nothing begins in it any more."""
 
     def __init__(self, name: str, config: ProcessConfig, running: Running, reports: Reports, mark: Mark) -> None:
         self.name = name
         self.culprit: Child | None = None
-        """Whose end is its end."""
+        """The capability that has ended the process."""
         self._children: dict[int, Child] = {}
         self._override = needs_override(config.places)
         self._running = running
@@ -107,29 +106,29 @@ class Process:
         except OSError:
             self._signal(signal.SIGKILL)
             running.wait()
-            self._release()
+            self._close()
             raise
 
     @property
     def fds(self) -> tuple[int, ...]:
-        """File descriptors that have news of it: of its end, and of what it reports."""
+        """File descriptors with news: of its end, and of its reports."""
         return (self._pid_fd, *self._reports.fds)
 
     @property
     def over(self) -> bool:
-        """Whether nothing more can begin there."""
+        """True once it has ended, or is to end."""
         return self._ends or self.code() is not None
 
     def reaches(self, config: ProcessConfig) -> bool:
-        """Say whether it may open what those who are to share it now have for devices."""
+        """Return whether it may open the devices of all capabilities that are to share it."""
         return self._override or not needs_override(config.places)
 
     def code(self) -> int | None:
-        """Return how it ended, or None while it runs."""
+        """Return its exit code, or None while it runs."""
         return self._running.poll()
 
     def start(self, spec: ProcessSpec, config: ProcessConfig, number: int, order: bytes) -> "Child":
-        """Have it begin with a capability."""
+        """Order it to start a capability, and return that."""
         if spec.guarded:
             self._mark.guards(self.pid)
         child = self._children[number] = Child(spec, config, number, self)
@@ -138,22 +137,22 @@ class Process:
         return child
 
     def end(self, child: "Child") -> None:
-        """Ask a capability to end; if it is frozen, it goes on, so that it hears."""
+        """Ask a capability to end. A frozen process is continued, so that it can."""
         self._send(_line(Order(number=child.number)))
         self._end_with_all()
         self._signal(signal.SIGCONT)
 
     def kill(self, child: "Child") -> None:
-        """End it and everything it started, because of one of its capabilities."""
+        """Kill it and all that it started, because of one of its capabilities."""
         self._blame(child)
         self._signal(signal.SIGKILL)
 
-    def hear(self) -> None:
-        """Give every capability what was reported of it."""
+    def receive(self) -> None:
+        """Hand every capability its reports."""
         self._rank.retry()
         self._send(b"")
         for report in self._reports.take():
-            if (child := self._children.get(report.number)) is None:  # it has been let go
+            if (child := self._children.get(report.number)) is None:  # it was released
                 continue
             child.take(report)
             if child.failed:
@@ -163,21 +162,21 @@ class Process:
         self._end_with_all()
 
     def rank(self) -> None:
-        """Give it the niceness of the one that needs the best."""
+        """Set the niceness that its most urgent capability needs."""
         self._rank.set(min(child.niceness for child in self._children.values()))
 
-    def let_go(self, child: "Child") -> None:
-        """Let a capability that has ended go; with the last, free what is held, and end what was left behind."""
+    def release(self, child: "Child") -> None:
+        """Release a capability that has ended. With the last one, kill what is left behind and close everything."""
         del self._children[child.number]
         if self._children:
             self._end_with_all()
         else:
             self._signal(signal.SIGKILL)
             os.close(self._pid_fd)
-            self._release()
+            self._close()
 
     def _end_with_all(self) -> None:
-        """Ask it to end, once that is asked of all that have not ended."""
+        """Ask it to end, once each of its capabilities has ended or is asked to."""
         if not self.over and all(child.asked or child.left for child in self._children.values()):
             self._ends = True
             self._signal(signal.SIGTERM)
@@ -187,11 +186,11 @@ class Process:
         self.culprit = self.culprit or child
 
     def _send(self, line: bytes) -> None:
-        """Write what it takes now, and keep the rest for later: who does not read holds up nobody."""
+        """Write what it accepts now, and keep the rest: a process that does not read blocks nobody."""
         if self._running.stdin is None:
             return
         self._unsent += line
-        with contextlib.suppress(OSError):  # it takes no more now; its end is seen where every end is
+        with contextlib.suppress(OSError):  # it accepts no more now; its end is noticed where every end is
             if len(line) > PIPE_BYTES:  # if this user has pipes left
                 fcntl.fcntl(self._running.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)
         with contextlib.suppress(BlockingIOError, BrokenPipeError):
@@ -202,7 +201,7 @@ class Process:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self.pid, number)
 
-    def _release(self) -> None:
+    def _close(self) -> None:
         if self._running.stdin is not None:
             with contextlib.suppress(OSError):
                 self._running.stdin.close()
@@ -214,7 +213,7 @@ class Process:
 
 
 class Child:
-    """A capability in its process, or a program. `endpoint` is where it comes onto the bus."""
+    """A capability in its process, or a program. `endpoint` is where it connects to the bus."""
 
     def __init__(self, spec: ProcessSpec, config: ProcessConfig, number: int, process: Process) -> None:
         self.spec = spec
@@ -222,62 +221,62 @@ class Child:
         self.number = number
         self.pid = process.pid
         self.asked = False
-        """Whether it was asked to end."""
+        """True once it was asked to end."""
         self.left = self.failed = False
-        """Whether it has ended and its process goes on, and whether its process ends because of it."""
+        """`left`: it has ended alone; `failed`: its process ends because of it."""
         self._process = process
-        self._heard: list[Report] = []
+        self._received: list[Report] = []
         self._thread = 0
-        self._settled = self._told = False
+        self._settled = self._end_reported = False
         self._code = 0
 
     @property
     def fds(self) -> tuple[int, ...]:
-        """File descriptors that have news of it, first of its end."""
+        """File descriptors with news of it, first that of its end."""
         return self._process.fds
 
     @property
     def thread(self) -> int:
-        """The kernel's number of the thread that its loop runs in, once it has said so."""
+        """The kernel's number of its loop's thread; of its process until that is reported."""
         return self._thread or self.pid
 
     @property
-    def heard(self) -> bool:
-        """Whether reports of it wait that came together with another's."""
-        return bool(self._heard)
+    def has_reports(self) -> bool:
+        """True if reports of it wait, which came together with another capability's."""
+        return bool(self._received)
 
     @property
     def niceness(self) -> int:
-        """The niceness that it needs now: starting takes a busy machine long enough as it is."""
-        found = scheduling.niceness(self.spec)
-        return found if self._settled else min(found, scheduling.USUAL)
+        """The niceness that it needs now; a start is slow enough on a busy machine without a lower rank."""
+        niceness = scheduling.niceness(self.spec)
+        return niceness if self._settled else min(niceness, scheduling.USUAL)
 
     @property
     def patience_s(self) -> float:
-        """How long it may take to end when it is asked to."""
+        """The time in which it must end when it is asked to."""
         return TERM_S if self._process.over else SLOW_S
 
     def take(self, report: Report) -> None:
-        """Take a report of it; one that has left without an end has failed before it began, and has ended alone."""
+        """Accept a report. The phase `left` is a failure before it began, which ends it alone."""
         self._thread = report.thread or self._thread
         self.failed = self.failed or report.phase in {"failed", "hung"}
         self.left = self.left or report.phase in {"ended", "left"}
         if report.phase == "left":
             self._code, report = leaving.CRASHED, replace(report, phase="failed")
-        self._heard.append(report)
+        self._received.append(report)
 
     def settle(self) -> None:
-        """Hear that it is ready for the first time: it falls back to its rank."""
+        """Note that it is ready for the first time, and lower it to its rank."""
         self._settled = True
         self._process.rank()
 
     def reports(self) -> list[Report]:
-        """Return what it has said since the last call; of an end that was another's doing, whose."""
+        """Return the reports since the last call; if another capability ended its process, also which."""
         ended = self._process.code() is not None
-        self._process.hear()
-        reports, self._heard = self._heard, []
-        if ended and not self._told:
-            self._told = True
+        self._process.receive()
+        reports, self._received = self._received, []
+        if ended and not self._end_reported:
+            self._end_reported = True
             culprit = self._process.culprit
             if culprit is not None and culprit is not self and not (self.failed or self.left):
                 why = f"its process '{self._process.name}' ended with '{culprit.spec.name}', which shares it"
@@ -290,18 +289,18 @@ class Child:
         self._process.end(self)
 
     def kill(self) -> None:
-        """End its process, and all that share it."""
+        """Kill its process, with all that share it."""
         self._process.kill(self)
 
     def returncode(self) -> int | None:
-        """Return how it ended, or None while it runs: the last to leave has ended with its process."""
-        if self.left and (self._told or not self._process.over):
+        """Return its exit code, or None while it runs. The last one has that of the process."""
+        if self.left and (self._end_reported or not self._process.over):
             return self._code
-        return self._process.code() if self._told else None
+        return self._process.code() if self._end_reported else None
 
     def close(self) -> None:
-        """Let it go, after its end."""
-        self._process.let_go(self)
+        """Release it, after its end."""
+        self._process.release(self)
 
 
 def _line(order: Order) -> bytes:

@@ -30,7 +30,7 @@ _LEFT: "list[subprocess.Popen[bytes]]" = []
 
 
 class Mark:
-    """What one process is known by to the reaper, with all that it starts; `environment` goes into its own.
+    """The reaper's mark of a process and of all that it starts; `environment` goes into its own.
 
     Only a process in the session of one that `guards` may be a guard.
     """

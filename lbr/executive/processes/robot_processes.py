@@ -1,4 +1,4 @@
-"""All that runs of a robot: its capabilities on this machine and on others, and the programs of its commands."""
+"""The processes of a robot: its capabilities on this machine and on others, and the programs of its commands."""
 
 import time
 from collections.abc import Callable
@@ -34,10 +34,10 @@ NO_REAPER = "if the executive were killed now, frozen processes would be left; t
 
 
 class RobotProcesses(Service):
-    """Starts and ends them as the plan says that was taken over last; the `supervisor` has those of this machine.
+    """Starts and ends them by the plan that was adopted last. The `supervisor` has those of this machine.
 
-    `begun(name)` takes note of a new process, and returns the emergency stop that it begins with; `learnt(name, rows)`
-    is told what a capability has learnt.
+    `begun(name)` notes a new process, and returns the emergency stop that it begins with. `learnt(name, rows)` receives
+    the rows that a capability has learnt.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class RobotProcesses(Service):
         self._look_at = 0.0
 
     def take_over(self, plan: Plan, change: Change) -> None:
-        """Start and stop what another plan wants."""
+        """Start and stop processes as another plan wants."""
         self._plan = plan
         self._doors.adopt(plan)
         self._hosts.adopt(plan)
@@ -75,14 +75,14 @@ class RobotProcesses(Service):
         self.supervisor.adopt(plan.here, plans.only(change, names))
 
     def keep(self, plan: Plan, name: str) -> None:
-        """Take over a plan of which a process has all already."""
+        """Adopt a plan whose changes a process has already."""
         self._plan = plan
         if name in self.supervisor.parts:
             self.supervisor.parts[name].spec = plan.units[name]
         self._hosts.adopt(plan)
 
     def step(self, now: float) -> float:
-        """Start, watch and end what is due; return when to be called again."""
+        """Start, watch and end what is due; return when to call again."""
         due = now + self.supervisor.step()
         for text in self._doors.tidy(child.endpoint for _part, child in self.supervisor.children()):
             self._journal.happened("link_mended", EXECUTIVE, text, "warning")
@@ -103,7 +103,7 @@ class RobotProcesses(Service):
         self.supervisor.shut_down(wait_and_answer)
 
     def close(self) -> None:
-        """End the programs of commands, and answer no other machine any more."""
+        """End the programs of commands, and stop answering other machines."""
         self.external.close()
         self._hosts.close()
 
@@ -113,12 +113,12 @@ class RobotProcesses(Service):
         return tuple(known[name] for name in self._plan.units if name in known)
 
     def movers(self) -> list[str]:
-        """Return what moves something, and runs; from any thread."""
+        """Return the running capabilities that move something; from any thread."""
         parts = list(self.supervisor.parts.items())
         return [name for name, part in parts if part.spec.moves and part.child is not None] + self._hosts.movers()
 
     def process(self, name: str) -> object:
-        """Return what runs of a capability here; None if nothing does."""
+        """Return the process of a capability on this machine; None without one."""
         part = self.supervisor.parts.get(name)
         return part.child if part is not None else None
 
@@ -128,7 +128,7 @@ class RobotProcesses(Service):
         return part.started_at if part is not None else inf
 
     def restart(self, name: str, why: str = "") -> None:
-        """Restart a capability, with its past forgotten, and tell why; InputError if none of that name runs."""
+        """Restart a capability, with its past forgotten, and report why; InputError if it does not run."""
         if name not in self._plan.units:
             raise InputError(f"'{name}' does not run; {did_you_mean(name, self._plan.units)}", "unknown_name")
         if why:

@@ -32,7 +32,7 @@ DEGRADED_PATIENCE_S = 1.5
 WAY_S = 0.02
 LOOK_AGAIN_S = 0.2
 HEARTBEATS_S = 0.05
-"""What ready processes report is read together, so often, unless they move something; an end is heard at once."""
+"""The reports of ready processes that move nothing are read together, so often; an end is noticed at once."""
 LOAD_S, BUSY_SHARE = 3.0, 0.4
 """Whose main thread has waited for so much of three seconds is late with everything; a start makes others wait for
 less."""
@@ -46,12 +46,11 @@ MACHINE = "machine"
 
 
 class Supervisor:
-    """Owns every process of the plan. `happened(kind, subject, text, level, code)` is told whatever people should know.
+    """Owns every process of the plan. `happened(kind, subject, text, level, code)` receives events for people.
 
-    `present(name)` says whether a capability has announced itself on the bus; until then it is not ready for others.
-    `learnt(name, rows)` is told which rows a capability has learnt, by table. `start(spec)` returns None while its way
-    onto the bus is being opened. At most `at_once` start at a time; what moves, drives a device or serves waits for no
-    place among them.
+    A capability is ready for others once it is `present(name)` on the bus. `learnt(name, rows)` receives the rows that
+    it has learnt, by table. `start(spec)` returns None while its router is being opened. At most `at_once` start at a
+    time; what moves, drives a device or serves does not wait for that.
     """
 
     def __init__(
@@ -81,18 +80,17 @@ class Supervisor:
         self._dice = dice or random.Random()
 
     def adopt(self, specs: Mapping[str, ProcessSpec], change: Change) -> None:
-        """Take over a plan's processes: stop what is gone, restart what changed, start what is new; leave the rest
-        alone.
+        """Adopt the processes of a plan: stop, restart and start those that changed, and leave the others alone.
 
-        Who is to be told of devices or rows goes on, unless it is still starting: then it may not hear of them.
+        A process that is to receive devices or rows goes on. While it still starts, it may miss them, and is restarted.
         """
-        told = (*change.plug, *change.follow)
-        starting = tuple(name for name in told if self.parts[name].phase == "starting")
+        informed = (*change.plug, *change.follow)
+        starting = tuple(name for name in informed if self.parts[name].phase == "starting")
         for name in (*change.stop, *change.restart, *starting):
             self._retire(self.parts.pop(name))
         for name in (*change.restart, *starting, *change.start):
             self.parts[name] = Part(specs[name])
-        for name in told:
+        for name in informed:
             self.parts[name].spec = specs[name]
         self.parts = {name: self.parts[name] for name in specs}
 
@@ -108,10 +106,10 @@ class Supervisor:
         return [(part, part.child) for part in parts.values() if part.child is not None]
 
     def awaited(self, timeout_s: float) -> tuple[float, set[int]]:
-        """Return for how many seconds at most to wait for news of processes, and on which descriptors."""
+        """Return how long to wait for news of processes, at most `timeout_s`, and on which descriptors."""
         fds: set[int] = set()
         for part, child in self.children():
-            if child.heard:
+            if child.has_reports:
                 timeout_s = 0.0
             if part.phase == "ready" and not part.spec.moves:
                 timeout_s = min(timeout_s, HEARTBEATS_S)
@@ -300,7 +298,7 @@ class Supervisor:
             return False
         part.look_at = now + WAY_S
         program = part.spec.program is not None  # its token is shown by any of its threads
-        said = verdict(
+        judgement = verdict(
             silent_s,
             patience_s,
             part.suspect,
@@ -309,10 +307,10 @@ class Supervisor:
             may_run_s=inf if program or part.phase not in RUNNING else RUNS_SHARE * patience_s,
             work_s=STARTING_WORK_S if part.phase == "starting" and not program else 0.0,
         )
-        if said == "starved":
+        if judgement == "starved":
             part.look_at = now + LOOK_AGAIN_S
             self._starved(part, silent_s, now)
-        return said == "hung"
+        return judgement == "hung"
 
     def _look_at_load(self, now: float) -> None:
         """See who of those that run waits more for the processor than it has it; starting always takes a while."""
@@ -407,6 +405,6 @@ def _look_due(part: Part) -> float:
 
 def _patience_s(part: Part) -> float:
     patience = {"starting": HANG_STARTING_S, "degraded": HANG_DEGRADED_S}
-    waits = niceness(part.spec) == BACKGROUND  # such a one runs when others leave it time
+    waits = niceness(part.spec) == BACKGROUND  # a background process runs when others leave it time
     usual = HANG_MOVER_S if part.spec.moves else HANG_APP_S if waits else HANG_S
     return patience.get(part.phase, usual if part.spec.program is None else HANG_PROGRAM_S)

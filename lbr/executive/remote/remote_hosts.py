@@ -39,8 +39,8 @@ class Host:
 class RemoteHosts(Service):
     """Answers agents, at the key that `served` has for each host, from one thread.
 
-    `happened(kind, subject, text, level, code)` hears what people should know, `learnt(name, rows)` what is to be
-    written down, and `begun(name)` that a process there is a new one. `present(name)` says who is on the bus.
+    `happened(kind, subject, text, level, code)` receives events for people, `learnt(name, rows)` rows to write down,
+    and `begun(name)` each new process there. A capability is `present(name)` on the bus or not.
     """
 
     def __init__(

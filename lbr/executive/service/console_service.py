@@ -145,12 +145,12 @@ class ConsoleService(Service):
         if len(request.payload) > MAX_LINE_BYTES:
             text = f"a line has at most 4096 characters, not {len(request.payload)}"
             return ConsoleResult(code=2, text=text, reason_code="bad_value")
-        found = stamp.read(request.attachment)
-        sent_s, remote_stamp = stamp.sent_s(found, request.arrived), request.attachment if found and found.via else b""
-        waited_s = found.waited_s if found is not None else 0.0
+        sent = stamp.read(request.attachment)
+        sent_s, remote_stamp = stamp.sent_s(sent, request.arrived), request.attachment if sent and sent.via else b""
+        waited_s = sent.waited_s if sent is not None else 0.0
         return self._dispatcher.execute(
             line,
-            source=sender(found),
+            source=sender(sent),
             role=role,
             sent_s=sent_s,
             remote_stamp=remote_stamp,

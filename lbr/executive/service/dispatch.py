@@ -142,7 +142,7 @@ class Dispatcher:
             )
 
     def greeting(self) -> str:
-        """Return what the robot's own console shows once all is up."""
+        """Return the text that the robot's own console shows once all is up."""
         page = no_page = ""
         try:
             page = self._letting_in.page()

@@ -1,4 +1,4 @@
-"""Edits of rows that capabilities ask for: what a kind may write, in the name of who asked."""
+"""Edits of rows that capabilities ask for: the rows that a kind may write, in the name of a person."""
 
 import time
 from collections.abc import Callable
@@ -22,13 +22,13 @@ from lbr.messages.faces import EditCommand, EditReply
 from lbr.messages.rows import Row
 
 WAITED_FOR_S = 5.0
-"""Who asks waits this long; what is written later restarts it, since it may not know."""
+"""A capability waits this long; a later edit restarts it, since it may not know."""
 SLOW_S = 1.0
 _commands = Decoder(EditCommand)
 
 
 class Edit(Struct, frozen=True):
-    """What a capability asks for; by which process, and since when."""
+    """An edit that a capability asks for: by which process, and since when."""
 
     name: str
     command: EditCommand
@@ -38,8 +38,7 @@ class Edit(Struct, frozen=True):
 
 
 class Edits:
-    """Reads edits, and writes them if `judge` has nothing against the rows. `process(name)` is what runs for a
-    capability now."""
+    """Reads edits, and writes them if `judge` accepts the rows; `process(name)` is a capability's process now."""
 
     def __init__(
         self,
@@ -61,7 +60,7 @@ class Edits:
         self._clock = clock
 
     def read(self, request: wire.Request) -> Job:
-        """Return an edit of who is wired to this, of rows that its kind may write."""
+        """Return the edit of a capability that is wired to this, of rows that its kind may write."""
         sender = stamp.read(request.attachment)
         name = sender.source if sender is not None else ""
         if not self._may(name):

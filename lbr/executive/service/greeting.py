@@ -1,5 +1,4 @@
-"""What the robot's own console shows once all is up: where the page is, how a phone gets in, what is missing and its
-cure."""
+"""The greeting of the robot's own console once all is up: page and phone, what is missing and its cure."""
 
 from collections.abc import Iterator, Mapping
 
@@ -7,20 +6,20 @@ from lbr.executive.processes.readiness import readiness
 from lbr.messages.system import Status
 
 MOST_PARTS = 3
-"""Parts that are told with their reason: the first that do not work are mostly why the others do not."""
+"""Parts that are shown with their reason: the first failures mostly cause the others."""
 
 
 def lines(status: Status, page: str, no_page: str) -> list[str]:
-    """Return the lines; `page` is its address, and where there is none `no_page` says why."""
+    """Return the lines. `page` is its address, and without one `no_page` is the reason."""
     known = readiness(status.capabilities)
-    shown = [("Page", page or f"none: {no_page}")]
-    shown += [("Phone", "type phone, or p: it shows a code to scan")] if page else []
+    entries = [("Page", page or f"none: {no_page}")]
+    entries += [("Phone", "type phone, or p: it shows a code to scan")] if page else []
     if status.estop.engaged:
         why = f" ({status.estop.reason})" if status.estop.reason else ""
-        shown.append(("Stopped", f"the emergency stop is engaged{why}: reset releases it"))
-    shown += _parts("Failed", known.failed)
-    shown += _parts("Degraded", known.degraded)
-    return [f"{title:<9} {text}" for title, text in shown]
+        entries.append(("Stopped", f"the emergency stop is engaged{why}: reset releases it"))
+    entries += _parts("Failed", known.failed)
+    entries += _parts("Degraded", known.degraded)
+    return [f"{title:<9} {text}" for title, text in entries]
 
 
 def _parts(title: str, reasons: Mapping[str, str]) -> Iterator[tuple[str, str]]:

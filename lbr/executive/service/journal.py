@@ -68,17 +68,17 @@ NOT_WRITTEN = "events and the audit trail are not written down"
 _decoder = Decoder(Event)
 
 
-def sender(found: Stamp | None) -> str:
-    """Return who says that it has sent a message with such a stamp."""
-    return found.source[:80] if found is not None and found.source else UNSTAMPED
+def sender(sent: Stamp | None) -> str:
+    """Return the sender that a message's stamp names."""
+    return sent.source[:80] if sent is not None and sent.source else UNSTAMPED
 
 
 class Journal(Service):
     """Collects the executive's own events and everybody else's, and writes them down in batches.
 
-    What belongs into the audit trail is written at the next step, to the disk. `written` gets the events that are, and
+    Entries of the audit trail are written at the next step, to the disk. `written` receives the written events, and
     `listeners` are called at each event of the executive's own. `recent` are the newest events, oldest first;
-    `troubles` is what hinders the executive now, besides bad rows.
+    `troubles` are what hinders the executive now, besides bad rows.
     """
 
     def __init__(
@@ -140,15 +140,15 @@ class Journal(Service):
         for listener in self.listeners:
             listener()
 
-    def trouble(self, what: str, why: str) -> None:
-        """Say why `what` cannot be done now; an empty `why` says that it can. Told once, and once when it is over."""
+    def trouble(self, problem: str, why: str) -> None:
+        """Report a `problem` and why once, and once when it is over: `why` is empty then."""
         if why:
-            text = f"{what}: {why}"
-            if self.troubles.get(what) != text:
-                self.troubles[what] = text
+            text = f"{problem}: {why}"
+            if self.troubles.get(problem) != text:
+                self.troubles[problem] = text
                 self.happened("trouble", EXECUTIVE, text, "error")
-        elif self.troubles.pop(what, ""):
-            self.happened("trouble_over", EXECUTIVE, f"{what}: no longer so")
+        elif self.troubles.pop(problem, ""):
+            self.happened("trouble_over", EXECUTIVE, f"{problem}: no longer so")
 
     def record(self, kind: str, who: str, text: str) -> None:
         """Put into the audit trail what is no event; this often at most as others' events."""
@@ -174,7 +174,7 @@ class Journal(Service):
         return inf
 
     def close(self) -> None:
-        """Write down what is left, and that the run has ended in order."""
+        """Write down what waits, and that the run has ended in order."""
         self.step(time.monotonic())
         self.flush()
         with contextlib.suppress(LbrError):

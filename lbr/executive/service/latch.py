@@ -20,7 +20,7 @@ UNREADABLE = "latched, but why cannot be read"
 
 
 class Latch:
-    """A robot's latch in both places, its row and its file, in a folder that exists. `audit` writes the audit trail."""
+    """A robot's latch, in its row and in a file, whose folder exists. `audit` writes the audit trail."""
 
     def __init__(self, path: Path, database: Database, robot: str, audit: Callable[[], object]) -> None:
         self._path = path
@@ -29,12 +29,12 @@ class Latch:
         self._audit = audit
 
     def state(self, row: RobotRow) -> EstopState:
-        """Return the latch to start with: engaged if the row or the file says so."""
+        """Return the latch to start with: engaged if the row or the file is."""
         filed, engaged = read(self._path), row.estop_engaged
         return EstopState(engaged=engaged or filed is not None, reason=row.estop_reason if engaged else filed or "")
 
     def persist(self, engaged: bool, reason: str) -> None:
-        """Write it down in both places; raise LbrError saying what did not work. A release is filed last."""
+        """Write row and file, the file of a release last; raise LbrError for what did not work."""
         if not engaged:
             self._write_row(engaged=False, reason="")
             remove(self._path)
@@ -50,7 +50,7 @@ class Latch:
 
 
 def read(path: Path) -> str | None:
-    """Return why the file says that it is engaged, None if it is not; a file that cannot be read says engaged."""
+    """Return the reason in the file, None if it is released. A file that cannot be read counts as engaged."""
     if path.exists() and not path.is_file():  # reading could wait for a writer
         return UNREADABLE
     try:
@@ -64,22 +64,22 @@ def read(path: Path) -> str | None:
 
 
 def write(path: Path, reason: str) -> None:
-    """Write the file; on return it is on the disk. A full disk still takes the file, if not the reason."""
-    new = path.with_suffix(".new")
+    """Write the file to the disk. A full disk still accepts the file, if not the reason."""
+    draft = path.with_suffix(".new")
     try:
-        fd = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
+        fd = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
         try:
             _write(fd, reason[:LONGEST_REASON].encode(errors="replace"))
         finally:
             os.close(fd)
-        new.replace(path)
+        draft.replace(path)
         _sync_folder(path)
     except OSError as err:
         raise InputError(f"{path} cannot be written ({err.strerror}): check the disk") from err
 
 
 def remove(path: Path) -> None:
-    """Take the file away; on return that is on the disk."""
+    """Remove the file. On return that is on the disk."""
     try:
         path.unlink(missing_ok=True)
         _sync_folder(path)

@@ -1,4 +1,4 @@
-"""The words `phone`, `pair`, `open` and `close`: who comes in by the server for people, and from where."""
+"""The words `phone`, `pair`, `open` and `close`: access by the server for people, and from where."""
 
 import contextlib
 import ipaddress
@@ -41,25 +41,25 @@ class LettingIn:
         self._pause = pause
 
     def page(self) -> str:
-        """Return the address of the server; InputError says why there is none."""
+        """Return the address of the server; raise InputError with the reason if it has no address."""
         name = self._server().name
         place = self._serving(name)
         if place is None:
             raise InputError(f"'{name}' does not serve now", "unreachable")
         return _where(place)
 
-    def phone(self, who: str) -> ConsoleResult:
+    def phone(self, requester: str) -> ConsoleResult:
         """Open the server as `open` does, unless it is open, and draw a code as `pair` does."""
         name = self._server().name
-        if not self._opened(name, who):
-            return self.pair(OPERATE, who)
+        if not self._opened(name, requester):
+            return self.pair(OPERATE, requester)
         if self._settled(name, is_open=True) is None:
             text = f"'{name}' starts again, to be open to your network; say 'phone' again in a moment"
             return ConsoleResult(code=1, text=text, reason_code="unreachable")
-        result = self.pair(OPERATE, who)
+        result = self.pair(OPERATE, requester)
         return replace(result, text=f"'{name}' is open to your network now; 'close' takes it back.\n{result.text}")
 
-    def pair(self, role: str, who: str) -> ConsoleResult:
+    def pair(self, role: str, requester: str) -> ConsoleResult:
         """Draw a code, and tell it with all that a person needs to type or scan it."""
         if role not in get_args(Role):
             raise InputError(f"'{role[:40]}' is not a role that a phone may have: say {', '.join(get_args(Role))}")
@@ -68,7 +68,7 @@ class LettingIn:
         if place is None:
             text = f"'{name}' does not serve now, so that no phone could show a code; 'status' says why"
             return ConsoleResult(code=1, text=text, reason_code="unreachable")
-        code = self._robot.pair(role, who)  # type: ignore[arg-type]
+        code = self._robot.pair(role, requester)  # type: ignore[arg-type]
         url, is_open, tls = str(place.get("url", "")), bool(place.get("open")), bool(place.get("tls"))
         way = f"{url}#pair={code.digits}" if url else ""
         print_of = credentials.fingerprint_shown() if tls else ""
@@ -97,10 +97,10 @@ class LettingIn:
         ]
         return ConsoleResult(code=0, text="\n".join(lines), data=data)
 
-    def open(self, who: str) -> ConsoleResult:
+    def open(self, requester: str) -> ConsoleResult:
         """Have the server listen to the network, unless it does; tell what that costs, and where it is."""
         name = self._server().name
-        if self._opened(name, who):
+        if self._opened(name, requester):
             text = f"'{name}' is open to your network now"
         else:
             text = f"'{name}' is open already: it listens at {self._host(name)}"
@@ -112,13 +112,13 @@ class LettingIn:
         told = str(place.get("reason", "")) if place is not None else f"'{name}' starts; 'qr' shows the address"
         return ConsoleResult(code=0, text=f"{text}. {cost}\n{told}", data=_found(place))
 
-    def close(self, who: str) -> ConsoleResult:
+    def close(self, requester: str) -> ConsoleResult:
         """Have the server listen to this machine alone, unless it does."""
         row = self._server()
         if _is_local(self._host(row.name)):
             text = f"'{row.name}' is closed already: only this machine reaches it"
             return ConsoleResult(code=0, text=text)
-        self._robot.listen_at(row.name, HERE, who)
+        self._robot.listen_at(row.name, HERE, requester)
         self._settled(row.name, is_open=False)
         text = (
             f"'{row.name}' is closed: only this machine reaches it. Tokens stay; 'lbr token revoke NAME' takes one back"
@@ -137,11 +137,11 @@ class LettingIn:
             raise InputError(f"'{found.name}' does not run: {why}", "unreachable")
         return found
 
-    def _opened(self, name: str, who: str) -> bool:
-        """Have a server listen to the network; False if it does already."""
+    def _opened(self, name: str, requester: str) -> bool:
+        """Let a server listen to the network; return False if it does already."""
         if not _is_local(self._host(name)):
             return False
-        self._robot.listen_at(name, EVERYWHERE, who)
+        self._robot.listen_at(name, EVERYWHERE, requester)
         return True
 
     def _host(self, name: str) -> str:

@@ -1,6 +1,6 @@
-"""What people ask from pages of rows, tokens and logs.
+"""Requests of people for rows, tokens and logs, by pages.
 
-Only a server for people may ask here; it looks at the role of who asks before it does.
+Only a server for people may send them. Before, it checks the role of the person.
 """
 
 import contextlib
@@ -56,7 +56,7 @@ _commands: Decoder[Any] = Decoder(ManageCommand)  # type: ignore[arg-type]  # a 
 
 
 class Pages:
-    """Reads what pages ask, and answers it by a connection of its own; `make` plans what would run."""
+    """Reads requests of pages, and answers them by a connection of its own. `make` plans what would run."""
 
     def __init__(
         self, served: wire.QueryServer, path: Path, *, plan: Callable[[], Plan], make: Make, happened: Happened
@@ -77,7 +77,7 @@ class Pages:
         }
 
     def read(self, request: wire.Request) -> Job:
-        """Return the question of a page."""
+        """Return the job that a page asks for."""
         command = _commands.decode(request.payload)
         answer = partial(self._answers[type(command)], command)
         return Job(request, self, answer, partial(self._end, command), slow=isinstance(command, LookAtDevices))
@@ -87,7 +87,7 @@ class Pages:
         return ManageReply(accepted=False, reason=reason, code=code)
 
     def _end(self, command: Any, reply: Reply) -> bool:
-        """Tell what was written."""
+        """Report what was written; return whether rows were."""
         revision = {"revision": reply.revision}
         match command:
             case ChangeRows(write=True) if reply.accepted:

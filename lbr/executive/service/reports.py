@@ -25,7 +25,7 @@ from lbr.messages.telemetry import Telemetry
 
 ANSWERS_WITHIN_S = 1.0
 SECRET = frozenset({"user_token"})
-"""Tables that leave no robot."""
+"""Tables that never leave a robot."""
 
 
 class Reports:
@@ -120,9 +120,9 @@ class Reports:
 
 def streams(plan: Plan) -> dict[str, Any]:
     """Return the streams of a plan with their schemas, for a recorder: a `RecordedStreams`."""
-    found = {}
+    recorded = {}
     for name, output, key, message in plan.outputs():
-        found[key] = {
+        recorded[key] = {
             "key": key,
             "source": name,
             "message": message.__name__ if message is not None else "",
@@ -130,11 +130,11 @@ def streams(plan: Plan) -> dict[str, Any]:
             "schema": plan.kinds[name].schema(output, message) if message is not None else {},
         }
     programs = [row.name for row in plan.rows.external_commands]
-    return {"revision": plan.rows.revision, "streams": list(found.values()), "programs": programs}
+    return {"revision": plan.rows.revision, "streams": list(recorded.values()), "programs": programs}
 
 
 def rows(plan: Plan, profile: str) -> dict[str, Any]:
-    """Return the rows of a plan and what they mean, for a recorder: a `RecordedRows`."""
+    """Return the rows of a plan and their meaning, for a recorder: a `RecordedRows`."""
     tables = {name: own for name, own in plan.rows.tables.own.items() if name not in SECRET}
     return {"revision": plan.rows.revision, "facts": msgspec.to_builtins(facts(plan, profile)), "tables": tables}
 

@@ -1,4 +1,4 @@
-"""A running robot, as those see it who answer console lines."""
+"""A running robot, as the console sees it."""
 
 import json
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from lbr.messages.system import ConsoleResult, Event, Role, Status
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """Does what lines ask for; every method may be called from any thread."""
+    """Carries out console lines. Every method may be called from any thread."""
 
     main: MainThread
     ending: Shutdown
@@ -54,14 +54,14 @@ class Robot:
         return list(self.journal.recent)
 
     def estop(self, reason: str, source: str) -> ConsoleResult:
-        """Latch the emergency stop; the answer tells which devices have acknowledged."""
+        """Latch the emergency stop. The result names the devices that have acknowledged or not."""
         state = self.emergency.press(reason, source)
         done = state.engaged and not state.waiting
         text = state.text if state.engaged else "the emergency stop was sent, but is not confirmed yet"
         return ConsoleResult(code=0 if done else 1, text=text, reason_code="" if done else "timeout")
 
     def estop_reset(self, source: str, written_s: float) -> ConsoleResult:
-        """Release the emergency stop, unless another has pressed it since that was written; moves nothing."""
+        """Release the emergency stop, unless it was pressed after the line was written; moves nothing."""
         if why_not := self.emergency.release(source, written_s):
             return ConsoleResult(code=1, text=why_not.text, reason_code=why_not.code)
         return ConsoleResult(code=0, text=RELEASED)
@@ -74,24 +74,24 @@ class Robot:
         """Restart a capability; InputError if none of that name runs."""
         self.main.call(lambda: self.processes.restart(name))
 
-    def pair(self, role: Role, who: str) -> Code:
-        """Draw a code by which a device gets a token with a role; who asked for it is told, the code is not."""
-        code = self.main.call(lambda: self.pairing.begin(role, who))
-        text = f"{who} asked for a code: who types it within {GOOD_FOR_S:g} s gets a token with the role '{role}'"
-        self.note("pair", text, who)
+    def pair(self, role: Role, requester: str) -> Code:
+        """Draw a code that gives a device a token with a role. Its requester is reported, the code is not."""
+        code = self.main.call(lambda: self.pairing.begin(role, requester))
+        text = f"{requester} asked for a code: who types it within {GOOD_FOR_S:g} s gets a token with the role '{role}'"
+        self.note("pair", text, requester)
         return code
 
-    def listen_at(self, name: str, host: str, who: str) -> None:
-        """Write where a server listens, a setting of its row, as an edit; RowError or InputError if it may not be."""
+    def listen_at(self, name: str, host: str, requester: str) -> None:
+        """Edit the setting `host` of a server's row; RowError or InputError if that is refused."""
         with Database.open(self.database.path, program="executive") as database:
-            edits.write_setting(database, self.plan.robot, name, "host", host, self.rows.judge, by=who).good()
-        self.note("edit", f"{who} had '{name}' listen at {host}", who)
+            edits.write_setting(database, self.plan.robot, name, "host", host, self.rows.judge, by=requester).good()
+        self.note("edit", f"{requester} had '{name}' listen at {host}", requester)
 
-    def run_external(self, call: ExternalCall, who: str, origin: Origin, said_s: float) -> ConsoleResult:
-        """Start an external command, and wait for a blocking one; who asked for what is written down before."""
+    def run_external(self, call: ExternalCall, requester: str, origin: Origin, said_s: float) -> ConsoleResult:
+        """Start an external command, after a record of its requester, and wait for a blocking one."""
         row = call.command
         argv = json.dumps([*row.argv, *call.arguments], ensure_ascii=False)
-        self.note("external", f"'{row.name}' is started by {who}: {argv}", origin.source)
+        self.note("external", f"'{row.name}' is started by {requester}: {argv}", origin.source)
         command = self.main.call(lambda: self.processes.external.start(row, call.arguments, origin, said_s))
         if not row.blocking:
             log = f"it writes to {home.directory('logs') / f'{row.name}.log'}, and 'stop {row.name}' ends it"
@@ -103,14 +103,14 @@ class Robot:
             reason_code="" if code == 0 else "failed",
         )
 
-    def stop_external(self, name: str, who: str, about: str) -> str:
-        """End an external command; who asked for that is written down."""
+    def stop_external(self, name: str, requester: str, about: str) -> str:
+        """End an external command, and record its requester."""
         ended = self.processes.external.stop(name)
-        self.note("external", f"'{name}' was ended by {who}", about)
+        self.note("external", f"'{name}' was ended by {requester}", about)
         return ended
 
     def note(self, kind: str, text: str, about: str = "") -> None:
-        """Write down an event of the executive's own, before anything else."""
+        """Write down an event of the executive's own, and return when that is done."""
 
         def note() -> None:
             self.journal.happened(kind, EXECUTIVE, text, about=about)
@@ -118,6 +118,6 @@ class Robot:
 
         self.main.call(note)
 
-    def record(self, kind: str, who: str, text: str) -> None:
+    def record(self, kind: str, requester: str, text: str) -> None:
         """Put an entry into the audit trail, soon: no line, and no stop, waits for it."""
-        self.main.post(lambda: self.journal.record(kind, who, text))
+        self.main.post(lambda: self.journal.record(kind, requester, text))

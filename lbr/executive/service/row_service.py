@@ -1,5 +1,4 @@
-"""Answers who changes rows, or looks at them: beside the main loop, by connections of its own, as a client of SQLite's
-would.
+"""Answers requests to change or read rows, beside the main loop and by connections of its own.
 
 capabilities ──► executive.edit ──┐
                                   ├──► one queue ──► a thread ──► the answer, and what it means for what runs
@@ -29,9 +28,9 @@ Reply = EditReply | ManageReply
 
 
 class Job(Struct):
-    """A question under way: `work` answers it on a thread, `end` says on the main one whether rows were written.
+    """A request under way: `work` answers it on a thread, `end` returns on the main one whether rows were written.
 
-    What is `slow` is done beside the others. While one `holds` the rows, nobody else's edits come into force.
+    `slow` jobs run beside the others. While a job `holds` the rows, no other edits come into force.
     """
 
     request: wire.Request
@@ -48,17 +47,17 @@ class Asked(Protocol):
 
     @property
     def served(self) -> wire.QueryServer:
-        """Return where requests come from."""
+        """The server of the key, which receives requests."""
 
     def read(self, request: wire.Request) -> Job:
-        """Return what is to be done; InputError or MalformedError says why nothing is."""
+        """Return the job of a request; InputError or MalformedError refuses it."""
 
     def refused(self, reason: str, code: Code) -> Any:
         """Return a refusal."""
 
 
 class RowService(Service):
-    """Answers one question after the other. The main thread calls `step`; a thread waits for the disk."""
+    """Answers one request after the other. The main thread calls `step`, and a thread waits for the disk."""
 
     def __init__(self, rows: LiveRows, *asked: Asked, wake: Callable[[], None]) -> None:
         self._rows = rows
@@ -68,7 +67,7 @@ class RowService(Service):
         self._running: dict[bool, Job] = {}
 
     def step(self, _now: float) -> float:
-        """Begin and end what is due."""
+        """Begin and end jobs that are due."""
         for asked in self._asked:
             for request in asked.served.take():
                 self._take(asked, request)
@@ -81,7 +80,7 @@ class RowService(Service):
                 written |= job.end(job.reply)
                 job.request.reply(job.reply, EXECUTIVE)
         if written:
-            self._rows.soon()  # what waits begins once those rows are in force
+            self._rows.soon()  # waiting jobs begin once those rows are in force
         else:
             for job in list(self._waiting):
                 if job.slow not in self._running:
@@ -89,7 +88,7 @@ class RowService(Service):
         return inf
 
     def close(self) -> None:
-        """Take no more; one under way is written, or not, by itself."""
+        """Accept no more. An edit under way is written, or not, by itself."""
         for asked in self._asked:
             asked.served.close()
 
@@ -120,6 +119,6 @@ class RowService(Service):
             job.reply = job.work()
         except LbrError as err:
             job.reply = job.asked.refused(str(err), err.code if isinstance(err, InputError) else "failed")
-        except Exception as err:  # noqa: BLE001 - the asker is to hear it, and the rows are not held for ever
+        except Exception as err:  # noqa: BLE001 - the sender gets a reply, and the rows are not held for ever
             job.reply = job.asked.refused(f"this is broken: {type(err).__name__}: {err}", "failed")
         self._wake()

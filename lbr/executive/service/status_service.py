@@ -1,4 +1,4 @@
-"""The robot at a glance, for all who read its status, and its first word: that all is up, or what is not."""
+"""The status of the robot, and the report of its start: that all is up, or what is not."""
 
 import json
 import os
@@ -28,8 +28,9 @@ STATUS_S = 1.0
 
 
 class StatusService(Service):
-    """Publishes the status each second and at each event; on standard output it writes a line about the start, if it
-    is to `announce`. It counts the time `since` the robot began."""
+    """Publishes the status each second and at each event, and reports the start.
+
+    With `announce` it also writes a line about it to standard output. `since` is when the robot began."""
 
     def __init__(
         self,
@@ -58,11 +59,11 @@ class StatusService(Service):
         self._publisher = wire.Publisher(bus, keys.status(rows.plan.robot), EXECUTIVE, renew=self._as_of_now)
 
     def soon(self) -> None:
-        """Publish in this turn: something has happened."""
+        """Publish in this turn, because something has happened."""
         self._due = 0.0
 
     def step(self, now: float) -> float:
-        """Publish what is due, and judge the start once all has come up or given up."""
+        """Publish when due, and judge the start once all has come up or given up."""
         if now >= self._due:
             self._due = now + STATUS_S
             trim_all(home.home() / "logs")
@@ -74,11 +75,11 @@ class StatusService(Service):
         return self._due
 
     def close(self) -> None:
-        """Speak to the service manager no more."""
+        """Close the socket of the service manager."""
         self._notifier.close()
 
     def status(self) -> Status:
-        """Return the robot at a glance."""
+        """Return the status of now."""
         capabilities = self._processes.capabilities()
         return self._as_of_now(
             Status(
@@ -95,8 +96,7 @@ class StatusService(Service):
         )
 
     def _as_of_now(self, status: Status) -> Status:
-        """Return it with the emergency stop and the problems of now: who heard of one by an event reads nothing
-        older."""
+        """Return a status with the emergency stop and the problems of now; no event is newer than those."""
         rows, troubles = self._rows.problems, tuple(self._journal.troubles.values())
         return replace(
             status,
@@ -106,15 +106,15 @@ class StatusService(Service):
         )
 
     def _judge_start(self) -> None:
-        """Tell that all is up, or what is not: once for each way of not being ready, until it is."""
-        found = readiness(self._processes.capabilities())
-        if not found.ready and found.failed.keys() == self._failed:
+        """Report that all is up, or what is not: once for each set of failures, until all is."""
+        outcome = readiness(self._processes.capabilities())
+        if not outcome.ready and outcome.failed.keys() == self._failed:
             return
-        self._ready, self._failed = found.ready, found.failed.keys()
-        text = found.words(time.monotonic() - self._since)
-        if found.ready:
+        self._ready, self._failed = outcome.ready, outcome.failed.keys()
+        text = outcome.words(time.monotonic() - self._since)
+        if outcome.ready:
             self._rows.well()
-            self._journal.happened("ready", EXECUTIVE, text, "warning" if found.degraded else "info")
+            self._journal.happened("ready", EXECUTIVE, text, "warning" if outcome.degraded else "info")
             self._notifier.ready()
         else:
             self._journal.happened("not_ready", EXECUTIVE, text, "error")
@@ -122,13 +122,13 @@ class StatusService(Service):
         if self._announce:
             plan = self._rows.plan
             line = {
-                "ready": found.ready,
+                "ready": outcome.ready,
                 "robot": plan.robot,
                 "pid": os.getpid(),
                 "endpoints": [local_endpoint(plan.robot)],
                 "lan": list(plan.lan),
-                "failed": found.failed,
-                "degraded": found.degraded,
+                "failed": outcome.failed,
+                "degraded": outcome.degraded,
             }
             if why := say(json.dumps(line)):
                 text = f"the line that says so cannot be printed: standard output cannot be written ({why})"

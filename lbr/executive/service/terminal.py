@@ -11,7 +11,7 @@ from lbr.executive.service.dispatch import Dispatcher
 from lbr.messages.system import ConsoleResult
 
 Start = Callable[[str, Callable[[], Session], Dispatcher, Callable[[str, int], None]], None]
-"""Opens a console of a robot."""
+"""Opens the console of a robot."""
 
 
 def start(
@@ -22,7 +22,7 @@ def start(
     *,
     verbose: bool,
 ) -> None:
-    """Open the console; `ended` is told why, and its exit code, when it is left or its input ends.
+    """Open the console; `ended(why, code)` is called when it is left or its input ends.
 
     `verbose` shows what each part reports while it starts.
     """
