@@ -11,7 +11,7 @@ import pytest
 
 from tests.support import needs
 from tests.support.robot import Robot, only, prepare, running
-from tests.support.waiting import STOPS_S, until
+from tests.support.waiting import until
 
 needs.modules("mujoco")
 
@@ -57,7 +57,7 @@ def standing(bioloid: Robot) -> Robot:
         bioloid.line("/torque/on")  # a machine that held the joints up has had the servos let go
         return on_feet(bioloid) and told(bioloid, "motions/state")["fallen"] == ""
 
-    until(stands, limit_s=STOPS_S, what="it stands by itself")
+    until(stands, what="it stands by itself")
     return bioloid
 
 
