@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -49,44 +49,44 @@ sys.stdin.readline()
 
 
 class Deaf:
-    """Stands between a client and a router; from a moment on it takes nothing any more, and goes on to be alive."""
+    """Stands between a client and a router; from a moment on it takes no answers, and the client goes on asking."""
 
     def __init__(self, router: tuple[str, int]) -> None:
-        self.cut_off = self._deaf = self._over = False
-        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.cut_off = self._deaf = False
+        self._sockets = ExitStack()
+        self._listener = self._sockets.enter_context(socket.create_server(("127.0.0.1", 0)))
+        self._robot = self._sockets.enter_context(socket.socket())
+        self._robot.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # it does not grow with what comes
+        self._robot.connect(router)
         self.port = self._listener.getsockname()[1]
-        self._router = router
         threading.Thread(target=self._run, daemon=True).start()
 
     def listen_no_more(self) -> None:
         self._deaf = True
 
-    def close(self) -> None:
-        self._over = True
-        self._listener.close()
+    def __enter__(self) -> "Deaf":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._sockets.close()
 
     def _run(self) -> None:
-        client, _ = self._listener.accept()
-        with client, socket.create_connection(self._router) as robot:
-            threading.Thread(target=self._back, args=(client, robot), daemon=True).start()
-            try:
-                while said := client.recv(65536):
-                    robot.sendall(said)
-            except OSError:
-                pass  # the client has given up, and is alive all the same
-            try:
-                while not self._over:
-                    robot.sendall(KEEP_ALIVE)
-                    time.sleep(0.05)
-            except OSError:
-                self.cut_off = True
+        client = self._sockets.enter_context(self._listener.accept()[0])
+        threading.Thread(target=self._back, args=(client,), daemon=True).start()
+        with suppress(ConnectionError):
+            while passed := client.recv(65536):
+                self._robot.sendall(passed)
+            return
+        self.cut_off = True
 
-    def _back(self, client: socket.socket, robot: socket.socket) -> None:
-        while not self._deaf:
-            try:
-                client.sendall(robot.recv(65536))
-            except OSError:
-                return
+    def _back(self, client: socket.socket) -> None:
+        with suppress(OSError), self._robot.makefile("rb") as frames:
+            while not self._deaf:
+                length = frames.read(2)
+                client.sendall(length + frames.read(int.from_bytes(length, "little")))
+            while True:
+                client.sendall(KEEP_ALIVE)
+                time.sleep(0.05)
 
 
 @pytest.fixture
@@ -130,16 +130,18 @@ def test_many_questions_at_once_are_answered_by_a_process_that_only_leafs(endpoi
 
 
 def test_who_asks_from_another_machine_and_does_not_listen_holds_up_nobody(endpoint: str, port: int) -> None:
-    deaf = Deaf(("127.0.0.1", port))
-    with session.open_client([endpoint]) as bus, program(ASKER, f"tcp/127.0.0.1:{deaf.port}") as asker:
-        heard = wire.Subscription(bus, "robot/drive/state", depth=512)
+    with (
+        Deaf(("127.0.0.1", port)) as deaf,
+        session.open_client([endpoint]) as bus,
+        program(ASKER, f"tcp/127.0.0.1:{deaf.port}") as asker,
+    ):
+        states = wire.Subscription(bus, "robot/drive/state", depth=512)
         deaf.listen_no_more()
         asker.stdin.write(b"go\n")  # type: ignore[union-attr]
         asker.stdin.flush()  # type: ignore[union-attr]
         until(lambda: deaf.cut_off, what="it is cut off")
-        heard.take()
-        worst_s = max(json.loads(raw.payload)["worst_s"] for raw in until(heard.take, what="what the leaf says"))
-    deaf.close()
+        states.take()
+        worst_s = max(json.loads(raw.payload)["worst_s"] for raw in until(states.take, what="what the leaf publishes"))
     assert worst_s < 2.0
 
 
