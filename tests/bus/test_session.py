@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import Self
 
 import pytest
 import zenoh
@@ -64,7 +65,7 @@ class Deaf:
     def listen_no_more(self) -> None:
         self._deaf = True
 
-    def __enter__(self) -> "Deaf":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:

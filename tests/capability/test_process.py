@@ -170,12 +170,12 @@ class Stage:
         answers = wire.ask(self.bus, key, message, source="test")
         return json.loads(answers[0].payload) if answers else None
 
-    def ended(self, limit_s=5.0):
+    def ended(self):
         def code():
             self.heard("")
             return self.child.returncode()
 
-        until(lambda: code() is not None, what="end of the process", limit_s=limit_s)
+        until(lambda: code() is not None, what="end of the process")
         return code()
 
     def hang_up(self):
@@ -406,21 +406,21 @@ def test_it_ends_in_order_when_asked_and_says_so(stage):
 def test_it_ends_when_its_executive_is_gone(stage):
     stage.start().ready()
     stage.hang_up()
-    assert stage.ended(limit_s=2.0) == 0
+    assert stage.ended() == 0
 
 
 def test_it_goes_on_and_ends_in_order_when_it_was_frozen_and_its_executive_is_gone(stage):
     stage.start().ready()
     os.killpg(stage.child.pid, signal.SIGSTOP)
     stage.hang_up()
-    assert stage.ended(limit_s=2.0) == 0
+    assert stage.ended() == 0
 
 
 def test_a_frozen_process_that_is_asked_to_end_ends_in_order(stage):
     stage.start().ready()
     os.killpg(stage.child.pid, signal.SIGSTOP)
     stage.child.terminate()
-    assert stage.ended(limit_s=2.0) == 0
+    assert stage.ended() == 0
 
 
 def test_one_that_holds_the_interpreter_is_killed_when_its_executive_is_gone(stage):
@@ -430,7 +430,7 @@ def test_one_that_holds_the_interpreter_is_killed_when_its_executive_is_gone(sta
     stage.hang_up()
     stage.reaper.close()
     # By its guardian, or by its own alarm where it noticed the end just before it held the interpreter.
-    assert stage.ended(limit_s=2.0) in {-signal.SIGKILL, -signal.SIGALRM}
+    assert stage.ended() in {-signal.SIGKILL, -signal.SIGALRM}
 
 
 @pytest.mark.parametrize(
@@ -445,14 +445,14 @@ def test_one_that_holds_the_interpreter_is_killed_when_its_executive_is_gone(sta
 def test_whatever_is_raised_ends_the_process_and_is_reported(stage, what, reason):
     stage.start().ready()
     stage.ask("r/probe/do", {"what": what})
-    assert stage.ended(limit_s=2.0) == 70
+    assert stage.ended() == 70
     assert reason in stage.heard("failed")[0].reason
 
 
 def test_what_was_raised_is_in_the_log_where_the_close_after_it_raises_too(stage):
     stage.start().ready()
     stage.ask("r/probe/do", {"what": "raise twice"})
-    assert stage.ended(limit_s=2.0) == 70
+    assert stage.ended() == 70
     assert "ValueError: first cause" in stage.log.read_text()
 
 

@@ -68,7 +68,7 @@ def test_what_the_chip_feels_is_what_is_published(imu, ctx):
     assert sample.accel_mps2 == pytest.approx(FELT.accel_mps2, abs=0.002)
     assert sample.mag_ut == pytest.approx(FELT.mag_ut, abs=0.3)
     assert sample.temperature_c == pytest.approx(31.1, abs=0.2)
-    assert time.monotonic() - sample.time_s < 1.0
+    assert time.monotonic() - sample.time_s < HANG_S
 
 
 def test_a_magnet_takes_the_compass_alone(imu, ctx, chip):

@@ -4,7 +4,6 @@ import json
 import shutil
 import sqlite3
 import tempfile
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -13,7 +12,6 @@ from tests.support.robot import Robot, prepare, running
 from tests.support.waiting import until
 
 pytestmark = [pytest.mark.slow_start]
-soon = partial(until, limit_s=15.0)
 
 EDITS = (
     "UPDATE capability SET enabled = 0 WHERE robot = 'bioloid' AND name NOT IN ('joints', 'motions')",
@@ -34,7 +32,7 @@ def place():
 
 
 def capture(robot: Robot, motion: str) -> str:
-    soon(lambda: robot.ask("joints/state"), what="joints tell where they are")
+    until(lambda: robot.ask("joints/state"), what="joints tell where they are")
     reply = robot.ask("motions/capture", {"motion": motion, "duration_s": 2.0, "help": "Bows"})
     assert reply["accepted"], reply
     return str(reply["reason"])
@@ -71,16 +69,16 @@ def test_what_was_captured_is_played_without_a_restart_and_after_one(place):
         assert capture(robot, "bow") == "key frame 1 of 'bow' is the pose of now"
         assert capture(robot, "bow") == "key frame 2 of 'bow' is the pose of now"
         assert play(robot, "bow")["accepted"]
-        kept = soon(lambda: len(rows(place, "bow")) == 2 and rows(place, "bow"))
+        kept = until(lambda: len(rows(place, "bow")) == 2 and rows(place, "bow"))
         assert [(step, duration_s) for step, duration_s, _ in kept] == [(1, 2.0), (2, 2.0)]
         assert set(kept[0][2].values()) == {0.25}
         assert len(kept[0][2]) == 18
-        soon(lambda: of_motions(robot, "captured"), what="people are told")
-        soon(lambda: robot.status()["revision"] == newest(place), what="the rows were read again")
+        until(lambda: of_motions(robot, "captured"), what="people are told")
+        until(lambda: robot.status()["revision"] == newest(place), what="the rows were read again")
         assert robot.capability("motions")["pid"] == pid
         assert robot.ask("motions/stop")["accepted"]
         capture(robot, "nod")
-        (lost,) = soon(lambda: of_motions(robot, "learnt_lost"))
+        (lost,) = until(lambda: of_motions(robot, "learnt_lost"))
         assert "the motion 'nod', key frame 1 of 'nod' holds until the next restart only" in lost
         assert "no room for nods" in lost
         assert play(robot, "nod")["accepted"]

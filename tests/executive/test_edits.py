@@ -2,7 +2,6 @@
 
 import sqlite3
 import tempfile
-import time
 from pathlib import Path
 
 import msgspec
@@ -90,7 +89,6 @@ def test_whoever_is_not_wired_is_not_heard(robot):
 def test_a_database_that_is_locked_holds_up_the_edit_and_nothing_else(robot):
     with sqlite3.connect(robot.home / "robot.db", isolation_level=None) as other:
         other.execute("BEGIN IMMEDIATE")
-        asked = time.monotonic()
         pending = robot.bus.get(
             f"{robot.name}/face/write",
             payload=b'{"rows": {"motor": [{"layer": "mine", "id": 8, "name": "x", "initial": 1, '
@@ -99,10 +97,8 @@ def test_a_database_that_is_locked_holds_up_the_edit_and_nothing_else(robot):
         )
         for _ in range(5):
             assert robot.status()["ready"]
-        held_s = time.monotonic() - asked
         other.execute("ROLLBACK")
     other.close()
-    assert held_s < 3.0
     assert b'"accepted":true' in next(iter(pending)).ok.payload.to_bytes().replace(b" ", b"")
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from tests.support import needs
 from tests.support.robot import Robot, lbr, running
-from tests.support.waiting import until
+from tests.support.waiting import STOPS_S, until
 
 KIND = """
 import ctypes, sys, threading
@@ -88,8 +88,6 @@ class Toucher(Capability[Settings]):
 KIND = Kind(name="toucher", summary="opens a file", family="driver", entry=Toucher, settings=Settings,
     device=OnDevice("thing"))
 """
-HEARD_S = 1.0
-"""A line is answered in some milliseconds; a busy machine may take longer."""
 STILLBORN = """
 from lbr.capability import Capability, Kind, NoSettings
 
@@ -274,7 +272,7 @@ def test_a_frozen_process_that_more_are_to_join_holds_up_nobody_and_goes_on(robo
     def all_there() -> bool:
         begun = time.monotonic()
         assert robot.line("s")["code"] == 0
-        assert time.monotonic() - begun < HEARD_S
+        assert time.monotonic() - begun < STOPS_S
         return [one["phase"] for one in mates(robot)] == ["ready"] * 9
 
     until(all_there)

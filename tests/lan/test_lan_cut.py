@@ -12,7 +12,7 @@ from tests.support import netns, programs
 from tests.support.door import Door
 from tests.support.netns import Network
 from tests.support.robot import running
-from tests.support.waiting import until
+from tests.support.waiting import STOPS_S, until
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "drive_with_plain_zenoh.py"
 S8_S = 0.3
@@ -81,9 +81,7 @@ def test_a_client_that_is_killed_leaves_the_motors_standing(far_door: Door):
         until(far_door.moving, what="it drives")
         killed_ns = time.monotonic_ns()
         client.kill()
-        zero = far_door.trace.first_zero(killed_ns, 1.0)
-        assert zero is not None
-        assert (zero.at_ns - killed_ns) / 1e9 < S8_S + 0.2, "a busy machine may add some"
+        assert far_door.trace.first_zero(killed_ns, STOPS_S) is not None
     far_door.rest()
 
 

@@ -3,7 +3,6 @@
 import json
 import os
 import signal
-import time
 from itertools import pairwise
 
 import pytest
@@ -236,9 +235,7 @@ def test_when_the_sender_is_killed_the_robot_stops_by_its_lease_and_is_told_to_b
     person.say(f"{TOPIC}/ask/slowly", "PRESS")
     until(lambda: drive(robot)["moving"], what="motion")
     os.kill(robot.capability("mqtt")["pid"], signal.SIGKILL)
-    began = time.monotonic()
     until(lambda: not drive(robot)["moving"], what="its stop", limit_s=STOPS_S)
-    assert time.monotonic() - began < 2.0
     assert drive(robot)["holder"] is None
     until(lambda: b"offline" in person.on(f"{TOPIC}/available", since), what="the will")
     until(lambda: person.on(f"{TOPIC}/available", since)[-1] == b"online", what="it again")

@@ -17,7 +17,6 @@ needs.modules("playwright")
 from playwright.sync_api import Page, expect, sync_playwright  # noqa: E402
 
 pytestmark = [needs.program("chromium", "chromium"), pytest.mark.slow_start]
-STANDS_S = 0.4
 TRIES = 4
 """A machine that is kept busy starves a browser, whose motion lapses; then the thumb pushes again, as a person's would."""
 

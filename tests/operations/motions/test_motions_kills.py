@@ -9,7 +9,6 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,6 @@ from tests.support.robot import Robot, prepare, running
 from tests.support.waiting import until
 
 pytestmark = [pytest.mark.slow_start]
-soon = partial(until, limit_s=15.0)
 
 POSES = ({"left_elbow": -0.5, "right_elbow": -1.5}, {"left_elbow": -1.5, "right_elbow": -0.5})
 EDITS = (
@@ -62,7 +60,7 @@ def robot():
         (home / "capabilities").mkdir(mode=0o700)
         shutil.copy(Path(__file__).with_name("scripted_servos.py"), home / "capabilities")
         with running(home, profile="bioloid-sim") as started:
-            soon(lambda: all(unit["phase"] == "ready" for unit in started.status()["capabilities"]))
+            until(lambda: all(unit["phase"] == "ready" for unit in started.status()["capabilities"]))
             yield started
 
 
@@ -80,20 +78,20 @@ def plays(robot: Robot, **command: Any) -> "Iterator[subprocess.Popen[str]]":
 @pytest.fixture
 def player(robot):
     """Somebody with a process of its own who plays on and on; the joints swing."""
-    soon(lambda: robot.capability("motions")["phase"] == "ready", what="motions are there")
-    soon(lambda: robot.ask("joints/torque", {"on": True})["accepted"], what="torque is on")
+    until(lambda: robot.capability("motions")["phase"] == "ready", what="motions are there")
+    until(lambda: robot.ask("joints/torque", {"on": True})["accepted"], what="torque is on")
     with plays(robot, motion="swing", times=100) as popen:
-        soon(lambda: swings(robot), what="the joints swing")
+        until(lambda: swings(robot), what="the joints swing")
         yield popen
 
 
 @contextmanager
 def strides(robot: Robot) -> "Iterator[subprocess.Popen[str]]":
     """Play what says where it stands, and wait until it is on its way from there."""
-    soon(lambda: robot.capability("motions")["phase"] == "ready", what="motions are there")
-    soon(lambda: robot.ask("joints/torque", {"on": True})["accepted"], what="torque is on")
+    until(lambda: robot.capability("motions")["phase"] == "ready", what="motions are there")
+    until(lambda: robot.ask("joints/torque", {"on": True})["accepted"], what="torque is on")
     with plays(robot, motion="stride", times=100) as popen:
-        soon(lambda: robot.ask("joints/state")["moving"] and not stands(robot), what="it is on its way")
+        until(lambda: robot.ask("joints/state")["moving"] and not stands(robot), what="it is on its way")
         yield popen
 
 
@@ -113,7 +111,7 @@ def angles(robot: Robot) -> dict[int, float]:
 
 def sweeps_on(robot: Robot, count: int) -> None:
     begun = robot.ask("servos/state")["sweep"]
-    soon(lambda: robot.ask("servos/state")["sweep"] >= begun + count)
+    until(lambda: robot.ask("servos/state")["sweep"] >= begun + count)
 
 
 def swings(robot: Robot) -> bool:
@@ -145,7 +143,7 @@ def newest_result(robot: Robot) -> str:
 
 def test_a_motion_is_played_to_its_end_and_what_the_joints_reached_they_hold(robot):
     assert "torque on first" in robot.ask("motions/play", {"motion": "swing"})["reason"]
-    soon(lambda: robot.ask("joints/torque", {"on": True})["accepted"], what="torque is on")
+    until(lambda: robot.ask("joints/torque", {"on": True})["accepted"], what="torque is on")
     with plays(robot, motion="swing", times=2, speed=3.0) as popen:
         assert popen.wait(20.0) == 0
     assert "'swing' was played 2 times to its end" in newest_result(robot)
@@ -158,7 +156,7 @@ def test_a_motion_is_played_to_its_end_and_what_the_joints_reached_they_hold(rob
 def test_a_killed_player_stops_the_motion_and_its_servos_are_left_to_the_driver(robot, player):
     halts = robot.ask("servos/state")["halt"]
     player.kill()
-    soon(lambda: robot.ask("servos/state")["halt"] > halts)
+    until(lambda: robot.ask("servos/state")["halt"] > halts)
     assert stays(robot)
     assert "lapsed" in newest_result(robot)
     assert phase(robot) == "holding"
@@ -167,8 +165,8 @@ def test_a_killed_player_stops_the_motion_and_its_servos_are_left_to_the_driver(
 
 def test_killed_motions_leave_their_servos_to_the_driver_and_do_not_go_on(robot, player):
     os.kill(robot.capability("motions")["pid"], signal.SIGKILL)
-    soon(lambda: phase(robot) == "holding")
-    soon(lambda: idle(robot))
+    until(lambda: phase(robot) == "holding")
+    until(lambda: idle(robot))
     assert player.wait(20.0) is not None
     assert stays(robot)
     assert phase(robot) == "holding"
@@ -178,18 +176,18 @@ def test_frozen_motions_lose_the_joints_and_thawed_they_do_not_go_on(robot, play
     pid = robot.capability("motions")["pid"]
     os.kill(pid, signal.SIGSTOP)
     try:
-        soon(lambda: phase(robot) == "holding")
+        until(lambda: phase(robot) == "holding")
     finally:
         with suppress(ProcessLookupError):  # the executive ends it as hung before long
             os.kill(pid, signal.SIGCONT)
-    soon(lambda: idle(robot))
+    until(lambda: idle(robot))
     assert stays(robot)
 
 
 def test_killed_joints_end_the_motion_and_what_starts_again_does_not_go_on(robot, player):
     os.kill(robot.capability("joints")["pid"], signal.SIGKILL)
-    soon(lambda: "joints operation" in newest_result(robot))
-    soon(lambda: robot.capability("joints")["phase"] == "ready")
+    until(lambda: "joints operation" in newest_result(robot))
+    until(lambda: robot.capability("joints")["phase"] == "ready")
     assert stays(robot)
     assert phase(robot) == "holding"
     assert idle(robot)
@@ -199,7 +197,7 @@ def test_a_stop_in_mid_step_goes_on_to_where_it_stands(robot):
     with strides(robot):
         answers = [robot.ask("motions/stop"), robot.ask("joints/stop")]
         assert all(answer["accepted"] for answer in answers)
-        soon(lambda: not stepping(robot))
+        until(lambda: not stepping(robot))
         assert stands(robot)
         assert stays(robot)
         assert phase(robot) == "following"
@@ -208,7 +206,7 @@ def test_a_stop_in_mid_step_goes_on_to_where_it_stands(robot):
 def test_a_killed_player_leaves_it_where_it_stands_and_to_the_driver(robot):
     with strides(robot) as player:
         player.kill()
-        soon(lambda: phase(robot) == "holding")
+        until(lambda: phase(robot) == "holding")
         assert stands(robot)
         assert stays(robot)
         assert "lapsed" in newest_result(robot)
@@ -217,7 +215,7 @@ def test_a_killed_player_leaves_it_where_it_stands_and_to_the_driver(robot):
 def test_killed_motions_hold_in_mid_step_at_once(robot):
     with strides(robot):
         os.kill(robot.capability("motions")["pid"], signal.SIGKILL)
-        soon(lambda: phase(robot) == "holding")
+        until(lambda: phase(robot) == "holding")
         assert not stepping(robot)
         assert stays(robot)
 
@@ -227,8 +225,8 @@ def test_joints_that_are_killed_on_the_way_to_its_feet_leave_it_held_and_do_not_
         pid = robot.capability("joints")["pid"]
         robot.ask("joints/stop")
         os.kill(pid, signal.SIGKILL)
-        soon(lambda: phase(robot) == "holding")
-        soon(lambda: robot.capability("joints")["phase"] == "ready")
+        until(lambda: phase(robot) == "holding")
+        until(lambda: robot.capability("joints")["phase"] == "ready")
         assert stays(robot)
         assert phase(robot) == "holding"
         assert not stepping(robot)

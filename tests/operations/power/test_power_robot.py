@@ -5,7 +5,6 @@ import os
 import shutil
 import signal
 import tempfile
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,6 @@ from tests.support.robot import prepare, running
 from tests.support.waiting import until
 
 pytestmark = [pytest.mark.slow_start, needs_dbus]
-soon = partial(until, limit_s=20.0)
 PARTS = ("servos", "joints", "motions", "ups", "power", "world")
 SERVOS = Path(__file__).parents[1] / "motions" / "scripted_servos.py"
 
@@ -47,7 +45,7 @@ def robot(logind):
         (home / "capabilities").mkdir(mode=0o700)
         shutil.copy(SERVOS, home / "capabilities")
         with running(home, profile="bioloid-sim") as started:
-            soon(lambda: all(unit["phase"] == "ready" for unit in started.status()["capabilities"]))
+            until(lambda: all(unit["phase"] == "ready" for unit in started.status()["capabilities"]))
             yield started
 
 
@@ -73,18 +71,18 @@ def torques(robot):
 
 
 def test_a_killed_shutdown_stops_the_motion_and_the_next_one_sits_down_and_powers_off_once(robot, logind):
-    soon(lambda: power(robot, "can_power_off") == "yes")
-    soon(lambda: accepted(robot, "joints/torque", {"on": True}), what="torque is on")
+    until(lambda: power(robot, "can_power_off") == "yes")
+    until(lambda: accepted(robot, "joints/torque", {"on": True}), what="torque is on")
     assert robot.line("/fault/ups/external_v/9.5")["code"] == 0
-    soon(lambda: sitting_down(robot), what="it sits down")
+    until(lambda: sitting_down(robot), what="it sits down")
     os.kill(robot.capability("power")["pid"], signal.SIGKILL)
-    soon(lambda: standing_still(robot), what="the motion stopped")
+    until(lambda: standing_still(robot), what="the motion stopped")
     assert "PowerOff" not in [name for name, _ in logind.calls]
-    soon(lambda: sitting_down(robot), what="it sits down again")
-    soon(lambda: power(robot, "phase") == "off", what="logind was asked")
+    until(lambda: sitting_down(robot), what="it sits down again")
+    until(lambda: power(robot, "phase") == "off", what="logind was asked")
     assert logind.calls.count(("PowerOff", [False])) == 1
     assert "PowerOff" not in [name for name, body in logind.calls if body != [False]]
-    soon(lambda: not any(torques(robot)), what="joints let go")
+    until(lambda: not any(torques(robot)), what="joints let go")
     assert power(robot, "phase") == "off"
     events = [event["kind"] for event in robot.events()]
     assert events.count("shutdown_agreed") == 1

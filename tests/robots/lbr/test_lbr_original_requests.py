@@ -21,7 +21,7 @@ from lbr.messages.telemetry import AmperagesPart, BatteryPart, CameraPart, Camer
 from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.apps.web.web_stage import Served, serving
 from tests.docs.pages import ROOT
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 PAGE = ROOT / "docs" / "rest_api.md"
 FACE = {"faces": ("lbr_original",)}
@@ -268,11 +268,12 @@ def test_telemetry_after_a_motion_began_is_newer_than_that_or_a_second_late(serv
     server.ask("POST", "/", {"level": 0.3, "angle": 0})
     begun = time.monotonic()
     assert server.ask("GET", "/telemetry").status == 200
-    assert time.monotonic() - begun > 0.5
+    late_s = time.monotonic() - begun
+    assert late_s > 0.5
     server.stage.say("telemetry", TELEMETRY)
     begun = time.monotonic()
     assert server.ask("GET", "/telemetry").status == 200
-    assert time.monotonic() - begun < 0.5
+    assert time.monotonic() - begun < late_s
 
 
 @pytest.mark.parametrize("ending", [b"\r\n", b"\n", b""])
@@ -344,7 +345,7 @@ def test_whatever_is_posted_is_answered_at_once_and_never_by_a_fault(server, pat
     begun = time.monotonic()
     found = server.ask("POST", path, body)
     assert found.status < 500, (path, body, found.body)
-    assert time.monotonic() - begun < 5.0
+    assert time.monotonic() - begun < HANG_S
     if found.headers.get("content-type", "").startswith("application/json"):
         assert isinstance(json.loads(found.body), dict)
 
