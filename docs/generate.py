@@ -9,7 +9,8 @@ import re
 import sqlite3
 import sys
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from functools import cache
 from itertools import pairwise
@@ -41,6 +42,7 @@ from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_role
 from lbr.executive.service.completion_values import REPORTS
 from lbr.executive.service.journal import CODES
 from lbr.messages import codes, system
+from lbr.messages.leases import CommandReply
 from lbr.messages.rows import Row
 from lbr.messages.system import Role, higher
 from lbr.simulation import faults
@@ -48,6 +50,7 @@ from lbr.simulation import faults
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = ROOT / "docs" / "reference"
 NOWHERE = Path("/nowhere")
+NAME_RULE = "a name (small letters, digits, underscores; at most 40)"
 PAGE_HEAD = "<!-- Written by docs/generate.py; do not edit. -->\n\n"
 ROBOTS = ("lbr", "bioloid", "uxa90")
 FAMILIES = ("driver", "operation", "app", "program", "simulation")
@@ -227,19 +230,29 @@ def rows_page() -> str:
     """Return the reference of tables and columns."""
     parts = [
         "# The rows\n",
-        "Every table of a robot database, as `robot.db.sql` makes them. How to edit them is in [the rows](../rows.md).\n",
+        (
+            "You find here every table of a robot database, as `robot.db.sql` makes them; `lbr db tables` prints those of a "
+            "robot. How to edit them: [the rows](../rows.md). A *name* has small letters, digits and underscores, at most 40.\n"
+        ),
     ]
     return "\n".join(parts + [_table_section(table) for table in tables().tables.values()])
 
 
 def _table_section(table: Table) -> str:
     columns = [
-        (f"`{one.name}`", str(one.type).lower(), _default(one), schema.comment(one), one.info.get("allowed", ""))
-        for one in table.columns
+        (f"`{column.name}` {str(column.type).lower()}", _default(column), schema.comment(column), _rule(column))
+        for column in table.columns
     ]
-    over = "; ".join(f"`{rule}`" for rule in schema.over_all(table))
-    head = ("column", "type", "default", "meaning", "allowed")
-    return f"## {table.name}\n\n{table.comment}\n\n{_table(head, columns)}\nOver all columns: {over}.\n{_users(table.name)}"
+    head = ("column", "default", "meaning", "allowed")
+    key = ", ".join(f"`{column.name}`" for column in table.primary_key)
+    return f"## {table.name}\n\n{table.comment} Key: {key}.\n\n{_table(head, columns)}{_users(table.name)}"
+
+
+def _rule(column: Column[Any]) -> str:
+    """Return what a column may hold: the table that it refers to, or the words of its check."""
+    refers = [f"a row of `{key.column.table.name}`" for key in column.foreign_keys]
+    allowed = str(column.info.get("allowed", "")).replace(NAME_RULE, "name")
+    return "; ".join(filter(None, [*refers, allowed]))
 
 
 def _users(table: str) -> str:
@@ -271,35 +284,100 @@ def codes_page() -> str:
     rows = [(f"`{code}`", meaning) for code, meaning in codes.MEANINGS.items()]
     return (
         "# Codes\n\n"
-        "Every refusal, result, loss and event that tells a reason carries one of these as `code` beside its sentence; the "
-        "result of a console line, whose `code` is the exit code, as `reason_code`. Where two things are told, `cause` is "
-        "the second: of `dead_lease`, how that lease ended.\n\n"
+        "You find here why something is refused, ended or lost. Every refusal, result, loss and event has a `code` beside its "
+        "sentence; the result of a console line has it as `reason_code`, because its `code` is the exit code. A `cause` is a "
+        "second code: of `dead_lease`, how that lease ended.\n\n"
         "A program reads the code, a person the sentence. A code keeps its meaning for ever, and new ones are added: treat "
-        "one that you do not know like `refused`, or like `failed` if it tells how something ended.\n\n"
+        "an unknown one like `refused`, or like `failed` at an end.\n\n"
         + _table(("code", "meaning"), rows)
-        + "\n## What the executive tells of\n\n"
-        "By the kinds of its own events. Those of a process (`degraded`, `crashed`, `hung`, `failed`, `need_lost`) have the code "
-        "that the process told, or `failed`, `timeout` and `unreachable`. In the status, each capability has the `code` of its "
-        "`reason` and the `end_code` of its `last_end`, and `problem_codes` are those of the `problems`.\n\n"
+        + "\n## Events of the executive\n\n"
+        "Those of a process (`degraded`, `crashed`, `hung`, `failed`, `need_lost`) have the code of the process, or `failed`, "
+        "`timeout` and `unreachable`. In the status, each capability has the `code` of its `reason` and the `end_code` of its "
+        "`last_end`; `problem_codes` are those of the `problems`.\n\n"
         + _table(
             ("event", "code"),
-            [(f"`{kind}`", f"`{code}`" if code else "none: it tells no why") for kind, code in CODES.items()],
+            [(f"`{kind}`", f"`{code}`" if code else "none") for kind, code in CODES.items()],
         )
     )
 
 
 # -- structs ----------------------------------------------------------------------------------------------------------
 
+_UNITS = re.compile(r"_(m|cm|deg|rad|s|ms|us|v|a|c|hz|px|mps|rps|dps|mps2|nm|kg|ut|percent)$")
+UNITS = {"metres", "degrees", "seconds", "microseconds", "volts", "microtesla", "amperes", "kilograms", "per cent"}
+"""Names with a unit are numbers: the type says no more."""
+NAME = "^[a-z][a-z0-9_]*$"
 
-def struct_table(struct: type[Struct]) -> str:
-    """Return a struct's fields as a table: name, type with bounds, default, meaning."""
+
+def inline_fields(struct: type[Struct], common: Iterable[str] = ()) -> str:
+    """Return a struct's fields as a line: name and default in one, then what neither of them says."""
+    own = [field for field in _fields_of(struct) if _shape(field) not in common]
+    shared = [f"`{field.encode_name}`" for field in _fields_of(struct) if _shape(field) in common]
+    lines = [", ".join(map(_inline, own))] if own else []
+    lines += [f"Common: {', '.join(shared)}."] if shared else []
+    return "\n\n".join(lines or ["No fields."]) + "\n"
+
+
+def _inline(field: inspect.Field) -> str:
+    default = "" if field.required or _field_default(field) == "…" else f"={_field_default(field)}"
+    return " ".join(filter(None, [f"`{field.encode_name}{default}`", _allowed(field), _meaning(field)]))
+
+
+def _meaning(field: inspect.Field) -> str:
+    return f"({meaning})" if (meaning := _effect(field)) else ""
+
+
+def _effect(field: inspect.Field) -> str:
+    """Return what a field does, without the unit that its name ends with."""
+    meaning = type_words(field.type)[1]
+    return "" if meaning in UNITS and _UNITS.search(field.encode_name) else meaning
+
+
+def _allowed(field: inspect.Field) -> str:
+    """Return the type and bounds of a field, without what its default or its unit says already."""
+    words, _ = type_words(field.type)
+    said = {"true or false"} if not field.required else set()
+    if not field.required and _field_default(field) != "null":
+        said |= {"number", "whole number", "text"}
+    if _UNITS.search(field.encode_name):
+        said |= {"number", "whole number", "number or null"}
+        words = re.sub(r"^(whole )?number ", "", words)
+    elif not field.required and _field_default(field) != "null":
+        words = re.sub(r"^(whole )?number (?=[≥>≤<0-9-])", "", words)
+    if _field_default(field) == "null":
+        words = words.removesuffix("or null").rstrip()
+    return "" if words in said else words
+
+
+def _fields_of(struct: type[Struct]) -> tuple[inspect.Field, ...]:
     info = inspect.type_info(struct)
     assert isinstance(info, inspect.StructType)
-    rows = []
-    for field in info.fields:
-        words, meaning = type_words(field.type)
-        rows.append((f"`{field.encode_name}`", words, _field_default(field), meaning))
-    return _table(("field", "type", "default", "meaning"), rows) if rows else "No fields.\n"
+    return info.fields
+
+
+def _shape(field: inspect.Field) -> str:
+    return f"{field.encode_name}: {type_words(field.type)} = {_field_default(field)}"
+
+
+def common_fields(structs: Iterable[type[Struct]], at_least: int) -> dict[str, inspect.Field]:
+    """Return the fields that so many structs have alike, by their shape."""
+    every = [field for struct in dict.fromkeys(structs) for field in _fields_of(struct)]
+    times = Counter(map(_shape, every))
+    return {shape: field for field in every if times[shape := _shape(field)] >= at_least}
+
+
+def settings_table(struct: type[Struct], common: Iterable[str] = ()) -> str:
+    """Return a struct's fields as a table of a line each, and the names of those that are common."""
+    head = ("setting", "default", "allowed", "effect")
+    own = [field for field in _fields_of(struct) if _shape(field) not in common]
+    shared = [f"`{field.encode_name}`" for field in _fields_of(struct) if _shape(field) in common]
+    table = _table(head, map(_setting, own)) if own else ""
+    return table + (f"\nCommon: {', '.join(shared)}.\n" if shared else "" if own else "No settings.\n")
+
+
+def _setting(field: inspect.Field) -> tuple[str, ...]:
+    default = "required" if field.required else "" if _field_default(field) == "…" else f"`{_field_default(field)}`"
+    return f"`{field.encode_name}`", default, _allowed(field), _effect(field)
 
 
 def type_words(kind: inspect.Type) -> tuple[str, str]:
@@ -308,26 +386,30 @@ def type_words(kind: inspect.Type) -> tuple[str, str]:
         words, _ = type_words(kind.type)
         return words, str((kind.extra_json_schema or {}).get("description", ""))
     if isinstance(kind, inspect.UnionType):
-        parts = [type_words(one) for one in kind.types]
+        parts = [type_words(each) for each in kind.types]
         return " or ".join(words for words, _ in parts), " ".join(text for _, text in parts if text)
     return _plain_words(kind), ""
 
 
-def _plain_words(kind: inspect.Type) -> str:  # noqa: PLR0911 - a table of cases
+def _plain_words(kind: inspect.Type) -> str:  # noqa: C901, PLR0911 - a table of cases
     match kind:
         case inspect.FloatType() | inspect.IntType():
             return " ".join(["whole number" if isinstance(kind, inspect.IntType) else "number", *_bounds(kind)])
+        case inspect.StrType(pattern=str(pattern)) if _escape(pattern) == NAME:
+            return "name"
         case inspect.StrType():
-            longest = f" of {kind.max_length} characters at most" if kind.max_length else ""
+            longest = f" ≤{kind.max_length}" if kind.max_length else ""
             return f"text{longest}" + (f" like `{_escape(kind.pattern)}`" if kind.pattern else "")
         case inspect.LiteralType():
-            return ", ".join(f"`{msgspec.json.encode(value).decode()}`" for value in kind.values)
+            return "`" + ",".join(msgspec.json.encode(value).decode() for value in kind.values) + "`"
         case inspect.VarTupleType() | inspect.ListType():
             return f"list of {type_words(kind.item_type)[0]}"
+        case inspect.TupleType():
+            return "list of " + ", ".join(type_words(each)[0] for each in kind.item_types)
         case inspect.DictType():
             return f"object: {type_words(kind.key_type)[0]} to {type_words(kind.value_type)[0]}"
         case inspect.StructType():
-            return f"`{kind.cls.__name__}`"
+            return f"[{kind.cls.__name__}](#{kind.cls.__name__.lower()})"
         case inspect.BoolType():
             return "true or false"
         case inspect.NoneType():
@@ -337,9 +419,11 @@ def _plain_words(kind: inspect.Type) -> str:  # noqa: PLR0911 - a table of cases
 
 
 def _bounds(kind: inspect.FloatType | inspect.IntType) -> list[str]:
-    low = f"≥ {kind.ge:g}" if kind.ge is not None else f"> {kind.gt:g}" if kind.gt is not None else ""
-    high = f"≤ {kind.le:g}" if kind.le is not None else f"< {kind.lt:g}" if kind.lt is not None else ""
-    return [", ".join(filter(None, [low, high]))] if low or high else []
+    if kind.ge is not None and kind.le is not None:
+        return [f"{kind.ge:g}…{kind.le:g}"]
+    low = f"≥{kind.ge:g}" if kind.ge is not None else f">{kind.gt:g}" if kind.gt is not None else ""
+    high = f"≤{kind.le:g}" if kind.le is not None else f"<{kind.lt:g}" if kind.lt is not None else ""
+    return [f"{low}{high}"] if low or high else []
 
 
 def _field_default(field: inspect.Field) -> str:
@@ -347,7 +431,7 @@ def _field_default(field: inspect.Field) -> str:
         return "required"
     value = field.default if field.default_factory is msgspec.NODEFAULT else field.default_factory()
     shown = msgspec.json.encode(value).decode()
-    return f"`{shown}`" if len(shown) <= 60 else "see the code"
+    return shown if len(shown) <= 60 and not isinstance(value, Struct) else "…"
 
 
 def nested(struct: type[Struct]) -> list[type[Struct]]:
@@ -391,15 +475,35 @@ _SYSTEM = (
 )
 
 
+_COMMON = {
+    "accepted": "whether the robot does what was asked",
+    "age_s": "how old it is",
+    "cause": "a second [code](codes.md): of `dead_lease`, how that lease ended",
+    "code": "the [code](codes.md) of `reason`, for programs",
+    "lease": "the lease that this command renews or changes; empty: a new one",
+    "reason": "a sentence for people: why it is refused, ended or not known; empty: nothing to explain",
+    "take_over": "take the lease from its holder, where the role allows it",
+    "temperature_c": "null: not measured",
+    "ttl_s": "the command ends after this time, unless it is renewed",
+    "valid": "false: do not use the rest",
+}
+
+
 def topics_page(known: list[Kind]) -> str:
     """Return the reference of keys and messages."""
+    messages = _messages(known)
+    common = {shape: field for shape, field in common_fields(messages, 4).items() if field.encode_name in _COMMON}
     parts = [
         "# Topics and messages\n",
         (
-            "Keys are `<robot>/<capability>/<name>`, and the middle part is the row's name, not the kind's. Payloads are "
-            "JSON. Units are the suffixes of the field names: `_m` metres, `_cm` centimetres, `_deg` degrees, `_rad` "
-            "radians, `_s` seconds, `_v` volts, `_a` amperes, `_mps` metres a second, `_rps` radians a second, `_c` "
-            "degrees Celsius. How to use them is in [the bus](../bus.md).\n"
+            "You find here each key on the bus and each message on it. A running robot prints the same: "
+            "`lbr topic list`, `lbr topic info KEY`.\n"
+        ),
+        (
+            "A key is `<robot>/<capability>/<name>`; the middle part is the row's name, not the kind's. Payloads are JSON. "
+            "A unit ends the name of a number: `_m` metres, `_deg` degrees, `_rad` radians, `_s` seconds, `_v` volts, `_a` "
+            "amperes, `_mps` metres a second, `_rps` radians a second, `_c` degrees Celsius. How to use them: "
+            "[the bus](../bus.md).\n"
         ),
         "## System keys\n",
         _table(
@@ -407,21 +511,34 @@ def topics_page(known: list[Kind]) -> str:
             [(f"`{key}`", how, _link(takes), _link(gives)) for key, how, takes, gives in _SYSTEM],
         ),
         "## By kind\n",
+        "A command is answered by a [CommandReply](#commandreply), unless `→` names another message.\n",
     ]
     parts += [_kind_ports(kind) for kind in known]
     parts.append("## Messages\n")
-    parts += [_message_section(message) for message in _messages(known)]
+    parts.append(
+        "A field is shown with its default; a field without default is required. The type is named where neither default nor "
+        "unit shows it. *name*: small letters, digits and underscores, at most 40. Common fields are explained once:\n"
+    )
+    shown = {field.encode_name: _allowed(field) for field in common.values()}
+    parts.append(
+        _table(("field", "type", "meaning"), [(f"`{each}`", shown[each], _COMMON[each]) for each in sorted(shown)])
+    )
+    parts += [_message_section(message, common) for message in messages]
     return "\n".join(parts)
 
 
 def _kind_ports(kind: Kind) -> str:
-    rows = []
+    lines = []
     for does, group in _PORTS:
         ports: Mapping[str, type[Struct]] = getattr(kind, group)
-        for name, message in ports.items():
-            rows.append((does, f"`{name}`", _link(message), _link(kind.replies.get(name))))
-    table = _table(("", "name", "message", "reply"), rows) if rows else "Its ports are named in its settings.\n"
-    return f"### Kind `{kind.name}`\n\n{_sentence(kind.summary)}\n\n{table}"
+        named = [f"`{name}` {_link(message)}{_reply(kind, name)}" for name, message in ports.items()]
+        lines += [f"- {does} {', '.join(named)}"] if named else []
+    return f"### Kind `{kind.name}`\n\n" + "\n".join(lines or ["Its settings name its ports."]) + "\n"
+
+
+def _reply(kind: Kind, name: str) -> str:
+    reply = kind.replies.get(name)
+    return f"→{_link(reply)}" if reply not in {None, CommandReply} else ""
 
 
 def _messages(known: Iterable[Kind]) -> list[type[Struct]]:
@@ -440,8 +557,8 @@ def _messages(known: Iterable[Kind]) -> list[type[Struct]]:
     return found
 
 
-def _message_section(message: type[Struct]) -> str:
-    return f"### {message.__name__}\n\n{_doc(message)}\n\n{struct_table(message)}"
+def _message_section(message: type[Struct], common: Iterable[str]) -> str:
+    return f"### {message.__name__}\n\n{_doc(message)}\n\n{inline_fields(message, common)}"
 
 
 def _link(message: type[Struct] | None) -> str:
@@ -453,29 +570,62 @@ def _link(message: type[Struct] | None) -> str:
 
 def settings_page(known: list[Kind]) -> str:
     """Return the reference of what rows and launch profiles may set."""
+    ours = [part for kind in known for part in (kind.settings, *nested(kind.settings))]
+    common = {shape: field for shape, field in common_fields(ours, 2).items() if _effect(field)}
+    common |= {shape: field for shape, field in common_fields(ours, 3).items() if field.encode_name in _SHARED}
     parts = [
         "# Settings\n",
-        "What the column `settings` of a `capability` row may hold, by the row's kind. Unknown keys are refused.\n",
+        (
+            "You find here what the column `settings` of a `capability` row may hold, by the row's kind. Unknown keys are "
+            "refused. `lbr get NAME` prints the settings of a running robot's part, `lbr set NAME KEY=VALUE` changes one.\n"
+        ),
+        (
+            "*name*: small letters, digits and underscores, at most 40. A setting `device` names a row of the table "
+            "`device`, whose type is that of the kind. These settings mean the same in every kind:\n"
+        ),
+        _table(("setting", "default", "allowed", "effect"), sorted(map(_common_setting, common.values()))),
     ]
+    shown: set[type[Struct]] = set()
     for kind in known:
-        parts.append(f"## Kind `{kind.name}`\n\n{_sentence(kind.summary)}\n")
-        if kind.device:
-            parts.append(f"Drives a device row of type `{kind.device_type}`, which its setting `device` names.\n")
-        parts.append(f"{_doc(kind.settings)}\n\n{struct_table(kind.settings)}")
-        parts += [f"### `{one.__name__}`\n\n{_doc(one)}\n\n{struct_table(one)}" for one in nested(kind.settings)]
+        parts.append(f"## Kind `{kind.name}`\n\n{_sentence(kind.summary)}{_about(kind.settings)}\n")
+        parts.append(settings_table(kind.settings, common))
+        parts += [_part("###", each, common) for each in nested(kind.settings) if each not in shown]
+        shown |= {*nested(kind.settings)}
     parts.append(
         "## Faults of emulated devices\n\nUnder a simulating profile the column `settings` of a `device` row says how "
-        "its twin is built, and what is wrong with it; the command `fault` of the simulated world changes the faults "
-        "while it runs. Any device can be unplugged.\n"
+        "its twin is built, and what is wrong with it. The command `fault` of the simulated world changes the faults while "
+        "it runs. `unplug` takes a device away; a number 0…1 is how often a fault happens; a list has the ids of servos.\n"
     )
-    for device in own("twins"):
-        found = twins.find(device)
-        assert found is not None
-        row = found.row
-        parts.append(f"### Type `{device}`\n\n{_doc(row)}\n\n{struct_table(row)}")
-        parts += [f"#### `{one.__name__}`\n\n{_doc_with_bases(one)}\n\n{struct_table(one)}" for one in nested(row)]
-    parts.append(f"## Launch profiles\n\nA TOML file. {_doc(Profile)}\n\n{struct_table(Profile)}")
+    twin = {device: row.row for device in own("twins") if (row := twins.find(device)) is not None}
+    for device, row in twin.items():
+        parts.append(f"### Type `{device}`\n\n{_doc(row)}\n\n{_faults(row)}")
+        parts += [f"#### {each.__name__}\n\n{_doc_with_bases(each)}\n\n{_faults(each)}" for each in nested(row)]
+    parts.append(f"## Launch profiles\n\nA TOML file. {_doc(Profile)}\n\n{settings_table(Profile)}")
     return "\n".join(parts)
+
+
+_SHARED = {"device": "the row of its device", "setpoint_valid_s": "an older setpoint is not obeyed", "guard": ""}
+_SHARED["guard"] = "a process of its own stops the device when the driver is gone"
+
+
+def _common_setting(field: inspect.Field) -> tuple[str, ...]:
+    name, default, allowed, effect = _setting(field)
+    return name, default, allowed, effect or _SHARED[field.encode_name]
+
+
+def _about(settings: type[Struct]) -> str:
+    """Return what a settings class says beyond that it is one."""
+    text = re.sub(r"^Settings of a row of kind `\w+`[.;] ?", "", _doc(settings))
+    return text if text.startswith("\n") or not text else f" {text[:1].upper()}{text[1:]}"
+
+
+def _part(level: str, struct: type[Struct], common: Iterable[str]) -> str:
+    return f"{level} {struct.__name__}\n\n{_doc(struct)}\n\n{settings_table(struct, common)}"
+
+
+def _faults(struct: type[Struct]) -> str:
+    text = inline_fields(struct).replace(" (how often it happens, 0 never, 1 always)", "")
+    return text.replace("=[]` list of whole number 0…253", "=[]`").replace("=0.0` 0…1", "=0.0`")
 
 
 # -- console ----------------------------------------------------------------------------------------------------------
@@ -486,39 +636,40 @@ def console_page() -> str:
     parts = [
         "# Words of the console\n",
         (
-            "What can be said to the robots that come with lbr: the words that their capabilities' kinds bring, and the rows "
-            "of the tables `verb` and `external_command`. A line that starts with a "
-            "slash is taken apart at its slashes; doubled slashes count once. Bare words that have no exact match are "
-            "looked up in small letters. What `executive` does by itself: "
+            "You find here the lines that the robots of lbr understand at the console: those that their capabilities' kinds "
+            "bring, and the rows of the tables `verb` and `external_command`. `help` at the console lists those of a robot.\n"
+        ),
+        (
+            "A line that starts with a slash is split at its slashes; doubled slashes count once. Bare words without an exact "
+            "match are looked up in small letters. A word needs the role that its row or kind names, or that of its command, "
+            "if that is higher. What `executive` does by itself: "
             + ", ".join(f"`{name}`" for name in sorted(EXECUTIVE_VERBS))
             + f". Reports: {', '.join(f'`{name}`' for name in REPORTS)}.\n"
         ),
-        "A word needs the role that its row or its kind names, or the one that the command needs, if that is higher.\n",
         "## Every robot\n",
-        "These are there whatever the rows say, and no row may take one of them, in capital letters or small ones.\n",
+        "No row may replace one of these, in capital letters or small ones.\n",
         _table(
             ("say", "what it does", "least role"), [(f"`{row.pattern}`", row.help, row.role) for row in builtin.WORDS]
         ),
-        "These are there, too, unless a row of the robot's says otherwise.\n",
+        "A row of the robot may replace these.\n",
         _words([words.as_row(EXECUTIVE, word) for word in words.OF_EVERY_ROBOT], least_roles({})),
         "## By kind\n",
         (
             "Every robot with a capability of the kind understands these; they ask for a command of that capability. A row "
-            "of the same pattern takes the place of one.\n"
+            "with the same pattern replaces one.\n"
         ),
     ]
     for kind in kinds():
         if kind.words:
             rows = [words.as_row(kind.name, word) for word in kind.words]
             parts += [f"### Kind `{kind.name}`\n", _words(rows, least_roles({kind.name: kind}))]
-            parts.append(_table(("field", "allowed"), _fields(rows, _messages_of({kind.name: kind}))))
+            parts += _fields(rows, _messages_of({kind.name: kind}))
     for name in ROBOTS:
         rows = check(shipped()[0], name)
         named = {row.name: registry.find(row.kind, NOWHERE) for row in rows.capabilities}
         Vocabulary(words.words(rows, named), rows.external_commands, _messages_of(named))  # refuses what cannot be said
         parts += [f"## Robot `{name}`\n", "Besides what its kinds bring:\n", _words(rows.verbs, least_roles(named))]
-        fields = _fields(rows.verbs, _messages_of(named))
-        parts += [_table(("field", "allowed"), fields)] if fields else []
+        parts += _fields(rows.verbs, _messages_of(named))
         commands = [
             (f"`{row.name}`", row.help, _arguments(row), f"`{' '.join(row.argv)}`", row.role, _waits(row))
             for row in rows.external_commands
@@ -533,29 +684,28 @@ def _words(rows: Iterable[VerbRow], needed: Mapping[str, Role]) -> str:
         (
             f"`{row.pattern}`",
             row.help,
-            f"`{row.target}`",
+            f"`{row.target}{_payload(row)}`",
             higher(row.role, needed.get(row.target, "view")),
-            _payload(row),
         )
         for row in rows
     ]
-    return _table(("say", "what it does", "asks", "least role", "fixed fields"), said) if said else "Nothing.\n"
+    return _table(("say", "what it does", "asks", "least role"), said) if said else "Nothing.\n"
 
 
 def _messages_of(known: Mapping[str, Kind]) -> dict[str, type[Struct]]:
     return {f"{name}.{command}": message for name, kind in known.items() for command, message in kind.messages.items()}
 
 
-def _fields(rows: Iterable[VerbRow], targets: Mapping[str, type[Struct]]) -> list[tuple[str, str]]:
+def _fields(rows: Iterable[VerbRow], targets: Mapping[str, type[Struct]]) -> list[str]:
     allowed: dict[str, str] = {}
     for row in rows:
         for name in re.findall(r"\{([a-z_]+)", row.pattern):
             allowed[name] = Message(targets.get(row.target)).field(name).allowed
-    return [(f"`{name}`", words) for name, words in allowed.items()]
+    return [f"Fields: {'; '.join(f'`{name}` {words}' for name, words in allowed.items())}.\n"] if allowed else []
 
 
 def _payload(row: VerbRow) -> str:
-    return f"`{msgspec.json.encode(row.payload).decode()}`" if row.payload else ""
+    return msgspec.json.encode(row.payload).decode() if row.payload else ""
 
 
 def _arguments(row: ExternalCommandRow) -> str:
@@ -570,9 +720,41 @@ def _waits(row: ExternalCommandRow) -> str:
 
 
 def cli_page() -> str:
-    """Return every command's help."""
-    parts = ["# The command line\n", "What `--help` says, for every command.\n"]
-    parts += [f"## `{path}`\n\n```text\n{text}\n```\n" for path, text in _helps(the_command_line(), "lbr", None)]
+    """Return every command: what it is for, and its own options."""
+    common = (f"|`{option}`|{meaning}|" for option, meaning in COMMON_OPTIONS.items())
+    parts = [
+        "# The command line\n",
+        (
+            "You find here every command and its options. `lbr COMMAND --help` and `man lbr` say more of each. "
+            "Many commands have these options, named below without explanation:\n"
+        ),
+        "|option|meaning|\n|---|---|\n" + "\n".join(common) + "\n",
+    ]
+    parts += map(_command_section, _commands(the_command_line(), "lbr", None))
+    return "\n".join(parts)
+
+
+COMMON_OPTIONS = {
+    "--robot": "which robot; the only one that runs here if left out",
+    "--connect": "reach a robot elsewhere, such as `tls/192.168.1.7:7447`",
+    "--token-file": "the file with the token for `--connect`; else it is `LBR_TOKEN`, a saved one, or asked for",
+    "--json": "print JSON, for programs",
+    "--db": "the database; `$LBR_HOME/robot.db` if left out",
+}
+
+
+def _command_section(context: click.Context) -> str:
+    """Return a command's line, the first sentence of its help, and its options, of which some are only named."""
+    usage = " ".join(context.command.collect_usage_pieces(context)).removeprefix("[OPTIONS]").strip()
+    first = _one_line((context.command.help or "").split("\n\n")[0])
+    options = [option for option in context.command.params if isinstance(option, click.Option) and not option.hidden]
+    common = [option.opts[0] for option in options if option.opts[0] in COMMON_OPTIONS]
+    own = [option.get_help_record(context) for option in options if option.opts[0] not in {*common, "--help", "-h"}]
+    parts = [f"## `{context.command_path}`\n", f"`{usage}` {first}".removeprefix("`` ") + "\n"]
+    parts += (
+        ["\n".join(f"- `{option}` {_one_line(text)}" for option, text in filter(None, own)) + "\n"] if any(own) else []
+    )
+    parts += [f"Common: {', '.join(f'`{name}`' for name in common)}.\n"] if common else []
     return "\n".join(parts)
 
 
@@ -584,23 +766,24 @@ def the_command_line() -> click.Group:
     return cli
 
 
-def _helps(command: click.Command, name: str, parent: click.Context | None) -> Iterable[tuple[str, str]]:
+def _commands(command: click.Command, name: str, parent: click.Context | None) -> Iterator[click.Context]:
     settings = {"terminal_width": 100, "max_content_width": 100, **command.context_settings}
     with click.Context(command, info_name=name, parent=parent, **settings) as context:
-        yield context.command_path, "\n".join(line.rstrip() for line in command.get_help(context).splitlines())
+        yield context
         if isinstance(command, click.Group):
             for child in command.list_commands(context):
                 found = command.get_command(context, child)
                 if found is not None and not found.hidden:
-                    yield from _helps(found, child, context)
+                    yield from _commands(found, child, context)
 
 
 def man_page() -> str:
     """Return the same as a page of the manual, in the language of man (7)."""
     parts = ['.\\" Written by docs/generate.py; do not edit.', '.TH LBR 1 "" lbr "User commands"', ".SH NAME"]
     parts.append(r"lbr \- run a robot that is rows in a database, and talk to it")
-    for path, text in _helps(the_command_line(), "lbr", None):
-        parts += [f'.SH "{path.upper()}"', ".nf", *(_roff(line) for line in text.splitlines()), ".fi"]
+    for context in _commands(the_command_line(), "lbr", None):
+        lines = (line.rstrip() for line in context.command.get_help(context).splitlines())
+        parts += [f'.SH "{context.command_path.upper()}"', ".nf", *map(_roff, lines), ".fi"]
     parts += [
         ".SH FILES",
         ".nf",
@@ -622,7 +805,7 @@ def _roff(line: str) -> str:
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
     lines = [head, tuple("---" for _ in head), *rows]
-    return "".join("| " + " | ".join(_cell(cell) for cell in line) + " |\n" for line in lines)
+    return "".join("|" + "|".join(_cell(cell) for cell in line) + "|\n" for line in lines)
 
 
 def _cell(text: str) -> str:

@@ -226,10 +226,9 @@ def summary(result: Result, measured: str = "") -> Summary:
 
 
 def rows(summaries: Iterable[Summary], anchor: Callable[[str], str] | None = None) -> str:
-    """Return a Markdown table; the bound is what N tries without a failure leave possible, at 95 %."""
-    head = ["figure", "what", "robot", "N", "p50", "p99", "max", "target", "hard", "fails at most", "anchor", "verdict"]
-    head.append("load")
-    lines = ["| " + " | ".join(head) + " |", "|---|---|---|--:|--:|--:|--:|---|---|--:|---|---|---|"]
+    """Return a Markdown table."""
+    head = ("figure", "what", "robot", "N", "p50", "p99", "max", "target", "hard", "anchor", "verdict")
+    lines = ["|" + "|".join(head) + "|", "|---|---|---|--:|--:|--:|--:|---|---|---|---|"]
     for found in summaries:
         promise = found.promise
         numbers = ["" if value is None else _number(value) for value in (found.p50, found.p99, found.max)]
@@ -244,30 +243,16 @@ def rows(summaries: Iterable[Summary], anchor: Callable[[str], str] | None = Non
             *numbers,
             target.strip(),
             hard.strip(),
-            _bound(found),
         ]
         verdict = found.verdict + (f": {found.failures} of {found.n}" if found.failures else "")
-        cells += [anchor(found.figure) if anchor else "", verdict, _load(found.figure)]
-        lines.append("| " + " | ".join(cells) + " |")
+        cells += [anchor(found.figure) if anchor else "", verdict]
+        lines.append("|" + "|".join(cells) + "|")
     return "\n".join(lines)
 
 
 def _too_long(result: Result) -> int:
     hard = result.promise.hard
     return 0 if hard is None else sum(not value <= hard for value in result.samples)
-
-
-def _bound(found: Summary) -> str:
-    """Return 3/N in percent for a figure that may never fail and has not."""
-    if found.failures or not found.n or (found.promise.hard is None and found.max is not None):
-        return ""
-    share = min(100.0, 300 / found.n)
-    return f"{share:.0f} %" if share >= 10 else f"{share:.2g} %"
-
-
-def _load(figure: str) -> str:
-    last = figure.rpartition(" ")[2]
-    return last if last in {"H", "G", "clock"} else "I"
 
 
 def _number(value: float) -> str:

@@ -1,6 +1,5 @@
 """The newest result of every figure, from all benchmarks: a small file, and the table in docs/reference/figures.md."""
 
-from collections.abc import Iterable
 from pathlib import Path
 
 import msgspec
@@ -14,15 +13,11 @@ DOCS = ROOT / "docs" / "reference" / "figures.md"
 RESULTS = ROOT / "benchmarks" / "results.json"
 BEGIN, END = "<!-- figures:begin -->", "<!-- figures:end -->"
 FAMILIES = "SEFTPDZABK"
-ABOUT = """Times are in milliseconds unless the target says otherwise. *Target* is graded, *hard* may never be passed, *fails
-at most* is what this many tries without a failure leave possible (3/N, 95 %), *anchor* is the best figure known of others.
-*Robot* is what ran: *base* are the capabilities motors, ranges, drive and world of lbr-sim and no others, *whole* is
-lbr-sim as it ships; where it is empty, no robot ran, or the base with what the line is about.
-Load: *I* nothing else, *H* four busy loops, *G* these and floods of 20,000 messages, *clock* a wall clock that jumps.
-
-`python -m benchmarks safety --gate` tries all of it in under five minutes, as CI does; `--full --minutes 120` measures in
-rounds as much as fits, `--whole` on whole robots. `python -m benchmarks soak --minutes 30` lets a robot live, with a fault a minute. What any
-benchmark writes with `--json FILE` gets into this table by `python -m benchmarks safety --merge FILE --write-docs`."""
+ABOUT = """Times are in milliseconds unless the target says otherwise. *Target* is graded, *hard* may never be passed, *anchor* is the
+best figure known of others. N tries without a failure leave 3/N possible (95 %). *Robot*: *base* has the capabilities
+motors, ranges, drive and world of lbr-sim, *whole* is lbr-sim as it ships; empty: no robot, or the base with the named part.
+Load by the figure's name: *H* four busy loops, *G* these and floods of 20,000 messages, *clock* a wall clock that jumps.
+[results.json](../../benchmarks/results.json) has the machine, the time and the load of each."""
 
 
 class Ledger(Struct, kw_only=True):
@@ -54,18 +49,7 @@ class Ledger(Struct, kw_only=True):
         _, end, tail = rest.partition(END)
         if not (begin and end):
             raise ValueError(f"{path} has no {BEGIN} … {END}")
-        measured = "\n".join(f"- {text}" for text in _occasions(self.figures))
-        path.write_text(
-            f"{head}{BEGIN}\n{ABOUT}\n\n{rows(self.figures, anchor)}\n\nMeasured:\n\n{measured}\n{END}{tail}"
-        )
-
-
-def _occasions(figures: Iterable[Summary]) -> list[str]:
-    """Return when, where and beside what, with the figures that were measured then."""
-    found: dict[str, list[str]] = {}
-    for figure in figures:
-        found.setdefault(figure.measured, []).append(figure.figure.split()[0])
-    return [f"{', '.join(dict.fromkeys(names))}: {measured}" for measured, names in found.items()]
+        path.write_text(f"{head}{BEGIN}\n{ABOUT}\n\n{rows(self.figures, anchor)}\n{END}{tail}")
 
 
 def _order(found: Summary) -> tuple[int, int, str]:
