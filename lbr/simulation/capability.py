@@ -64,7 +64,7 @@ class World(SimulatedWorld[WorldSettings]):
         """Publish where the robot is, less often while it stands still."""
         physics, _, _ = self._running()
         pose = physics.pose
-        still = msgspec.structs.replace(pose, battery_v=0.0)  # which always sinks a little
+        still = msgspec.structs.replace(pose, battery_v=0.0, time_s=0.0)  # these two never stand still
         if still != self._still or now - self._posed_at >= SAME_POSE_S:
             self._still, self._posed_at = still, now
             self.ctx.publish("pose", pose)

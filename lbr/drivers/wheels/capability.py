@@ -21,7 +21,7 @@ from lbr.messages.motors import MotorsState, MotorState
 
 PUBLISH_PERIOD_S = 0.05
 RESEND_S = 0.015
-IDLE_QUERY_S = 0.04
+IDLE_QUERY_S = 0.05
 REPORT_PERIOD_S = 5.0
 FEW = 8
 """How many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
@@ -241,12 +241,13 @@ class Wheels(Capability[S], ABC):
 
     def _act(self, controller: WheelController) -> None:
         state, held = self._arming, self._held_since is not None
+        hungry = not controller.fed_s_ago < (RESEND_S if state.moving else self.ctx.settings.watchdog_ms / 2000.0)
         if not state.moving and not controller.resting and not held:
             controller.stop()
         elif state.armed:
-            if state.applied != controller.asked or not controller.fed_s_ago < RESEND_S:
+            if state.applied != controller.asked or hungry:
                 controller.drive(*state.applied)
-        elif not held and not controller.fed_s_ago < self.ctx.settings.watchdog_ms / 2000.0:
+        elif not held and hungry:
             controller.stop()  # fed with zero, the controller does not turn to another source of commands
 
     def _ask(self, controller: WheelController) -> None:

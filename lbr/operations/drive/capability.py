@@ -32,6 +32,8 @@ from lbr.operations.drive.state import (
 from lbr.operations.lender import Answers, LeasingCapability, new_goal, said_by
 
 STATE_PERIOD_S = 0.1
+RESTING_PERIOD_S = 0.5
+"""Half as long as who drives by the state believes it."""
 MOTIONS = frozenset({"command", "turn", "heading", "twist"})
 NO_ANSWERS: Mapping[str, Any] = {}
 UNANSWERED: Mapping[str, Any] = {"(none in time)": None}
@@ -115,10 +117,11 @@ class Drive(LeasingCapability[DriveSettings, State]):
         return motors_trouble(self._state, self.ctx.clock())
 
     def report(self) -> None:
-        """Tell the state ten times a second, and at once when it changed."""
+        """Tell the state ten times a second, twice while nobody holds the base, and at once when it changed."""
         now = self.ctx.clock()
         state = drive_state(self._state, now, self._loop)
-        due = now - self._reported_at >= STATE_PERIOD_S
+        rests = state.holder is None and not state.moving
+        due = now - self._reported_at >= (RESTING_PERIOD_S if rests else STATE_PERIOD_S)
         if due or self._reported is None or _gist(state) != _gist(self._reported):
             self._reported, self._reported_at = state, now
             self.ctx.publish("state", state)
