@@ -1,4 +1,8 @@
+import os
+import sys
+import termios
 import time
+from fcntl import ioctl
 
 import pytest
 
@@ -22,6 +26,10 @@ def ring(ctx):
     ring.open()
     yield ring
     ring.close()
+
+
+def unread(line):
+    return int.from_bytes(ioctl(line, termios.FIONREAD, b"\0\0\0\0"), sys.byteorder)
 
 
 def hear(ring, ctx, count=1):
@@ -138,3 +146,31 @@ def test_unplugging_is_an_error_and_replugging_goes_on(ring, ctx, board):
     board.say(LINE % 130)
     hear(ring, ctx, 2)
     assert ctx.published[-1][1].forward_m == 1.3
+
+
+def test_between_two_frames_it_hardly_looks_and_takes_the_next_one_as_soon_as_before(ctx, board, monkeypatch):
+    """Time is stepped as the runtime's loop does, in hundredths of a second, a frame every tenth of it."""
+    now, late_s, looks = 100.0, [], 0
+    monkeypatch.setattr(ctx, "clock", lambda: now)
+    ring = KIND.load()(ctx)
+    ring.open()
+    line = os.open(board.path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
+    due = now
+    for tick in range(1000):
+        now = 100.0 + tick / 100
+        if tick % 10 == 0:
+            said_s, frame = now, LINE % (120 + tick % 7)
+            board.say(frame)
+            until(lambda: unread(line) == len(frame))  # noqa: B023  it is asked at once
+        if now < due - 1e-6:
+            continue
+        came, looks = len(ctx.published), looks + (tick >= 500)
+        ring.step()
+        due = now + 1 / ring.rate_hz
+        if len(ctx.published) > came and tick >= 500:
+            late_s.append(now - said_s)
+    ring.close()
+    os.close(line)
+    assert len(late_s) == 50
+    assert max(late_s) < 0.011
+    assert looks <= 200

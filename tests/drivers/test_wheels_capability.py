@@ -454,12 +454,18 @@ def test_a_fault_that_lasts_is_told_again_after_it_was_opened_again(bench):
     assert len(bench.ctx.told("fault")) == len(bench.ctx.health) == 3
 
 
-def test_the_state_goes_out_twenty_times_a_second_and_at_once_when_it_changes(bench):
-    bench.steps(0.2)
+@pytest.mark.parametrize(("power", "least", "most"), [(0.0, 8, 12), (0.5, 15, 20)])
+def test_the_state_goes_out_ten_times_a_second_at_rest_and_twenty_in_motion(bench, power, least, most):
+    bench.steps(0.2, 0.0)
+    bench.steps(0.2, power)
     bench.ctx.published.clear()
-    bench.steps(1.0)
-    assert 15 <= len(bench.ctx.published) <= 20
+    bench.steps(1.0, power)
+    assert least <= len(bench.ctx.published) <= most
     assert bench.state.voltage_v == 12.6
+
+
+def test_the_state_goes_out_at_once_when_it_changes(bench):
+    bench.steps(0.2)
     bench.steps(2 * STEP_S, 0.0)
     assert bench.state.armed
     for power in (0.5, 0.0):

@@ -42,6 +42,7 @@ NOT_DONE = {"say": ("behaviour_silent", "says nothing"), "watch": ("behaviour_bl
 """The event that tells of what was not done, and in which words."""
 BATTERY_S, DRIVE_S = 3.0, 1.0
 """What is older is not known: three periods of the battery, ten of the drive."""
+RUNNING_HZ, IDLE_HZ = 20.0, 5.0
 HELD_UP_S = 3.0
 """After so long without a step, frozen or with the computer asleep, a table does not go on by itself."""
 MOST_ASIDE = 8
@@ -60,7 +61,7 @@ class Behaviours(Capability[BehaviourSettings]):
     `dice` are what a table's random choices are drawn from; who wants the same run again seeds them.
     """
 
-    rate_hz = 20.0
+    rate_hz = IDLE_HZ
     woken_by_streams = False
 
     def __init__(self, ctx: Context[BehaviourSettings]) -> None:
@@ -100,6 +101,7 @@ class Behaviours(Capability[BehaviourSettings]):
             self._look_after_the_battery(self.ctx.settings.when_low)
         if self._run is not None:
             self._go_on(self._run)
+        self.rate_hz = IDLE_HZ if self._run is None else RUNNING_HZ
         self._hear_of_asides()
         self._looked = bool(self._files)
         if self._files:

@@ -32,7 +32,7 @@ class _Selecting:
 class Cameras(Capability[CamerasSettings]):
     """Selects among the cameras that are wired to its request `switch`, by their names without `camera_`."""
 
-    rate_hz = 10.0
+    rate_hz = 5.0
 
     def __init__(self, ctx: Context[CamerasSettings]) -> None:
         super().__init__(ctx)

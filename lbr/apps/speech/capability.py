@@ -24,6 +24,7 @@ from lbr.messages.leases import CommandReply
 from lbr.messages.speech import HushCommand, Phrase, PlayReply, SayCommand, SongCommand, SpeechState
 
 RECORDING = "<"
+BUSY_HZ, IDLE_HZ = 20.0, 5.0
 STATE_EVERY_S = 1.0
 FAREWELL_S = 0.5
 TEXT_TOLD = 200
@@ -32,7 +33,7 @@ TEXT_TOLD = 200
 class Speech(Capability[SpeechSettings]):
     """Says one text after the other; without engine or speaker it refuses what it cannot do, and says why."""
 
-    rate_hz = 20.0
+    rate_hz = BUSY_HZ
 
     def __init__(self, ctx: Context[SpeechSettings]) -> None:
         super().__init__(ctx)
@@ -76,6 +77,8 @@ class Speech(Capability[SpeechSettings]):
         self._drop_what_cannot_be()
         self._writer.go_on()
         self._play_next(speaker)
+        idle = self._greeted and speaker.proven and self._saying is None and not len(self._jobs)
+        self.rate_hz = IDLE_HZ if idle else BUSY_HZ
         self._tell()
 
     def command(self, call: Call) -> None:

@@ -1,6 +1,7 @@
 """Telemetry as a capability: the package at a steady rate."""
 
 import time
+from math import inf
 
 from msgspec import structs
 
@@ -11,6 +12,8 @@ from lbr.capability.context import Context, Received
 
 COMPASS_S = 0.5
 """A compass measures less often than the rest of an inertial unit."""
+RESTING_S = 0.95
+"""How often a robot is told of whose motors stand, once all is known of it; where the row asks for more."""
 
 
 class TelemetryPackage(Capability[TelemetrySettings]):
@@ -22,16 +25,27 @@ class TelemetryPackage(Capability[TelemetrySettings]):
         super().__init__(ctx)
         self.rate_hz = ctx.settings.rate_hz
         self._compass: Received | None = None
+        self._told_s, self._complete = -inf, False
         self._wired = [port for port in KIND.inputs if ctx.sources(port)]
 
     def step(self) -> None:
-        """Publish, at the rate and not at every beat of the process."""
-        if not self.ctx.on_tick:
+        """Publish, at the rate and not at every beat of the process; once a second while the motors stand."""
+        now = self.ctx.clock()
+        if not self.ctx.on_tick or (self._complete and self._stands() and now - self._told_s < RESTING_S):
             return
+        self._told_s = now
         for sample in self.ctx.take("imu"):
             self._compass = sample if sample.message.mag_ut is not None else self._compass
-        made = package(self._newest, self.ctx.clock(), time.time())
-        self.ctx.publish("package", structs.replace(made, complete=is_complete(self._newest, self._wired)))
+        made = package(self._newest, now, time.time())
+        self._complete = is_complete(self._newest, self._wired)
+        self.ctx.publish("package", structs.replace(made, complete=self._complete))
+
+    def _stands(self) -> bool:
+        motors = self.ctx.latest("motors")
+        if motors is None:
+            return False
+        sides, each = (motors.message.left, motors.message.right), motors.message.motors.values()
+        return not any((*sides, *(motor.power for motor in each)))
 
     def _newest(self, port: str) -> Received | None:
         """Return the newest of a source; of the inertial unit, with what its slower compass measured last."""

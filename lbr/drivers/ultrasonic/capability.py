@@ -9,12 +9,15 @@ from lbr.drivers.ultrasonic.protocol import to_ranges
 from lbr.errors import DeviceError
 
 REPORT_PERIOD_S = 5.0
+LOOKS_HZ = 100.0
+BEFORE_SHARE, BEFORE_MOST_S, SLOWER = 0.8, 0.1, 1.1
+"""A frame is looked for from this share of the usual time on after the last one; what is usual grows by so much."""
 
 
 class UltrasonicRing(Capability[UltrasonicSettings]):
     """Publishes what the range board measures."""
 
-    rate_hz = 100.0
+    rate_hz = LOOKS_HZ
 
     def __init__(self, ctx: Context[UltrasonicSettings]) -> None:
         super().__init__(ctx)
@@ -22,6 +25,8 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         self._bad_told = 0
         self._told = 0.0
         self._waited = False
+        self._came = self._next = 0.0
+        self._usual_s = 1 / LOOKS_HZ
 
     def open(self) -> None:
         """Open the line and start the board."""
@@ -36,8 +41,10 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         """Publish what has come in."""
         board = self._board
         assert board is not None
-        for frame in board.poll():
+        frames = board.poll()
+        for frame in frames:
             self.ctx.publish("readings", to_ranges(frame, self.ctx.settings))
+        self._take_pace(came=bool(frames))
         self._tell_state()
         self._tell_bad_lines(board)
 
@@ -50,6 +57,14 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         board, self._board = self._board, None
         if board is not None:
             board.close()
+
+    def _take_pace(self, *, came: bool) -> None:
+        """Look a hundred times a second while a frame may come, and not at all before."""
+        now = self.ctx.clock()
+        if came:
+            self._usual_s, self._came = min(now - self._came, SLOWER * self._usual_s), now
+            self._next = now + min(BEFORE_SHARE * self._usual_s, BEFORE_MOST_S)
+        self.rate_hz = 1 / max(self._next - now, 1 / LOOKS_HZ)
 
     def _tell_state(self) -> None:
         """Say at the first opening what is waited for; later ones leave said what was wrong until it is over."""

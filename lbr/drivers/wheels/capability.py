@@ -11,7 +11,7 @@ from lbr.capability.context import Call, Context, Device, Received
 from lbr.drivers.guard import WOKEN
 from lbr.drivers.wheels import EnableCommand, WheelsSettings
 from lbr.drivers.wheels.arming import Arming, Inhibit, Setpoint, receive, tick
-from lbr.drivers.wheels.contract import EMERGENCY_STOP, WheelController
+from lbr.drivers.wheels.contract import EMERGENCY_STOP, Measured, WheelController
 from lbr.drivers.wheels.guard import Guard
 from lbr.errors import DeviceError
 from lbr.messages.codes import Reason
@@ -20,6 +20,8 @@ from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState, MotorState
 
 PUBLISH_PERIOD_S = 0.05
+STANDING_PERIOD_S = 0.09
+"""How often wheels that stand are told of: three times before who moves them calls their driver silent."""
 RESEND_S = 0.015
 IDLE_QUERY_S = 0.05
 REPORT_PERIOD_S = 5.0
@@ -64,6 +66,8 @@ class Wheels(Capability[S], ABC):
         self._queried = -inf
         self._published = -inf
         self._shown: tuple[object, ...] = ()
+        self._told: Measured = {}
+        self._stands = False
         self._faults: tuple[str, ...] = ()
         self._lacks: Reason | None = None
         self._unanswered = 0
@@ -88,6 +92,7 @@ class Wheels(Capability[S], ABC):
         self._lacks = None
         self._unanswered = 0
         self._publish()
+        self._shown = ()
 
     def step(self) -> None:
         """Decide, write the wheels once, ask the controller one thing, tell the others."""
@@ -309,7 +314,8 @@ class Wheels(Capability[S], ABC):
             controller.faults,
             controller.applied == self._rest,
         )
-        if shown != self._shown or not self.ctx.clock() - self._published < PUBLISH_PERIOD_S:
+        period_s = STANDING_PERIOD_S if self._stands else PUBLISH_PERIOD_S
+        if shown != self._shown or not self.ctx.clock() - self._published < period_s:
             self._shown = shown
             self._publish()
 
@@ -319,8 +325,10 @@ class Wheels(Capability[S], ABC):
         if self._controller is None:
             self.ctx.publish("state", _at_rest(state, estop=self.ctx.estop.engaged))
             return
+        before, self._told = self._told, self._controller.measured()
+        self._stands = not state.moving and _counts(self._told) == _counts(before)
         message = MotorsState(
-            **self._each(self._controller),
+            **self._each(self._controller.applied, self._told),
             armed=state.armed,
             reason=state.reason,
             estop=self.ctx.estop.engaged,
@@ -329,9 +337,8 @@ class Wheels(Capability[S], ABC):
         )
         self.ctx.publish("state", message)
 
-    def _each(self, controller: WheelController) -> dict[str, Any]:
+    def _each(self, applied: Sequence[float], told: Measured) -> dict[str, Any]:
         """Return what is applied and measured: of `left` and `right` in their fields, of others by their names."""
-        applied, told = controller.applied, controller.measured()
         unknown = (None,) * len(applied)
         amps, counts = told.get("motor_amps_a", unknown), told.get("motor_counts", unknown)
         measured = {name: value for name, value in told.items() if not name.startswith("motor_")}
@@ -350,6 +357,10 @@ class Wheels(Capability[S], ABC):
             return 0.0, 0.0
         left, right, _ = base.sides([applied[motor] for motor in base.motors])
         return left, right
+
+
+def _counts(told: Measured) -> tuple[object, ...]:
+    return told.get("counts_left"), told.get("counts_right"), told.get("motor_counts")
 
 
 def _said(faults: Sequence[str]) -> str:

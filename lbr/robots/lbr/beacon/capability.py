@@ -18,6 +18,7 @@ from lbr.robots.lbr.beacon.senses import BlindError
 from lbr.robots.lbr.beacon.view import Ending, Script
 
 LOOKS_HZ = 10.0
+SEEKING_HZ, IDLE_HZ = 20.0, 5.0
 PATIENCE_S = 5.0
 """A robot that does not know how it lies, or what is in its way, stands so long before it gives up: a device that is
 plugged in again, or a process that starts over, is back by then."""
@@ -29,7 +30,7 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
 
     ends, tick = "the search for the dock is shutting down", Tick()
     feeds = ("drive",)
-    rate_hz = 20.0
+    rate_hz = IDLE_HZ
     woken_by_streams = False
 
     def __init__(self, ctx: Context[BeaconSettings]) -> None:
@@ -57,6 +58,7 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
         self.listen()
         self.happen(Tick())
         self._go_on()
+        self.rate_hz = IDLE_HZ if self._state.lease is None else SEEKING_HZ
         self.report()
 
     def lend(self, call: Call) -> None:
