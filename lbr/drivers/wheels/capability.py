@@ -19,6 +19,8 @@ from lbr.messages.kinematics import TWO, Kinematics, Wheel, base_of
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState, MotorState
 
+RATE_HZ, RESTING_HZ = 50.0, 20.0
+"""At rest each setpoint wakes it all the same; between them it notices what is late."""
 PUBLISH_PERIOD_S = 0.05
 STANDING_PERIOD_S = 0.09
 """How often wheels that stand are told of: three times before who moves them calls their driver silent."""
@@ -46,7 +48,7 @@ class Wheels(Capability[S], ABC):
     A driver adds `connect`. Setpoints, arming, the emergency stop, the guard and the telemetry are the same for all.
     """
 
-    rate_hz = 50.0
+    rate_hz = RATE_HZ
     motors: Sequence[str] = TWO
     """The names of its motors, as rows of `wheel` and setpoints say them, in the controller's order."""
 
@@ -111,6 +113,7 @@ class Wheels(Capability[S], ABC):
         self._tell_what_lacks()
         self._publish_when_due(controller)
         self._answer_switching()
+        self.rate_hz = RATE_HZ if self._arming.moving or not controller.resting else RESTING_HZ
 
     def command(self, call: Call) -> None:
         """Switch execution on or off; on waits for a zero setpoint, so that what is said next is obeyed."""
