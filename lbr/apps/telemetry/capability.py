@@ -13,7 +13,7 @@ from lbr.capability.context import Context, Received
 COMPASS_S = 0.5
 """A compass measures less often than the rest of an inertial unit."""
 RESTING_S = 0.95
-"""How often a robot is told of whose motors stand, once all is known of it; where the row asks for more."""
+"""The period while the motors stand and all is known, where the row asks for a shorter one."""
 
 
 class TelemetryPackage(Capability[TelemetrySettings]):

@@ -11,7 +11,7 @@ from lbr.errors import DeviceError
 REPORT_PERIOD_S = 5.0
 LOOKS_HZ = 100.0
 BEFORE_SHARE, BEFORE_MOST_S, SLOWER = 0.8, 0.1, 1.1
-"""A frame is looked for from this share of the usual time on after the last one; what is usual grows by so much."""
+"""The driver looks again after this share of the usual period. The usual period grows by this factor at most."""
 
 
 class UltrasonicRing(Capability[UltrasonicSettings]):
@@ -59,7 +59,7 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
             board.close()
 
     def _take_pace(self, *, came: bool) -> None:
-        """Look a hundred times a second while a frame may come, and not at all before."""
+        """Look a hundred times a second once a frame is near, and rest before."""
         now = self.ctx.clock()
         if came:
             self._usual_s, self._came = min(now - self._came, SLOWER * self._usual_s), now

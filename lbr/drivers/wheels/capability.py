@@ -20,10 +20,10 @@ from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState, MotorState
 
 RATE_HZ, RESTING_HZ = 50.0, 20.0
-"""At rest each setpoint wakes it all the same; between them it notices what is late."""
+"""Each setpoint wakes the driver at rest, too. Its own rounds notice what is late."""
 PUBLISH_PERIOD_S = 0.05
 STANDING_PERIOD_S = 0.09
-"""How often wheels that stand are told of: three times before who moves them calls their driver silent."""
+"""The period of the state while the wheels stand: a third of the age at which the drive calls it too old."""
 RESEND_S = 0.015
 IDLE_QUERY_S = 0.05
 REPORT_PERIOD_S = 5.0
