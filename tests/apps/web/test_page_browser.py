@@ -333,7 +333,6 @@ def test_a_refusal_is_told_by_its_code_and_sentence_and_who_holds_it_can_be_foll
     page = opened.page()
     robot.refusal = {"code": "held", "reason": "console holds it", "holder": "console"}
     grip(page)
-    expect(page.locator(".drive-why")).to_contain_text("Held by another")
     expect(page.locator(".drive-why")).to_contain_text("console drives")
     page.mouse.up()
     page.get_by_role("button", name="Take over").click()
@@ -375,7 +374,7 @@ def test_what_holds_the_base_still_is_the_robots_own_answer(opened, robot):
     expect(page.get_by_role("alert")).to_contain_text("the dog")
     page.get_by_role("button", name="Why?").click()
     expect(page.locator(".drive-because")).to_contain_text("latched by console@kitchen:812: the dog")
-    expect(page.locator(".drive-because code")).to_have_text("reset, once nothing is in danger")
+    expect(page.locator(".drive-why").get_by_role("button", name="Release")).to_be_visible()
     assert not page.evaluate(SMALL)
     begins, card = page.locator(".drive-because strong").bounding_box(), page.locator(".drive-why").bounding_box()
     assert begins is not None

@@ -3,13 +3,15 @@
 import { signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { number, plain } from "../../format";
+import { told } from "../../access";
 import { Held } from "../../handover";
+import { Mend } from "../../mend";
 import { useNews } from "../../news";
 import { holding } from "../../holding";
 import { Badge, Button, Card, Empty, Field, Icon, Segments, Slider, Toggle } from "../../parts";
 import { capabilities, command, may, robot, streamOfType } from "../../robot";
 import { estop } from "../../stopping";
-import { maybe, t } from "../../words";
+import { t } from "../../words";
 import { ownerOf, useCalm } from "../joints/hooks";
 import { body, loadBody, type BodyModel } from "../joints/model";
 import { Builder } from "./Builder";
@@ -96,8 +98,8 @@ function capOf(keys: ButtonRow[], motion: string): string {
 function Playing({ state, part, onStop }: { state?: MotionsState; part: number; onStop: () => void }) {
   const fresh = useNews(state && !state.playing ? `${state.code ?? ""} ${state.reason ?? ""}`.trim() : "");
   if (!state?.playing) {
-    const why = fresh && state?.reason && state.code && !["done", "idle", "", "cancelled"].includes(state.code) ? [maybe(`code.${state.code}`), state.reason].filter(Boolean).join(": ") : "";
-    return why ? <p class="motions-why" role="status"><Icon name="info" />{why}</p> : null;
+    const why = fresh && state?.reason && state.code && !["done", "idle", "", "cancelled"].includes(state.code) ? told({ code: state.code, reason: state.reason }) : "";
+    return why ? <div class="motions-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={state?.code ?? ""} /></div> : null;
   }
   return (
     <section class="motions-playing" aria-label={t("motions.playing", { motion: plain(state.motion ?? "") })}>
