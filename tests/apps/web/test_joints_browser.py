@@ -391,7 +391,7 @@ def test_torque_that_nobody_has_read_is_shown_as_unknown(opened, robot):
     page = opened("joints", DESK)
     summary = page.get_by_role("region", name="Torque")
     count = len(robot.torque)
-    expect(summary.get_by_text(f"Torque of {count} of {count} unknown")).to_be_visible()
+    expect(summary.get_by_text(f"On or off unknown: {count} of {count}")).to_be_visible()
     expect(summary.get_by_text(f"All {count} joints are on")).to_have_count(0)
     expect(summary.get_by_role("button", name="Switch all on")).to_be_enabled()
     expect(summary.get_by_role("button", name="Switch all off")).to_be_enabled()

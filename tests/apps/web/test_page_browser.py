@@ -320,13 +320,17 @@ def test_neither_a_notice_nor_a_dialogue_covers_the_alarm_of_the_emergency_stop(
     assert within(page, lambda: ("reset", None) in robot.asked)
 
 
-def test_on_a_phone_what_stands_in_for_the_picture_is_beside_the_radar(opened):
+def test_on_a_phone_nothing_lies_over_the_picture_but_what_is_meant_to(opened):
     page = opened.page("phone", path="/icon.svg")
     page.route("**/stream.mjpg*", lambda route: route.fulfill(status=401))
     page.goto(page.url.replace("icon.svg", "#drive"))
-    between = "([said, radar]) => radar.getBoundingClientRect().left - said.getBoundingClientRect().right"
-    boxes = [page.locator(one).element_handle() for one in (".drive-nopicture p", ".drive-inset")]
-    assert within(page, lambda: page.evaluate(between, boxes) >= 0)
+    apart = """boxes => { const [a, b] = boxes.map((one) => one.getBoundingClientRect());
+        return a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top; }"""
+    names = [".drive-nopicture p", ".drive-inset", ".drive-stick", ".drive-gauges", "#stop"]
+    boxes = [page.locator(one).element_handle() for one in names]
+    for at, one in enumerate(boxes):
+        for other in boxes[at + 1 :]:
+            assert within(page, lambda pair=(one, other): page.evaluate(apart, list(pair)))
 
 
 def test_a_refusal_is_told_by_its_code_and_sentence_and_who_holds_it_can_be_followed(opened, robot):

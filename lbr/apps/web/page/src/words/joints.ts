@@ -1,6 +1,8 @@
 // Words of the views Joints and Motions: English, German.
 export const joints = {
   "view.joints": ["Joints", "Gelenke"],
+  "joints.deeds": ["What it can do", "Was er kann"],
+  "joints.deeds.all": ["All motions", "Alle Bewegungen"],
   "joints.none": ["This robot has no joints", "Dieser Roboter hat keine Gelenke"],
   "joints.nobody": ["There is no body to draw", "Es gibt keinen Körper zu zeichnen"],
   "joints.body": ["The body of {robot}, as its joints were measured", "Der Körper von {robot}, wie seine Gelenke gemessen wurden"],

@@ -12,6 +12,7 @@ import { estop } from "../../stopping";
 import { t } from "../../words";
 import { Body3d } from "./Body3d";
 import { Boxes } from "./boxes";
+import { Deeds } from "./Deeds";
 import { jointStreams, useJoints, type Joints as AllJoints } from "./hooks";
 import "./Joints.css";
 import { body, jointNames, loadBody, mirrored, type BodyModel, type JointsState, type Side } from "./model";
@@ -93,6 +94,7 @@ function Shown({ model }: { model: BodyModel }) {
         {why && <div class="joints-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={state!.code ?? ""} /></div>}
       </div>
       <div class="joints-right">
+        <Deeds />
         <Torque names={names} model={model} joints={joints} onRecover={recover} />
         <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
         <div class="joints-groups">
