@@ -118,7 +118,6 @@ def test_other_errors_are_faults_and_stay_loud():
 HEAPS = """
 import ctypes, threading
 from lbr import surroundings
-from tests.support.waiting import HANG_S
 libc = ctypes.CDLL(None)
 libc.fopen.restype, libc.malloc.restype = ctypes.c_void_p, ctypes.c_void_p
 libc.fflush.argtypes = [ctypes.c_void_p]
