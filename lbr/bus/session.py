@@ -9,12 +9,10 @@ import resource
 from collections.abc import Sequence
 from typing import Any
 
-# Few runtime threads are enough for a leaf process and save it latency and CPU; a router collapses with them. What is
-# received has threads of its own: an answer given there waits for what is sent, and would wait for itself. For the same
-# reason
-# those that read (rx) are not those that watch sockets (app, acc), though each message wakes two threads so: with both
-# of
-# them waiting to pass a large message on, nothing was sent any more, and the link was given up.
+# Few runtime threads are enough for a leaf process and save it latency and CPU; a router collapses with them. Received
+# messages have threads of their own: an answer given there waits for the sender, and would wait for itself. So threads
+# that read (rx) do not watch sockets (app, acc), though each message wakes two threads so. With both waiting to pass a
+# large message on, nothing was sent any more, and the link was given up.
 LEAF_RUNTIME = "(rx: (worker_threads: 2), acc: (handover: app), tx: (handover: app), net: (handover: app))"
 RUNTIME_VARIABLE = "ZENOH_RUNTIME"
 
