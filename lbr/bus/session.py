@@ -40,8 +40,7 @@ _opened_by: set[int] = set()
 """This process, once it has opened a session; in one that was forked since, the one that it was forked from."""
 
 LINK_LEASE_MS = 400
-"""The lease of links over a network, which may be cut. The library checks links at intervals: a frozen process was lost
-after 0.3 to 0.8 s."""
+"""The lease of links over a network, which may be cut; a frozen process was lost after 0.3 to 0.8 s."""
 LOCAL_LEASE_MS = 10_000
 """The lease of links by a socket of this machine, where the kernel reports at once that a process has ended. On a busy
 machine a client of low rank was silent for 0.4 s, lost its link, and with it the answers under way."""
@@ -50,8 +49,7 @@ HELD_MS = 3_600_000
 held up together and then gave each other up, the router does not learn again who answers what."""
 MAX_MESSAGE_BYTES = 1 << 20
 DEAF_AWAY_MS, DEAF_HERE_MS = 200, 400
-"""Who takes nothing that must be delivered is cut off then, because all others wait for it; on this machine it may only
-be held up."""
+"""A client that takes nothing is cut off then, because all others wait for it; on this machine it may be held up."""
 ACCEPT_MS, MOST_PENDING = 3000, 500
 """Connections that have greeted by TLS and say no more keep others out no longer than this, and only when there are
 many. What fails before that, the library answers with a pause of 0.1 s, which nothing can set."""
@@ -142,9 +140,8 @@ def client_settings(
     `certificate` is the PEM of the only one that the router may show; its host name is then not looked at.
     Without `lease_ms` the endpoints decide how long the link may be silent.
     """
-    if lease_ms is None:
-        local = all(endpoint.startswith("unixsock-stream/") for endpoint in connect)
-        lease_ms = LOCAL_LEASE_MS if local else LINK_LEASE_MS
+    local = all(endpoint.startswith("unixsock-stream/") for endpoint in connect)
+    lease_ms = lease_ms or (LOCAL_LEASE_MS if local else LINK_LEASE_MS)
     settings = _common(credentials, lease_ms=lease_ms) | {"mode": "client", "connect": _connect(connect, timeout_s)}
     if certificate:
         settings["transport"]["link"]["tls"] = {
