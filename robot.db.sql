@@ -598,6 +598,11 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
      '{"words": {"stop": {"do": "stop"}, "dock": {"do": "run", "table": "dock"}, "say": {"do": "say"}}}',
      'The robot at a broker of MQTT: for Home Assistant, for a device shadow of AWS IoT; does what its words allow');
 
+-- Off: it needs `pip install 'lbr[ros2]'`, ROS 2 on rmw_zenoh, and for all but looking and stops a token: docs/ros2.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('lbr', 'ros2', 'ros2', 0, '{"services": {"dock": "/behaviour/run/dock"}}',
+     'The robot in ROS 2 by rmw_zenoh: sensors, transforms and cameras out; cmd_vel and services in');
+
 -- Off: it needs a registry (the setting url) and a token of it in credentials/registry.token: docs/registry.md.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('lbr', 'registrar', 'registrar', 0, '{}',
@@ -658,7 +663,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'web_api.select_camera', 'cameras.select', 1),
     ('lbr', 'web_api.dock_heard', 'dock.heard', 1),
     ('lbr', 'web_api.estop_reset', 'executive.estop_reset', 1),
-    ('lbr', 'teleop.say', 'executive.line', 1);
+    ('lbr', 'teleop.say', 'executive.line', 1),
+    ('lbr', 'ros2.say', 'executive.line', 1);
 
 -- What needs no more than a few messages a second gets no more.
 INSERT INTO channel (robot, source, target, rate_hz) VALUES
@@ -671,7 +677,9 @@ INSERT INTO channel (robot, source, target, rate_hz) VALUES
     ('lbr', 'cameras.state', 'telemetry.cameras', 10),
     ('lbr', 'battery.state', 'telemetry.battery', 10),
     ('lbr', 'dock.signal', 'telemetry.dock', 10),
-    ('lbr', 'camera_front.frame', 'mqtt.frames', 1);
+    ('lbr', 'camera_front.frame', 'mqtt.frames', 1),
+    ('lbr', 'camera_front.frame', 'ros2.frames', 10),
+    ('lbr', 'camera_rear.frame', 'ros2.frames', 10);
 
 -- Most of its words come with the kinds of its capabilities; a row of the same pattern takes the place of one.
 INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES

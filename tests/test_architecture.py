@@ -60,22 +60,27 @@ FLOORS = {
     "console": BUS | {"console", "database", "home", "leases", "ownership"},
     "why": GROUND | {"why"},
     "executive": CAPABILITY | ROBOT | {"executive", "console", "database", "home", "qr", "why"},
-    "apps": CAPABILITY | ROBOT | {"apps", "bodies", "client", "home", "qr", "recording"},
+    "apps": CAPABILITY | ROBOT | {"apps", "bodies", "home", "qr", "recording"},
     "robots": ROBOT | {"robots"},
     "simulation": CAPABILITY | ROBOT | {"simulation"},
     "bodies": ROBOT | {"bodies"},
     "recording": GROUND | {"recording"},
+    "ros2": CAPABILITY | ROBOT | {"apps", "bodies", "ros2"},
     "rerun": CAPABILITY | {"apps", "database", "drivers", "home", "recording", "rerun", "simulation"},
     "testing": CAPABILITY | {"database", "simulation", "testing"},
 }
 TOP = {"cli", "commands", "gym", "start"}
 """What people start: may import everything below."""
-CORE = set(FLOORS) - {"apps", "robots", "simulation", "bodies", "recording", "rerun", "testing"} | {"cli", "start"}
+CORE = set(FLOORS) - {"apps", "robots", "simulation", "bodies", "recording", "rerun", "ros2", "testing"} | {
+    "cli",
+    "start",
+}
 """Floors that stand without a component, `commands` in their own folder among them."""
 ROOMS = {
     "lbr.apps.bodies": "bodies",
     "lbr.apps.recorder.recording": "recording",
     "lbr.apps.recorder.rerun": "rerun",
+    "lbr.apps.ros2": "ros2",
     "lbr.robots.lbr.beacon": "operations",
     "lbr.robots.lbr.original": "apps",
     "lbr.robots.uxa90.driver": "drivers",
@@ -91,7 +96,7 @@ PROGRAMS = {"lbr.apps.autodock": (), "lbr.apps.docksignal": (), "lbr.apps.navcam
 """Programs that rows of `external_command` start, and the components that they need: no other part of lbr names them."""
 
 OWNERS = {
-    "zenoh": {"bus"},
+    "zenoh": {"bus", "ros2"},
     "argon2": {"bus"},
     "cryptography": {"bus"},
     "sqlalchemy": {"database"},
@@ -102,7 +107,7 @@ OWNERS = {
     "sqlite3": {"database", "testing"},
     "mujoco": {"simulation"},
     "gymnasium": {"gym"},
-    "numpy": {"apps", "gym", "operations", "simulation"},
+    "numpy": {"apps", "gym", "ros2", "operations", "simulation"},
     "cv2": {"apps"},
     "imufusion": {"operations"},
     "dbus_fast": {"operations"},
@@ -122,9 +127,9 @@ OWNERS = {
     "matplotlib": {"client"},
     "ifaddr": {"apps", "client"},
     "PIL": {"simulation"},
-    "mcp": {"apps"},
-    "mcp_types": {"apps"},
     "paho": {"apps"},
+    "rosbags": {"ros2"},
+    "xxhash": {"ros2"},
     "serial": {"drivers", *TOP},
     "prompt_toolkit": {"console", *TOP},
     "rich": TOP,
@@ -146,6 +151,8 @@ HEAVY = (
     "uvicorn",
     "segno",
     "paho",
+    "rosbags",
+    "xxhash",
     "zeroconf",
     "keyring",
     "IPython",

@@ -68,6 +68,11 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'mqtt', 'mqtt', 0, '{"words": {"stop": {"do": "stop"}, "wave": {"do": "play", "motion": "wave"}}}',
      'The robot at a broker of MQTT: for Home Assistant, for a device shadow of AWS IoT; does what its words allow');
 
+-- Off: it needs `pip install 'lbr[ros2]'`, ROS 2 on rmw_zenoh, and for all but looking and stops a token: docs/ros2.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('bioloid', 'ros2', 'ros2', 0, '{"services": {"wave": "/play/wave"}}',
+     'The robot in ROS 2 by rmw_zenoh: joints, transforms, cameras and its body out; services in');
+
 -- Off: it needs a registry (the setting url) and a token of it in credentials/registry.token: docs/registry.md.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'registrar', 'registrar', 0, '{}',
@@ -94,7 +99,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'web.stop_motion', 'motions.stop', 1),
     ('bioloid', 'web.edit', 'executive.edit', 1),
     ('bioloid', 'web.estop_reset', 'executive.estop_reset', 1),
-    ('bioloid', 'teleop.say', 'executive.line', 1);
+    ('bioloid', 'teleop.say', 'executive.line', 1),
+    ('bioloid', 'ros2.say', 'executive.line', 1);
 
 -- Ids as on the robot's drawing. Signs and zeros follow published descriptions of the Type A; limits are what the
 -- motions below use and some steps more. Confirm all of them on your robot, by hand and without torque.

@@ -75,6 +75,11 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'mqtt', 'mqtt', 0, '{"words": {"stop": {"do": "stop"}, "stand": {"do": "play", "motion": "reset"}}}',
      'The robot at a broker of MQTT: for Home Assistant, for a device shadow of AWS IoT; does what its words allow');
 
+-- Off: it needs `pip install 'lbr[ros2]'`, ROS 2 on rmw_zenoh, and for all but looking and stops a token: docs/ros2.md.
+INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
+    ('uxa90', 'ros2', 'ros2', 0, '{"services": {"stand": "/play/reset"}}',
+     'The robot in ROS 2 by rmw_zenoh: joints, transforms, cameras and its body out; services in');
+
 -- Off: it needs a registry (the setting url) and a token of it in credentials/registry.token: docs/registry.md.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'registrar', 'registrar', 0, '{}',
@@ -101,6 +106,7 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'motions.result', 'web.played', 16),
     ('uxa90', 'servos.controller', 'web.controller', 1),
     ('uxa90', 'camera_head.frame', 'web.frames', 2),
+    ('uxa90', 'camera_head.frame', 'ros2.frames', 1),
     ('uxa90', 'camera_head.state', 'web.cameras', 4),
     ('uxa90', 'web.move', 'joints.command', 1),
     ('uxa90', 'web.halt', 'joints.stop', 1),
@@ -110,7 +116,8 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'web.take_control', 'servos.take_control', 1),
     ('uxa90', 'web.edit', 'executive.edit', 1),
     ('uxa90', 'web.estop_reset', 'executive.estop_reset', 1),
-    ('uxa90', 'teleop.say', 'executive.line', 1);
+    ('uxa90', 'teleop.say', 'executive.line', 1),
+    ('uxa90', 'ros2.say', 'executive.line', 1);
 
 -- A servo counts 0 to 254 over 269 degrees. Zeros are the factory's nominal ones, signs of legs come from published
 -- kinematics, those of arms and head from what motions do; waist, hip yaw and hands are guesses. Limits are what motions

@@ -1,0 +1,239 @@
+"""ROS 2 as a capability: publishes the robot's streams there, and borrows motion for its nodes.
+
+Tokens come by `link` to `graph`, whose subscribers decide what `showing` publishes. Samples come to `driving`, whose
+twist a holder follows under a lease of the drive. Requests come to `words`.
+"""
+
+from math import inf
+from pathlib import Path
+
+from lbr.apps.bodies.model import body_file, model
+from lbr.apps.ros2 import codec, topics, wire
+from lbr.apps.ros2.driving import Asked, Driving, Limits
+from lbr.apps.ros2.graph import Graph, refusal_of
+from lbr.apps.ros2.kind import STOP, Ros2Settings
+from lbr.apps.ros2.link import Link, Place, Request, Sample
+from lbr.apps.ros2.messages import Ros2State
+from lbr.apps.ros2.showing import Showing
+from lbr.apps.ros2.wire import Endpoint
+from lbr.apps.ros2.words import Reply, Words
+from lbr.bus.door import TokenRight
+from lbr.capability.base import Capability
+from lbr.capability.context import Context
+from lbr.errors import InputError
+from lbr.leases.client import LeaseTarget
+from lbr.leases.holder import FINAL, GONE, Holder
+from lbr.messages.codes import Reason
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import Joint
+from lbr.messages.kinematics import Wheel
+from lbr.messages.sensing import RangeSensor
+from lbr.messages.system import RANKS
+
+DRIVE = LeaseTarget("twist", "halt", "drive", f"the drive: {GONE}")
+ACTIVE_HZ, RESTING_HZ = 50.0, 4.0
+TELL_S, TELL_NEWS_S = 2.0, 0.25
+ROUTER_GONE = Reason("unreachable", "the router of ROS is gone, and with it who could stop this")
+MOST_REPORTED = 200
+
+
+class Ros2(Capability[Ros2Settings]):
+    """A node of ROS with the robot's name."""
+
+    rate_hz = RESTING_HZ
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[Ros2Settings]) -> None:
+        super().__init__(ctx)
+        settings = ctx.settings
+        denied = self._denied()
+        sensors = ctx.rows(RangeSensor)
+        self._ports = topics.ports(settings, ctx.sources, sensors)
+        self._accepted = topics.accepted(settings) if ctx.targets("twist") else {}
+        self._graph = Graph()
+        limits = Limits(
+            speed_mps=settings.speed_mps,
+            turn_rps=settings.turn_rps,
+            silent_s=settings.silent_s,
+            late_s=settings.late_s,
+        )
+        self._driving = Driving(limits, denied)
+        self._holder = Holder(ctx)
+        self._words = Words(ctx, settings.services, denied)
+        place = Place(
+            connect=settings.connect,
+            listen=settings.listen,
+            domain=settings.domain,
+            namespace=settings.namespace,
+            name=ctx.robot,
+        )
+        self._link = Link(place, self._ports, ctx.wake, ctx.clock)
+        body = model(ctx.robot, body_file(ctx.robot, Path(ctx.home)), ctx.rows(Joint), ctx.rows(Wheel), sensors)
+        self._showing = Showing(ctx, self._ports, body, sensors, self._link.publish)
+        self._reported: set[str] = set()
+        self._count = self._refused = 0
+        self._joined = False
+        self._health: str | None = None
+        self._told: Ros2State | None = None
+        self._told_s = -inf
+
+    def open(self) -> None:
+        """Begin to look for ROS."""
+        self._link.start()
+
+    def step(self) -> None:
+        """Do one round: who is there, what came, what moves, what is shown."""
+        now = self.ctx.clock()
+        self._look_after_link()
+        self._look_who_is_there()
+        for sample in self._link.samples():
+            self._receive(sample)
+        for request in self._link.requests():
+            self._call(request)
+        self._drive(now)
+        self._words.step([one.message for one in self.ctx.take("results") if isinstance(one.message, GoalResult)])
+        self._report_losses()
+        if self._link.connected:
+            self._showing.step(now)
+        active = self._holder.asks or self._words.moving or self._showing.wanted
+        self.rate_hz = ACTIVE_HZ if active else RESTING_HZ
+        self._tell(now)
+
+    def woke(self, slept_s: float) -> None:  # noqa: ARG002 - however long
+        """The computer slept: who drove may be gone."""
+        self._driving.end_all(Reason("holder_gone", "the robot's computer slept"))
+
+    def close(self) -> None:
+        """Stop what is moved in ROS's name, and leave."""
+        self._holder.release("the bridge to ROS is shutting down")
+        self._words.halt("the bridge to ROS is shutting down")
+        self._link.close()
+
+    def _denied(self) -> Reason | None:
+        """Return why ROS may do no more than look, and stop; nothing if it may."""
+        name = self.ctx.settings.token
+        token = next((one for one in self.ctx.rows(TokenRight) if one.name == name), None)
+        if not name or token is None or token.role == "host":
+            return Reason("token", "ROS only looks, and stops: the setting 'token' of the row names none that counts")
+        if RANKS[token.role] < RANKS["operate"]:
+            return Reason("role", f"it needs the role operate, and the row's token has {token.role}")
+        return None
+
+    def _look_after_link(self) -> None:
+        link = self._link
+        health = "" if link.connected else f"ROS at {link.place.endpoint}: {link.trouble}"
+        if health != self._health:
+            self._health = health
+            if health:
+                self.ctx.warn(health, "unreachable")
+            else:
+                self.ctx.ready()
+        if link.connected and link.count == self._count:
+            return
+        if self._joined:
+            self._lose_router()
+        if link.connected:
+            self._count, self._joined = link.count, True
+            self._showing.begin()
+
+    def _lose_router(self) -> None:
+        self._joined = False
+        self._graph.clear()
+        self._driving.end_all(ROUTER_GONE)
+        self._words.halt(ROUTER_GONE.text, lost=True)
+        self._showing.subscribed(self._graph.subscribed)
+
+    def _look_who_is_there(self) -> None:
+        tokens = self._link.tokens()
+        for token in tokens:
+            if token.present:
+                entity = self._graph.come(token.text)
+                if isinstance(entity, Endpoint):
+                    self._complain_once(refusal_of(entity, self._accepted), "not_possible")
+            elif isinstance(entity := self._graph.go(token.text), Endpoint) and entity.kind == "MP":
+                self._lose(entity, wire.gid(token.text))
+        if tokens:
+            self._showing.subscribed(self._graph.subscribed)
+
+    def _lose(self, publisher: Endpoint, gid: bytes) -> None:
+        """A publisher is gone; one that named itself otherwise than by its token may be the one that drives."""
+        why = Reason("holder_gone", f"{publisher.node.path} is gone")
+        driver = self._driving.driver
+        unknown = driver and publisher.topic in self._accepted and not self._graph.knows(driver)
+        self._driving.leave(driver if unknown and gid != driver else gid, why)
+
+    def _complain_once(self, text: str, code: str) -> None:
+        """Tell once what is wrong with what somebody publishes."""
+        if text and text not in self._reported and len(self._reported) < MOST_REPORTED:
+            self._reported.add(text)
+            self._tell_refusal(text, code)
+
+    def _receive(self, sample: Sample) -> None:
+        try:
+            by = wire.attachment(sample.attachment)
+        except InputError as err:
+            self._complain_once(f"a message on {sample.key}: {err}", "malformed")
+            return
+        type_ = wire.type_in(sample.key)
+        try:
+            if wire.hash_in(sample.key) not in (codec.type_hash(type_), wire.HUMBLE_HASH):
+                return  # of another type by that name, which its token told
+            twist = codec.twist(type_, sample.payload)
+        except InputError as err:
+            self._driving.malformed(by.gid, str(err))
+            return
+        self._driving.receive(Asked(twist, by, sample.arrived_s, sample.wall_ns))
+
+    def _call(self, request: Request) -> None:
+        if request.service == STOP:
+            self._driving.end_all(Reason("stopped", "stopped by the service stop"))
+        self._words.call(request.service, self._reply(request))
+
+    def _reply(self, request: Request) -> Reply:
+        def reply(text: str, done: bool) -> None:
+            self._refused += not done
+            self._link.reply(request, codec.answer(text, success=done))
+
+        return reply
+
+    def _drive(self, now: float) -> None:
+        """Follow the twist under a lease; whoever loses it begins anew only after rest."""
+        command = self._driving.command(now, self.ctx.settings.ttl_s)
+        rests = self._driving.stands if command is None else None
+        ended = self._holder.step(gone=rests)
+        if ended is not None and ended is not rests:
+            end = self._driving.end_all if ended.code in FINAL else self._driving.end
+            end(ended)
+        elif command is not None and self._holder.asks:
+            self._holder.change(command)
+        elif command is not None:
+            self._words.halt("cmd_vel is used")
+            self._holder.begin(DRIVE, command)
+
+    def _report_losses(self) -> None:
+        """Tell each refusal and end once."""
+        losses, self._driving.lost = self._driving.lost, []
+        for gid, why in losses:
+            self._tell_refusal(f"{self._graph.name(gid)} on {topics.CMD_VEL}: {why}", why.code)
+
+    def _tell_refusal(self, text: str, code: str) -> None:
+        self._refused += 1
+        self.ctx.event("ros2_refused", text, level="warning", code=code, about=self.ctx.name)
+
+    def _tell(self, now: float) -> None:
+        driver, stands = self._driving.driver, self._driving.stands
+        state = Ros2State(
+            connected=self._link.connected,
+            endpoint=self._link.place.endpoint,
+            nodes=self._graph.nodes,
+            subscribed=tuple(sorted(self._showing.wanted)),
+            driver=self._graph.name(driver) if driver else "",
+            connections=self._count,
+            refused=self._refused,
+            reason=self._health or ("" if driver else stands.text),
+            code="unreachable" if self._health else "" if driver else stands.code,
+        )
+        since_s = now - self._told_s
+        if since_s >= TELL_S or (state != self._told and since_s >= TELL_NEWS_S):
+            self._told, self._told_s = state, now
+            self.ctx.publish("state", state)

@@ -1,0 +1,200 @@
+"""Which twist the robot is to follow, by what publishers in ROS say, and why it is to stand. Pure.
+
+One publisher drives at a time. It is the first with a twist other than zero, until it rests, falls silent or leaves.
+After any interruption that publisher must send a twist of zero before it moves the robot again. So nothing resumes by
+itself. Another publisher may begin at once.
+"""
+
+from collections import OrderedDict
+from math import hypot, isfinite
+from typing import NamedTuple
+
+from msgspec import Struct
+
+from lbr.apps.ros2.codec import S_NS, Stamped
+from lbr.apps.ros2.wire import Attachment
+from lbr.messages.codes import Code, Reason
+from lbr.messages.drive import TwistCommand
+
+MOST_PUBLISHERS = 64
+WINDOW_S = 30.0
+"""The difference of a publisher's clock is that of its quickest message in this time."""
+AT_REST = Reason("idle", "nobody in ROS asks for motion")
+
+
+class Limits(Struct, frozen=True, kw_only=True):
+    """The fastest that ROS may drive, and what is too old or silent for too long."""
+
+    speed_mps: float
+    turn_rps: float
+    silent_s: float
+    late_s: float
+
+
+class Asked(NamedTuple):
+    """A twist, what came with it, and when it came by the monotonic and by the wall clock here."""
+
+    twist: Stamped
+    by: Attachment
+    arrived_s: float
+    wall_ns: int
+
+
+class Clock:
+    """The difference of a publisher's wall clock from ours, by its quickest message of late."""
+
+    def __init__(self) -> None:
+        self._least_s: list[float] = []
+        self._since_s = 0.0
+
+    def late_s(self, offset_s: float, now: float) -> float:
+        """Return how much later than the quickest a message came, that was `offset_s` under way by both clocks."""
+        if not self._least_s or now - self._since_s > WINDOW_S:
+            self._least_s, self._since_s = [*self._least_s[-1:], offset_s], now
+        self._least_s[-1] = min(self._least_s[-1], offset_s)
+        return offset_s - min(self._least_s)
+
+
+class Publisher:
+    """A publisher of twists. It may begin once it `rested`, or if it never drove."""
+
+    def __init__(self) -> None:
+        self.clock = Clock()
+        self.sequence: int | None = None
+        self.twist: Stamped | None = None
+        self.heard_s = 0.0
+        self.rested = True
+        self.reported: set[Code] = set()
+
+    def lose(self) -> None:
+        """Have it say zero before anything moves by it again."""
+        self.twist, self.rested = None, False
+
+
+class Driving:
+    """`receive` twists, and ask for the `command` to follow; `lost` are refusals and ends that are still to be reported.
+
+    With a reason why it is `denied`, nobody in ROS drives.
+    """
+
+    def __init__(self, limits: Limits, denied: Reason | None = None) -> None:
+        self._limits = limits
+        self._denied = denied
+        self._publishers: OrderedDict[bytes, Publisher] = OrderedDict()
+        self._driver: bytes = b""
+        self._stands = AT_REST
+        self.lost: list[tuple[bytes, Reason]] = []
+
+    @property
+    def driver(self) -> bytes:
+        """Return by which publisher the robot is driven; empty if by none."""
+        return self._driver
+
+    def receive(self, asked: Asked) -> None:
+        """Receive a twist of a publisher."""
+        publisher = self._publisher(asked.by.gid)
+        refusal = self._unfit(publisher, asked)
+        if refusal is not None and refusal.code == "repeated":
+            return
+        if refusal is not None:
+            self._refuse(asked.by.gid, publisher, refusal)
+            return
+        publisher.heard_s = asked.arrived_s
+        if not any(asked.twist[:3]):
+            publisher.twist, publisher.rested = None, True
+            publisher.reported.clear()
+            if self._driver == asked.by.gid:
+                self._driver, self._stands = b"", AT_REST
+        elif self._denied is not None:
+            self._report(asked.by.gid, publisher, self._denied)
+        elif not publisher.rested:
+            self._report(asked.by.gid, publisher, Reason("rest_first", "it goes on: a twist of zero must come first"))
+        elif self._driver not in {b"", asked.by.gid}:
+            self._report(asked.by.gid, publisher, Reason("held", "another publisher in ROS drives the robot"))
+        else:
+            self._driver, publisher.twist = asked.by.gid, asked.twist
+
+    def command(self, now: float, ttl_s: float) -> TwistCommand | None:
+        """Return the twist to follow; None: the robot is to stand, for the reason `stands`."""
+        driver = self._publishers.get(self._driver)
+        if driver is None or driver.twist is None:
+            return None
+        if not now - driver.heard_s <= self._limits.silent_s:  # this way round, NaN is silence
+            self.end(Reason("holder_gone", f"it said nothing for {self._limits.silent_s:g} s"))
+            return None
+        return self._limited(driver.twist, ttl_s)
+
+    @property
+    def stands(self) -> Reason:
+        """Return why the robot is to stand."""
+        return self._stands
+
+    def end(self, why: Reason) -> None:
+        """End what goes on: who drove must rest before it moves the robot again."""
+        gid, self._driver, self._stands = self._driver, b"", why
+        if (publisher := self._publishers.get(gid)) is not None:
+            publisher.lose()
+            self._report(gid, publisher, why)
+
+    def leave(self, gid: bytes, why: Reason) -> None:
+        """A publisher is gone; one that comes back, as through a new router, must rest first."""
+        if gid == self._driver:
+            self.end(why)
+        elif (publisher := self._publishers.get(gid)) is not None:
+            publisher.lose()
+
+    def end_all(self, why: Reason) -> None:
+        """Have every publisher that is there rest before anything moves."""
+        self.end(why)
+        for publisher in self._publishers.values():
+            publisher.lose()
+
+    def malformed(self, gid: bytes, why: str) -> None:
+        """A message of a publisher cannot be read."""
+        self._refuse(gid, self._publisher(gid), Reason("malformed", why))
+
+    def _publisher(self, gid: bytes) -> Publisher:
+        publisher = self._publishers.setdefault(gid, Publisher())
+        self._publishers.move_to_end(gid)
+        while len(self._publishers) > MOST_PUBLISHERS:
+            oldest = next(iter(self._publishers))
+            if oldest == self._driver:
+                self.end(Reason("busy", "too many publish there"))
+            self._publishers.pop(oldest)
+        return publisher
+
+    def _unfit(self, publisher: Publisher, asked: Asked) -> Reason | None:
+        if publisher.sequence is not None and asked.by.sequence <= publisher.sequence:
+            return Reason("repeated", "")
+        publisher.sequence = asked.by.sequence
+        late_s = publisher.clock.late_s((asked.wall_ns - asked.by.sent_ns) / S_NS, asked.arrived_s)
+        if not late_s <= self._limits.late_s:
+            return Reason("late", f"it came {late_s:.1f} s late")
+        made_ns = asked.twist.made_ns
+        if made_ns is not None and not abs(old_s := (asked.by.sent_ns - made_ns) / S_NS) <= self._limits.late_s:
+            when = "in the past" if old_s > 0 else "in the future"
+            return Reason("late", f"its header's stamp is {abs(old_s):.1f} s {when}")
+        if not all(map(isfinite, asked.twist[:3])):
+            return Reason("bad_value", "its twist is not a number")
+        return None
+
+    def _refuse(self, gid: bytes, publisher: Publisher, why: Reason) -> None:
+        if gid == self._driver:
+            self.end(why)
+        else:
+            publisher.lose()
+            self._report(gid, publisher, why)
+
+    def _report(self, gid: bytes, publisher: Publisher, why: Reason) -> None:
+        """Report each code once, until the publisher rests."""
+        if why.code not in publisher.reported:
+            publisher.reported.add(why.code)
+            self.lost.append((gid, why))
+
+    def _limited(self, twist: Stamped, ttl_s: float) -> TwistCommand:
+        """Return a twist scaled down as a whole to what ROS may."""
+        speed, turn = hypot(twist.vx_mps, twist.vy_mps), abs(twist.wz_rps)
+        share = min(1.0, self._limits.speed_mps / max(speed, 1e-9), self._limits.turn_rps / max(turn, 1e-9))
+        return TwistCommand(
+            vx_mps=twist.vx_mps * share, vy_mps=twist.vy_mps * share, wz_rps=twist.wz_rps * share, ttl_s=ttl_s
+        )

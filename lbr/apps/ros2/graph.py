@@ -1,0 +1,94 @@
+"""The nodes, publishers and subscribers in ROS, by their liveliness tokens. Pure."""
+
+from collections.abc import Collection, Iterable, Mapping
+
+from lbr.apps.ros2 import wire
+from lbr.apps.ros2.wire import Endpoint, Node
+from lbr.errors import InputError
+
+MOST = 2000
+"""Of entities; more are not looked at."""
+
+
+class Graph:
+    """All others, by their tokens."""
+
+    def __init__(self) -> None:
+        self._entities: dict[str, Node | Endpoint] = {}
+        self._gids: set[bytes] = set()
+        self._names: dict[bytes, str] = {}
+        self._subscribed: frozenset[tuple[str, str]] | None = None
+
+    def come(self, token: str) -> Endpoint | Node | None:
+        """Note an entity; return it if it is new."""
+        try:
+            entity = wire.token(token)
+        except InputError:
+            return None
+        if entity is None or token in self._entities or len(self._entities) >= MOST:
+            return None
+        self._entities[token] = entity
+        self._subscribed = None
+        if isinstance(entity, Endpoint):
+            self._gids.add(gid := wire.gid(token))
+            self._names[gid] = entity.node.path
+            if len(self._names) > 2 * MOST:
+                self._names.pop(next(iter(self._names)))
+        return entity
+
+    def go(self, token: str) -> Endpoint | Node | None:
+        """Forget an entity; return it if it was known."""
+        self._subscribed = None
+        self._gids.discard(wire.gid(token))
+        return self._entities.pop(token, None)
+
+    def clear(self) -> None:
+        """Forget all: the router is gone."""
+        self._entities.clear()
+        self._gids.clear()
+        self._subscribed = None
+
+    @property
+    def nodes(self) -> int:
+        """Return how many nodes there are."""
+        return sum(isinstance(one, Node) for one in self._entities.values())
+
+    def subscribed(self, topic: str, type_: str) -> bool:
+        """Return whether somebody subscribes to a topic by its type."""
+        if self._subscribed is None:
+            self._subscribed = frozenset((one.topic, one.type) for one in self._of("MS"))
+        return (topic, type_) in self._subscribed
+
+    def topics(self) -> Collection[str]:
+        """Return what somebody subscribes to."""
+        return {one.topic for one in self._of("MS")}
+
+    def name(self, gid: bytes) -> str:
+        """Return the node of an endpoint, for people; also of one that is gone."""
+        return self._names.get(gid, "somebody without a token")
+
+    def knows(self, gid: bytes) -> bool:
+        """Return whether an endpoint has a token."""
+        return gid in self._gids
+
+    def _of(self, kind: str) -> Iterable[Endpoint]:
+        return (one for one in self._entities.values() if isinstance(one, Endpoint) and one.kind == kind)
+
+
+def refusal_of(endpoint: Endpoint, accepted: Mapping[str, Mapping[str, Collection[str]]]) -> str:
+    """Return why the messages of an endpoint are refused; `accepted` are topics with their types and those types' hashes.
+
+    Empty: nothing of that topic is received, or its messages are.
+    """
+    if endpoint.kind != "MP" or endpoint.topic not in accepted:
+        return ""
+    types = accepted[endpoint.topic]
+    if endpoint.type not in types:
+        names = " and ".join(one.rpartition("/")[2] for one in types)
+        kind = endpoint.type.rpartition("/")[2]
+        return f"{endpoint.node.path} publishes {kind} on {endpoint.topic}, which takes {names}"
+    if endpoint.hash not in types[endpoint.type]:
+        return (
+            f"{endpoint.node.path} publishes another {endpoint.type} on {endpoint.topic}: its hash is {endpoint.hash}"
+        )
+    return ""

@@ -1,0 +1,297 @@
+"""The connection to ROS: a Zenoh session and those after it, opened and closed by a thread of its own.
+
+    loop                                        thread
+      publish, reply ─────────────────────────►   session to rmw_zenohd, or the router for ROS itself
+      tokens, samples, requests ◄── inboxes ◄──   what comes there
+
+A session ends with its router. A new router does not know the declarations of old sessions, so that a new session
+declares all of them again.
+"""
+
+import json
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+import zenoh
+from msgspec import Struct
+
+from lbr.apps.retry import wait_s
+from lbr.apps.ros2.wire import ADMIN, CDR, Attachment, Endpoint, Node, Port
+from lbr.bus.session import LINK_LEASE_MS
+from lbr.bus.wire import direct, plain
+from lbr.errors import BusError
+
+STEADY_S, LONGEST_WAIT_S = 20.0, 5.0
+CONNECT_S = 1.0
+MOST_TOKENS, MOST_SAMPLES, MOST_REQUESTS = 4096, 64, 16
+HEARTBEAT_S = 0.5
+LARGEST_MESSAGE_BYTES = 1 << 20
+
+
+class Place(Struct, frozen=True, kw_only=True):
+    """The router of ROS, to connect to or to be at `listen`, and the robot's name there."""
+
+    connect: str
+    listen: str
+    domain: int
+    namespace: str
+    name: str
+
+    @property
+    def endpoint(self) -> str:
+        """Return the address."""
+        return self.listen or self.connect
+
+
+class Token(NamedTuple):
+    """An entity of ROS came, or went."""
+
+    present: bool
+    text: str
+
+
+class Sample(NamedTuple):
+    """A message, and when it came by the monotonic and by the wall clock."""
+
+    key: str
+    payload: bytes
+    attachment: bytes
+    arrived_s: float
+    wall_ns: int
+
+
+class Request(NamedTuple):
+    """A call of a service, to be replied to once."""
+
+    service: str
+    query: zenoh.Query
+
+
+class Outlet:
+    """A publisher with its number and name; the loop alone sends."""
+
+    def __init__(self, publisher: Any, gid: bytes) -> None:
+        self._publisher = publisher
+        self._gid = gid
+        self._sequence = 0
+
+    def put(self, payload: bytes) -> None:
+        """Send a message."""
+        self._sequence += 1
+        attachment = bytes(Attachment(self._sequence, time.time_ns(), self._gid))
+        with suppress(zenoh.ZError):  # of a session that is just being closed
+            self._publisher.put(payload, encoding=zenoh.Encoding(CDR), attachment=attachment)
+
+
+class Link:
+    """`start` and `close` it; `connected` and `trouble` are how it stands, `count` how many connections there were."""
+
+    def __init__(
+        self,
+        place: Place,
+        ports: Mapping[str, Port],
+        wake: Callable[[], None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.connected = False
+        self.trouble = "it was not reached yet"
+        self.count = 0
+        self.place = place
+        self._ports, self._wake, self._clock = ports, wake, clock
+        self._tokens: deque[Token] = deque(maxlen=MOST_TOKENS)
+        self._samples: deque[Sample] = deque(maxlen=MOST_SAMPLES)
+        self._requests: deque[Request] = deque(maxlen=MOST_REQUESTS)
+        self._zid = ""
+        self._outlets: Mapping[str, Outlet] = {}
+        self._lost, self._ends = threading.Event(), threading.Event()
+        self._thread = threading.Thread(target=self._run, name="ros2", daemon=True)
+
+    def start(self) -> None:
+        """Connect, and go on doing so."""
+        self._thread.start()
+
+    def tokens(self) -> list[Token]:
+        """Return the tokens that came and went since the last call."""
+        return _drained(self._tokens)
+
+    def samples(self) -> list[Sample]:
+        """Return the messages that came since the last call; of too many the newest."""
+        return _drained(self._samples)
+
+    def requests(self) -> list[Request]:
+        """Return which services were called since the last call."""
+        return _drained(self._requests)
+
+    def publish(self, port: str, payload: bytes) -> None:
+        """Send a message, if there is a connection."""
+        if (outlet := self._outlets.get(port)) is not None:
+            outlet.put(payload)
+
+    def reply(self, request: Request, payload: bytes) -> None:
+        """Answer a call."""
+        query = request.query
+        attachment = query.attachment.to_bytes() if query.attachment is not None else b""
+        with suppress(zenoh.ZError):
+            query.reply(query.key_expr, payload, encoding=zenoh.Encoding(CDR), attachment=attachment)
+            query.drop()
+
+    def close(self, within_s: float = 0.5) -> None:
+        """Leave; a router that does not listen is left all the same."""
+        self._ends.set()
+        self._lost.set()
+        if self._thread.is_alive():
+            self._thread.join(within_s)
+
+    # On the thread.
+
+    def _run(self) -> None:
+        tries = 0
+        while not self._ends.is_set():
+            began = time.monotonic()
+            try:
+                self._connection()
+            except (BusError, OSError) as err:
+                self.trouble = str(err)
+            except zenoh.ZError as err:
+                self.trouble = plain(err)
+            self._leave()
+            tries = 0 if time.monotonic() - began > STEADY_S else tries + 1
+            self._ends.wait(min(LONGEST_WAIT_S, wait_s(tries)))
+
+    def _connection(self) -> None:
+        """Connect and stay until the router is gone; raise why there is no connection."""
+        self._lost.clear()
+        if not self.place.listen:
+            _knock(self.place.connect)
+        session = zenoh.open(zenoh.Config.from_json5(json.dumps(_settings(self.place))))
+        try:
+            declared = self._declare(session)  # what nobody holds is undeclared
+            self._lost.wait()
+            declared.clear()
+            self.trouble = "its router is gone"
+        finally:
+            self._leave()
+            session.close()
+
+    def _leave(self) -> None:
+        self.connected, self._outlets = False, {}
+        self._wake()
+
+    def _declare(self, session: zenoh.Session) -> list[Any]:
+        """Declare all that the robot is in ROS, and look who else is there; return what is declared."""
+        self._tokens.clear()
+        self._samples.clear()
+        self._zid = str(session.zid())
+        place = self.place
+        node = Node(domain=place.domain, zid=self._zid, id="0", namespace=place.namespace, name=place.name)
+        held: list[Any] = [session.liveliness().declare_token(str(node))]
+        outlets = {}
+        for number, (name, port) in enumerate(self._ports.items(), 1):
+            endpoint = Endpoint(
+                node=node,
+                id=str(number),
+                kind=port.kind,
+                topic=port.topic,
+                type=port.type,
+                hash=port.hash,
+                qos=str(port.qos),
+            )
+            declared = self._declared(session, name, port, endpoint)
+            if port.kind == "MP":
+                outlets[name] = Outlet(declared, endpoint.gid)
+            held += [declared, session.liveliness().declare_token(str(endpoint))]
+        tokens = f"{ADMIN}/{place.domain}/**"
+        held.append(session.liveliness().declare_subscriber(tokens, direct(self._receive_token), history=True))
+        if not place.listen:
+            held.append(session.info.declare_transport_events_listener(direct(self._receive_link), history=False))
+            if not list(session.info.routers_zid()):
+                raise BusError("its router is gone")
+        self._outlets = outlets
+        self.count += 1
+        self.connected, self.trouble = True, ""
+        self._wake()
+        return held
+
+    def _declared(self, session: zenoh.Session, name: str, port: Port, endpoint: Endpoint) -> Any:
+        if port.kind == "MS":
+            return session.declare_subscriber(port.keys or endpoint.key, direct(self._receive_sample))
+        if port.kind == "SS":
+            receive = direct(lambda query: self._receive_request(name, query))
+            return session.declare_queryable(endpoint.key, receive, complete=True)
+        drop = zenoh.CongestionControl.DROP
+        if not port.qos.transient_local:
+            return session.declare_publisher(endpoint.key, congestion_control=drop)
+        return zenoh.ext.declare_advanced_publisher(
+            session,
+            endpoint.key,
+            congestion_control=drop,
+            cache=zenoh.ext.CacheConfig(max_samples=port.qos.depth),
+            publisher_detection=True,
+            sample_miss_detection=zenoh.ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT_S),
+        )
+
+    # On threads of Zenoh.
+
+    def _receive_token(self, sample: zenoh.Sample) -> None:
+        text = str(sample.key_expr)
+        if f"/{self._zid}/" not in text:
+            self._tokens.append(Token(sample.kind == zenoh.SampleKind.PUT, text))
+            self._wake()
+
+    def _receive_sample(self, sample: zenoh.Sample) -> None:
+        attachment = sample.attachment.to_bytes() if sample.attachment is not None else b""
+        key, payload = str(sample.key_expr), sample.payload.to_bytes()
+        self._samples.append(Sample(key, payload, attachment, self._clock(), time.time_ns()))
+        self._wake()
+
+    def _receive_request(self, service: str, query: zenoh.Query) -> None:
+        self._requests.append(Request(service, query))
+        self._wake()
+
+    def _receive_link(self, event: zenoh.TransportEvent) -> None:
+        if event.kind == zenoh.SampleKind.DELETE:
+            self.connected = False
+            self._lost.set()
+            self._wake()
+
+
+def _drained(inbox: deque[Any]) -> list[Any]:
+    drained = []
+    with suppress(IndexError):
+        while True:
+            drained.append(inbox.popleft())
+    return drained
+
+
+def _knock(endpoint: str) -> None:
+    """Raise OSError if nothing listens there: a session costs much more to try."""
+    host, _, port = endpoint.partition("/")[2].rpartition(":")
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), CONNECT_S).close()
+    except OSError as err:
+        raise BusError(f"nothing answers there ({err.strerror or err})") from err
+
+
+def _settings(place: Place) -> dict[str, Any]:
+    """Return the configuration of a session, in Zenoh's own words: as rmw_zenoh has it, where the two must agree."""
+    common: dict[str, Any] = {
+        "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": bool(place.listen)}, "delay": 0},
+        "transport": {
+            "link": {
+                "tx": {"lease": LINK_LEASE_MS, "keep_alive": 4},
+                "rx": {"max_message_size": LARGEST_MESSAGE_BYTES},
+            },
+            "shared_memory": {"enabled": False},
+        },
+        "timestamping": {"enabled": True},  # without it there are no publishers whose last message waits
+        "adminspace": {"enabled": False},
+    }
+    if place.listen:
+        return common | {"mode": "router", "listen": {"endpoints": [place.listen], "exit_on_failure": True}}
+    connect = {"endpoints": [place.connect], "timeout_ms": int(CONNECT_S * 1000), "exit_on_failure": True}
+    return common | {"mode": "client", "connect": connect}

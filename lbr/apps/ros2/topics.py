@@ -1,0 +1,81 @@
+"""The topics and services of the robot in ROS with their types, by its rows and wires. Pure."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+from lbr.apps.ros2 import codec
+from lbr.apps.ros2.kind import ESTOP, STOP, Ros2Settings
+from lbr.apps.ros2.wire import HUMBLE_HASH, EndpointKind, Port, Qos, topic_key
+from lbr.messages.sensing import RangeSensor
+
+CMD_VEL = "cmd_vel"
+ACCEPTED = (codec.TWIST, codec.TWIST_STAMPED)
+ODOM, TF, TF_STATIC, JOINT_STATES, IMU = "odom", "tf", "tf_static", "joint_states", "imu/data"
+BATTERY, DIAGNOSTICS, DESCRIPTION = "battery_state", "diagnostics", "robot_description"
+SENSED, KEPT = Qos(reliable=False, depth=5), Qos(transient_local=True, depth=1)
+STREAMS = {
+    "odometry": (ODOM, "nav_msgs/msg/Odometry"),
+    "joints": (JOINT_STATES, "sensor_msgs/msg/JointState"),
+    "imu": (IMU, "sensor_msgs/msg/Imu"),
+    "battery": (BATTERY, "sensor_msgs/msg/BatteryState"),
+}
+"""By each input the topic that shows it, and its type."""
+
+
+def ports(
+    settings: Ros2Settings, sources: Callable[[str], Sequence[str]], sensors: Iterable[RangeSensor]
+) -> dict[str, Port]:
+    """Return what is published, by topic without the namespace, and what is received and served, by name."""
+    shown = [*_always(), *_measured(sources, tuple(sensors))]
+    shown += [(topic, type_, Qos()) for port, (topic, type_) in STREAMS.items() if sources(port)]
+    made = {topic: _port(settings, "MP", topic, type_, qos) for topic, type_, qos in shown}
+    for type_ in ACCEPTED if sources("drive") else ():
+        made[type_] = _port(settings, "MS", CMD_VEL, type_, Qos())
+    for service in (STOP, ESTOP, *settings.services):
+        made[service] = _port(settings, "SS", service, codec.TRIGGER, Qos())
+    return made
+
+
+def scan_topics(sources: Callable[[str], Sequence[str]], sensors: Iterable[RangeSensor]) -> dict[str, str]:
+    """Return the topic of each sensor that scans: `scan` for the first one."""
+    scanning = [one.name for one in sensors if one.rays > 1] if sources("scans") else []
+    return {name: f"scan_{name}" if at else "scan" for at, name in enumerate(scanning)}
+
+
+def range_topic(sensor: str) -> str:
+    """Return the topic of a sensor of single distances."""
+    return f"range/{sensor}"
+
+
+def picture_topic(camera: str) -> str:
+    """Return the topic of a camera's pictures."""
+    return f"{camera}/image_raw/compressed"
+
+
+def accepted(settings: Ros2Settings) -> dict[str, dict[str, tuple[str, str]]]:
+    """Return the topics that are received, with their types and the hashes that those may have."""
+    return {f"{settings.namespace}/{CMD_VEL}": {one: (codec.type_hash(one), HUMBLE_HASH) for one in ACCEPTED}}
+
+
+def _always() -> Iterator[tuple[str, str, Qos]]:
+    yield TF, "tf2_msgs/msg/TFMessage", Qos(depth=100)
+    yield TF_STATIC, "tf2_msgs/msg/TFMessage", KEPT
+    yield DIAGNOSTICS, "diagnostic_msgs/msg/DiagnosticArray", Qos()
+    yield DESCRIPTION, "std_msgs/msg/String", KEPT
+
+
+def _measured(
+    sources: Callable[[str], Sequence[str]], sensors: Sequence[RangeSensor]
+) -> Iterator[tuple[str, str, Qos]]:
+    for topic in scan_topics(sources, sensors).values():
+        yield topic, "sensor_msgs/msg/LaserScan", SENSED
+    for sensor in sensors if sources("ranges") else ():
+        if sensor.rays == 1:
+            yield range_topic(sensor.name), "sensor_msgs/msg/Range", SENSED
+    for camera in sources("frames"):
+        yield picture_topic(camera), "sensor_msgs/msg/CompressedImage", SENSED
+
+
+def _port(settings: Ros2Settings, kind: EndpointKind, topic: str, type_: str, qos: Qos) -> Port:
+    name, hash_ = f"{settings.namespace}/{topic}", codec.type_hash(type_, humble=settings.humble)
+    keys = topic_key(settings.domain, name, type_, "*") if kind == "MS" else ""
+    return Port(kind=kind, topic=name, type=type_, hash=hash_, qos=qos, keys=keys)

@@ -1,1 +1,0 @@
-"""The component `mcp`: tools for language agents."""
