@@ -1,13 +1,14 @@
 """Takes the pictures of the page that README and docs show, of the three robots in simulation: python docs/pictures.py [ROBOT ...].
 
 Run by hand after the page has changed, with the extras `sim` and `dev` installed and Chromium on the machine. Each is small: WebP,
-at most 150 kB; the short film at most 1 MB. `--all FOLDER` takes every view instead, on a phone and at a desk, dark and light, to
+at most 150 kB; a short film at most 700 kB. `--all FOLDER` takes every view instead, on a phone and at a desk, dark and light, to
 look at before the page is changed further.
 """
 
 import argparse
 import base64
 import io
+import re
 import shutil
 import threading
 from collections.abc import Callable, Iterator
@@ -23,11 +24,16 @@ from lbr.testing.robot import Robot, running, until
 
 HERE = Path(__file__).parent / "pictures"
 PHONE, DESK = {"width": 390, "height": 844}, {"width": 1280, "height": 800}
-MOST_BYTES, MOST_FILM_BYTES = 150_000, 1_000_000
-SLOWLY_MS = 30_000
+MOST_BYTES, MOST_FILM_BYTES = 150_000, 700_000
+SLOWLY_MS = 120_000
 FRAME_MS, LAST_MS = 70, 600
 BODY_MS = 8000
 """A body of thirty links drawn without a graphics card needs some seconds until it stands still."""
+
+
+def address(robot: Robot) -> str:
+    """Return where this machine reaches the page, also of a robot that is open to the network."""
+    return re.sub(r"https://[^:/]+", "http://127.0.0.1", robot.ask("web/state")["urls"][0].rstrip("/") + "/")
 
 
 @contextmanager
@@ -36,7 +42,7 @@ def shown(browser: Browser, robot: Robot, size: dict[str, int], theme: str, lang
     context = browser.new_context(viewport=size, color_scheme=theme, locale=language, has_touch=size is PHONE)  # type: ignore[arg-type]
     page = context.new_page()
     page.set_default_timeout(SLOWLY_MS)
-    page.goto(robot.ask("web/state")["urls"][0].rstrip("/") + "/")
+    page.goto(address(robot))
     page.wait_for_selector(".nav-item")
     yield page
     context.close()
@@ -58,8 +64,10 @@ def keep(page: Page, name: str) -> None:
     print(f"{path.name} {path.stat().st_size // 1024} kB")
 
 
-def film(page: Page, name: str, act: Callable[[], object]) -> None:
-    """Write what is shown while something is done, in its own time, as an animation."""
+def film(
+    page: Page, name: str, act: Callable[[], object], *, frame_ms: int = FRAME_MS, width: int = 0, quality: int = 70
+) -> None:
+    """Write what is shown while something is done, in its own time, as an animation; a width scales it down."""
     shots: list[tuple[float, str]] = []
     seen = page.context.new_cdp_session(page)
 
@@ -69,22 +77,49 @@ def film(page: Page, name: str, act: Callable[[], object]) -> None:
 
     seen.on("Page.screencastFrame", took)
     seen.send("Page.startScreencast", {"format": "jpeg", "quality": 92})
-    acts = threading.Thread(target=act)
-    acts.start()
-    while acts.is_alive():
-        page.wait_for_timeout(FRAME_MS)
+    act()
     page.wait_for_timeout(LAST_MS)
     seen.send("Page.stopScreencast")
     kept = [shots[0]]
     for shot in shots[1:]:
-        if shot[0] - kept[-1][0] >= FRAME_MS / 1000:
+        if shot[0] - kept[-1][0] >= frame_ms / 1000:
             kept.append(shot)
     frames = [Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB") for _, data in kept]
+    if width:
+        frames = [
+            frame.resize((width, round(frame.height * width / frame.width)), Image.Resampling.LANCZOS)
+            for frame in frames
+        ]
     lasts = [round(1000 * (after - before)) for (before, _), (after, _) in pairwise(kept)] + [LAST_MS]
     path = HERE / f"{name}.webp"
-    frames[0].save(path, save_all=True, append_images=frames[1:], duration=lasts, loop=0, quality=70, method=4)
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=lasts, loop=0, quality=quality, method=4)
     print(f"{path.name} {path.stat().st_size // 1024} kB, {len(frames)} frames, {sum(lasts) / 1000:.1f} s")
     assert path.stat().st_size <= MOST_FILM_BYTES, "the film is too large"
+
+
+def beside(page: Page, act: Callable[[], object]) -> None:
+    """Do something that needs no browser, while the page goes on."""
+    thread = threading.Thread(target=act)
+    thread.start()
+    while thread.is_alive():
+        page.wait_for_timeout(FRAME_MS)
+
+
+def push_stick(page: Page) -> None:
+    """Drive ahead by the stick, turn to the right, drive on, and stop by the button."""
+    field = page.locator(".drive-stick").bounding_box()
+    assert field
+    x, y, far = field["x"] + field["width"] / 2, field["y"] + field["height"] / 2, field["width"] / 2
+    page.wait_for_timeout(700)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for right, ahead, hold_ms in ((0, 0.5, 2200), (0.75, 0.15, 1400), (0, 0.5, 1600)):
+        page.mouse.move(x + right * far, y - ahead * far, steps=6)
+        page.wait_for_timeout(hold_ms)
+    page.mouse.up()
+    page.wait_for_timeout(500)
+    page.keyboard.press("Escape")
+    page.wait_for_timeout(900)
 
 
 def every_view(page: Page, folder: Path, name: str) -> None:
@@ -112,7 +147,7 @@ def take_all(browser: Browser, robot: Robot, folder: Path, name: str) -> None:
 
 
 def of_lbr(browser: Browser, robot: Robot) -> None:
-    """Drive, and the rows."""
+    """Drive, the rows, a table that runs, and a phone's code; the film: a first drive."""
     with shown(browser, robot, PHONE, "dark") as page:
         look(page, "drive")
         keep(page, "drive_phone")
@@ -128,6 +163,24 @@ def of_lbr(browser: Browser, robot: Robot) -> None:
         page.evaluate("document.querySelector('.dialog-veil').scrollTo(0, 0)")
         page.wait_for_timeout(500)
         keep(page, "rows_desk")
+    with shown(browser, robot, {"width": 390, "height": 780}, "dark") as page:
+        look(page, "drive")
+        film(page, "drive", lambda: push_stick(page), frame_ms=180, quality=45)
+    with shown(browser, robot, DESK, "dark") as page:
+        robot.say("/behaviour/run/patrol")
+        look(page, "behaviours", 6000)
+        keep(page, "behaviours_desk")
+        robot.say("s")
+        look(page, "system")
+        keep(page, "system_desk")
+    robot.say("open")
+    until(lambda: "https" in str((robot.ask("web/state") or {}).get("urls")), "its page, open to the network", 60.0)
+    with shown(browser, robot, DESK, "light") as page:
+        look(page, "drive")
+        page.get_by_role("button", name="Connect a phone").first.click()
+        page.locator(".phone-picture").wait_for()
+        page.wait_for_timeout(500)
+        keep(page, "phone_desk")
 
 
 def of_bioloid(browser: Browser, robot: Robot) -> None:
@@ -140,7 +193,7 @@ def of_bioloid(browser: Browser, robot: Robot) -> None:
         keep(page, "motions_desk")
     with shown(browser, robot, {"width": 640, "height": 520}, "dark") as page:
         look(page, "joints", BODY_MS)
-        film(page, "wave", lambda: robot.move("/play/wave"))
+        film(page, "wave", lambda: beside(page, lambda: robot.move("/play/wave")))
 
 
 def of_uxa90(browser: Browser, robot: Robot) -> None:
