@@ -13,7 +13,8 @@ RUN = {"<!-- run -->", VARYING}
 FILE = re.compile(r"<!-- run: file ~/(\S+) -->")
 """Or before a block that is to be saved in a file."""
 
-RUNNABLE = {"sh", "console", "text", "python"}
+RUNNABLE = {"sh", "console", "text", "python", "csv"}
+EVERY_ROBOT = ROOT / "docs" / "robots" / "lbr.md"
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 _HEADING = re.compile(r"^#{1,6} (.*)$")
 
@@ -50,11 +51,9 @@ def blocks(page: Path) -> list[Block]:
 
 
 def said(page: Path) -> set[str]:
-    """Return what a robot's page types in its blocks, and what its table of words says."""
+    """Return what a robot's page types in its blocks, what its table of words says, and the words of every robot."""
     typed = {line for block in blocks(page) for line in re.findall(r"^Robot> (.+)$", block.text, flags=re.MULTILINE)}
-    table = page.read_text().split("## What you can say")[1].split("\n## ")[0]
-    cells = [line.split(" | ")[0] for line in table.splitlines() if line.startswith("| `")]
-    return typed | {word for cell in cells for word in re.findall(r"`([^`]+)`", cell)}
+    return typed | _words(page, "## What you can say") | _words(EVERY_ROBOT, "### Words of every robot")
 
 
 def links(page: Path) -> list[str]:
@@ -77,3 +76,10 @@ def _until_fence(lines: Iterator[tuple[int, str]]) -> Iterator[str]:
         if line.startswith("```"):
             return
         yield line
+
+
+def _words(page: Path, heading: str) -> set[str]:
+    """Return what the first columns of a section's tables say."""
+    section = page.read_text().split(f"{heading}\n")[1].split("\n## ")[0]
+    cells = [line.split(" | ")[0] for line in section.splitlines() if line.startswith("| `")]
+    return {word for cell in cells for word in re.findall(r"`([^`]+)`", cell)}
