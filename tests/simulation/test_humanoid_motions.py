@@ -100,7 +100,7 @@ def test_stopped_in_the_middle_of_a_step_it_stays_on_its_feet(share):
     assert player.engine.pose().upright
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/robots/bioloid.md"])
+@pytest.mark.parametrize("page", ["docs/tutorial.md", "docs/robots/bioloid.md"])
 def test_a_joint_that_the_pages_have_you_move_gets_there_from_hanging_arms_and_nothing_is_in_its_way(page):
     said = re.findall(r"\| `/j/(\w+)/(-?\d+)`", (Path(__file__).parents[2] / page).read_text())
     moves = [(joint, radians(float(degrees))) for joint, degrees in said if joint in {one.name for one in JOINTS}]
