@@ -168,7 +168,7 @@ def test_what_lbr_ships_is_installed_as_anybodys():
 
 
 def test_the_face_that_the_page_shows_is_one(packages):
-    page = (ROOT / "docs" / "rest_api.md").read_text()
+    page = (ROOT / "lbr" / "apps" / "web" / "README.md").read_text()
     blocks = re.findall(r"```(?:python|toml)\n(.*?)```", page, re.DOTALL)
     project, component, code = blocks[:3]
     declared: dict[str, Any] = {}
