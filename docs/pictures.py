@@ -55,7 +55,8 @@ def look(page: Page, view: str, settle_ms: int = 4000) -> None:
 
 
 def keep(page: Page, name: str) -> None:
-    """Write what is shown as a small file."""
+    """Write what is shown as a small file, once the page hears the robot: drawing a body may hold it up."""
+    page.wait_for_function("!document.body.innerText.includes('The link to the robot is lost')")
     picture, path = Image.open(io.BytesIO(page.screenshot())).convert("RGB"), HERE / f"{name}.webp"
     for quality in (88, 75, 60):
         picture.save(path, quality=quality, method=6)
