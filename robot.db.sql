@@ -32,7 +32,7 @@ CREATE TABLE robot (
     estop_reason  TEXT    NOT NULL DEFAULT ''  -- why it was latched; written by lbr
 ) STRICT;
 
--- What runs: one process for each enabled row, unless rows share one.
+-- The capabilities: one process for each enabled row, unless rows share one.
 CREATE TABLE capability (
     robot    TEXT    NOT NULL,  -- whose it is
     name     TEXT    NOT NULL  -- the second part of its keys on the bus; `executive` is lbr itself
@@ -71,7 +71,7 @@ CREATE TABLE channel (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- What is plugged in. A capability's setting `device` names a row of this table.
+-- The devices. A capability's setting `device` names a row of this table.
 CREATE TABLE device (
     robot    TEXT NOT NULL,  -- whose it is
     name     TEXT NOT NULL  -- by which settings and calibrations know it
@@ -106,9 +106,9 @@ CREATE TABLE verb (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Programs started at the console by name, without a shell. What follows the name is added to the arguments, as far as
--- the row allows it: `arguments` has an entry for each argument, in their order, and the last ones may be left out. An
--- entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of the
+-- Programs started at the console by name, without a shell. The words after the name are added to the arguments, as far
+-- as the row allows it: `arguments` has an entry for each argument, in their order, and the last ones may be left out.
+-- An entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of the
 -- argument must fit, such as "[0-9]{1,3}". Nothing that begins with '-' is taken unless it stands in a list.
 CREATE TABLE external_command (
     robot     TEXT    NOT NULL,  -- whose it is
@@ -157,7 +157,7 @@ CREATE TABLE button (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- What the robots dance: one move after the other, to the beats of a song.
+-- The dances of the robots: one move after the other, to the beats of a song.
 CREATE TABLE choreography (
     robot     TEXT    NOT NULL,  -- whose it is
     dance     TEXT    NOT NULL  -- by which settings and commands know it
@@ -200,8 +200,8 @@ CREATE TABLE joint (
     CHECK (lower_rad < upper_rad)
 ) STRICT;
 
--- How the wheels move the base, which is one row; a robot without it has two driven wheels on the motors left and
--- right.
+-- The arrangement of the wheels of the base, which is one row; a robot without it has two driven wheels on the motors
+-- left and right.
 CREATE TABLE kinematics (
     robot        TEXT NOT NULL,  -- whose it is
     name         TEXT NOT NULL  -- what the base is called; a robot has one
@@ -238,7 +238,7 @@ CREATE TABLE motion (
 ) STRICT;
 
 -- The servos as a face to the outside numbers, names and limits them, in the servos' own counts; in layers, of which a
--- face uses one. Whatever a layer allows, the limits of the joints hold.
+-- face uses one. The limits of the joints hold for every layer.
 CREATE TABLE motor (
     robot       TEXT    NOT NULL,  -- whose it is
     layer       TEXT    NOT NULL  -- by which a face's settings know it
@@ -265,7 +265,7 @@ CREATE TABLE motor (
     CHECK (lowest < highest)
 ) STRICT;
 
--- What the robots say, by name and language.
+-- The phrases of the robots, by name and language.
 CREATE TABLE phrase (
     name     TEXT NOT NULL  -- by which programs know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
@@ -331,8 +331,8 @@ CREATE TABLE wheel (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is taken.
--- What is wrong in a cell keeps the behaviour from being run, and nothing else.
+-- The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is taken. A
+-- bad cell keeps the behaviour from being run, and nothing else.
 CREATE TABLE behaviour_row (
     robot      TEXT    NOT NULL,  -- whose it is
     behaviour  TEXT    NOT NULL,  -- which behaviour it belongs to
@@ -388,7 +388,7 @@ CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
 
--- Who may do what. The token itself is shown once and never stored.
+-- The roles of people and machines. The token itself is shown once and never stored.
 CREATE TABLE user_token (
     name        TEXT NOT NULL PRIMARY KEY  -- whose it is
         CHECK (length(name) BETWEEN 1 AND 40),
@@ -420,8 +420,8 @@ CREATE TABLE revision (
     changed_at TEXT    NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))  -- when
 ) STRICT;
 
--- Who changed rows, and by what: written by lbr's own programs in the transaction of the change. A revision that none
--- of these has in it was made by another SQLite client.
+-- The author of a change, and the program: written by lbr's own programs in the transaction of the change. A revision
+-- that none of these has in it was made by another SQLite client.
 CREATE TABLE change (
     first_revision INTEGER NOT NULL PRIMARY KEY,  -- its first revision
     last_revision  INTEGER NOT NULL  -- its last one
@@ -445,7 +445,7 @@ CREATE TABLE trial (
     text     TEXT    NOT NULL DEFAULT ''  -- why, in one sentence
 ) STRICT;
 
--- What happened; written by lbr, the oldest go when there are very many.
+-- Events; written by lbr, the oldest go when there are very many.
 CREATE TABLE event (
     id      INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up, and is never used again
     wall_ns INTEGER NOT NULL  -- nanoseconds since 1970 by the wall clock

@@ -585,12 +585,13 @@ def settings_page(known: list[Kind]) -> str:
         ),
         _table(("setting", "default", "allowed", "effect"), sorted(map(_common_setting, common.values()))),
     ]
-    shown: set[type[Struct]] = set()
+    shown: list[type[Struct]] = []
     for kind in known:
-        parts.append(f"## Kind `{kind.name}`\n\n{_sentence(kind.summary)}{_about(kind.settings)}\n")
-        parts.append(settings_table(kind.settings, common))
-        parts += [_part("###", each, common) for each in nested(kind.settings) if each not in shown]
-        shown |= {*nested(kind.settings)}
+        new = [each for each in nested(kind.settings) if each not in shown]
+        section = [f"## Kind `{kind.name}`\n\n{_sentence(kind.summary)}{_about(kind.settings)}\n"]
+        section += [settings_table(kind.settings, common), *(_part(each, common) for each in new)]
+        parts.append(_distinct("\n".join(section), kind.name, new, shown))
+        shown += new
     parts.append(
         "## Faults of emulated devices\n\nUnder a simulating profile the column `settings` of a `device` row says how "
         "its twin is built, and what is wrong with it. The command `fault` of the simulated world changes the faults while "
@@ -598,8 +599,11 @@ def settings_page(known: list[Kind]) -> str:
     )
     twin = {device: row.row for device in own("twins") if (row := twins.find(device)) is not None}
     for device, row in twin.items():
-        parts.append(f"### Type `{device}`\n\n{_doc(row)}\n\n{_faults(row)}")
-        parts += [f"#### {each.__name__}\n\n{_doc_with_bases(each)}\n\n{_faults(each)}" for each in nested(row)]
+        new = [each for each in nested(row) if each not in shown]
+        section = [f"### Type `{device}`\n\n{_doc(row)}\n\n{_faults(row)}"]
+        section += [f"#### {each.__name__}\n\n{_doc_with_bases(each)}\n\n{_faults(each)}" for each in new]
+        parts.append(_distinct("\n".join(section), device, new, shown))
+        shown += new
     parts.append(f"## Launch profiles\n\nA TOML file. {_doc(Profile)}\n\n{settings_table(Profile)}")
     return "\n".join(parts)
 
@@ -619,8 +623,19 @@ def _about(settings: type[Struct]) -> str:
     return text if text.startswith("\n") or not text else f" {text[:1].upper()}{text[1:]}"
 
 
-def _part(level: str, struct: type[Struct], common: Iterable[str]) -> str:
-    return f"{level} {struct.__name__}\n\n{_doc(struct)}\n\n{settings_table(struct, common)}"
+def _part(struct: type[Struct], common: Iterable[str]) -> str:
+    inherited = {_shape(field) for base in struct.__bases__ if base is not Struct for field in _fields_of(base)}
+    return f"### {struct.__name__}\n\n{_doc(struct)}\n\n{settings_table(struct, {*common, *inherited})}"
+
+
+def _distinct(text: str, of: str, new: Iterable[type[Struct]], shown: Iterable[type[Struct]]) -> str:
+    """Return a section whose parts have headings of their own, also where another section has a part of that name."""
+    taken = {each.__name__ for each in shown}
+    for name in (each.__name__ for each in new if each.__name__ in taken):
+        text = text.replace(f"### {name}\n", f"### {name} of {of}\n").replace(
+            f"(#{name.lower()})", f"(#{name.lower()}-of-{of})"
+        )
+    return text
 
 
 def _faults(struct: type[Struct]) -> str:

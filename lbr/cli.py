@@ -38,7 +38,7 @@ class Commands(click.Group):
     """Knows what components bring by name and one line of help; a command's module loads when it is called."""
 
     others = True
-    """Whether those of other packages are among them; the reference leaves them out."""
+    """Commands of other packages are among them; the reference leaves them out."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         """Return the names, lbr's own first."""

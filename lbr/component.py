@@ -1,11 +1,11 @@
-"""What a package brings to lbr: the object that its entry point in the group `lbr.components` names.
+"""The contents of a package for lbr: the object that its entry point in the group `lbr.components` names.
 
     [project.entry-points."lbr.components"]
     my_arm = "my_arm:COMPONENT"                                         # in its pyproject.toml
 
     COMPONENT = Component(kinds={"my_arm": "my_arm.kind:KIND"}, …)      # in my_arm/__init__.py
 
-Every process may import the object's module. What its strings name is imported where it is used, so that module imports
+Every process may import the object's module. The targets of its strings are imported where they are used, so that module imports
 nothing else.
 """
 
@@ -32,7 +32,7 @@ class CliCommand:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Component:
-    """What it brings by name, each as `module:attribute`.
+    """Its contents by name, each as `module:attribute`.
 
     - `kinds`: a `Kind` of capability, by its name.
     - `commands`: commands of the command line, by what is typed.

@@ -53,11 +53,11 @@ HEARD: dict[type[Any], str] = {Ranges: "ranges", AttitudeState: "attitude", Dock
 SENSORS = ("forward", "back", "left", "right")
 BEAMS = ("left", "right", "power")
 REACH_M = 6.0
-"""What is not measured reads as this: nothing is within reach."""
+"""The value of a missing measurement: nothing is within reach."""
 MOST_MPS, MOST_RPS = 0.5, 1.5
 STEP_S, WARM_S, LONGEST_S = 0.1, 1.0, 120.0
 DOCKED, CONTACT, TIME = 100.0, -1.0, -0.01
-"""What a step is worth: the dock's current, each new contact with anything else, and the time that went by."""
+"""The reward of a step: the dock's current, each new contact with anything else, and the time that went by."""
 
 Seen = dict[str, NDArray[np.float32]]
 
@@ -133,7 +133,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         return self._observed(), self._told()
 
     def step(self, action: NDArray[np.float32]) -> tuple[Seen, float, bool, bool, dict[str, Any]]:
-        """Drive by a twist for STEP_S. What is no number is a stop."""
+        """Drive by a twist for STEP_S. A NaN is a stop."""
         board = self._board
         if board is None:
             raise InputError("reset comes before the first step", "rest_first")

@@ -18,10 +18,10 @@ from lbr.ownership import Fault
 
 LOOKERS_S = 0.1
 PUBLIC = ".crt"
-"""How a file below `credentials/` ends that everybody may read."""
+"""The suffix of a file below `credentials/` that everybody may read."""
 BEGINNING = "beginning"
 RUN_VARIABLE = "LBR_RUN"
-"""What the processes of a running robot have in their environment."""
+"""The mark of a running robot in the environment of its processes."""
 _lived_in: Path | None = None
 _beginning: int | None = None
 SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a suffix for its lock file
@@ -129,7 +129,7 @@ def credentials(make: Callable[[], Iterable[bytes]], *names: str) -> tuple[Path,
 
 
 def given_credentials(*names: str) -> tuple[Path, ...]:
-    """Return files that the owner has put below `credentials/`, none if there are none.
+    """Return files that the owner has put below `credentials/`; it may be empty.
 
     InputError says which is missing beside the others, or could have been read or changed by others.
     """
@@ -249,7 +249,7 @@ def _ours(path: Path) -> Path:
 
 
 def _owner_of_home() -> tuple[int, ...]:
-    """Return who else may have written down what runs: root may look at another user's robots."""
+    """Return the other users that may have written down what runs: root may look at another user's robots."""
     return (_place().stat().st_uid,) if os.geteuid() == 0 else ()
 
 

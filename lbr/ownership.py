@@ -18,7 +18,7 @@ from msgspec import Struct
 from lbr.errors import InputError
 
 SIDE_FILES = ("-wal", "-shm", "-journal")
-"""What SQLite keeps beside a database, and takes changes from when it opens it."""
+"""The files of SQLite beside a database, from which it takes changes when it opens it."""
 LINKS_FOLLOWED = 40  # as many as Linux follows
 OTHERS = stat.S_IWGRP | stat.S_IWOTH
 WHOLE_MAP = "0 0 4294967295"

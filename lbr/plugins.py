@@ -1,4 +1,4 @@
-"""What packages bring to lbr by their components: kinds, commands, faces, ports, robots and twins; and why one cannot
+"""The contents of packages by their components: kinds, commands, faces, ports, robots and twins; and why one cannot
 be used.
 
     entry points of `lbr.components` ──► entries() ──► Component ──► find(field, name): Plugin ──► load(): the object
@@ -90,7 +90,7 @@ class Plugin:
         return f"'{self.name}' of package '{self.package}' ({self.field} of component '{self.entry.name}')"
 
     def load(self) -> Any:
-        """Import and return the declared object; PluginError says why that cannot be. What it prints goes to stderr."""
+        """Import and return the declared object; PluginError says why that cannot be. Its output goes to stderr."""
         if why := self.refusal or contradiction(self.entry.requires):
             raise PluginError(self, why)
         found, err = _imported(self.value, self.entry)
@@ -236,7 +236,7 @@ def _of(entry: Entry, field: Field) -> tuple[Plugin, ...]:
 
 
 def _settled(one: Plugin, claims: list[Plugin]) -> Plugin:
-    """Return a plugin with why it has not its name: lbr's own keep theirs, and of several others none is preferred."""
+    """Return a plugin with why it has not its name: lbr's own keep theirs, and several others lose it."""
     if one.ours or len(claims) == 1:
         return one
     if claims[0].ours:
@@ -311,7 +311,7 @@ def _tried(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
 
 
 def _tried_aside(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
-    """Import what another has written on a thread of its own, which lets it set no signals; threads that it starts keep
+    """Import the code of another on a thread of its own, which lets it set no signals; threads that it starts keep
     no program from its end, and whatever it raises is its own, as Ctrl-C comes to the main thread alone."""
     tried: list[tuple[Any, BaseException | None]] = []
 

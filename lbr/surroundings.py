@@ -1,4 +1,4 @@
-"""What a process gets from the shell that starts it: standard streams, and limits. What is missing is one sentence."""
+"""The surroundings of a process from the shell that starts it: standard streams, and limits. A missing part is one sentence."""
 
 import contextlib
 import errno
@@ -14,14 +14,14 @@ from pathlib import Path
 from lbr.errors import InputError
 
 OPEN_FILES = 1024
-"""What a system that sets no limit of its own gives."""
+"""The limit of a system that sets none of its own."""
 LEAST_OPEN_FILES = 64
 ROBOT_OPEN_FILES = 256
 """Twice what the largest robot that ships has open, so that others may connect to it."""
 ROBOT_FILE_BYTES = 64 * 1024 * 1024
 """Logs are cut at 2 MB; a database with its write-ahead log may grow by as much as the audit trail does."""
 ROBOT_TASKS = 64
-"""What the executive and a few processes have; the simulated lbr has 138 on two cores."""
+"""The need of the executive and a few processes; the simulated lbr has 138 on two cores."""
 
 HEAPS = 2
 """Of glibc, in a process that routes. Each link that breaks leaves holes in the heap of each thread that served it; by
@@ -33,7 +33,7 @@ M_ARENA_MAX = -8
 def plug_streams() -> None:
     """Put something behind standard streams that are closed, so that no file of ours takes their place.
 
-    What is read there is empty, what is printed there fails, as it should, and what is complained there is lost.
+    Reads there are empty, prints there fail, as they should, and complaints there are lost.
     """
     for fd, mode, name in ((0, "r", "stdin"), (1, "w", "stdout"), (2, "w", "stderr")):
         if _is_open(fd):
@@ -48,7 +48,7 @@ def plug_streams() -> None:
 def note_signals() -> None:
     """Have Python write each signal down from now on: some C code drops what the handler of one raises.
 
-    The file has no name. Who handles signals otherwise is given it by `signal.set_wakeup_fd`, and closes it.
+    The file has no name. Another handler of signals is given it by `signal.set_wakeup_fd`, and closes it.
     """
     noted = os.memfd_create("signals")
     os.set_blocking(noted, False)
@@ -130,7 +130,7 @@ def can_write(fd: int) -> bool:
 
 
 def explained(err: OSError) -> str:
-    """Return what a person can do about an error of the surroundings; nothing if it is none."""
+    """Return what a person can do about an error of the surroundings; empty if it is another."""
     if why := output_failure(probe=True):
         return why
     what = f"{os.fsdecode(err.filename)}: " if isinstance(err.filename, str | bytes) else ""

@@ -1,4 +1,4 @@
-"""What programs beside the robot share: by which door they come in, under which name, and how they end."""
+"""The common part of programs beside the robot: their door, their name, and their end."""
 
 import contextlib
 import os

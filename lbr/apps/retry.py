@@ -1,4 +1,4 @@
-"""How long to wait before what failed is tried again, for whoever talks to others outside."""
+"""The wait before the next try, for programs that talk to others outside."""
 
 import random
 from collections.abc import Callable

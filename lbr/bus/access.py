@@ -63,7 +63,7 @@ class Limits(Struct, frozen=True, kw_only=True):
     """Limits of what a router takes from each link of `protocols`: the size of a message, and how many a second on
     which key.
 
-    What is put more often than `puts_hz` says is dropped where it comes in. `sessions` may be open at once.
+    Puts beyond `puts_hz` are dropped where they come in. `sessions` may be open at once.
     """
 
     protocols: tuple[str, ...]

@@ -14,9 +14,9 @@ VALID = (dt.datetime(1970, 1, 1, tzinfo=dt.UTC), dt.datetime(9999, 12, 31, 23, 5
 """For ever (RFC 5280, 4.1.2.5): a machine may have no clock of its own, here or where it is checked, and what is
 trusted is the fingerprint."""
 FILES = ("bus.key", "bus.crt")
-"""What they are called below `credentials/`."""
+"""Their names below `credentials/`."""
 OWN_FILES = ("web.key", "web.crt")
-"""What the owner puts there for browsers, such as a certificate by an authority that phones know."""
+"""The owner's own certificate for browsers, such as one by an authority that phones know."""
 
 
 def first_der(path: Path) -> bytes:

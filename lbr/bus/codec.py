@@ -45,7 +45,7 @@ class PictureDecoder:
     """Takes the bytes of a JPEG file as they are, if they begin and end like one."""
 
     def decode(self, data: bytes) -> JpegFrame:
-        """Return the picture; raise MalformedError if it is none."""
+        """Return the picture; raise MalformedError if it is not one."""
         if not pictures.is_whole(data):
             raise MalformedError(f"not a whole JPEG picture ({len(data)} bytes)")
         return JpegFrame(data)

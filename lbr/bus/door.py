@@ -1,4 +1,4 @@
-"""What the executive tells those who let others in: who may come, and what each may do then."""
+"""Grants of the executive to those that let others in: who may come, and with which rights."""
 
 from msgspec import Struct
 
@@ -21,7 +21,7 @@ class LanUser(Row, frozen=True, kw_only=True):
 
 
 class TokenRight(Row, frozen=True, kw_only=True):
-    """What a token lets its holder do, without what proves it: for a kind that acts in its name."""
+    """The rights of a token's holder, without the proof: for a kind that acts in its name."""
 
     TABLE = "user_token"
     KEY = ("name",)

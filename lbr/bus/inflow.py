@@ -1,4 +1,4 @@
-"""How many commands of one sender are let in: 32 at once, and then 200 a second. Pure; time comes from outside.
+"""The bound on commands of one sender: 32 at once, and then 200 a second. Pure; time comes from outside.
 
 A sender is a name that it gives itself. Names beyond the first 16 within a second share one room, so that a flood gains
 nothing by a new name for each command.

@@ -1,7 +1,7 @@
 """The key space: `<robot>/<capability>/<name>` for streams and commands, `<robot>/@…` for the system."""
 
 ANY_STATUS = "*/@status"
-"""What asks every robot behind a router who it is."""
+"""The key that asks every robot behind a router for its name."""
 
 
 def port(robot: str, capability: str, name: str) -> str:
@@ -15,7 +15,7 @@ def console(robot: str, role: str = "operate") -> str:
 
 
 def console_of_pages(robot: str, role: str = "operate") -> str:
-    """Return the key that takes console lines of a role from who serves people by pages; they let in no one by it."""
+    """Return the key for console lines of a role from servers of pages; it lets in no person."""
     return f"{robot}/@console/page/{role}"
 
 
@@ -50,7 +50,7 @@ def pair(robot: str) -> str:
 
 
 def manage(robot: str) -> str:
-    """Return the key on which the executive takes what people ask of rows, tokens and logs, from who serves them."""
+    """Return the key on which the executive receives people's requests about rows, tokens and logs."""
     return f"{robot}/@manage"
 
 

@@ -11,7 +11,7 @@ from lbr.errors import MalformedError
 
 
 class Latest(NamedTuple):
-    """What a stream said last; its age is null where the clock of its sender is not ours."""
+    """The newest message of a stream; its age is null where the clock of its sender is not ours."""
 
     message: dict[str, Any]
     age_s: float | None

@@ -1,4 +1,4 @@
-"""What the bus library writes into its log, as lines: some of what happens at a router it tells nowhere else."""
+"""The log of the bus library, as lines: the only report of some events at a router."""
 
 import contextlib
 import fcntl
@@ -11,7 +11,7 @@ import zenoh
 LOUDNESS = "RUST_LOG"
 PIPE_BYTES = 1 << 20
 ACCEPTED = "zenoh_link_tls=debug,zenoh_link_tcp=debug,zenoh_transport::unicast::establishment::accept=debug"
-"""The parts of the library that tell of connections, and of who was let in or not."""
+"""The parts of the library that report connections, admitted or refused."""
 
 
 class LibraryLog:

@@ -1,7 +1,7 @@
 """A bus in one process whose clock is stepped: the same bytes, stamps and seals as by Zenoh, in an order that is always
 the same.
 
-What is sent in one round is there in the next. That is late, as on a busy machine.
+A message of one round arrives in the next. That is late, as on a busy machine.
 """
 
 from collections import deque
@@ -137,7 +137,7 @@ class MemoryOutput:
 
     @property
     def watched(self) -> bool:
-        """Whether there is a subscriber, of what asks for that."""
+        """The existence of a subscriber, of an output that asks for it."""
         return not self._follows or bool(self._memory.feeds.get(self.key))
 
     def put(self, message: Any, *, taken_s: float | None = None, payload: bytes | None = None) -> bytes:
@@ -179,7 +179,7 @@ class MemoryRequest(Request):
 
 
 class MemoryQuestion:
-    """A query under way; of who is not there it ends at once."""
+    """A query under way; to a missing target it ends at once."""
 
     def __init__(
         self, memory: Memory, key: str, payload: bytes, attachment: bytes, timeout_s: float, wake: Callable[[], None]

@@ -32,12 +32,12 @@ from lbr.errors import BusError
 Session = zenoh.Session
 
 PANIC = "PanicException"
-"""What the bus library raises where it may start no threads; its class cannot be imported."""
+"""The error of the bus library where it may start no threads; its class cannot be imported."""
 FORKED = (
     "this process was forked from one that uses the bus, and has none of that library's threads: "
     "start it by 'spawn' of multiprocessing, or as a program of its own"
 )
-"""Whatever asked the library there, or opened a session, would wait for ever, also after all sessions were closed."""
+"""A call of the library there, or a session opened there, would wait for ever, also after all sessions were closed."""
 _opened_by: set[int] = set()
 """This process, once it has opened a session; in one that was forked since, the one that it was forked from."""
 
@@ -55,7 +55,7 @@ DEAF_AWAY_MS, DEAF_HERE_MS = 200, 400
 be held up."""
 ACCEPT_MS, MOST_PENDING = 3000, 500
 """Connections that have greeted by TLS and say no more keep others out no longer than this, and only when there are
-many. What fails before that, the library answers with a pause of 0.1 s, which nothing can set."""
+many. The library answers earlier failures with a pause of 0.1 s, which nothing can set."""
 MOST_SESSIONS = 1000
 FILES_A_SESSION, FILES_A_PENDING = 4, 16
 """A router takes no more than its share of the files that its process may hold open: connections by the hundred, of two
@@ -72,9 +72,9 @@ class Tls(Struct, frozen=True, kw_only=True):
 class Router(Struct, frozen=True, kw_only=True):
     """A router to open: where it listens, whom it knows, what they may do, and the router it hangs on.
 
-    Without `users` it asks for no password. `links` are the rights of routers it connects to, by their `id`.
-    What it asks others on the keys `never_waiting` is dropped where it cannot go on at once, and so are the answers;
-    with `urgent_waits` but for what is asked at the highest priority.
+    Without `users` it asks for no password. `links` are the rights of routers it connects to, by their `id`. Its
+    questions on the keys `never_waiting` are dropped where they cannot go on at once, and so are the answers; with
+    `urgent_waits` except those at the highest priority.
     """
 
     listen: tuple[str, ...]

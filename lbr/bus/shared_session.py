@@ -1,6 +1,6 @@
 """One session for several who share a process: each has a part of it, as if it were its own.
 
-What one of them publishes reaches the others within the process, by no router; what others publish comes to all of them
+A message of one of them reaches the others within the process, without a router; messages of others reach all of them
 once.
 """
 
@@ -44,7 +44,7 @@ class SharedSession:
 
 
 class Part:
-    """What one of several does with a session; closing it takes back what was declared by it, and nothing else."""
+    """The part of a session that one of several uses; closing it withdraws its declarations, and nothing else."""
 
     def __init__(self, session: Session, left: Callable[[], None]) -> None:
         self._session = session

@@ -20,7 +20,7 @@ MAX_STAMP_BYTES = 2048
 
 
 class Origin(NamedTuple):
-    """Who asked for what is passed on, and when that was typed or written, on this machine's monotonic clock."""
+    """The original asker of a passed-on request, and its time of typing or writing, on this machine's monotonic clock."""
 
     source: str
     written_s: float
@@ -85,7 +85,7 @@ def passed_on(attachment: bytes, via: str, token: str = "") -> bytes:
 
 
 def read(attachment: bytes | None) -> Stamp | None:
-    """Return the stamp in an attachment; None if there is none or it is not one."""
+    """Return the stamp in an attachment; None if it lacks one or the stamp is broken."""
     if not attachment or len(attachment) > MAX_STAMP_BYTES:
         return None
     try:

@@ -1,5 +1,4 @@
-"""What a capability's context stands on: a clock, streams, commands and presence; Zenoh's, or memory's
-(`lbr.bus.memory`)."""
+"""Below a capability's context: a clock, streams, commands and presence; Zenoh's, or memory's (`lbr.bus.memory`)."""
 
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -18,7 +17,7 @@ class Output(Protocol):
 
     @property
     def watched(self) -> bool:
-        """Whether there is a subscriber; of an output that does not follow that, true."""
+        """The existence of a subscriber; of an output that does not follow that, true."""
 
     def put(self, message: Any, *, taken_s: float | None = None, payload: bytes | None = None) -> bytes:
         """Publish, and return the stamp; `payload` is the message as bytes, where those are known."""

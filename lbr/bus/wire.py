@@ -60,7 +60,7 @@ def plain(err: Exception) -> str:
 
 
 def canonical(key: str) -> str:
-    """Return a key expression as the library takes it; BusError if it is none."""
+    """Return a key expression as the library takes it; BusError if it is not valid."""
     try:
         return str(zenoh.KeyExpr.autocanonize(key))
     except zenoh.ZError as err:
@@ -73,7 +73,7 @@ def _leave(err: BaseException) -> None:
 
 
 on_callback_error: Callable[[BaseException], None] = _leave
-"""What follows an exception on one of Zenoh's threads, where it would go unseen; by default the process ends."""
+"""The reaction to an exception on one of Zenoh's threads, where it would go unseen; by default the process ends."""
 
 
 def direct(handle: Callable[[Any], None]) -> "zenoh.handlers.Callback[Any]":  # only the stub is generic
@@ -110,7 +110,7 @@ class Publisher:
         self.key = key
         self.count = 0
         self.watched = True
-        """Whether there is a subscriber; a publisher that was not asked for this takes it that there is."""
+        """The existence of a subscriber; a publisher that was not asked for this assumes one."""
         self._encoding = JPEG if pictures else JSON
         self._source = source
         self._seal = seal
@@ -258,8 +258,8 @@ class Request:
 class CommandQueue:
     """The commands of one key: queued, bounded, until they are taken.
 
-    What quotes the lease `first` has a queue of its own and is served before all else. With an `inflow` each other
-    sender is let in only as often as that allows.
+    A message that quotes the lease `first` has a queue of its own and is served before all else. With an `inflow` each
+    other sender is let in only as often as that allows.
     """
 
     def __init__(self, key: str, wake: Callable[[], None], source: str, inflow: Inflow | None) -> None:
@@ -486,7 +486,7 @@ def alive(session: zenoh.Session, robot: str, name: str) -> zenoh.LivelinessToke
 
 
 class Presence:
-    """Who holds a liveliness token under a robot; a process's death is known within milliseconds."""
+    """The holders of liveliness tokens under a robot; a process's death is known within milliseconds."""
 
     def __init__(
         self, session: zenoh.Session, robot: str, changed: Callable[[str, bool], None] = lambda _name, _alive: None

@@ -62,7 +62,7 @@ class BusCall:
 
     @property
     def origin(self) -> stamp.Origin:
-        """Return who wanted it, and when that was typed or written."""
+        """Return the original asker, and when it was typed or written."""
         return stamp.Origin(self.by or self.source, self.arrived - self.waited_s)
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:

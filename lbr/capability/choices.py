@@ -1,4 +1,4 @@
-"""What a type allows, told where a value is none of it."""
+"""The allowed values of a type, for messages about a value that is not among them."""
 
 import re
 from collections.abc import Iterator
@@ -10,7 +10,8 @@ _NO_CHOICE = re.compile(r"""Invalid enum value (['"])(.*?)\1(?= - at `|\Z)""")
 
 
 def with_choices(said: str, kind: Any) -> str:
-    """Return what msgspec says against a value, and where it is none of a type's choices, which may have been meant."""
+    """Return msgspec's objection to a value, and the nearest of the type's choices at the place where it is not one of
+    them."""
     found, names = _NO_CHOICE.search(said), tuple(_choices(kind))
     if found is None or not names:
         return said

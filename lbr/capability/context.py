@@ -165,7 +165,7 @@ class Context(Protocol[S_co]):
     ) -> PendingReply:
         """Ask every capability wired to a request, or `only` some of them; poll the result in later steps.
 
-        The loop wakes on answers. What is asked during a command bears the name and the date of who sent that.
+        The loop wakes on answers. A request during a command bears the name and the date of that command's sender.
         """
 
     def event(

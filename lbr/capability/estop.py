@@ -15,7 +15,7 @@ from lbr.messages.leases import CommandReply, refused
 from lbr.messages.system import EstopAcknowledgement, EstopRelease, EstopRequest
 
 FOLLOWS_S = 0.3
-"""How long a release waits for what moves to be armed; a device may be missing."""
+"""The patience of a release with movers that are not armed yet; a device may be missing."""
 PRESSED_AGAIN = Reason("estop", "it was pressed again meanwhile")
 _decoder = Decoder(EstopRequest)
 _release_words = Decoder(EstopRelease)

@@ -97,8 +97,7 @@ class Needs:
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """What a port is wired to where no row wires it: each port `to` of the same type that a capability of the robot
-    has.
+    """The default wire of a port that no row wires: each port `to` of the same type that a capability of the robot has.
 
     `to` is the port's name, or `kind.port`; `history` is a channel's.
     """
@@ -108,7 +107,7 @@ class Wire:
 
 
 class Known(Protocol):
-    """What a robot knows that a field of a command may be: its files, its rows, and what a capability is wired to."""
+    """The source of a field's values in a command: the robot's files, its rows, or the wires of a capability."""
 
     home: Path
     devices: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""How a process leaves: within a bound that the kernel keeps, and with what ended it said."""
+"""The exit of a process: within a bound that the kernel keeps, and with the reason reported."""
 
 import re
 import signal

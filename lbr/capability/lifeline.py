@@ -10,7 +10,7 @@ import signal
 MARK = "LBR_RUN"
 """Which run a process belongs to, and which of its processes it comes from."""
 LAST_WORD = "LBR_LAST_WORD_S"
-"""How many seconds a guard may take for its last word, once its driver is gone; who has none may take none."""
+"""The seconds that a guard may take for its last word, once its driver is gone; without a guard, 0."""
 
 
 def wake(pipe: int, pid: int) -> None:

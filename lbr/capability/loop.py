@@ -69,7 +69,7 @@ class Garbage:
     def settle(self) -> None:
         """Once all is there that a loop needs, let no later collection look again at what lives as long as the process.
 
-        What a loop brings that begins later may end sooner, and is collected like all else.
+        Objects of a loop that begins later may end sooner, and are collected like all else.
         """
         now = time.monotonic()
         self._collect_at = now + COLLECT_S
@@ -87,7 +87,7 @@ class Garbage:
 class Loop:
     """Runs in one thread; `stop` and `close` may come from another.
 
-    Who has a transport with a clock of its own steps it by that: `begin`, `step` whenever it is due or woken, `end`.
+    A transport with a clock of its own is stepped by its owner: `begin`, `step` whenever it is due or woken, `end`.
     """
 
     def __init__(
@@ -152,12 +152,12 @@ class Loop:
 
     @property
     def capability(self) -> Capability[Any] | None:
-        """What runs here; before it has begun, nothing."""
+        """The capabilities that run here; before it has begun, empty."""
         return self._capability
 
     @property
     def began(self) -> bool:
-        """Whether there is a capability: before, it could do nothing."""
+        """The capability runs: before that it could do nothing."""
         return self._capability is not None
 
     def _find(self) -> tuple[Kind, type]:
@@ -206,7 +206,7 @@ class Loop:
         self._opened_s = self._due = ctx.clock()
 
     def _tick(self, ctx: ProcessContext, capability: Capability[Any]) -> float:
-        """Do one round; ready is who has stepped, whose device answers, and who lacks nothing."""
+        """Do one round; a capability is ready once it has stepped, its device answers, and it lacks nothing."""
         period = 1.0 / capability.rate_hz
         now = ctx.clock()
         ctx.on_tick = now >= self._due - EARLY_S

@@ -10,8 +10,8 @@ from lbr.bus import stamp
 from lbr.messages.system import Stamp
 
 REMEMBERED_S = 30.0
-"""What the door holds up comes sooner. A stop with a false date keeps its machine from beginning anything for as
-long."""
+"""Messages that the door holds up come sooner. A stop with a false date keeps its machine from beginning anything for
+as long."""
 MOST_MACHINES = 64
 
 

@@ -30,7 +30,7 @@ LIMIT_S = 5.0
 """Importing lbr with numpy takes a Raspberry Pi 4 about two; what takes longer belongs into `open`, or behind
 `entry`."""
 START_S = 20.0
-"""How long the trial's own interpreter may take on a busy machine before and after that."""
+"""The time that the trial's own interpreter may take on a busy machine before and after that."""
 LONGEST_TEXT = 300
 GOOD = b"good"
 
@@ -92,7 +92,7 @@ def trial(name: str, path: Path) -> str:
 def load(name: str, path: Path, source: str = "") -> Kind:
     """Import a file, or the text of it that was accepted, and return its kind; KindError names file and line.
 
-    What is in the file runs here and now.
+    The code in the file runs here and now.
     """
     module_name = _module_name(name)
     loader = _FromSource(module_name, str(path))
@@ -119,7 +119,7 @@ def load(name: str, path: Path, source: str = "") -> Kind:
 
 
 def source(name: str) -> str:
-    """Return the text of the file that was imported last as the kind of that name; empty if none was."""
+    """Return the text of the file that was imported last as the kind of that name; empty if none was imported."""
     loader = getattr(sys.modules.get(_module_name(name)), "__loader__", None)
     return loader.text if isinstance(loader, _FromSource) else ""
 

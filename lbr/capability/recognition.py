@@ -19,7 +19,7 @@ MOST_QUESTIONS = 64
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Seen:
-    """What answered: in words, its own serial number if it tells one, and what its capability row would set.
+    """The answering device: in words, its own serial number if it reports one, and the settings of its capability row.
 
     `needs` are the rows, by table, that its driver reads besides, to be there if they are not; each has a `name`.
     """

@@ -29,7 +29,7 @@ def names(home: Path) -> list[str]:
 
 
 def find(name: str, home: Path, *, trial: bool = True) -> Kind:
-    """Return the kind of that name; raise KindError if there is none, or it is broken or not whole.
+    """Return the kind of that name; raise KindError if it is missing, broken or not whole.
 
     A file of the user's own is imported elsewhere first, which takes a second, unless `trial` is off: then whatever is
     in it happens here. One that was good is not looked at again until it changes.
@@ -101,7 +101,7 @@ def same_content(fingerprint: str, other: str) -> bool:
 
 
 def mark(name: str, home: Path) -> str:
-    """Return what changes when a user's capability file, or who may change it, does; empty for an installed kind."""
+    """Return a text that changes with a user's capability file, or its owner and mode; empty for an installed kind."""
     if plugins.find("kinds", name) is not None:
         return ""
     folder = user_directory(home)

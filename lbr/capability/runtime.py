@@ -151,9 +151,9 @@ class Port:
 
 
 class ProcessContext:
-    """What a capability does by its context, over a transport that `join` opens: Zenoh's unless another is given.
+    """A capability's context, over a transport that `join` opens: Zenoh's unless another is given.
 
-    `wake` is called from any thread for whatever arrives; for streams `wake_for_streams` is, or nothing if it is None.
+    `wake` is called from any thread for each arrival; for streams `wake_for_streams` is, or nothing if it is None.
     """
 
     def __init__(
@@ -255,7 +255,8 @@ class ProcessContext:
     def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:
         """Publish on every key of an output; `taken_s` is when a picture was taken.
 
-        What the declared type does not allow is not published, and that is reported once until it is as declared again.
+        A message that the declared type does not allow is not published, and that is reported once until it is as
+        declared again.
         """
         if output not in self._outputs:
             raise KeyError(f"'{self.name}' has no output '{output}'; it has {', '.join(self._outputs) or 'none'}")
@@ -411,7 +412,7 @@ class ProcessContext:
 
     @contextmanager
     def on_behalf(self, call: BusCall) -> Iterator[None]:
-        """Have what is asked meanwhile asked in the name and with the date of who sent this command."""
+        """Ask in the name and with the date of this command's sender, until it is answered."""
         self._origin = call.origin
         try:
             yield
@@ -421,7 +422,7 @@ class ProcessContext:
     def calls(self) -> Iterator[BusCall]:
         """Yield the commands that wait; malformed ones are refused here.
 
-        What moves hears of a stop before each of them: it knows by their dates what came before that, and begins none.
+        A mover knows of a stop before each of them: their dates show which commands are older, and it begins none.
         """
         self.estop.serve()
         overtaken = self.kind.moves and STOP in self._commands

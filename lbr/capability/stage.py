@@ -1,9 +1,9 @@
 """Capabilities as they are run, in one process, by a clock that is stepped: their contexts and loops, over a bus in
 memory.
 
-What is published, asked or answered in one round is there in the next; nothing happens between rounds, and the order is
-always the same. A capability that raises ends the round with what it raised. One that waits for its device does so in
-time of its own (`spend`), and is busy meanwhile.
+A message, question or answer of one round arrives in the next; nothing happens between rounds, and the order is always
+the same. A capability that raises ends the round with what it raised. One that waits for its device does so in time of
+its own (`spend`), and is busy meanwhile.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -34,7 +34,7 @@ ROUND_S = 0.01
 
 
 DEPTH = 1000
-"""So many messages of a port wait for who takes them, of a capability that is alone."""
+"""So many messages of a port wait for their reader, of a capability that is alone."""
 
 
 class Told(NamedTuple):
@@ -103,7 +103,7 @@ class StageReporter(Reporter):
 
 
 class LeftAlone(Garbage):
-    """Leaves what a process collects, and when, to whoever runs the stage."""
+    """Leaves the times of collection to the one that runs the stage."""
 
     def wait_for_us(self) -> None:
         """Do nothing."""
@@ -205,7 +205,7 @@ class Stage:
         self.bus.publish(key, message, source, seal=self._seals.get(key, b""))
 
     def arrive(self, name: str, port: str, message: Struct) -> None:
-        """Have a message come on an input or setpoint, from who is wired there."""
+        """Put a message on an input or setpoint, from the capability that is wired there."""
         for feed in self.members[name].ctx.config.wiring[port]:
             self.put(feed.key, message, feed.source)
 

@@ -1,4 +1,4 @@
-"""Whether this computer was suspended: its monotonic clock stands still meanwhile, so no deadline passes."""
+"""Suspends of this computer: its monotonic clock stands still meanwhile, so no deadline passes."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""What of a process a recorder with lines hears: the bytes of its devices, and its commands with their answers.
+"""The record of a process for a recorder with lines: the bytes of its devices, and its commands with their answers.
 
 Without such a recorder it is empty and costs nothing: it follows whether there is a subscriber.
 """
@@ -20,7 +20,7 @@ MOST_COMMANDS = 1000
 
 
 class Tape:
-    """What of a process is published while a recorder hears it. One thread uses it."""
+    """The publications of a process while a recorder listens. One thread uses it."""
 
     def __init__(self, bus: Transport, robot: str, name: str, taps: Mapping[str, Tap]) -> None:
         self._taps = taps

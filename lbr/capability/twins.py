@@ -25,7 +25,7 @@ class TwinError(KindError):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DeviceTwin:
-    """How a type of device is emulated: what its device rows may set, and the class that does it.
+    """The emulation of a type of device: the settings of its device rows, and its class.
 
     `device` is the type that device rows name. `row` has a field `faults`: what can be made to go wrong. `entry` is a
     class, or `module:Class`, which is imported only where the world runs; it is made with a device and its

@@ -1,4 +1,4 @@
-"""How a capability comes onto the bus: by a session of its own, or by one that it shares with those of its process."""
+"""The way of a capability onto the bus: by a session of its own, or by one that it shares with those of its process."""
 
 import threading
 from collections import defaultdict
@@ -9,8 +9,7 @@ from lbr.capability.config import ProcessConfig
 
 
 class Place:
-    """Where those of one process come in: routers know what they may do as one. Who opens it holds up nobody
-    elsewhere."""
+    """Where those of one process come in: routers know what they may do as one. Opening it holds up nobody."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()

@@ -1,4 +1,4 @@
-"""A program's way to a robot: look, say a line, borrow motion. What stands still keeps nothing moving.
+"""A program's way to a robot: look, say a line, borrow motion. A program that hangs keeps nothing moving.
 
     from lbr import client                    # in the distribution lbr-client: import lbr_client as client
 

@@ -9,7 +9,7 @@ from lbr import home
 from lbr.client.robot import Robot, connect
 
 KIND = "_lbr._tcp.local."
-"""What `lbr.apps.web.announce` announces."""
+"""The announcements of `lbr.apps.web.announce`."""
 
 
 class Found(NamedTuple):

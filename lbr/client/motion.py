@@ -24,7 +24,7 @@ Message = dict[str, Any]
 POLL_S = 0.005
 RESULT_S = 0.5
 KEEP_S = 0.02
-"""How often what keeps a motion looks at it; a lease is renewed each 0.1 s."""
+"""The pace at which the keeper of a motion looks at it; a lease is renewed each 0.1 s."""
 AT_MOST_S, LONGEST_S = 5.0, 30.0
 RELEASED = "the program released it"
 WHAT_THERE_IS = "'lbr topic list' names what there is"
@@ -48,7 +48,7 @@ def of_numbers(message: Message) -> Message:
 
 
 class Lender(Protocol):
-    """What a motion is borrowed over: a robot that is connected to."""
+    """The way over which a motion is borrowed: a connected robot."""
 
     source: str
 

@@ -26,7 +26,7 @@ GONE = "the robot has ended since this program connected; if it runs again, conn
 
 
 class Said(NamedTuple):
-    """What a robot answered to a line: its words, what programs read, and how a motion that it began has ended."""
+    """A robot's answer to a line: its words, the data for programs, and the end of a motion that it began."""
 
     text: str
     data: Any = None
@@ -81,7 +81,7 @@ class Robot:
 
     @property
     def operator(self) -> BusOperator:
-        """Who says our lines; BusError in a process that was forked since."""
+        """The sender of our lines; BusError in a process that was forked since."""
         self._need_own_process()
         return self._operator
 

@@ -1,4 +1,4 @@
-"""What can be said to a robot, as methods that complete: each is a word of its rows."""
+"""The words of a robot, as methods that complete: each is a word of its rows."""
 
 import inspect
 import keyword

@@ -1,5 +1,4 @@
-"""What is attached to this machine: serial adapters, i2c buses, cameras, receivers, gamepads, input devices. Opens
-nothing."""
+"""The devices of this machine: serial adapters, i2c buses, cameras, receivers, gamepads, input nodes. Opens nothing."""
 
 import os
 import re
@@ -38,8 +37,7 @@ def ends(dev: Path = DEV, sys: Path = SYS) -> list[End]:
 
 
 def named(text: str) -> End:
-    """Return the end that a person names: a tty's path, `i2c:BUS`, or `unix:PATH` of an i2c bus; InputError if it is
-    none."""
+    """Return the end that a person names: a tty's path, `i2c:BUS`, or `unix:PATH` of an i2c bus; else InputError."""
     if not text.startswith(("/", "i2c:", "unix:/")):
         raise InputError(f"--port '{shown(text)}' is not one of a path (/dev/...), i2c:BUS, unix:/PATH")
     if text.startswith(("i2c:", "unix:")):

@@ -39,7 +39,7 @@ FREE_MB = 500
 
 
 class DeviceState(Struct):
-    """What the state of a driver says of its device's line."""
+    """The state of a driver's line, in words of its device."""
 
     heard: bool | None = None
 

@@ -1,4 +1,4 @@
-"""What a command line may go on with, out of what runs and what the rows hold. Quiet and quick: where nothing runs,
+"""The completions of a command line, out of the running robots and their rows. Quiet and quick: where nothing runs,
 nothing is said."""
 
 from collections.abc import Callable, Iterable, Iterator

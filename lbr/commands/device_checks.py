@@ -1,4 +1,4 @@
-"""What `lbr doctor` looks at for each device row, wherever its address is: a path, an i2c bus, sound, a camera."""
+"""The checks of `lbr doctor` on each device row, by its address: a path, an i2c bus, sound, a camera."""
 
 import contextlib
 import ctypes.util
@@ -25,7 +25,7 @@ from lbr.drivers.serial_line import resolve
 from lbr.errors import DeviceError
 
 Judgement = tuple[Level, str, str]
-"""How it stands, in words, and what to type."""
+"""The state, in words, and what to type."""
 
 NOWHERE = Path("/nowhere")
 """There are no capability files: what installed kinds drive is enough to know a line."""
@@ -44,7 +44,7 @@ LOOKS = {
     "infrared": "ir-keytable",
     "gamepad": "lbr devices",
 }
-"""What to type to look for a device, by its type; for most others `ls /dev/serial/by-id`."""
+"""The command that looks for a device, by its type; for most others `ls /dev/serial/by-id`."""
 
 
 def device(robot: str, row: DeviceRow) -> Finding:
@@ -93,7 +93,7 @@ def speech() -> Iterator[Finding]:
 
 
 def emulated() -> Iterator[Finding]:
-    """Say which packages bring twins of devices that cannot be used; the rest of the robots is none the worse."""
+    """Report packages with twins of devices that cannot be used; the other robots are unaffected."""
     wrong = list(twins.refused())
     for device_type in twins.names():
         try:

@@ -1,4 +1,4 @@
-"""What a check of `lbr doctor` has found."""
+"""The result of a check of `lbr doctor`."""
 
 from typing import Literal
 
@@ -8,7 +8,7 @@ Level = Literal["good", "hint", "bad"]
 
 
 class Finding(Struct, frozen=True, kw_only=True):
-    """How it stands with one thing: `bad` keeps a robot from running, a `hint` may; `do` is what to type."""
+    """The state of one thing: `bad` keeps a robot from running, a `hint` may; `do` is what to type."""
 
     about: str
     level: Level

@@ -54,9 +54,8 @@ def command(
 ) -> int:
     """Take what a robot's former programs kept: their databases, tables and motions, from a file or all of a folder.
 
-    All of it is written, or nothing, as one edit that a running robot follows. What is not as shipped is a person's: if
-    a file says something else, it is named and nothing is written, unless --replace is given. The report tells each
-    thing that was changed, brought within limits or has no place here.
+    All of it is written, or nothing, as one edit that a running robot follows. A value that is not as shipped is a person's. If a file differs, it is named and nothing is written, unless --replace is given. The report tells
+    each thing that was changed, brought within limits or has no place here.
     """
     with opened(database) as rows:
         if wanted is not None and wanted not in (known := old_files.formats()):

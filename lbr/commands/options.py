@@ -15,7 +15,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 class Number(click.FloatRange):
-    """A number within bounds; NaN is none, though it is beyond no bound."""
+    """A number within bounds; NaN is refused, though it is beyond no bound."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number."""
@@ -44,7 +44,7 @@ class FileName(click.Path):
 
 
 DEFAULT_PROFILE = "lbr-sim"
-"""What `lbr run` starts when nothing is said."""
+"""The default profile of `lbr run`."""
 
 
 class Whom(NamedTuple):

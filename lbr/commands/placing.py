@@ -23,7 +23,7 @@ KEPT = ".edited"
 
 
 class Step(Struct, frozen=True):
-    """What was done, or would be, with one file."""
+    """The result for one file, done or to be done."""
 
     path: Path
     done: str

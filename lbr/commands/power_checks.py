@@ -1,4 +1,4 @@
-"""What `lbr doctor` looks at where a robot watches its supply: whether it could shut this computer down in time."""
+"""The checks of `lbr doctor` on a robot that watches its supply: could it shut this computer down in time?"""
 
 from collections.abc import Iterator
 from pathlib import Path

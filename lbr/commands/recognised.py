@@ -27,7 +27,7 @@ INPUT_TEXT = "an input device; no driver here takes it"
 
 
 class Attached(Struct, frozen=True, kw_only=True):
-    """What is at one end: `type` of device and `what` it is, empty if it is not known; `text` says why not.
+    """The device at one end: `type` of device and `what` it is, empty if it is not known; `text` is the reason.
 
     `row` is the device row that says so already; `settings` are what the capability's row would set, and `needs`
     the rows, by table, that its driver reads.

@@ -1,5 +1,4 @@
-"""What a change of rows would start, stop and restart: of robots that run as they run, of others at their next
-start."""
+"""The starts, stops and restarts of a change of rows: of running robots at once, of others at their next start."""
 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Touched(Struct, frozen=True, kw_only=True):
-    """What a change of rows does to one robot's processes; `runs` says whether at once, or at its next start."""
+    """The effect of a change of rows on one robot's processes; `runs`: at once, else at its next start."""
 
     robot: str
     runs: bool

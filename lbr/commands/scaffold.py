@@ -1,4 +1,4 @@
-"""What `lbr new` writes: a package out of the templates beside this module, under a name that nothing else has."""
+"""The package that `lbr new` writes: out of the templates beside this module, under an unused name."""
 
 import importlib.util
 import keyword

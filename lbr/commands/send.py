@@ -88,7 +88,7 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as
 
 
 def await_start(robot: str | None, wait_s: float) -> None:
-    """Wait for a robot that is meant and whose start is under way, and say so; return at once where none is."""
+    """Wait for a robot whose start is under way, and report that; return at once for a robot that does not start."""
     until, told = time.monotonic() + wait_s, False
     while not any(robot in {None, one.robot} for one in home.running()):
         names = [name or "a robot" for name in home.starting() if not name or robot in {None, name}]

@@ -117,7 +117,7 @@ def _files(profile: str, user: str | None, root: Path, *, power_off: bool, motor
 
 
 def _user(user: str | None, root: Path) -> str:
-    """Return who it should run as: as told, or as before."""
+    """Return the user for the service: the given one, or the one before."""
     unit = root / UNIT
     return user or (user_of(unit.read_text(errors="replace")) if unit.exists() else DEFAULT_USER)
 

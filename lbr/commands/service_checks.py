@@ -1,4 +1,4 @@
-"""What `lbr doctor` looks at where a robot is a service, or could be one; elsewhere these checks say nothing."""
+"""The checks of `lbr doctor` on a machine where a robot is a service, or could be one; elsewhere none."""
 
 import grp
 import pwd
@@ -14,9 +14,9 @@ from lbr.commands.service import BOOTED, MACHINE
 PROPERTIES = ("Id", "ActiveState", "SubState", "Result", "WatchdogUSec", "NRestarts", "MainPID", "StatusText")
 ANSWER_S = 5.0
 LIMITS = {"watchdog": "WatchdogSec=10", "timeout": "TimeoutStartSec=600"}
-"""What to lengthen on a slow machine, by how systemd says that a service ended."""
+"""The bound to lengthen on a slow machine, by systemd's result of a service."""
 LEAST_NICE_LIMIT = 30
-"""What /proc/PID/limits says when niceness may go down to -10: 20 less the niceness."""
+"""The line in /proc/PID/limits when niceness may go down to -10: 20 less the niceness."""
 
 
 def services(root: Path = MACHINE, booted: Path = BOOTED) -> Iterator[Finding]:

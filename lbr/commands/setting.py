@@ -59,7 +59,7 @@ def command(
 
 
 def parted(setting: str) -> tuple[str, str]:
-    """Return the part and the setting of `PART.SETTING`; the setting is empty where none is named."""
+    """Return the part and the setting of `PART.SETTING`; the setting may be empty."""
     part, _, name = setting.partition(".")
     return part, name
 

@@ -142,7 +142,7 @@ def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
 @click.option("--rate", type=Number(0.01, 1000), default=10.0, show_default=True, help="Messages a second.")
 @click.option("--count", type=click.IntRange(1), default=1, show_default=True, help="How many messages.")
 def pub(topic: str, message: str, whom: Whom, rate: float, count: int) -> int:
-    """Publish a message of JSON. What the robot refuses is printed, and the exit code is then 1."""
+    """Publish a message of JSON. A refusal by the robot is printed, and the exit code is then 1."""
     try:
         payload = msgspec.json.decode(message)
     except (msgspec.DecodeError, UnicodeError) as err:

@@ -49,7 +49,7 @@ class Site(Struct, frozen=True, kw_only=True):
 
 
 class Extras(Struct, frozen=True, kw_only=True):
-    """What not every robot has: the right to power the computer off, and a UPS PIco whose relay feeds the motors."""
+    """For some robots only: the right to power the computer off, and a UPS PIco whose relay feeds the motors."""
 
     power_off: bool = False
     motor_relay: str = ""

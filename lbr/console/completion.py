@@ -16,7 +16,7 @@ class LineCompleter(Completer):
         self.entries = list(entries)
 
     def get_completions(self, document: Document, complete_event: CompleteEvent) -> Iterable[Completion]:
-        """Yield what may come next; at an empty line only to who asks for it."""
+        """Yield what may come next; at an empty line only on request."""
         text = document.text_before_cursor.lstrip()
         if not text and not complete_event.completion_requested:
             return

@@ -12,7 +12,7 @@ LET_BE = "Nothing was done."
 
 
 class Confirmation:
-    """At most one open question; an answer that comes late is none, and is taken for a line of its own."""
+    """At most one open question; a late answer is taken as a line of its own."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock

@@ -1,4 +1,4 @@
-"""Whether what would hear the operator's stop still hears it: nothing is kept moving for one who cannot stop it."""
+"""The watch on the operator's way to stop: nothing is kept moving for one who cannot stop it."""
 
 import time
 from collections.abc import Callable

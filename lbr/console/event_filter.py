@@ -10,9 +10,9 @@ from lbr.messages.system import ConsoleResult, Event
 TOLD_S = 3.0
 FOR_THE_RECORD = frozenset({"holder"})
 OWN_DEEDS = frozenset({"python", "external", "pair", "edit"})
-"""What an operator did by a line, whose answer tells it."""
+"""The events of an operator's own line, whose answer has them."""
 MOVERS = frozenset({"drive", "joints", "motions"})
-"""How an own motion of theirs ended is told by the program that held it."""
+"""The end of a motion of their own is reported by the program that held it."""
 
 
 class EventFilter:

@@ -18,7 +18,7 @@ Schema = Mapping[str, Any]
 MessageType = type[Struct] | Schema
 
 TYPED_MINIMUM = "x-typed-minimum"
-"""What a schema calls the least that may be typed, where a message may have less."""
+"""The key of a schema for the least that may be typed, where a message may have less."""
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)", re.ASCII)
 _WHOLE = re.compile(r"[+-]?[0-9]{1,18}", re.ASCII)
@@ -142,7 +142,7 @@ class Field(Struct, frozen=True):
 
 
 class Message:
-    """What a target takes: its fields, and the check of the whole."""
+    """The fields of a target, and the check of the whole."""
 
     def __init__(self, of: MessageType | None) -> None:
         self._type = of if isinstance(of, type) else None

@@ -1,4 +1,4 @@
-"""What the robot's own console shows of its start: a few lines once all is up, and until then only what is amiss."""
+"""The start on the robot's own console: a few lines once all is up, and until then only problems."""
 
 from collections.abc import Callable
 

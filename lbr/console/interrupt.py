@@ -1,4 +1,4 @@
-"""What a process does in its own way when it is told to end."""
+"""The reaction of a process to signals that end it."""
 
 import contextlib
 import signal

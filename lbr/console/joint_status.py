@@ -1,4 +1,4 @@
-"""What the status bar says of a humanoid: its joints in a few words, and its power."""
+"""The status bar of a humanoid: its joints in a few words, and its power."""
 
 from lbr.console.printable import shown
 from lbr.messages.joints import JointsState, JointState

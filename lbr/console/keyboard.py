@@ -19,7 +19,7 @@ CHARACTERS_AT_ONCE = 1000
 """More than a key that is held down sends while the console is held up for ten seconds. Of some, such as a Tab, a busy
 machine takes a few a second, and what was typed behind them would wait for minutes."""
 QUIET_S = 0.25
-"""How long nothing comes once a flood is over, or within a paste whose end got lost: slow lines pause for less."""
+"""The silence after a flood, or within a paste whose end got lost: slow lines pause for less."""
 LONGEST = 1000
 PASTE_BEGINS, PASTE_ENDS = "\x1b[200~", "\x1b[201~"
 CURSOR_IS_HERE = re.compile(r"\x1b\[[0-9]+;[0-9]+R")
@@ -31,7 +31,7 @@ _KEYS_BEFORE = re.compile(r"(?:\x1b[\[\]OP]?[0-9;<?M~]*|[\x00-\x1f\x7f\ufffd\udc
 
 
 class Heard(Struct, frozen=True):
-    """What was overheard in a piece of input: stops in their order; whether it is part of a flood, or its beginning."""
+    """The stops in a piece of input, in their order; whether it is part of a flood, or its beginning."""
 
     stops: tuple[str, ...] = ()
     flood: bool = False
@@ -42,8 +42,8 @@ class Overhearing:
     """Follows what is typed, piece by piece: hears stops in it, and knows a flood of lines from typing.
 
     A stop word is heard although keys came before it that the editor takes for the beginning of something else: an
-    escape, a sequence cut short, a byte that is no text, a search, a paste that has no end. What a whole paste holds is
-    not said.
+    escape, a sequence cut short, a byte that is no text, a search, a paste that has no end. The content of a whole
+    paste is not run.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:

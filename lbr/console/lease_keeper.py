@@ -29,7 +29,7 @@ _results = Decoder(GoalResult)
 
 
 class Ending(msgspec.Struct, frozen=True, kw_only=True):
-    """How a held motion ended, for people and by its code: `good` if it was meant to end so."""
+    """The end of a held motion, for people and by its code: `good` if it was meant to end so."""
 
     good: bool
     text: str

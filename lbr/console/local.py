@@ -24,7 +24,7 @@ from lbr.messages.system import ConsoleResult
 LOCAL_SOURCE = "console"
 LEAVE_S = 3.0
 READY_S = 120.0
-"""On an emulated processor 15 s were too few. What fails ends the wait at once."""
+"""On an emulated processor 15 s were too few. A failure ends the wait at once."""
 POLL_S = 0.05
 LAST_OUTPUT_S = 1.0
 
@@ -147,7 +147,7 @@ def _wait_ready(operator: BusOperator, lines: Lines) -> None:
 def lines_of(fd: int) -> Iterator[str]:
     """Yield the lines of a file descriptor as they come; bytes that are not UTF-8 are kept as lone surrogates.
 
-    Each knows when it was read (`Read`). What is read at once was written together, as is a whole file.
+    Each knows when it was read (`Read`). Lines that are read at once were written together, as is a whole file.
     """
     rest, at = b"", 0.0
     with contextlib.suppress(OSError):

@@ -53,7 +53,7 @@ class Telemetry(Struct, frozen=True, kw_only=True):
 class Operator(Protocol):
     """The part of a robot that a front end needs. `submit` may be called by several threads at once.
 
-    What moves goes on only while the thread that would take a stop beats at `ear`, ten times a second.
+    A motion goes on only while the thread that would take a stop beats at `ear`, ten times a second.
     """
 
     robot: str
@@ -88,7 +88,7 @@ class Operator(Protocol):
 
 
 def emergency(line: str) -> str | None:
-    """Return the reason that an emergency stop gives, None if the line is none: each robot knows its words."""
+    """Return the reason that an emergency stop gives, None if the line is not one: each robot knows its words."""
     try:
         said = _BUILT_IN.parse(line)
     except InputError:
@@ -182,7 +182,7 @@ class BusOperator:
         return self._holder
 
     def release(self, why: str = LET_GO) -> None:
-        """Stop what we hold, and whatever a line still under way may start."""
+        """Stop our own motion, and any motion that a line still under way may start."""
         with self._lock:
             self._said += 1
             holder = self._holder

@@ -49,8 +49,8 @@ class Outlet:
         return self._errors.get(fd)
 
     def write(self, fd: int, data: bytes) -> bool:
-        """Queue bytes for a descriptor; say whether there was room. What cannot be written any more is taken as
-        well."""
+        """Queue bytes for a descriptor; say whether there was room. Output that cannot be written any more is accepted
+        as well."""
         with self._changed:
             if not data or self._closed or fd in self._errors:
                 return True
@@ -183,7 +183,7 @@ class Stream:
 
 @contextlib.contextmanager
 def unhurried() -> Iterator[Outlet]:
-    """Let nothing that this process prints wait for who reads it, for the time of a `with`."""
+    """Let no output of this process wait for its reader, for the time of a `with`."""
     outlet = Outlet()
     out, err = (cast("IO[str]", Stream(outlet, stream.fileno())) for stream in (sys.stdout, sys.stderr))
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):

@@ -1,4 +1,4 @@
-"""What may stand in a line, and how a value is shown back to the person who typed it."""
+"""The characters of a line, and a value as it is shown back to the person who typed it."""
 
 import re
 import textwrap
@@ -10,7 +10,7 @@ from lbr.messages.plain import one_line
 MAX_LINE = 4096
 SHOWN = 60
 BLANK = " \t\r\n\ufeff\u200b\u2060"
-"""What nobody sees at a line's ends, and editors and web pages put there: the last three have no width."""
+"""The invisible characters at a line's ends, from editors and web pages: the last three have no width."""
 _REFUSED = frozenset({"Cc", "Cs", "Cn", "Zl", "Zp"})
 _TURNERS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")  # they reorder text
 

@@ -1,4 +1,4 @@
-"""How often a stream really comes, from its publishers' stamps: true however slow the one who measures is."""
+"""The true rate of a stream, from its publishers' stamps, however slow the measuring process is."""
 
 import itertools
 from collections.abc import Iterable, Sequence

@@ -28,7 +28,7 @@ HOW = "'lbr token add NAME' at the robot makes one"
 
 
 class Entry(Struct, frozen=True, kw_only=True):
-    """What lets us in somewhere: who we are, and the only certificate that may be shown there (PEM)."""
+    """The credentials for a robot elsewhere: our name and secret, and the only certificate that it may show (PEM)."""
 
     credentials: Credentials
     certificate: str

@@ -39,7 +39,7 @@ class Target(Struct, frozen=True, kw_only=True):
 
 
 def source(what: str) -> str:
-    """Return who this process is to a robot: `console@host:pid`."""
+    """Return the name of this process for a robot: `console@host:pid`."""
     return f"{what}@{socket.gethostname()[:40]}:{os.getpid()}"
 
 
@@ -64,7 +64,7 @@ def find(robot: str | None, connect: str | None, token_file: Path | None = None)
 
 
 def find_to_stop(robot: str | None, connect: str | None, token_file: Path | None = None) -> list[Target]:
-    """Return the robots that a stop means: where none is named and several run here, all of them."""
+    """Return the robots that a stop means: several that run here, all of them, unless one is named."""
     here = home.running() if robot is None and not connect else []
     return [_local_target(one) for one in here] if len(here) > 1 else [find(robot, connect, token_file)]
 

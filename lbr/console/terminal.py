@@ -1,4 +1,4 @@
-"""The terminal: a prompt with completion, history and a live status bar. Whatever it held stops when it ends.
+"""The terminal: a prompt with completion, history and a live status bar. Its motion stops when it ends.
 
 Its loop gives the pulse without which nothing is held, and no part of it waits for the terminal to take output.
 """

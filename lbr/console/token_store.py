@@ -1,5 +1,5 @@
-"""Where a token for a robot elsewhere comes from: a file, the environment, what was saved, the keyring, or who sits
-there."""
+"""The sources of a token for a robot elsewhere: a file, the environment, a saved one, the keyring, or the person at the
+terminal."""
 
 import getpass
 import os
@@ -18,7 +18,7 @@ from lbr.messages.unreadable import UNREADABLE
 
 VARIABLE = "LBR_TOKEN"
 SERVICE = "lbr-token"
-"""What the keyring of a desktop knows tokens by, with the endpoint as the user."""
+"""The key of tokens in a desktop's keyring, with the endpoint as the user."""
 LARGEST_BYTES = 4096
 
 

@@ -1,4 +1,4 @@
-"""What there is on a robot's bus: every stream and command with its type, as its owner describes it."""
+"""The list of a robot's bus: every stream and command with its type, as its owner describes it."""
 
 import time
 from collections import Counter

@@ -141,7 +141,7 @@ class Vocabulary:
         return "\n".join(line for group in told for line in group)
 
     def tell(self, word: str, entries: Iterable[Mapping[str, Any]]) -> str:
-        """Return what a word takes, as lines for a person, out of its entries; InputError if it is none."""
+        """Return the fields of a word, as lines for a person, out of its entries; InputError if it is not a word."""
         lines = []
         for entry in entries:
             role = "" if entry["role"] == "view" else f" (needs the role {entry['role']})"

@@ -1,4 +1,4 @@
-"""What may be typed after the name of an external command."""
+"""The arguments that may be typed after the name of an external command."""
 
 import re
 import subprocess

@@ -37,7 +37,7 @@ class RevisionEntry(Row, frozen=True, kw_only=True):
 
 
 class EventEntry(Row, frozen=True, kw_only=True):
-    """What happened; written by lbr, the oldest go when there are very many."""
+    """Events; written by lbr, the oldest go when there are very many."""
 
     TABLE = "event"
     KEY = ("id",)

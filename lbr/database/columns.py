@@ -1,4 +1,4 @@
-"""A column of a table by its field's annotation: from what SQLite holds to a value, or to why it is none; and back."""
+"""A column of a table by its field's annotation: from SQLite's value to the field's, or its error; and back."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""What differs between rows, as people read it. Pure."""
+"""The differences of rows, as people read them. Pure."""
 
 from typing import Any, Literal
 

@@ -22,8 +22,8 @@ Key = tuple[str, ...]
 RowKey = tuple[str, tuple[Any, ...]]
 """Table and key of a row of one robot."""
 MAKE_PROCESSES = {row.TABLE for row in CORE}
-"""What every robot has: such rows say which programs run, and what may reach what. No edit on another's behalf writes
-them."""
+"""The tables of every robot: such rows choose the programs that run, and their reach. No edit on another's behalf
+writes them."""
 
 
 def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> tuple[Row, ...]:

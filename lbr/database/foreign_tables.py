@@ -1,7 +1,7 @@
 """The rows of another program's SQLite database, or of one written out as SQL: read in memory, nothing of it is
 trusted.
 
-What a dump may do is make tables and fill them. It reaches no file, and has no more than a moment.
+A dump may only make tables and fill them. It reaches no file, and has no more than a moment.
 """
 
 import sqlite3
@@ -28,7 +28,7 @@ _MAKING = {
     sqlite3.SQLITE_REINDEX,
 }
 _SCHEMA = {"sqlite_master", "sqlite_schema", "sqlite_sequence"}
-"""What making a table reads and writes by itself; a dump begins the last of them again."""
+"""The reads and writes of making a table; a dump begins the last of them again."""
 _OF_SCHEMA = {sqlite3.SQLITE_READ, sqlite3.SQLITE_UPDATE, sqlite3.SQLITE_DELETE}
 _FUNCTIONS = {"replace", "char", "unistr", "length", "lower", "upper", "typeof", "date", "datetime", "strftime"}
 """By which dumps write texts of several lines, and tables their checks and defaults."""

@@ -1,4 +1,4 @@
-"""What happened and what was changed: the tables `event` and `revision`."""
+"""Events and changes: the tables `event` and `revision`."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -80,7 +80,7 @@ def made(connection: Connection, change: ChangeRow) -> None:
 
 
 def makers(connection: Connection) -> tuple[ChangeRow, ...]:
-    """Return who made which revisions, and by what; of what another SQLite client made nothing is known."""
+    """Return the authors and ways of revisions; those of other SQLite clients are unknown."""
     return tuple(ChangeRow(**row) for row in selected(connection, "change", "1 ORDER BY first_revision"))
 
 
@@ -108,7 +108,7 @@ def outdo(connection: Connection, revision: int) -> None:
 
 
 def storable(text: str) -> str:
-    """Return a text with whatever has no UTF-8 replaced."""
+    """Return a text with everything but UTF-8 replaced."""
     return text.encode(errors="replace").decode()
 
 

@@ -1,5 +1,5 @@
-"""How a robot's database is known: by its tables. The number in its header is for file(1), and no backup has to keep
-it."""
+"""The recognition of a robot's database: by its tables. The number in its header is for file(1), and no backup has to
+keep it."""
 
 import re
 from pathlib import Path

@@ -25,7 +25,7 @@ class MotionFile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, 
 
 
 class Summary(NamedTuple):
-    """What a motion asks for: `fastest` joint, how fast, and how fast it may be; `clipped` is how often it was cut."""
+    """The demands of a motion: `fastest` joint, how fast, and how fast it may be; `clipped` is how often it was cut."""
 
     frames: int
     duration_s: float

@@ -27,9 +27,8 @@ Key = tuple[Any, ...]
 
 
 class ChangeRow(Row, frozen=True, kw_only=True):
-    """Who changed rows, and by what: written by lbr's own programs in the transaction of the change. A revision that none
-    of these has in it was made by another SQLite client.
-    """
+    """The author of a change, and the program: written by lbr's own programs in the transaction of the change. A
+    revision that none of these has in it was made by another SQLite client."""
 
     TABLE = "change"
     KEY = ("first_revision",)

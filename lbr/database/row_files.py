@@ -105,8 +105,7 @@ def write(folder: Path, files: tuple[File, ...]) -> None:
 
 
 def read(folder: Path, robot: str | None = None) -> tuple[File, ...]:
-    """Read the files of a folder, of one robot alone if so asked; InputError names what cannot be read, or is none of
-    them."""
+    """Read the files of a folder, of one robot alone if so asked; InputError names unreadable and foreign files."""
     found = []
     try:
         for place in sorted(one for one in folder.iterdir() if one.is_dir() and not one.name.startswith(".")):

@@ -23,7 +23,7 @@ End = Annotated[str, Meta(pattern=r"^[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}$
 BY_LBR = Meta(extra={"by_lbr": True})
 """For a column that lbr writes while a robot runs: its changes are not edits."""
 EXECUTIVE = "executive"
-"""What verbs and channels may have as their target without a row of its own: lbr itself."""
+"""The target of verbs and channels that has no row of its own: lbr itself."""
 BUILT_IN = "is a word that every robot has, and no row changes: drop this row, or choose another word"
 
 
@@ -86,7 +86,7 @@ def _used_device(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
 
 
 class CapabilityRow(Row, frozen=True, kw_only=True):
-    """What runs: one process for each enabled row, unless rows share one."""
+    """The capabilities: one process for each enabled row, unless rows share one."""
 
     TABLE = "capability"
     KEY = ("name",)
@@ -152,7 +152,7 @@ def _printable(row: "DeviceRow", _: Others) -> Iterator[Fault]:
 
 
 class DeviceRow(Row, frozen=True, kw_only=True):
-    """What is plugged in. A capability's setting `device` names a row of this table."""
+    """The devices. A capability's setting `device` names a row of this table."""
 
     TABLE = "device"
     KEY = ("name",)
@@ -176,7 +176,7 @@ def _pattern(row: "VerbRow", _: Others) -> Iterator[Fault]:
 
 
 def _parsed(row: "VerbRow") -> patterns.Pattern | None:
-    """Return a verb's pattern; None if it is none, which is told by `_pattern`."""
+    """Return a verb's pattern; None if it is broken, which `_pattern` reports."""
     try:
         return patterns.parse(row.pattern)
     except ValueError:
@@ -259,10 +259,10 @@ def _no_verb(row: "ExternalCommandRow", others: Others) -> Iterator[Fault]:
 
 
 class ExternalCommandRow(Row, frozen=True, kw_only=True):
-    """Programs started at the console by name, without a shell. What follows the name is added to the arguments, as far
-    as the row allows it: `arguments` has an entry for each argument, in their order, and the last ones may be left out.
-    An entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of the
-    argument must fit, such as "[0-9]{1,3}". Nothing that begins with '-' is taken unless it stands in a list.
+    """Programs started at the console by name, without a shell. The words after the name are added to the arguments, as
+    far as the row allows it: `arguments` has an entry for each argument, in their order, and the last ones may be left
+    out. An entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of
+    the argument must fit, such as "[0-9]{1,3}". Nothing that begins with '-' is taken unless it stands in a list.
     """
 
     TABLE = "external_command"
@@ -285,7 +285,7 @@ BUILT_IN_VERBS = tuple(
     for one in builtin.WORDS
 )
 CORE: tuple[type[Row], ...] = (RobotRow, CapabilityRow, ChannelRow, DeviceRow, VerbRow, ExternalCommandRow)
-"""What every robot has; kinds bring the others."""
+"""The tables of every robot; kinds bring the others."""
 
 
 class RevisionRow(Struct, frozen=True, kw_only=True):
@@ -301,7 +301,7 @@ class RevisionRow(Struct, frozen=True, kw_only=True):
 
 
 class TokenRow(Row, frozen=True, kw_only=True):
-    """Who may do what. The token itself is shown once and never stored."""
+    """The roles of people and machines. The token itself is shown once and never stored."""
 
     TABLE = "user_token"
     KEY = ("name",)
@@ -367,7 +367,7 @@ class RobotRows(Struct, frozen=True, kw_only=True):
     """One robot's rows out of one transaction: the good ones, and what is wrong with the others.
 
     Rows of which any column is bad are left out and named in `problems`; they are in `faulty` for further checks of
-    what is good in them. What kinds read is in `tables`, and checked when it is asked for. `revision` counts the
+    what is good in them. The rows that kinds read are in `tables`, and checked on request. `revision` counts the
     changes of rows, `digest` is the hash of all rows that make robots.
     """
 

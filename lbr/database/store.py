@@ -52,7 +52,8 @@ from lbr.resources import robot_db_sql
 
 PATIENCE_S = 0.1
 COMPUTED_S = 0.5
-"""Of the processor, for one transaction of who must not be held up: fifty times what the shipped rows take."""
+"""Of the processor, for one transaction of a caller that must not be held up: fifty times what the shipped rows take.
+"""
 LOOK_EVERY = 10_000
 """Steps of SQLite's machine, some more than the shipped rows take."""
 
@@ -143,7 +144,7 @@ class Database:
     def bound(self, computed_s: float = COMPUTED_S) -> None:
         """Give up, from now on, what takes the calling thread longer than that to compute; RowError says so.
 
-        For who must not be held up by what rows, views and triggers make SQLite do.
+        For a caller that must not be held up by the work of rows, views and triggers in SQLite.
         """
         self._computed_s = computed_s
         self._connection.set_progress_handler(lambda: time.thread_time() > self._until_cpu_s, LOOK_EVERY)
@@ -314,7 +315,7 @@ class Database:
             tokens.add(connection, row)
 
     def revoke_token(self, name: str) -> None:
-        """Take a token's rights away, durably; InputError if there is none of this name that has any."""
+        """Take a token's rights away, durably; InputError if no valid token has this name."""
         with self.writing(durable=True) as connection:
             tokens.revoke(connection, name, self._now())
 

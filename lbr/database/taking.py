@@ -1,4 +1,4 @@
-"""What wanted rows make of those that are there: nothing of a person's is written over unasked; pure."""
+"""The merge of wanted rows into present ones: nothing of a person's is written over unasked; pure."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from json import dumps
@@ -22,7 +22,7 @@ from lbr.robot.old_data import Note, Want
 TABLES: Mapping[str, type[Row]] = {
     one.TABLE: one for one in (RobotRow, CapabilityRow, DeviceRow, ExternalCommandRow, CalibrationValue, Motor, Button)
 }
-"""What data of a former program may become a row of."""
+"""The rows that data of a former program may become."""
 
 
 class Here(Struct, frozen=True):
@@ -115,7 +115,7 @@ class _Taking:
             self._notes.append(Note("changed", want.table, told, "", f"{want.source}: {want.text}"))
 
     def done(self) -> Taken:
-        """Return the rows; what is none is told, and left out."""
+        """Return the rows; broken ones are reported, and left out."""
         rows: list[Row] = []
         for (table, told), state in self._states.items():
             kind = TABLES[table]

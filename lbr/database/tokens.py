@@ -1,4 +1,4 @@
-"""Who may do what: the table `user_token`. The tokens themselves are never here, only their hashes."""
+"""Tokens and their roles: the table `user_token`. The tokens themselves are never here, only their hashes."""
 
 import msgspec
 
@@ -26,7 +26,7 @@ def add(connection: Connection, row: TokenRow) -> None:
 
 
 def revoke(connection: Connection, name: str, now: str) -> None:
-    """Take a token's rights away; raise InputError if there is none of this name that has any."""
+    """Take a token's rights away; raise InputError if no valid token has this name."""
     valid = "UPDATE user_token SET revoked_at = ? WHERE name = ? AND revoked_at IS NULL"
     if connection.execute(valid, (now, name)).rowcount != 1:
         raise InputError(f"there is no token '{name}' that could be revoked", "unknown_name")

@@ -1,4 +1,4 @@
-"""What to say of a device that may not be opened: join its group, or wait until udev has set it."""
+"""The cure for a device that may not be opened: join its group, or wait until udev has set it."""
 
 import errno
 import time

@@ -1,4 +1,4 @@
-"""What a driver's protocol needs of the line to its device; `SerialLine` is one."""
+"""The line to a device, as a driver's protocol needs it; `SerialLine` is one."""
 
 from typing import Protocol
 

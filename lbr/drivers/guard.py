@@ -14,9 +14,10 @@ from lbr.capability import lifeline
 BEAT_S = 0.015
 RESTING_BEAT_S = 0.5
 DEAF_S = 0.4
-"""How long a guard may leave unread what it is told: three times the silence that it grants its driver."""
+"""The time that a guard may leave its messages unread: three times the silence that it grants its driver."""
 STARTS_S = 20.0
-"""How long its program may take to start, as long as nothing may move: an emulated processor needs seconds for it."""
+"""The time that its program may take to start, as long as nothing may move: an emulated processor needs seconds for it.
+"""
 DISMISS_S = 0.2
 LAST_WORDS_S = 0.6
 WOKEN = "its guard process was frozen for a moment, and goes on"

@@ -18,7 +18,7 @@ from lbr.drivers.i2c_tap import TappedBus
 from lbr.errors import DeviceError
 
 UNANSWERED = frozenset({errno.EREMOTEIO, errno.ENXIO, errno.ENODEV, errno.ETIMEDOUT, errno.EIO})
-"""What adapters say when no device answers; each has its own code, so none means anything more."""
+"""The errors of adapters when no device answers; each has its own code, and no code means anything more."""
 
 _FIRST, _LAST = 0x08, 0x77
 _I2C_TIMEOUT = 0x0702

@@ -1,4 +1,4 @@
-"""What drivers need of an i2c bus, whatever is behind it."""
+"""The i2c bus as drivers need it, whatever is behind it."""
 
 from collections.abc import Sequence
 from typing import Any, Protocol

@@ -1,4 +1,4 @@
-"""What every inertial unit shares: SI units, full scales, the signs of one that measures nothing, and telling of it."""
+"""The common part of inertial units: SI units, full scales, the signs of one that measures nothing, and its report."""
 
 from math import pi
 
@@ -28,7 +28,7 @@ QUIET_RPS = 0.02
 QUIET_MPS2 = 0.5
 """Ten times the noise of the units that there are, and less than any motion that a wheel or a hand begins."""
 QUIET_HZ = 25.0
-"""How often one that lies still is asked. What it says first of a motion is 40 ms old at most, in which a base that
+"""The pace at which a unit at rest is asked. Its first report of a motion is 40 ms old at most, in which a base that
 starts as fast as it may turns by half a degree, and the mean of two samples counts most of that."""
 
 
@@ -59,7 +59,7 @@ class LifeSigns:
         self._alike = 0
 
     def missing(self, counts: tuple[int, ...]) -> str:
-        """Return why the newest reading of all axes is none, empty if it is one."""
+        """Return why the newest reading of all axes is not valid, empty if it is."""
         self._alike = self._alike + 1 if counts == self._last else 1
         self._last = counts
         if not any(counts):

@@ -34,7 +34,7 @@ class BadRecordError(ValueError):
 
 
 class RecordParser(Generic[R]):
-    """Turns bytes, in pieces of any size, into what `read` makes of records; what is none is passed over byte by byte.
+    """Turns bytes, in pieces of any size, into `read`'s values of records; other bytes are passed over one by one.
 
     A record is found again after a damaged one at the next pause at the latest.
     """

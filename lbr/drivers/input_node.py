@@ -19,7 +19,7 @@ READ_BYTES = 24 * 64
 EVIOCGRAB, EVIOCSCLOCKID, CLOCK_MONOTONIC = 0x40044590, 0x400445A0, 1
 MISSING = "is missing; plug it in, or correct the address in the device row"
 UNKNOWN = (errno.ENOTTY, errno.EINVAL, errno.ENOSYS)
-"""How what is no input device, such as an emulated one, answers what input devices are asked."""
+"""The answers of anything but an input device, such as an emulated one, to questions for input devices."""
 
 
 class InputNode(Generic[R]):
@@ -69,7 +69,7 @@ class InputNode(Generic[R]):
         fcntl.ioctl(self._fd, request, argument)
 
     def claim(self) -> None:
-        """Keep its keys from whatever else takes them, and have times by the clock that all of lbr goes by."""
+        """Keep its keys from all other readers, and have times by the clock of lbr."""
         for request, argument in ((EVIOCSCLOCKID, struct.pack("=i", CLOCK_MONOTONIC)), (EVIOCGRAB, 1)):
             try:
                 self.order(request, argument)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 SURE = 3
-"""How often an unanswered last command is sent."""
+"""The number of times that an unanswered last command is sent."""
 
 
 class TakenError(Exception):

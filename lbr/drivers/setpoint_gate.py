@@ -1,4 +1,4 @@
-"""Whether a setpoint may reach motors: the one decision that wheels and servos share. Pure: state, event and time.
+"""The one decision that wheels and servos share: may this setpoint reach motors? Pure: state, event and time.
 
 A setpoint passes while it is fresh, its numbers are finite and its lease is not revoked. A motion that ends without its
 sender's will revokes the lease that it quoted, for good: a sender that was late cannot go on as if nothing had been.
@@ -14,7 +14,7 @@ Verdict = Literal["passes", "late", "not_finite", "revoked"]
 
 
 class Setpoint(Protocol):
-    """What the gate has to know of a setpoint."""
+    """The facts of a setpoint that the gate needs."""
 
     @property
     def lease(self) -> str:
@@ -38,7 +38,7 @@ S = TypeVar("S", bound=Setpoint)
 
 @dataclass(frozen=True, slots=True)
 class SetpointGate(Generic[S]):
-    """The state: `setpoint` is in force exactly while it is not None, and `reason` says why none is."""
+    """The state: `setpoint` is in force exactly while it is not None, and `reason` explains None."""
 
     setpoint: S | None = None
     reason: str = ""

@@ -1,4 +1,4 @@
-"""What every guard process begins with: waiting until its driver dies, or falls silent while something may move.
+"""The beginning of every guard process: waiting until its driver dies, or falls silent while something may move.
 
 The driver writes `m` to the pipe while something may move, `z` while nothing does, and `q` to dismiss. Imports little:
 guards that run without the project use it.

@@ -19,7 +19,7 @@ hangs."""
 OVER_WITHIN_S = 5.0
 """The processes have 2.5 s to end, then the external commands, the last rows and the routers."""
 LEFT_WITHIN_S = 3.0
-"""What is left to do then takes milliseconds, and a second on a machine that is far too busy."""
+"""The rest then takes milliseconds, and a second on a machine that is far too busy."""
 FORCED = 70
 
 

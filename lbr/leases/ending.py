@@ -94,7 +94,7 @@ def happened(ended: Ended[M], kind: str = "") -> Happened:
 def tell_holder(
     leases: LeaseTable[M], now: float, *, took: str = "", lost: str = "", why: Reason | None = None
 ) -> Decision[M]:
-    """Say who has it from now on and who has not; in a flood of changes, how many were not said."""
+    """Report the new holder and the one before; in a flood of changes, how many were left out."""
     tally, noun = leases.tally, leases.phrasing.noun
     refilled = tally.left + TELLINGS_PER_S * max(0.0, now - tally.at)  # this way round, NaN is no time
     left = min(TELLINGS, refilled)

@@ -25,5 +25,5 @@ class Halts(Struct, frozen=True, kw_only=True):
         return self
 
     def by_others(self, source: str) -> tuple[float, str]:
-        """Return when another than `source` stopped it last, and who that was."""
+        """Return when another than `source` stopped it last, and its name."""
         return (self.before, self.before_source) if source and source == self.source else (self.at, self.source)

@@ -120,9 +120,9 @@ class Tally(Struct, frozen=True, kw_only=True):
 class LeaseTable(Struct, Generic[M], frozen=True, kw_only=True):
     """Every lease on what moves. `offers` are leases that remote senders have yet to quote.
 
-    Whatever was sent at or before `stopped` or `begun` begins nothing any more, nor what had waited at its sender since
-    before one of `halts`; `stopped_by` says who stopped it then, if it was a stop. `reason` says why it has no holder.
-    A lease lives for `ttl_s` if its ask says nothing, and is over up to `ahead_s` sooner, so that the motion is too.
+    Commands sent at or before `stopped` or `begun` begin nothing any more, nor those that had waited at their sender
+    since before one of `halts`; `stopped_by` is the sender, if it was a stop. `reason` is why it has no holder. A lease
+    lives for `ttl_s` if its ask says nothing, and is over up to `ahead_s` sooner, so that the motion is too.
     """
 
     phrasing: Phrasing
@@ -182,7 +182,7 @@ class Reply(Struct, frozen=True, kw_only=True):
 
 
 def first(phrasing: Phrasing, ttl_s: float, ahead_s: float = 0.0, *, began: float = -inf) -> "LeaseTable[M]":
-    """Return a table without a holder. What was not sent after it `began` may have been stopped since, and begins
-    nothing."""
+    """Return a table without a holder. Commands that were not sent after it `began` may have been stopped since, and
+    begin nothing."""
     idle, halts = Reason("idle", phrasing.idle), Halts(at=began)
     return LeaseTable(phrasing=phrasing, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, halts=halts, reason=idle)

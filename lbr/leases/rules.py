@@ -110,8 +110,8 @@ def _held(lease: Lease[M], source: str) -> Reason:
 def _waited(ask: Ask[M]) -> Reason | None:
     """Refuse what was typed or written before another stopped the robot, however late it is sent.
 
-    A sender's own stops are meant in their order, whoever passes them or its commands on. How long it waited is told by
-    its sender's clock alone, so that the clocks of two machines are never compared.
+    A sender's own stops are meant in their order, whoever passes them or its commands on. Its sender's clock alone
+    measures its wait, so that the clocks of two machines are never compared.
     """
     request = ask.request
     if ask.leases.estop or not request.moves or request.waited_s == 0.0:

@@ -55,7 +55,7 @@ class CalibrateCommand(Struct, frozen=True, kw_only=True):
 
 
 class CalibrationProgress(Struct, frozen=True, kw_only=True):
-    """How far a calibration is: `coverage` is the part of a full turn that was seen. `picture` is an SVG file."""
+    """Progress of a calibration: `coverage` is the part of a full turn that was seen. `picture` is an SVG file."""
 
     phase: Literal["collecting", "fitting", "done", "refused"]
     collected: int

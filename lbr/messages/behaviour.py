@@ -18,8 +18,8 @@ StateName = Annotated[str, Meta(max_length=80)]
 Cell = Annotated[str, Meta(max_length=LONGEST_CELL)]
 Heading = Annotated[str, Meta(min_length=1, max_length=80)]
 RowType = Literal["", "start", "end", "fail", "entry", "#"]
-"""What a row of a table is: an alternative of its state, also in the state where the table starts; an end, good or
-bad; what is done on entering the state; a comment."""
+"""The kind of a row of a table: an alternative of its state, also in the state where the table starts; an end, good or
+bad; an action on entering the state; a comment."""
 
 
 class BehaviourTable(Row, frozen=True, kw_only=True):
@@ -34,9 +34,8 @@ class BehaviourTable(Row, frozen=True, kw_only=True):
 
 
 class BehaviourRow(Row, frozen=True, kw_only=True):
-    """The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is taken.
-    What is wrong in a cell keeps the behaviour from being run, and nothing else.
-    """
+    """The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is
+    taken. A bad cell keeps the behaviour from being run, and nothing else."""
 
     TABLE = "behaviour_row"
     KEY = ("behaviour", "step")
@@ -103,7 +102,7 @@ class RowView(Struct, frozen=True, kw_only=True):
 
 
 class BehaviourState(Struct, frozen=True, kw_only=True):
-    """What runs, where it is, and why it stays there.
+    """The running behaviour, its state, and why it stays there.
 
     `called` are the tables on the way to the one that `table` names, outermost first. `doing` is the command that is
     under way. `row` is the step of the row that was taken last, in whichever table. `state_s` and `run_s` are how long
@@ -128,7 +127,7 @@ class BehaviourState(Struct, frozen=True, kw_only=True):
 
 
 class BehaviourFault(Struct, frozen=True, kw_only=True):
-    """What is wrong in a table: the row by its step, or the line of a file (0: the whole), the column, and what to do.
+    """A problem in a table: the row by its step, or the line of a file (0: the whole), the column, and what to do.
 
     With `error` it keeps the table from being run; without, it is only odd.
     """
@@ -171,7 +170,7 @@ class ReadBehaviour(Struct, frozen=True, kw_only=True):
 
 
 class BehaviourChecked(Struct, frozen=True, kw_only=True):
-    """What is wrong with a table, and its rows as they were read."""
+    """The problems of a table, and its rows as they were read."""
 
     accepted: bool
     reason: str = ""

@@ -18,7 +18,7 @@ class JpegFrame(Struct, frozen=True):
 
 
 class CameraState(Struct, frozen=True, kw_only=True):
-    """How a camera is. Off means that its device is closed; nothing can see through it then.
+    """The state of a camera. Off means that its device is closed; nothing can see through it then.
 
     Width, height and rate are those of the pictures that come. `frames` were published; `dropped` were broken, too
     large, or overtaken by a newer one. A camera without a viewer `rests`: it then publishes two pictures a second.

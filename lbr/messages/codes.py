@@ -132,7 +132,7 @@ MEANINGS: dict[Code, str] = {
 class Reason(Struct, frozen=True):
     """A reason: its code, the sentence for people, and the cause where two things are told.
 
-    `note` is what the sentence says besides, by itself, for who passes that on. `holder` is who has what is held.
+    `note` is the rest of the sentence by itself, for programs that pass it on. `holder` has what is held.
     """
 
     code: Code

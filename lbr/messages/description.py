@@ -1,4 +1,4 @@
-"""What a robot is: its capabilities with the schemas of what they say and take, its words, and rows that people look
+"""The description of a robot: its capabilities with the schemas of their messages, its words, and rows that people look
 at."""
 
 from typing import Any
@@ -33,8 +33,7 @@ class CapabilityDescription(Struct, frozen=True, kw_only=True):
 
 
 class BaseDescription(Struct, frozen=True, kw_only=True):
-    """What a base can do that takes a twist: which capability does it, whether it goes sideways too, and its greatest
-    speeds."""
+    """The twists of a base: which capability takes them, whether it goes sideways too, and its greatest speeds."""
 
     capability: str
     kind: BaseKind

@@ -61,7 +61,7 @@ class HeadingCommand(Struct, frozen=True, kw_only=True):
 class TwistCommand(Struct, frozen=True, kw_only=True):
     """Move with this twist (REP 103: ahead, to the left, anticlockwise) for as long as the lease is renewed.
 
-    What is more than the motors may give is scaled down as a whole. `vy_mps` is for bases that can move sideways.
+    A twist beyond the motors' limits is scaled down as a whole. `vy_mps` is for bases that can move sideways.
     """
 
     vx_mps: SpeedMps = 0.0
@@ -73,7 +73,7 @@ class TwistCommand(Struct, frozen=True, kw_only=True):
 
 
 class GoalResult(Struct, frozen=True, kw_only=True):
-    """How a bounded move or a turn ended. `reached` and `interval` are the planned ends; all others carry a reason.
+    """The end of a bounded move or a turn. `reached` and `interval` are the planned ends; all others carry a reason.
 
     `code` is why it ended, `cause` what else a program should know of that end; `note` says the latter for people, by
     itself. `error_deg` is how far a turn went past its target, clockwise positive; `error_m` the same of a distance.
@@ -103,13 +103,13 @@ class LoopStatistics(Struct, frozen=True, kw_only=True):
 
 
 class DriveState(Struct, frozen=True, kw_only=True):
-    """What the base is doing, who holds it, and why it is slower than asked or stands still.
+    """The motion of the base, its holder, and why it is slower than asked or stands still.
 
-    What was sent before `stopped_s`, monotonic, begins nothing any more: then all was stopped, also if nothing moved;
-    `stopped_by` says who did, if it was a stop. What was typed or written before `halted_s` begins nothing either, but
-    for the sender of that stop, `halted_by`. `code` is that of `reason`. `sees` has what stands in the way by sensors
-    that watch by themselves, in metres from the outline of the base, by sensor and side; null is not known. `aside` is
-    the part of the motion that goes to the left, as a fraction of full speed.
+    Commands sent before `stopped_s`, monotonic, begin nothing any more: then all was stopped, also if nothing moved;
+    `stopped_by` is the sender, if it was a stop. Commands typed or written before `halted_s` begin nothing either, but
+    for the sender of that stop, `halted_by`. `code` is that of `reason`. `sees` has obstacles by sensors that watch by
+    themselves, in metres from the outline of the base, by sensor and side; null is not known. `aside` is the part of
+    the motion that goes to the left, as a fraction of full speed.
     """
 
     moving: bool
@@ -147,7 +147,7 @@ class CheckRequest(Struct, frozen=True, kw_only=True):
 
 
 class CheckVerdict(Struct, frozen=True, kw_only=True):
-    """What a check says of a command; the reason is told to the sender, `code` is for programs."""
+    """The verdict of a check on a command; the sender receives the reason, `code` is for programs."""
 
     accepted: bool
     reason: str = ""

@@ -1,4 +1,4 @@
-"""What faces to the outside number and name motors and motions by, and changes of such rows."""
+"""Numbers and names of motors and motions at faces to the outside, and changes of such rows."""
 
 from typing import Annotated
 
@@ -17,9 +17,8 @@ Text = Annotated[str, Meta(max_length=200)]
 
 
 class Motor(Row, frozen=True, kw_only=True):
-    """The servos as a face to the outside numbers, names and limits them, in the servos' own counts; in layers, of which
-    a face uses one. Whatever a layer allows, the limits of the joints hold.
-    """
+    """The servos as a face to the outside numbers, names and limits them, in the servos' own counts; in layers, of
+    which a face uses one. The limits of the joints hold for every layer."""
 
     TABLE = "motor"
     KEY = ("layer", "id")
@@ -65,9 +64,9 @@ class EditCommand(Struct, frozen=True, kw_only=True):
     """Write these rows, by table, all or none: new ones, or in the place of those with the same key. Built-in ones
     stay.
 
-    Which tables, the kind of who asks says in `edits`; parts of a row, such as key frames, come with it, and are then
-    all that it has. `create`: none of them may be there yet; otherwise all of them must. `revision`: only if none of
-    them has changed since that revision. `by` is who wants it.
+    The kind of the asker names the tables in `edits`; parts of a row, such as key frames, come with it, and are then
+    all that it has. `create`: none of them may exist yet; otherwise all of them must. `revision`: only if none of them
+    has changed since that revision. `by` is the person who wants it.
     """
 
     rows: dict[str, Raw] = {}
@@ -77,7 +76,7 @@ class EditCommand(Struct, frozen=True, kw_only=True):
 
 
 class EditReply(Struct, frozen=True, kw_only=True):
-    """What became of it; `revision` is the newest of the rows in force, also where it was refused."""
+    """The result of an edit; `revision` is the newest of the rows in force, also after a refusal."""
 
     accepted: bool
     reason: str = ""

@@ -1,4 +1,4 @@
-"""What a text may be, in words: who sends another is told that, not the regular expression."""
+"""The bounds of a text, in words: the sender of another reads them instead of the regular expression."""
 
 from lbr.messages.shapes import NAME
 from lbr.messages.units import FILE_STEM, FILE_STEM_PATTERN, NAME_OR_NONE_PATTERN, NAME_PATTERN

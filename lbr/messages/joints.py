@@ -85,8 +85,8 @@ class StoredMotion(Struct, frozen=True, kw_only=True):
 class KeyFrame(Struct, frozen=True, kw_only=True):
     """The angles that the named joints are to have `duration_s` after the frame before; joints left out stay.
 
-    `stable`: the robot may come to rest here, and stays on its feet. What is stopped on its way goes on to the nearest
-    such frame that it reaches in 0.8 s.
+    `stable`: the robot may come to rest here, and stays on its feet. A motion that is stopped on its way goes on to the
+    nearest such frame that it reaches in 0.8 s.
     """
 
     positions: dict[str, JointRad]
@@ -314,11 +314,11 @@ class JointState(Struct, frozen=True, kw_only=True):
 class JointsState(Struct, frozen=True, kw_only=True):
     """All joints out of one sweep of the bus, who moves them, and why they stand still.
 
-    `passed` counts the key frames of the goal under way that lie behind, since it began. What was sent before
-    `stopped_s`, monotonic, begins nothing any more: then `stopped_by` stopped all, if it was a stop. What was typed or
-    written before `halted_s` begins nothing either, but for the sender of that stop, `halted_by`. `code` is that of
-    `reason`. `stored` is the slot that the controller plays, for `left_s` more. `feet_s` is how long a robot that was
-    stopped may still take to come to where it stands; null: nothing of that goes on.
+    `passed` counts the key frames of the goal under way that lie behind, since it began. Commands sent before
+    `stopped_s`, monotonic, begin nothing any more: then `stopped_by` stopped all, if it was a stop. Commands typed or
+    written before `halted_s` begin nothing either, but for the sender of that stop, `halted_by`. `code` is that of
+    `reason`. `stored` is the slot that the controller plays, for `left_s` more. `feet_s` is how long a stopped robot
+    may still take to reach its stance; null: nothing of that goes on.
     """
 
     sequence: int
@@ -364,8 +364,8 @@ class CaptureCommand(Struct, frozen=True, kw_only=True):
 
 
 class MotionsState(Struct, frozen=True, kw_only=True):
-    """What is played, on the way to which key frame, in which round, both from 1; `reason` and `code` are how the last
-    one ended.
+    """The motion that is played, on the way to which key frame, in which round, both from 1; `reason` and `code` are
+    those of the last end.
 
     `motion` is the lead-in or the lead-out while that is played; all of it takes `left_s` more or less. `fallen` says
     on which side the robot lies, where an attitude is wired; empty: it does not, or that is unknown.

@@ -28,7 +28,7 @@ Place = Annotated[float, Meta(ge=-5.0, le=5.0)]
 
 
 class Twist(Struct, frozen=True, kw_only=True):
-    """How a base moves: metres a second ahead and to the left, radians a second anticlockwise."""
+    """The motion of a base: metres a second ahead and to the left, radians a second anticlockwise."""
 
     vx_mps: float = 0.0
     vy_mps: float = 0.0
@@ -40,7 +40,7 @@ class Twist(Struct, frozen=True, kw_only=True):
 
 
 class Base(Struct, frozen=True, kw_only=True):
-    """What the wheels of a base make of it. The orders of `per_twist`, `per_speed` and `diameters_m` are that of
+    """The motion of a base by its wheels. The orders of `per_twist`, `per_speed` and `diameters_m` are that of
     `motors`.
 
     A motor's speed is its `per_twist` times vx, vy and wz; each motor's share in the twist is its `per_speed` times its
@@ -136,9 +136,8 @@ def _wheels_fit(row: "Kinematics", others: Others) -> Iterator[Fault]:
 
 
 class Kinematics(Row, frozen=True, kw_only=True):
-    """How the wheels move the base, which is one row; a robot without it has two driven wheels on the motors left and
-    right.
-    """
+    """The arrangement of the wheels of the base, which is one row; a robot without it has two driven wheels on the
+    motors left and right."""
 
     TABLE = "kinematics"
     KEY = ("name",)

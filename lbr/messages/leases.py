@@ -1,4 +1,4 @@
-"""What borrowing motion has in common, whatever moves: leases, the answer to a command, a stop, how a goal ended."""
+"""Messages of all borrowed motion: leases, the answer to a command, a stop, the end of a goal."""
 
 from typing import Annotated
 
@@ -14,7 +14,7 @@ LeaseId = Annotated[
 
 
 STOPPED_SINCE = "stopped since this was written: "
-"""How the refusal of a command begins that waited at its sender, and before which another stopped what it would move.
+"""The beginning of a refusal of a command that waited at its sender until another stopped its target.
 """
 
 
@@ -42,7 +42,7 @@ class StopCommand(Struct, frozen=True, kw_only=True):
 
 
 class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What became of a command: accepted, with the lease it lives by; or refused, with the reason.
+    """The answer to a command: accepted, with the lease it lives by; or refused, with the reason.
 
     `code` says why it was refused, `cause` of a dead lease how that one ended; both are from the list of codes. `note`
     is the sentence of the cause by itself, `holder` who has what is held.

@@ -74,7 +74,7 @@ ManageCommand = LookAtDevices | LookAtRows | ChangeRows | LookAtTokens | RevokeT
 
 
 class RowProblem(Struct, frozen=True, kw_only=True):
-    """What is wrong with a row; `column` may be empty for the whole row."""
+    """A problem of a row; `column` may be empty for the whole row."""
 
     table: str
     row: str
@@ -92,7 +92,7 @@ class Touched(Struct, frozen=True, kw_only=True):
 
 
 class ManageReply(Struct, frozen=True, kw_only=True):
-    """What became of it: `data` is what was looked at, `touched` what a change does; `problems` are in its way.
+    """The result: `data` is what was looked at, `touched` the effect of a change; `problems` are in its way.
 
     Of a row that was changed meanwhile, `changed_by` says who did it, empty for a program that edits the database, and
     `changed_at` when.

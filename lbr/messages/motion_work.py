@@ -1,5 +1,4 @@
-"""What a process beside the robot does with motions, and what it answers: checks of balance, files, earlier
-versions."""
+"""Requests about motions to a process beside the robot, and its answers: checks of balance, files, earlier versions."""
 
 from typing import Annotated
 
@@ -16,8 +15,8 @@ Millimetres = tuple[int, int]
 
 
 class BalanceSample(Struct, frozen=True, kw_only=True):
-    """How the body stood at a time, the world's axes turned to where it looked first; millimetres from where its feet
-    were.
+    """The posture at a time, the world's axes turned to its first heading; millimetres from the first place of its
+    feet.
 
     `tilt_rad` is how far the trunk leans from how it stands, `mass` where the centre of mass is above the floor,
     `pressure` the middle of what presses on the floor, `support` the corners around all that touches it. `margin_mm` is
@@ -37,7 +36,7 @@ class BalanceSample(Struct, frozen=True, kw_only=True):
 
 
 class BalanceReport(Struct, frozen=True, kw_only=True):
-    """Whether a motion leaves the simulated body on its feet.
+    """The verdict on a motion: does it leave the simulated body on its feet?
 
     `falls_s` and `falls_frame` say when it leant too far to come back, null: it did not. `begins` says whether it stood
     by itself in the pose that the motion begins with. `least_mm` is the least margin of the motion, at `least_s`.
@@ -103,13 +102,13 @@ Job = CheckJob | ReadJob | WriteJob | VersionsJob
 
 
 class Progress(Struct, frozen=True, kw_only=True, tag="progress"):
-    """How much is done, 0 to 1."""
+    """The progress, 0 to 1."""
 
     part: float
 
 
 class Checked(Struct, frozen=True, kw_only=True, tag="checked"):
-    """What became of a check."""
+    """The result of a check."""
 
     report: BalanceReport
 

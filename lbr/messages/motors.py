@@ -19,7 +19,7 @@ class MotorSetpoint(Struct, frozen=True, kw_only=True):
 
 
 class MotorState(Struct, frozen=True, kw_only=True):
-    """What one motor is given and measures, forward positive; null is not measured."""
+    """Power and measurements of one motor, forward positive; null is not measured."""
 
     power: float
     amps_a: float | None = None
@@ -27,7 +27,7 @@ class MotorState(Struct, frozen=True, kw_only=True):
 
 
 class MotorsState(Struct, frozen=True, kw_only=True):
-    """What the motor controller applies and measures; null is not measured.
+    """Powers and measurements of the motor controller; null is not measured.
 
     `armed` says that a setpoint would be applied; `reason` says why not. Volts: `voltage_v` is the battery,
     `internal_v` the controller's own supply. Motor currents and encoder counts are signed, forward positive. `faults`

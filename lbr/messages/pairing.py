@@ -23,7 +23,7 @@ class PairCommand(Struct, frozen=True, kw_only=True):
 
 
 class PairReply(Struct, frozen=True, kw_only=True):
-    """The token, whole, and what its row has; or why there is none, in the same words for every wrong code."""
+    """The token, whole, and its row's fields; or why the code was refused, in the same words for every wrong code."""
 
     accepted: bool
     reason: str = ""

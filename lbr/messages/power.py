@@ -1,4 +1,4 @@
-"""Messages on `power/*` and `ups/*`: where the power comes from, and shutting down before there is none."""
+"""Messages on `power/*` and `ups/*`: the source of power, and shutting down before it is empty."""
 
 from typing import Annotated, Literal
 
@@ -14,7 +14,8 @@ PowerPhase = Literal["disarmed", "watching", "warning", "countdown", "parking", 
 
 
 class UpsState(Struct, frozen=True, kw_only=True):
-    """What an uninterruptible power supply says; null is not measured. `valid` false: it does not answer or hangs.
+    """The readings of an uninterruptible power supply; null is not measured. `valid` false: it does not answer or
+    hangs.
 
     `external_v` is what feeds the robot, `battery_v` the supply's own battery, `output_v` what it gives the computer.
     `relay` is whether the motors' power is switched on. `emulated`: it is read from a socket and is no hardware, so

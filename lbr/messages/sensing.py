@@ -73,8 +73,7 @@ def ranges(
 
 
 Reading = float | Literal["Infinity", "-Infinity"] | None
-"""A distance in metres, or why there is none, as REP 117 has it: nothing within reach, too near to be measured,
-unknown."""
+"""A distance in metres, or why it is not measured, as REP 117 has it: nothing within reach, too near, unknown."""
 
 
 class Scan(Struct, frozen=True, kw_only=True):
@@ -101,7 +100,7 @@ class Scan(Struct, frozen=True, kw_only=True):
     def metres(self) -> tuple[float, ...]:
         """Return the readings as numbers: infinite, minus infinite and NaN as REP 117 has them.
 
-        What is not within the sensor's own limits is not known.
+        Values beyond the sensor's own limits are not known.
         """
         return tuple(self._metres(reading) for reading in self.ranges_m)
 

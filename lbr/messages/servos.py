@@ -13,7 +13,7 @@ ServoPhase = Literal["released", "following", "holding", "releasing"]
 
 
 class ServoGoal(Struct, frozen=True, kw_only=True):
-    """What one servo is to do. `position_rad` null: stay where it is. `torque` is a fraction of its most; 0 is off."""
+    """The order for one servo. `position_rad` null: stay where it is. `torque` is a fraction of its most; 0 is off."""
 
     id: ServoId
     position_rad: ServoRad | None = None
@@ -32,7 +32,7 @@ class StoredPlay(Struct, frozen=True, kw_only=True):
 
 
 class StoredState(Struct, frozen=True, kw_only=True):
-    """What became of the newest `StoredPlay`."""
+    """The progress of the newest `StoredPlay`."""
 
     slot: int
     count: int

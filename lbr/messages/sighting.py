@@ -20,7 +20,7 @@ class WatchCommand(Struct, frozen=True, kw_only=True):
 
 
 class SightingState(Struct, frozen=True, kw_only=True):
-    """Whether a target is looked for, for how much longer, and where it is, if the newest picture shows it.
+    """The search for a target: for how much longer, and where it is, if the newest picture shows it.
 
     `bearing_deg` is from straight ahead of the robot, to the right positive, as the drive turns. `wide_deg` is how wide
     it appears, `distance_m` how far it is from the camera, if its true diameter is known. `age_s` is how long ago a

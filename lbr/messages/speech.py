@@ -13,7 +13,7 @@ Language = Annotated[str, Meta(max_length=20, description="a language tag such a
 
 
 class Phrase(Row, frozen=True, kw_only=True):
-    """What the robots say, by name and language."""
+    """The phrases of the robots, by name and language."""
 
     TABLE = "phrase"
     KEY = ("name", "language")
@@ -56,8 +56,7 @@ class SongCommand(Struct, frozen=True, kw_only=True):
 
 
 class PlayReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Whether a song is being played; since when, by the monotonic clock of the robot's computer, and how long it
-    is."""
+    """The song that is played: since when, by the monotonic clock of the robot's computer, and how long it is."""
 
     accepted: bool
     reason: str = ""
@@ -67,7 +66,7 @@ class PlayReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class SpeechState(Struct, frozen=True, kw_only=True):
-    """What is being said, how much waits, and where it is heard; `playing` is the song that is being played."""
+    """The sentence under way, how many wait, and where it is heard; `playing` is the song under way."""
 
     speaking: bool
     text: str

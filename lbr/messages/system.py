@@ -19,14 +19,14 @@ def higher(one: Role, other: Role) -> Role:
 
 """A role may do what those below it may."""
 TokenRole = Literal["view", "operate", "admin", "host"]
-"""What a token lets its holder do; `host` is for another machine that runs a share of the robot, and looks and stops
+"""The rights of a token's holder; `host` is for another machine that runs a share of the robot, and looks and stops
 besides."""
 Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping", "stopped", "failed"]
 
 
 class Stamp(Struct, frozen=True, kw_only=True):
-    """Who published, the how-many-eth since it started, and when by its monotonic and its wall clock.
+    """The publisher, the number of the message since its start, and its monotonic and wall clock.
 
     `boot` tells whether two monotonic times can be compared: same boot, same clock. `seal` proves the writer of a
     setpoint. `waited_s` is for how long its sender had known that it would send this: a line that was typed or wrote
@@ -130,7 +130,7 @@ class LineCommand(Struct, frozen=True, kw_only=True):
 
 
 class Hold(Struct, frozen=True, kw_only=True):
-    """What a console line's sender repeats to go on moving: put `payload`, which quotes the lease, on `key`."""
+    """The renewal by which a console line's sender keeps moving: put `payload`, which quotes the lease, on `key`."""
 
     lease: str
     ttl_s: float

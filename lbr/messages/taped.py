@@ -1,4 +1,4 @@
-"""What a recorder with lines gets of a capability: the bytes of its devices, and what it was asked and answered."""
+"""The lines of a capability for a recorder: the bytes of its devices, its requests and answers."""
 
 from msgspec import Raw, Struct
 
@@ -22,7 +22,8 @@ class TapedLine(Struct, frozen=True, kw_only=True):
 
 
 class TapedCommand(Struct, frozen=True, kw_only=True):
-    """A command as it came, by a query or a `put`, and its answer; times by the monotonic clock of who answered."""
+    """A command as it came, by a query or a `put`, and its answer; times by the monotonic clock of the answering
+    process."""
 
     name: str
     source: str
@@ -34,7 +35,7 @@ class TapedCommand(Struct, frozen=True, kw_only=True):
 
 
 class Taped(Struct, frozen=True, kw_only=True):
-    """What came and went since the last one; `now_ns` is the monotonic time at which this was made."""
+    """The bytes in and out since the last one; `now_ns` is the monotonic time of this message."""
 
     now_ns: int
     lines: tuple[TapedLine, ...] = ()

@@ -1,6 +1,7 @@
 """The message on `telemetry/package`: everything the robot knows of itself, nested.
 
-Parts and nesting are those of the package that lbr robots have always told. Who has to speak its names finds them here:
+Parts and nesting are those of the package that lbr robots have always told. A program that has to speak its names finds
+them here:
 
 | here | there |
 |---|---|
@@ -45,8 +46,7 @@ class RangesPart(Struct, frozen=True, kw_only=True):
 
 
 class ImuPart(Struct, frozen=True, kw_only=True):
-    """What the inertial unit measures, along its own axes, and what attitude makes of it; as old as the older of
-    both."""
+    """The readings of the inertial unit, along its own axes, and the attitude of them; as old as the older of both."""
 
     age_s: float
     gyro_rps: Vector | None = None
@@ -90,7 +90,7 @@ class CountsPart(Struct, frozen=True, kw_only=True):
 
 
 class VoltagesPart(Struct, frozen=True, kw_only=True):
-    """What the motor controller measures: the battery, its own supply, its 5 V output."""
+    """The readings of the motor controller: the battery, its own supply, its 5 V output."""
 
     age_s: float
     battery_v: float | None

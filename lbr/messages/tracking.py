@@ -11,7 +11,7 @@ class TrackCommand(Struct, frozen=True, kw_only=True):
     """Turn the head after a target from now on: until a stop, of this or of the joints, or until nothing is seen for
     long.
 
-    Who asked needs to do nothing more; what moves the head borrows the joints, and is ended by whatever ends that.
+    The asker need not do more; the mover of the head borrows the joints, and ends with that lease.
     """
 
     target: Target = "colour"
@@ -34,7 +34,7 @@ class Seen(Struct, frozen=True, kw_only=True):
 
 
 class TrackingState(Struct, frozen=True, kw_only=True):
-    """Whether the head follows something, what the newest picture shows, and where the head is asked to look.
+    """The target that the head follows, its place in the newest picture, and the direction that is asked of the head.
 
     Both angles are radians of its joints. `age_s` is how long ago a picture was taken that shows the target. `reason`
     is why the head stays where it is, or how the last following ended.

@@ -24,7 +24,7 @@ NameOrNone = Annotated[str, Meta(pattern=NAME_OR_NONE_PATTERN, max_length=40, ex
 FILE_STEM_PATTERN = r"^$(?!\n)|^[A-Za-z0-9][A-Za-z0-9_.-]*$(?!\n)"
 FileStem = Annotated[str, Meta(pattern=FILE_STEM_PATTERN, max_length=60)]
 FILE_STEM = "letters, digits, '.', '_' and '-', the first a letter or a digit, 60 at most"
-"""What a `FileStem` is, in words."""
+"""A `FileStem`, in words."""
 StepNumber = Annotated[int, Meta(ge=1, le=10_000)]
 """The place of a row among those of one motion or dance, from 1."""
 Vector = tuple[float, float, float]

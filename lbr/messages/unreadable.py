@@ -1,4 +1,4 @@
-"""What bytes raise that are not a message, and JSON that contradicts itself."""
+"""Errors of bytes that are not a message, and of JSON that contradicts itself."""
 
 import json
 from contextlib import suppress
@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 
 UNREADABLE = (msgspec.MsgspecError, UnicodeDecodeError, RecursionError)
-"""From decoding JSON: it is none, not of that type, holds bytes that are no text, or is nested too deeply."""
+"""From decoding JSON: it is not JSON, not of that type, holds bytes that are not text, or is nested too deeply."""
 
 
 def keyed_once(data: bytes) -> bytes:

@@ -30,7 +30,7 @@ class LeasedState(Protocol):
 
     @property
     def leases(self) -> LeaseTable[Any]:
-        """Return who has what moves."""
+        """Return the holder of the mover."""
 
 
 S = TypeVar("S", bound=Struct)

@@ -1,4 +1,4 @@
-"""How regular a fixed-rate loop is, and when its next round is due."""
+"""The regularity of a fixed-rate loop, and the time of its next round."""
 
 from math import ceil
 

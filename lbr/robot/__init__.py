@@ -1,5 +1,4 @@
-"""What packages say of robots: `Robot` declares rows, launch profiles and a body; `registry` finds those that there
-are."""
+"""The declarations of robots in packages: `Robot` declares rows, launch profiles and a body; `registry` finds them."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -15,7 +15,7 @@ R = TypeVar("R", bound=Row)
 LARGEST_BYTES = 4 << 20
 """More than any motion needs; a file that is larger is not read."""
 SHORTEST_S, LONGEST_S = 0.01, 60.0
-"""What one key frame may take; `KeyFrame` has the upper bound."""
+"""The bounds of one key frame; `KeyFrame` has the upper bound."""
 DIGITS = 4
 """Of an angle: a tenth of a milliradian is less than a servo's step."""
 

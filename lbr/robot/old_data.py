@@ -1,4 +1,4 @@
-"""What another program kept of a robot, in files: what a package declares to have it become rows here.
+"""Data that another program kept of a robot, in files: a package's declaration of how it becomes rows here.
 
     file ──► Source ── read ──► OldData ── wants ──► Want(table, key, columns), Note(what has no place)
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, Protocol
 
 Kind = Literal["added", "changed", "clamped", "same", "no_place"]
-"""What became of a value; `no_place`: there is nothing here that could hold it."""
+"""The result for a value; `no_place`: nothing here could hold it."""
 ForeignTables = Mapping[str, Sequence[Mapping[str, Any]]]
 """The rows of another program's database by its tables' names."""
 
@@ -20,7 +20,7 @@ ROWS_SHOWN = 5
 
 
 class Note(NamedTuple):
-    """What became of something in a file: `table`, `row` and `column` are where it stood, and `text` says why."""
+    """The result for something in a file: `table`, `row` and `column` are its place there, and `text` is the reason."""
 
     kind: Kind
     table: str
@@ -71,13 +71,13 @@ class Here(Protocol):
 
 
 class Choice(NamedTuple):
-    """What the person chose: `of` which robot of the file."""
+    """The person's choices: `of` which robot of the file."""
 
     of: str | None = None
 
 
 class OldData(Protocol):
-    """What was found in a file, before it is known for which robot."""
+    """The content of a file, before its robot is known."""
 
     def fits(self, here: Here) -> bool:
         """Say whether a robot has what the file speaks of."""

@@ -20,7 +20,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
 class Found(Struct, frozen=True, kw_only=True):
-    """A robot of a package, or why there is none; `name` is what its component says."""
+    """A robot of a package, or why it cannot be used; `name` is that in its component."""
 
     name: str
     package: str

@@ -1,4 +1,4 @@
-"""What an inertial unit with an orientation of its own makes of what it measures."""
+"""The orientation that an inertial unit computes by itself."""
 
 from math import asin, atan2, cos, degrees, hypot, sin, sqrt
 
@@ -6,7 +6,7 @@ from lbr.messages.units import Quaternion, Vector
 from lbr.simulation.measured import ImuReading
 
 _SETTLE_S = 0.5
-"""How soon gravity and field overrule what the gyro has added up."""
+"""The time in which gravity and field overrule the sum of the gyro."""
 
 
 class Orientation:

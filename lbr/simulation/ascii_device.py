@@ -1,4 +1,4 @@
-"""What the emulated devices that are talked to in lines of ASCII share: echo, line ends, answers and their faults."""
+"""The common part of emulated devices with lines of ASCII: echo, line ends, answers and their faults."""
 
 from random import Random
 from typing import Generic, TypeVar

@@ -13,7 +13,7 @@ from lbr.simulation.requests import BallReply, BallRequest
 from lbr.simulation.room import Colour, Place
 
 BALL = "ball {}"
-"""What the body of a ball is called."""
+"""The name of a ball's body."""
 _GONE = (0.0, 0.0, -10.0)
 
 Middle = tuple[float, float, float]
@@ -91,7 +91,7 @@ class Balls:
         call.reply(BallReply(accepted=True, reason=said))
 
     def middle(self, name: str, time_s: float) -> Middle | None:
-        """Return where a ball is; None: it is gone, or there is none of that name."""
+        """Return where a ball is; None if it is gone, or unknown."""
         at = self._where(name, time_s) if name in self._balls else _GONE
         return None if at == _GONE else at
 

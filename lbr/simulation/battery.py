@@ -30,8 +30,8 @@ class BatteryState:
         self.voltage_v = self._target_v()
 
     def draw(self, motor_amps_a: float, dt_s: float, charger_a: float = 0.0) -> None:
-        """Take the motors' current, and what idles, for a while; a charger gives up to `charger_a` (0: there is
-        none)."""
+        """Take the current of the motors and of the idle rest for a while; a charger gives up to `charger_a` (0: no
+        charger)."""
         settings = self._settings
         load_a = settings.idle_a + max(0.0, motor_amps_a)
         taper_a = (1.0 - self.charge) / _TAPER * charger_a

@@ -1,4 +1,4 @@
-"""How long things take on a servo bus. All of it is simulated: a figure measured against it is none of a real robot."""
+"""The timing of a servo bus. All of it is simulated: a figure measured against it is not one of a real robot."""
 
 from random import Random
 from typing import Annotated, NamedTuple

@@ -25,7 +25,7 @@ from lbr.simulation.world import SimulatedWorld
 
 _TRAIL_EVERY_M = 0.03
 SAME_POSE_S = 0.5
-"""How often a robot that stands still is told of."""
+"""The pace of reports of a robot that stands still."""
 
 
 class World(SimulatedWorld[WorldSettings]):

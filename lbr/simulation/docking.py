@@ -19,7 +19,7 @@ _WINDOW_M = 0.005
 
 
 class DockSense:
-    """What a robot notices of its dock; both sit at its back."""
+    """The signs of the dock at a robot; both sensors sit at its back."""
 
     def __init__(self, mujoco: Any, model: Any, dock: Dock, body: Body) -> None:
         self._mujoco, self._model = mujoco, model

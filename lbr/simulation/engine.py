@@ -28,7 +28,7 @@ from lbr.simulation.settings import WorldSettings
 _SENSE_EVERY = 10
 _SETTLING_STEPS = 100
 _STILL, _STILL_STEPS = 1e-6, 125
-"""Whatever moves slower than this, in m/s or rad/s, for so many steps and without power, stands."""
+"""A body that moves slower than this, in m/s or rad/s, for so many steps and without power, stands."""
 
 _AMPS_PER_NM = 3.0
 _AMPS_SETTLE = 0.15
@@ -163,7 +163,7 @@ class Engine:
         self._placed.place(thing, (*self._place()[:2], hypot(body.length_m, body.width_m) / 2))
 
     def remove(self, name: str) -> None:
-        """Let a thing that was placed vanish; raise InputError if there is none of that name."""
+        """Let a thing that was placed vanish; raise InputError if the name is unknown."""
         self._placed.remove(name)
 
     def pose(self) -> WorldPose:

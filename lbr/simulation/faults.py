@@ -55,10 +55,10 @@ class I2cFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class ServoBusFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of any servo bus; lists are of servos' ids. `unplug`: the adapter is out, the servos go on.
 
-    `silent`: they obey but say nothing. `other_baud`: they hear nothing. `unpowered`: without supply, and as after
-    switching on when that ends; `brown_out`: all of them. `overload`, `hot`: what they report, and switch off for.
-    `wrong_model`: they are none of that make. `duplicate`: another servo answers to the same id. `babbling`: something
-    on the line talks all the time. `echo`: the adapter hands back what it is given. Of answers, `drop`: none comes;
+    `silent`: they obey but do not answer. `other_baud`: they understand nothing. `unpowered`: without supply, and as
+    after switching on when that ends; `brown_out`: all of them. `overload`, `hot`: their report, for which they switch
+    off. `wrong_model`: they are of another make. `duplicate`: another servo answers to the same id. `babbling`:
+    something on the line talks all the time. `echo`: the adapter repeats its input. Of answers, `drop`: none comes;
     `bit_flip`: a bit is wrong; `garbage`: noise comes before; `half`: it ends early; `late`: 12 ms later.
     """
 

@@ -38,7 +38,7 @@ class I2cDevice(Protocol):
 
 
 class FramingError(ValueError):
-    """What came is no request; where the next one begins cannot be known."""
+    """The bytes are not a request; where the next one begins cannot be known."""
 
 
 class RequestReader:

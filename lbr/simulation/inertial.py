@@ -1,4 +1,4 @@
-"""What the inertial unit measures: MuJoCo's sensors with the biases, the iron and the noise of a cheap one."""
+"""The readings of the inertial unit: MuJoCo's sensors with the biases, the iron and the noise of a cheap one."""
 
 from typing import Any
 

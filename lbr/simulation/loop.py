@@ -10,7 +10,7 @@ from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.twins import Feeling, Twin
 
 SWITCH_S = 0.0005
-"""How soon a world's thread is to get its turn; the usual 5 ms would show in the devices' answers."""
+"""The time in which a world's thread is to get its turn; the usual 5 ms would show in the devices' answers."""
 
 _LATEST_S = 0.1
 """The world never makes up for more than this: a machine that slept does not find its robot elsewhere."""
@@ -18,14 +18,14 @@ _LATEST_S = 0.1
 _SENSE_EVERY = 5
 
 _REST_S = 0.04
-"""How often a world in which nothing moves is looked at; as often as it is sensed while it moves."""
+"""The pace at which a resting world is looked at; as often as it is sensed while it moves."""
 
 _RESTING_S = 0.3
 _RESTING_LOOK_S = 0.005
 
 
 class Physics(Protocol):
-    """What a loop keeps on time: an engine together with those of its twins that move it."""
+    """The parts that a loop keeps on time: an engine together with those of its twins that move it."""
 
     timestep_s: float
 
@@ -81,7 +81,7 @@ class WorldLoop:
         return ""
 
     def step(self, dt_s: float) -> None:
-        """Do what is due, then let time pass; for who has the clock, and opens no thread."""
+        """Do all that is due, then let time pass; for a caller that has the clock, and opens no thread."""
         now = self._clock()
         self._let_in()
         for twin in self._twins:

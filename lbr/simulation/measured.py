@@ -1,4 +1,4 @@
-"""What devices can measure of the world and do in it."""
+"""The measurements and acts of devices in the world."""
 
 from typing import Literal
 
@@ -12,7 +12,8 @@ AT_REST = (0.0, 0.0, 0.0)
 
 
 class ImuReading(Struct, frozen=True, kw_only=True):
-    """What an inertial unit makes of one instant, along its own axes, with its biases, its noise and the iron near it.
+    """The readings of an inertial unit at one instant, along its own axes, with its biases, its noise and the iron near
+    it.
 
     `accel_mps2` is the specific force: at rest +9.81 along the axis that points up.
     """
@@ -24,7 +25,7 @@ class ImuReading(Struct, frozen=True, kw_only=True):
 
 
 class MotorSensed(Struct, frozen=True, kw_only=True):
-    """What can be measured of one motor, forward positive; amperes of all its wheels, counts and speed of the first."""
+    """The measurements of one motor, forward positive; amperes of all its wheels, counts and speed of the first."""
 
     amps_a: float = 0.0
     battery_amps_a: float = 0.0
@@ -33,7 +34,8 @@ class MotorSensed(Struct, frozen=True, kw_only=True):
 
 
 class Sensed(Struct, frozen=True, kw_only=True):
-    """What the world lets its devices measure; pairs are the motors left and right, forward positive; `motors` has all.
+    """The measurements that the world gives its devices; pairs are the motors left and right, forward positive;
+    `motors` has all.
 
     `scans_m` are distances along the rays of each scanner; null is nothing within reach. A world without wheels or
     ranges leaves theirs out. `imu` is as old as this; a device that is read more often is told of each step.
@@ -56,7 +58,7 @@ class Sensed(Struct, frozen=True, kw_only=True):
 
 
 class ServoDrive(Struct, frozen=True, kw_only=True):
-    """What a servo's registers make of its motor, in the servo's own radians from the middle of its range.
+    """The motor of a servo by its registers, in the servo's own radians from the middle of its range.
 
     `torque` is a fraction of its most; 0: none, it is limp. It goes to its goal at `speed_rps` at most (null: as fast
     as it can). Within `margins_rad` of the goal its motor rests; beyond, its drive grows from `punch` by 1 over
@@ -74,8 +76,7 @@ class ServoDrive(Struct, frozen=True, kw_only=True):
 
 
 class ServoFelt(Struct, frozen=True, kw_only=True):
-    """What the world makes of a servo: its angle, its speed, and its motor's torque as a fraction of its most,
-    signed."""
+    """A servo by the world: its angle, its speed, and its motor's torque as a fraction of its most, signed."""
 
     position_rad: float
     speed_rps: float = 0.0

@@ -6,9 +6,9 @@ from msgspec import Struct
 
 
 class WorldBox(Struct, frozen=True, kw_only=True):
-    """What stands on the floor, seen from above: centre and full size in metres, turned by `yaw_rad`.
+    """A thing on the floor, seen from above: centre and full size in metres, turned by `yaw_rad`.
 
-    A cylinder is `length_m` thick. `colour` is as in #8a5a3c, or empty. What is not `solid` is only seen.
+    A cylinder is `length_m` thick. `colour` is as in #8a5a3c, or empty. A thing that is not `solid` is only seen.
     """
 
     name: str
@@ -51,7 +51,7 @@ class WorldSensor(Struct, frozen=True, kw_only=True):
 
 
 class WorldScene(Struct, frozen=True, kw_only=True):
-    """What does not move by itself, the robot's outline, and its sensors of one distance."""
+    """The fixed things, the robot's outline, and its sensors of one distance."""
 
     walls: tuple[WorldBox, ...]
     robot_length_m: float

@@ -13,7 +13,7 @@ TIMESTEP_S = 0.004
 """The physics step: 250 Hz."""
 
 MAX_TORQUE_NM = 5.0
-"""What one geared wiper motor gives at its wheel before the controller limits its current."""
+"""The torque of one geared wiper motor at its wheel before the controller limits its current."""
 
 ROLLING_NM = 0.25
 """Gear and rolling friction of one wheel."""

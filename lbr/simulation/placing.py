@@ -14,7 +14,7 @@ Triple = tuple[float, float, float]
 
 
 class Placed:
-    """What was placed, by name; any thread may ask, and `apply` does it between two steps of the physics."""
+    """The placed things, by name; any thread may ask, and `apply` does it between two steps of the physics."""
 
     def __init__(self, model: Any) -> None:
         self._things: dict[str, WorldBox] = {}

@@ -13,7 +13,7 @@ from lbr.simulation.noise import Floats, Noise
 from lbr.simulation.settings import Ultrasonic
 
 REACH_M = 7.65
-"""What an MB1220 reports at most."""
+"""The greatest reading of an MB1220."""
 
 _FAN_RAD = 0.4 / 24
 """Between rays side by side, and above each other: at 2 m no leg or table top of 4 cm slips through."""

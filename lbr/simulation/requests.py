@@ -30,7 +30,7 @@ class FaultRequest(Struct, frozen=True, kw_only=True):
 
 
 class FaultReply(Struct, frozen=True, kw_only=True):
-    """What is said of it, and the faults of that device as they now are; or why nothing changed."""
+    """The result, and the faults of that device as they now are; or why nothing changed."""
 
     accepted: bool
     reason: str = ""
@@ -56,7 +56,7 @@ class RemoveRequest(Struct, frozen=True, kw_only=True):
 
 
 class ThingsReply(Struct, frozen=True, kw_only=True):
-    """What is said of it, and what is placed now; or why nothing changed."""
+    """The result, and the things placed now; or why nothing changed."""
 
     accepted: bool
     reason: str = ""
@@ -74,7 +74,7 @@ class BallRequest(Struct, frozen=True, kw_only=True):
 
 
 class BallReply(Struct, frozen=True, kw_only=True):
-    """What is said of it; or why nothing changed."""
+    """The result; or why nothing changed."""
 
     accepted: bool
     reason: str = ""

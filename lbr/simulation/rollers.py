@@ -25,7 +25,7 @@ class _Contact(NamedTuple):
 
 
 class Rollers:
-    """What the floor does to a base on such wheels; `push` before each step of the physics."""
+    """The action of the floor on a base on such wheels; `push` before each step of the physics."""
 
     def __init__(self, model: Any, wheels: Sequence[Wheel], dofs: Sequence[int], mass_kg: float, step_s: float) -> None:
         self._base = int(model.body("base").id)

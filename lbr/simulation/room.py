@@ -1,4 +1,4 @@
-"""What stands in a room: boxes and cylinders, one by one, and the furnished room that a world has by default."""
+"""The things in a room: boxes and cylinders, one by one, and the furnished room that a world has by default."""
 
 from typing import Annotated, Literal
 
@@ -15,7 +15,8 @@ GREY = "#607068"
 class BoxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Something that stands in the room: its centre, its full size, and how far it is turned anticlockwise.
 
-    A cylinder stands upright, `length_m` thick. What is not `solid` is only seen: no echo, nothing to bump into.
+    A cylinder stands upright, `length_m` thick. A thing that is not `solid` is only seen: no echo, nothing to bump
+    into.
     """
 
     name: str

@@ -161,9 +161,9 @@ BALLS = {"ball": Ball(x_m=1.5, z_m=1.0, radius_m=0.07, gone=True)}
 class WorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The simulated world: what stands in it, where the robot starts, and how often it tells.
 
-    `seed` fixes all noise. `walls` is all that stands in it, furniture too. `dock` null: there is none. `cameras` are
-    where they sit, by name; `balls` are what they may look for: neither an echo comes from one, nor is there anything
-    to bump into. `trace` names a file that gets each change of the motor controller's outputs.
+    `seed` fixes all noise. `walls` is all that stands in it, furniture too. `dock` null: without one. `cameras` are
+    where they sit, by name; `balls` are their targets, without echo and without a body. `trace` names a file that gets
+    each change of the motor controller's outputs.
     """
 
     seed: int = 1

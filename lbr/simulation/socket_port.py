@@ -38,7 +38,7 @@ class SocketPort:
 
     @property
     def clients(self) -> tuple[int, ...]:
-        """Return who is connected."""
+        """Return the connected peer."""
         return tuple(self._clients)
 
     def fileno(self) -> int:

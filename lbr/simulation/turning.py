@@ -1,4 +1,4 @@
-"""How a servo turns when no world moves it: towards its goal at its speed, and softly over the last bit."""
+"""The turn of a servo when no world moves it: towards its goal at its speed, and softly over the last bit."""
 
 from math import copysign, exp, inf
 

@@ -1,4 +1,4 @@
-"""What the worlds of all robots do alike: time in a thread of its own, a twin for each device, faults and pictures."""
+"""The common part of all robots' worlds: time in a thread of its own, a twin for each device, faults and pictures."""
 
 import sys
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What tests of a capability need: a stage for one or several of them, or a context without a loop.
+"""The tools of a capability's tests: a stage for one or several of them, or a context without a loop.
 
 `Stage` runs them as they are, in one process, by a clock that is stepped; `alone` is the process of one by itself.
 `FakeContext` is the context of one that the test steps itself: time is what the test says, what the capability

@@ -120,10 +120,10 @@ class AtOnce(Memory):
 class FakeContext(ProcessContext):
     """A capability's context: `now` is the time, `published` and `events` are kept, `arrive` is what it hears.
 
-    A question is answered with what stands in `replies` for its request, at once; without an entry it waits. Who is
-    wired to a port or request stands in `wired`, by default one of that name; who is dead, in `gone`; which outputs
-    have no subscriber, in `unwatched`. `given` are its rows, of the tables that its kind reads, and `kept` what it has
-    learnt.
+    A question is answered with what stands in `replies` for its request, at once; without an entry it waits. The
+    capability behind a port or request stands in `wired`, by default one of that name; dead ones stand in `gone`,
+    outputs without subscriber in `unwatched`. `given` are its rows, of the tables that its kind reads, and `kept` those
+    it has learnt.
     """
 
     estop: FakeEstop
@@ -230,11 +230,11 @@ class FakeContext(ProcessContext):
         self.woken += 1
 
     def sources(self, port: str) -> tuple[str, ...]:
-        """Return who is wired there."""
+        """Return the name of the wired capability."""
         return self.wired.get(port, (port,))
 
     def targets(self, request: str) -> tuple[str, ...]:
-        """Return who is wired there."""
+        """Return the names of the wired capabilities."""
         return self.wired.get(request, (request,))
 
     def alive(self, capability: str) -> bool:

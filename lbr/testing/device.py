@@ -15,7 +15,7 @@ from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.twins import Feeling, ServoBus, Surroundings, Twin, make
 
 STEP_S = 0.005
-"""How often it is told what it measures, as in a world."""
+"""The pace of its measurements, as in a world."""
 LIVE_S = 0.5
 """A thread that ends is given this long."""
 RANGES_M: dict[str, float | None] = dict.fromkeys(("forward", "back", "left", "right", "bottom"), 1.0)

@@ -1,5 +1,6 @@
-"""What every driver has to do, tried on its device's twin: `pytest.mark.parametrize("check", CHECKS)`, then
-`check(bench)`."""
+"""The duties of every driver, tried on its device's twin: `pytest.mark.parametrize("check", CHECKS)`, then
+`check(bench)`.
+"""
 
 import time
 from collections.abc import Callable, Mapping
@@ -228,8 +229,7 @@ def misses_its_device_and_comes_back(bench: DriverBench) -> None:
 
 
 def acknowledges_the_emergency_stop(bench: DriverBench) -> None:
-    """What moves something says that it has stopped once the latch is engaged; what moves nothing has nothing to
-    say."""
+    """A mover reports that it has stopped once the latch is engaged; other drivers have nothing to report."""
     if not bench.kind.moves:
         return
     bench.works()

@@ -11,7 +11,7 @@ from lbr.capability.die_with_parent import dying_with_parent
 
 PROGRAM = "lbr.testing.driver_program"
 WORKS = "works"
-"""What it says once it does."""
+"""The line that it prints once it does."""
 
 
 def started(bench: dict[str, Any]) -> "subprocess.Popen[str]":

@@ -82,8 +82,8 @@ class Robot:
         """Say a line that moves the robot, and renew its lease as a console does until the motion is over; return how
         it ended.
 
-        The lease lives as long as one may, for a machine that runs tests holds its programs up. What a renewal is
-        refused with at last is returned: its `cause` is the code of the end, `done` if the goal was reached.
+        The lease lives as long as one may, for a machine that runs tests holds its programs up. The last refusal of a
+        renewal is returned: its `cause` is the code of the end, `done` if the goal was reached.
         """
         hold = self.say(text)["hold"]
         assert hold is not None, f"'{text}' moves nothing"

@@ -1,4 +1,4 @@
-"""What every driver of servos has to do, tried on its twin, whose servos turn as they are told.
+"""The duties of every driver of servos, tried on its twin, whose servos turn as they are told.
 
     @pytest.mark.parametrize("check", lbr.testing.servos.CHECKS)
     def test_my_servos(check, tmp_path):
@@ -36,7 +36,7 @@ MOST_RPS = 0.6
 """A servo of this bench turns no faster, whatever it is told: also one that knows no speeds can be stopped on its
 way."""
 AT_RAD = 0.05
-"""What counts as being there: a servo's margin and two degrees more."""
+"""The tolerance of an arrival: a servo's margin and two degrees more."""
 STOOD_RAD = 0.15
 """So far a servo may go on after a stop was seen: for a quarter of a second, since the machine may be busy."""
 WATCHED_S = 0.6
@@ -53,7 +53,7 @@ class Shafts:
     """The servos' shafts, without weight: one with torque turns to its goal, one without stays where it is.
 
     It is the `live` of a twin that is plugged in. `begin_rad` is where they are to begin, one a little further than the
-    other, so that none is where a register's default would take it.
+    other, so that no register's default would take one there.
     """
 
     def __init__(self, ids: Sequence[int], begin_rad: float = 0.2) -> None:
@@ -108,7 +108,7 @@ class Shafts:
 
 
 class ServosBench(DriverBench):
-    """A driver of servos beside its twin, and who sends it setpoints: `goals` goes to it at each step, None is
+    """A driver of servos beside its twin, and the sender of its setpoints: `goals` goes to it at each step, None is
     silence."""
 
     def __init__(
@@ -164,7 +164,7 @@ class ServosBench(DriverBench):
 
     @property
     def state(self) -> ServosState:
-        """What the driver said last."""
+        """The newest state of the driver."""
         found = self.ctx.said("state")[-1]
         assert isinstance(found, ServosState)
         return found

@@ -1,4 +1,4 @@
-"""What stops wheels, each layer alone, looked at in the power that the twin gives them, not in what the driver says.
+"""The stops of wheels, each layer alone, seen in the power of the twin, not in the driver's report.
 
 `pytest.mark.parametrize("check", CHECKS)`, then `check(bench)`, beside those of `lbr.testing.driver`. The twin has the
 fault `no_watchdog`, with which the controller does not stop by itself.
@@ -20,7 +20,7 @@ from lbr.testing.driver import POWER, STOPS_WITHIN_S, WITHIN_S, DriverBench
 STARTS_S = 20.0
 """A process begins, and its guard: nothing moves before."""
 BEYOND_WATCHDOG_S = 0.5
-"""How much later than by its own watchdog the controller may stop, on a machine that has much else to do."""
+"""The delay beyond its own watchdog that the controller may have, on a machine that has much else to do."""
 
 
 def turns_each_motor_its_own_way(bench: DriverBench) -> None:

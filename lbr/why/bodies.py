@@ -1,4 +1,4 @@
-"""What joints and servos say of themselves, as links: all of a body, and one joint."""
+"""The reports of joints and servos, as links: all of a body, and one joint."""
 
 from collections.abc import Iterator
 from dataclasses import replace

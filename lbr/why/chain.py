@@ -17,8 +17,8 @@ from lbr.why.walk import Walk
 
 CAMERA = "camera_"
 ORDER = ("held", "doubt", "refused", "beside", "reading", "rows", "past", "machine", "unknown", "ok")
-"""What is told first. A command that was just refused comes before what a sensor reads, which may hold another way than
-the one that was asked for; a machine that is too busy after all that is known."""
+"""The first link that is shown. A command that was just refused comes before what a sensor reads, which may hold
+another way than the one that was asked for; a machine that is too busy after all that is known."""
 
 UNEXPLAINED: frozenset[LinkName] = frozenset({"last", "refused", "machine"})
 """Links that tell what was seen and not by what it came about: an edit of the rows before that is told with them."""

@@ -1,4 +1,4 @@
-"""Who holds what moves, and how its last motion ended, as links."""
+"""The holder of a mover, and the end of its last motion, as links."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ PLANNED = frozenset(
 )
 """Codes of motion that came to an end as it was meant to, or by what another link tells."""
 REFUSED_S = 60.0
-"""What was refused within a minute is still what its sender asks about."""
+"""A refusal of the last minute is still the subject of its sender's question."""
 RENEWALS = frozenset({"dead_lease", "late", "repeated"})
 """Codes with which what goes on after its motion's end is refused: that is no wish of anyone's."""
 ENDED = ("lapsed", "fault", "stopped", "reached", "interval", "superseded", "holder")

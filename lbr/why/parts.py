@@ -1,4 +1,4 @@
-"""What holds a part itself, as links: its row, its process, and its device's line."""
+"""The hindrances of a part itself, as links: its row, its process, and its device's line."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What holds the robot as a whole, as links: its executive, machine and rows, and the emergency stop."""
+"""The hindrances of the whole robot, as links: its executive, machine and rows, and the emergency stop."""
 
 from collections.abc import Iterator
 

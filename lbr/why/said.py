@@ -1,4 +1,4 @@
-"""What a part says of itself, as links: what the drive, motors, joints, servos, cameras, supplies and sensors tell."""
+"""The reports of a part about itself, as links: of the drive, motors, joints, servos, cameras, supplies and sensors."""
 
 from collections.abc import Callable, Iterator
 from typing import Any

@@ -1,5 +1,4 @@
-"""What is known of a robot at one moment: its rows, its status, the newest of every stream, and what happened
-lately."""
+"""The facts of a robot at one moment: its rows, its status, the newest message of every stream, and recent events."""
 
 from collections.abc import Collection, Iterator
 from contextlib import suppress
@@ -17,7 +16,7 @@ from lbr.messages.why import Link, LinkName, LinkState
 T = TypeVar("T", bound=Struct)
 State_co = TypeVar("State_co", bound=Struct, covariant=True)
 ITSELF = "executive"
-"""What stands in place of a capability for what the robot itself does."""
+"""The name in place of a capability for acts of the robot itself."""
 
 
 class Part(Struct, frozen=True, kw_only=True):
@@ -88,7 +87,7 @@ class Saying(Struct, frozen=True, kw_only=True):
 
 
 class Facts(Struct, frozen=True, kw_only=True):
-    """What the rows say. `problems` are what is wrong with them; then `parts` may lack some.
+    """The content of the rows. `problems` are their faults; then `parts` may lack some.
 
     `last_start` and `last_shutdown` are the robot's, in ISO 8601. `latched`: its emergency stop is, and will be at its
     next start.
@@ -161,7 +160,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
         return next((self.ago_s(event) for event in self.newest(subject) if event.kind in kinds), None)
 
     def ago_iso_s(self, text: str) -> float | None:
-        """Return how long ago a time of the rows was; null if it is none."""
+        """Return the age of a time of the rows; null if it is not a time."""
         with suppress(ValueError):
             return max(0.0, self.wall_ns / 1e9 - datetime.fromisoformat(text).timestamp())
         return None

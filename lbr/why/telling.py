@@ -3,7 +3,7 @@
 from lbr.messages.why import Chain, Link
 
 MARKS = {"ok": "ok", "past": "was", "doubt": "may", "held": "HOLDS", "unknown": "?"}
-"""What stands before a link: `may` holds it for some of what may be asked, `was` has ended what went on."""
+"""The words before a link: `may` holds some of the motions that may be asked, `was` has ended the last one."""
 AGO_S = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
 
 

@@ -10,7 +10,7 @@ from lbr.why import leases, parts, robot, said
 from lbr.why.snapshot import Channel, Part, Snapshot
 
 FRESH_S = 3.0
-"""What a driver measures comes ten times a second and more, a supply's values once: older than this, it has ceased."""
+"""A driver's readings come ten times a second and more, a supply's values once: an older one has ceased."""
 
 
 class Walk:

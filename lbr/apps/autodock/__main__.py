@@ -70,7 +70,7 @@ def _watched(states: wire.Subscription, table: str) -> tuple[bool, str]:
 
 
 def _stopped_since(robot: Robot) -> str:
-    """Return who stopped the robot since this program was asked for, or nothing."""
+    """Return the sender that stopped the robot since this program was asked for, or nothing."""
     key = keys.port(robot.name, "drive", "state")
     drive, end = wire.Subscription(robot.bus, key, depth=4), time.monotonic() + ANSWER_S
     while time.monotonic() < end:

@@ -41,7 +41,7 @@ ASIDE_S = 5.0
 NOT_DONE = {"say": ("behaviour_silent", "says nothing"), "watch": ("behaviour_blind", "looks for nothing")}
 """The event that tells of what was not done, and in which words."""
 BATTERY_S, DRIVE_S = 3.0, 1.0
-"""What is older is not known: three periods of the battery, ten of the drive."""
+"""Older values are not known: three periods of the battery, ten of the drive."""
 RUNNING_HZ, IDLE_HZ = 20.0, 5.0
 HELD_UP_S = 3.0
 """After so long without a step, frozen or with the computer asleep, a table does not go on by itself."""
@@ -52,11 +52,11 @@ MOST_FILES = 8
 """Requests of pages that wait for a table's check; the robot checks one a round, so that they cannot keep it busy."""
 RESTING = BehaviourState(phase="resting")
 WATCHED = frozenset({"drive", "joints"})
-"""What tells of stops by others: also while nothing of a table moves, a stop is the end of it."""
+"""The streams that report stops by others: also while nothing of a table moves, a stop is the end of it."""
 
 
 class Behaviours(Capability[BehaviourSettings]):
-    """Runs one table at a time. Whatever ends its motion against its will ends the run, and so does every stop.
+    """Runs one table at a time. Every unwanted end of its motion ends the run, and so does every stop.
 
     `dice` are what a table's random choices are drawn from; who wants the same run again seeds them.
     """
@@ -305,7 +305,7 @@ class Behaviours(Capability[BehaviourSettings]):
                     self.ctx.event(kind, f"'{name}' {does}: {why}", level="warning")
 
     def _stopped_by_others(self) -> Reason | None:
-        """Return who stopped the robot since the run began, also while nothing of it moved.
+        """Return the sender that stopped the robot since the run began, also while nothing of it moved.
 
         Of all that came, not of the newest alone: a halt of the table's own comes right behind another's stop.
         """

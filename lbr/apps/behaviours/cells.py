@@ -1,7 +1,7 @@
 """The language of condition cells: from text to what values fit, how long, how new. Pure.
 
-Whatever a cell says becomes intervals of numbers and a set of texts. That one form tells whether a value fits, by how
-much it does not, whether anything ever could, and whether another cell lets pass all that this one does.
+A cell becomes intervals of numbers and a set of texts. That one form tells whether a value fits, by how much it does
+not, whether anything ever could, and whether another cell lets pass all that this one does.
 """
 
 import re
@@ -67,7 +67,7 @@ NO_TEXT, EVERY_TEXT = Texts(frozenset()), Texts(frozenset(), True)
 
 
 class Fits(NamedTuple):
-    """What values fit: closed intervals of numbers in ascending order, texts, and nothing at all if `missing`."""
+    """The values that fit: closed intervals of numbers in ascending order, texts, and nothing at all if `missing`."""
 
     numbers: tuple[tuple[float, float], ...] = ()
     texts: Texts = NO_TEXT

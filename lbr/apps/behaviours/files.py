@@ -27,7 +27,7 @@ _SEPARATOR = re.compile(r"^sep=([,;|\t])\r?\n", re.IGNORECASE)
 
 
 class FileFault(NamedTuple):
-    """What is wrong in a file: line (0: the whole file), column, and what to do."""
+    """A problem in a file: line (0: the whole file), column, and what to do."""
 
     line: int
     column: str
@@ -188,7 +188,7 @@ def _row(
 
 
 def _heading(text: str) -> str:
-    """Return the name of a column, however many blanks of whatever kind and whichever letters it is written with."""
+    """Return the name of a column, without regard to blanks and the case of letters."""
     name = " ".join(text.split())
     if name[: len(OUTPUT)].upper() == OUTPUT:
         return OUTPUT + name[len(OUTPUT) :].strip()

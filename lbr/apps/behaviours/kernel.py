@@ -4,7 +4,7 @@ in.
     step(now, look) ──► rows of the state, in their order ──► the first that holds: its orders, one after the other
     ended(outcome)  ──► the order is done ──► the next; after the last one, the next state
 
-It asks for one order at a time, in `order`. Whoever drives it carries that out and says by `ended` what became of it.
+It asks for one order at a time, in `order`. Its driver carries that out and reports the end by `ended`.
 """
 
 from collections.abc import Callable, Mapping
@@ -46,7 +46,7 @@ DONE = Outcome(True, Reason("done", "done"))
 
 
 class _Held:
-    """What is remembered of a cell while its state lasts: since when it holds, and whether it did the last time."""
+    """The memory of a cell while its state lasts: since when it holds, and whether it did the last time."""
 
     __slots__ = ("before", "since")
 

@@ -1,4 +1,4 @@
-"""What the columns of a table may be: names of the robot's telemetry, and of the run itself. Pure."""
+"""The possible columns of a table: names of the robot's telemetry, and of the run itself. Pure."""
 
 import types
 from collections.abc import Callable, Iterator, Mapping
@@ -56,12 +56,12 @@ its own: three of its periods."""
 
 Sort = Literal["number", "switch", "text"]
 RUN, VARIABLE = "", "$"
-"""The streams that are none: what the run knows of itself, and its variables."""
+"""Names without a stream: the run's own knowledge, and its variables."""
 DEEPEST = 5
 
 
 class Key(NamedTuple):
-    """What a column reads: a stream and the way within it; `choices` are all the texts that it can be.
+    """The source of a column: a stream and the way within it; `choices` are all the texts that it can be.
 
     `turning`: degrees, in which 359 is next to 0. `times` makes the column's unit of the stream's.
     """
@@ -87,7 +87,7 @@ class Key(NamedTuple):
         return NEWEST_S.get(self.stream, NEWEST_OTHERS_S)
 
     def read(self, message: Any) -> Value | None:
-        """Return its value in a message; None if there is none."""
+        """Return its value in a message; None if it is missing."""
         for part in self.path:
             message = message.get(part) if isinstance(message, dict) else getattr(message, part, None)
             if message is None:
@@ -235,4 +235,4 @@ def _of_type(path: tuple[str, ...], kind: Any, depth: int) -> Iterator[tuple[tup
 
 
 Look = Callable[[Key, float], Value | None]
-"""Returns the value of a key, None if there is none that is as new as it is to be."""
+"""Returns the value of a key, None if the newest is too old."""

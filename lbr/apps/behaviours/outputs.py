@@ -1,4 +1,4 @@
-"""What a row does: from its output cells to commands of the robot. Pure.
+"""The acts of a row: from its output cells to commands of the robot. Pure.
 
 A number may be a variable, `$speed`; what is one of several, `a | b`, is drawn when the row is taken.
 """
@@ -50,7 +50,7 @@ NEEDS = {
     "watch": "sighting",
 }
 ASIDE = frozenset({"say", "watch"})
-"""What is asked for by the way: a table neither waits for it nor fails without it."""
+"""Side requests: a table neither waits for them nor fails without them."""
 OFF = "off"
 _SENSORS = {"rear": "back"}
 """Names that tables have always given to sensors."""
@@ -89,7 +89,7 @@ Order = Wait | Halt | CallTable | Assign | Aside | Motion
 
 
 class Orders(NamedTuple):
-    """What one row does, in its order, and how often a motion or a table that failed is tried again."""
+    """The acts of one row, in its order, and how often a motion or a table that failed is tried again."""
 
     orders: tuple[Order, ...] = ()
     retries: int = 0

@@ -35,7 +35,7 @@ class Senses:
         return self._came.get(stream, [])
 
     def look(self, key: Key, newest_s: float) -> Value | None:
-        """Return the value of a key, None if there is none that is as new as that."""
+        """Return the value of a key, None if the newest is older than that."""
         now, found, arrived = self._ctx.clock(), None, float("-inf")
         for received in self._heard.get(key.stream, {}).values():
             if received.arrived > arrived and now - received.arrived <= newest_s:

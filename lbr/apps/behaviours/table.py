@@ -14,13 +14,13 @@ from lbr.messages.behaviour import MOST_ROWS, BehaviourRow, BehaviourTable
 STATE, NEXT, TYPE, DEADLINE = "Current State", "Next State", "Type", "Deadline"
 MOST_FAULTS = 50
 """That keep a table from being run; with so many the rest of it is not looked at, because each costs a search for what
-may have been meant, and who checks a table meanwhile moves the robot."""
+may have been meant, and the process that checks a table meanwhile moves the robot."""
 MOST_COMPARED = 100
 """Rows of one state, each with all before it; a state that people write has ten."""
 
 
 class Parts(NamedTuple):
-    """What a robot has: streams to read, requests that something answers, sensors; None: that is not known here."""
+    """The parts of a robot: streams to read, requests that something answers, sensors; None: that is not known here."""
 
     streams: frozenset[str] = EVERY
     asks: frozenset[str] | None = None
@@ -31,8 +31,7 @@ ANY_ROBOT = Parts()
 
 
 class Fault(NamedTuple):
-    """What is wrong, in which row (by its step; 0: the whole table) and column. One that is no `error` is odd, no
-    more."""
+    """A problem, in which row (by its step; 0: the whole table) and column. One that is no `error` is odd, no more."""
 
     step: int
     column: str

@@ -1,6 +1,6 @@
 """Reads a body out of a MuJoCo description (MJCF), without MuJoCo: bodies, joints, simple shapes, cameras, sites.
 
-Meshes are left out, and whatever else is not of simple shapes; `Body.left_out` says so. Hinges and slides are taken as
+Meshes are left out, and everything else but simple shapes; `Body.left_out` lists them. Hinges and slides are taken as
 they are; where a body has several, or one that turns about a point of its own, links without shapes stand between.
 """
 
@@ -52,7 +52,7 @@ def parse(text: str) -> Body:
 
 @dataclass
 class _Found:
-    """What was found so far."""
+    """The parts found so far."""
 
     links: list[Link] = field(default_factory=list)
     joints: dict[str, JointKind] = field(default_factory=dict)

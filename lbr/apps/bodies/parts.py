@@ -1,4 +1,4 @@
-"""What a body is made of."""
+"""The parts of a body."""
 
 from typing import Literal
 
@@ -65,7 +65,7 @@ class Body(Struct, frozen=True, kw_only=True):
 
 
 class JointRange(Struct, frozen=True, kw_only=True):
-    """How far a joint may go, by its row; `drawn` says whether a link has it."""
+    """The limits of a joint, by its row; `drawn` is true if a link has it."""
 
     lower: float | None = None
     upper: float | None = None

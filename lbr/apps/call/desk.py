@@ -1,6 +1,6 @@
-"""Who calls, who watches, and for how long: decided here, without clock, bus or media.
+"""Callers, viewers and their times: decided here, without clock, bus or media.
 
-What has to be done of it stands in `orders`, what is to be told in `news`; the capability takes both.
+Orders for it stand in `orders`, reports in `news`; the capability takes both.
 """
 
 from collections.abc import Callable
@@ -80,22 +80,22 @@ class Desk:
 
     @property
     def caller(self) -> Guest | None:
-        """Who calls."""
+        """The caller."""
         return next((one for one in self._guests.values() if one.purpose == "talk"), None)
 
     @property
     def phase(self) -> CallPhase:
-        """How the call is."""
+        """The state of the call."""
         return self.caller.phase if self.caller is not None else "idle"
 
     @property
     def pictured(self) -> int:
-        """How many pages get a picture by WebRTC, or would once they are answered."""
+        """The number of pages that get a picture by WebRTC, or would once they are answered."""
         return sum(one.purpose != "display" for one in self._guests.values())
 
     @property
     def displays(self) -> int:
-        """How many displays of the robot show the caller."""
+        """The number of the robot's displays that show the caller."""
         return sum(one.purpose == "display" and one.phase == "talking" for one in self._guests.values())
 
     @property
@@ -249,7 +249,7 @@ _LATE: dict[CallPhase, Reason] = {
 
 
 def fault_of(offer: str) -> Reason | None:
-    """Return why an offer is none that can be answered."""
+    """Return why an offer cannot be answered."""
     lines = offer.splitlines()
     if not lines or lines[0].strip() != "v=0":
         return Reason("malformed", "this is no offer of a browser: it must begin with 'v=0'")

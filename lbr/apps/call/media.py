@@ -39,7 +39,7 @@ aioice.ice.get_host_addresses = _or_loopback
 
 @dataclass(frozen=True, slots=True)
 class Happened:
-    """What became of a connection; `text` is the answer to the offer, or why there is none."""
+    """The result of a connection; `text` is the answer to the offer, or why there is no answer."""
 
     id: str
     what: Literal["answer", "refused", "connected", "lost"]
@@ -64,12 +64,12 @@ class Media:
 
     @property
     def sound(self) -> str:
-        """What a caller hears, in words."""
+        """The sound for a caller, in words."""
         return self._source.told
 
     @property
     def hears(self) -> Hears:
-        """What a caller hears, in a word."""
+        """The sound for a caller, in a word."""
         return self._source.hears
 
     @property
@@ -79,7 +79,7 @@ class Media:
 
     @property
     def received(self) -> int:
-        """How many frames came of callers, of picture and sound."""
+        """The frames that came from callers, of picture and sound."""
         return self._fan.count
 
     def connect(self, id: str, purpose: Purpose, offer: str) -> None:
@@ -180,8 +180,8 @@ class Media:
 def apart(answer: str) -> str:
     """Return an answer whose sound is of another stream than its picture.
 
-    A browser holds pictures back until the sound of the same stream is there, and sound waits longer. Who drives by the
-    picture would rather have it at once.
+    A browser holds pictures back until the sound of the same stream is there, and sound waits longer. A driver would
+    rather have the picture at once.
     """
     before, sound, after = answer.partition("m=audio")
     media, video, rest = after.partition("m=video")

@@ -19,7 +19,7 @@ Offer = Annotated[str, Meta(min_length=1, max_length=LONGEST_OFFER, description=
 class RingCommand(Struct, frozen=True, kw_only=True):
     """Let a page in: to call, to watch without sound, or as the robot's own display, which shows the caller.
 
-    Who asks, and what that one may, the web server says.
+    The web server adds the asker and its rights.
     """
 
     purpose: Purpose = "talk"
@@ -40,7 +40,7 @@ class CallWord(Struct, frozen=True, kw_only=True):
 
 
 class RingReply(Struct, frozen=True, kw_only=True):
-    """How a page's call is. `answer` is the robot's part of the connection (SDP), once there is one.
+    """The state of a page's call. `answer` is the robot's part of the connection (SDP), once it exists.
 
     `picture` says why no picture comes (empty: it does), `hears` and `sound` what the caller hears, `seen` whether a
     display of the robot shows the caller.
@@ -59,8 +59,8 @@ class RingReply(Struct, frozen=True, kw_only=True):
 
 
 class CallState(Struct, frozen=True, kw_only=True):
-    """Who calls, and how the call is; `by_webrtc` pages get their picture by WebRTC, of at most `most`, displays not
-    counted.
+    """The caller, and the state of the call; `by_webrtc` pages get their picture by WebRTC, of at most `most`, displays
+    not counted.
 
     `picture` says why no picture comes (empty: it does, of `camera`); `hears` and `sound` what a caller hears; `lacks`
     why no call can be made at all, `reason` how the last call ended.

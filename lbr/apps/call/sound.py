@@ -1,4 +1,4 @@
-"""What a caller hears: the robot's microphone by `arecord`, a test tone, or silence; and which of them it is."""
+"""The sound for a caller: the robot's microphone by `arecord`, a test tone, or silence; and which of them it is."""
 
 import math
 import shutil
@@ -42,7 +42,7 @@ def _fade(n: int, count: int) -> float:
 
 
 class Source:
-    """What is heard now, packet by packet; `told` says what that is, and `hears` in a word."""
+    """The sound of now, packet by packet; `told` describes it, and `hears` in a word."""
 
     def __init__(self, device: str, *, simulated: bool) -> None:
         self._device = device
@@ -64,7 +64,7 @@ class Source:
             self._recorder = _Recorder(self._device, self._hear, self._lose)
 
     def next(self) -> bytes:
-        """Return 20 ms of sound; silence where there is none."""
+        """Return 20 ms of sound; silence if it is missing."""
         if self._tone:
             self._n = (self._n + 1) % len(self._tone)
             return self._tone[self._n]

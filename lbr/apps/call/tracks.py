@@ -27,7 +27,7 @@ MOST_SOUND = 25
 
 
 class Pictures:
-    """The newest picture, decoded once for all who look; dark when there is none."""
+    """The newest picture, decoded once for all viewers; dark while it is missing."""
 
     def __init__(self) -> None:
         self.broken = ""
@@ -108,7 +108,7 @@ class CameraTrack(MediaStreamTrack):  # type: ignore[misc]
 
 
 class SoundTrack(MediaStreamTrack):  # type: ignore[misc]
-    """What the caller hears: a packet each 20 ms."""
+    """The sound for the caller: a packet each 20 ms."""
 
     kind = "audio"
 
@@ -138,7 +138,7 @@ class SoundTrack(MediaStreamTrack):  # type: ignore[misc]
 
 
 class Fan:
-    """What comes of the caller, for all displays; where there is none it is taken and dropped."""
+    """The caller's sound and picture, for all displays; without a display it is taken and dropped."""
 
     def __init__(self) -> None:
         self._displays: set[RelayTrack] = set()

@@ -1,5 +1,4 @@
-"""Dance as a capability: takes the base, has the song played, moves at each beat, and ends with whatever ends
-either."""
+"""Dance as a capability: takes the base, has the song played, moves at each beat, and ends with either of them."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -12,7 +12,7 @@ from lbr.names import did_you_mean
 
 
 class Move(Struct, frozen=True):
-    """How to drive from one beat to the next."""
+    """The drive from one beat to the next."""
 
     power: float = 0.0
     angle_deg: float = 0.0

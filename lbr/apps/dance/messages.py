@@ -9,7 +9,7 @@ from lbr.messages.units import AngleDeg, Name, Power, StepNumber
 
 
 class DanceStep(Row, frozen=True, kw_only=True):
-    """What the robots dance: one move after the other, to the beats of a song."""
+    """The dances of the robots: one move after the other, to the beats of a song."""
 
     TABLE = "choreography"
     KEY = ("dance", "step")
@@ -29,7 +29,7 @@ class DanceCommand(Struct, frozen=True, kw_only=True):
 
 
 class DanceState(Struct, frozen=True, kw_only=True):
-    """What is danced; `beat` counts from 1. `reason` says how the last one ended."""
+    """The dance under way; `beat` counts from 1. `reason` is the end of the last one."""
 
     phase: Literal["resting", "dancing", "ended"]
     song: str = ""

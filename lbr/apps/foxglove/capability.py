@@ -104,7 +104,7 @@ class Door(BaseRoute):
             await viewer.serve(web, receive, self._bridge.ctx.robot)
 
     async def _entry(self, scope: Scope) -> tuple[Client, bool]:
-        """Return who comes, and whether cameras are for them; raise Refused.
+        """Return the client, and whether cameras are for it; raise Refused.
 
         A page of another origin acts by its token alone: that its browser is the owner's lets it look, and no more.
         """
@@ -120,7 +120,7 @@ class Door(BaseRoute):
 
 
 class Foxglove(Capability[FoxgloveSettings]):
-    """Raises DeviceError while it cannot listen. What `sources` and `services` are is replaced as a whole."""
+    """Raises DeviceError while it cannot listen. The values of `sources` and `services` are replaced as a whole."""
 
     rate_hz = 50.0
     woken_by_streams = False
@@ -208,7 +208,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self.api.close()
 
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
-        """Say whether a client may hear a channel: cameras are for who is known."""
+        """Tell whether a client may hear a channel: cameras are for known clients."""
         return not source.picture or (pictures and client.may("view"))
 
     def tell(self, kind: str, text: str) -> None:

@@ -1,4 +1,4 @@
-"""What is shown: a channel for each stream as it is, and more of Foxglove's own schemas, made of streams. Pure.
+"""The channels: one for each stream as it is, and more of Foxglove's own schemas, made of streams. Pure.
 
 Topics are those of recordings, so that a layout shows both; what is made of streams is named beside them, or by an @.
 """
@@ -22,13 +22,13 @@ from lbr.messages.system import Event, Status
 EVENT, STATUS = "@event", "@status"
 MODEL, TRANSFORMS, LOG = "@model", "@tf", "@events"
 Make = Callable[[Mapping[str, bytes], int], Any]
-"""Out of the newest messages of streams, and the time, what is told; a MsgspecError if a message is none."""
+"""The message of a channel out of the newest messages of streams, and the time; a MsgspecError if one is invalid."""
 
 
 class Source(Struct, frozen=True, kw_only=True):
     """A channel and where it comes from: the streams that it is made of, and how; without `make` the one as it is.
 
-    A `picture` is of a camera. What is `still` is told to each who subscribes, once.
+    A `picture` is of a camera. A `still` message goes to each subscriber, once.
     """
 
     channel: protocol.Channel

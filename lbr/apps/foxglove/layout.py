@@ -13,7 +13,7 @@ _NUMBERS = {
     "PowerState": ("voltage_v",),
     "AttitudeState": ("roll_rad", "pitch_rad"),
 }
-"""What is plotted of streams of these types."""
+"""The plots of streams of these types."""
 _MOST_CAMERAS = 3
 
 

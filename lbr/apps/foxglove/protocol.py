@@ -45,7 +45,7 @@ class Published(Struct, frozen=True, kw_only=True, rename="camel"):
 
 
 class Subscription(Struct, frozen=True, kw_only=True, rename="camel"):
-    """What a client wants to hear, and its own number for it."""
+    """The subscription of a client, and its own number for it."""
 
     id: Number
     channel_id: Number
@@ -98,7 +98,7 @@ class Unknown(Struct, frozen=True):
 
 
 class Rubbish(Exception):  # noqa: N818 - an answer, not a fault
-    """What came is no message; the text says where it does not fit."""
+    """The bytes are not a message; the text names the place where they do not fit."""
 
 
 class _Op(Struct, frozen=True):

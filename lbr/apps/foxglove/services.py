@@ -23,7 +23,7 @@ _RESPONSE = {
 class Service(Struct, frozen=True, kw_only=True):
     """A word, with what stands fast beside it (`torque/on`), and all ways to say it: patterns and their fields.
 
-    What is `external` is said with blanks between.
+    An `external` line has blanks between its words.
     """
 
     word: str
@@ -79,7 +79,7 @@ def told(number: int, service: Service) -> dict[str, Any]:
 
 
 def read(payload: bytes) -> dict[str, Any]:
-    """Return the fields of a request; InputError says why there are none."""
+    """Return the fields of a request; InputError names the problem."""
     try:
         found = decode_request(payload or b"{}")
     except MalformedError as err:

@@ -1,5 +1,4 @@
-"""What the robot says, as Foxglove's own schemas have it: pictures, poses, scans, rays of range sensors, events.
-Pure."""
+"""The robot's messages in Foxglove's own schemas: pictures, poses, scans, rays of range sensors, events. Pure."""
 
 import base64
 from collections.abc import Sequence

@@ -39,10 +39,10 @@ STALLED, TALKS = 1013, 1008
 SAID_HZ, SAID_AT_ONCE = 150.0, 300.0
 MOST_CALLS, MOST_NEWS = 8, 256
 RESTED_S = 1.0
-"""Motion that is published this long after the last begins anew. What comes sooner goes on with what was: a network
-that holds messages up for a moment is nobody's rest. Chosen: longer than a wireless network is usually silent."""
+"""Motion that is published this long after the last begins anew. An earlier one continues the last: a network that
+holds messages up for a moment is nobody's rest. Chosen: longer than a wireless network is usually silent."""
 LOST_MS = 1500
-"""What is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
+"""Data that is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
 ALIVE_S = 0.25
 LAST_WORDS_S = 0.2
 NOTHING_MOVES = 1e-6
@@ -50,7 +50,7 @@ _encode = msgspec.json.Encoder().encode
 
 
 class Served(Protocol):
-    """What a client is served from."""
+    """The sources of a client."""
 
     api: Api
     pictures: Pictures

@@ -1,2 +1,2 @@
-"""What the robot's HTTP servers share: where they listen, what a connection may hold, and by which names they are
-asked."""
+"""The common part of the robot's HTTP servers: where they listen, the bounds of a connection, and the names by which
+they are asked."""

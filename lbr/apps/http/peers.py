@@ -54,8 +54,8 @@ _PASSED_ON_BY = frozenset(
     ]
 )
 _PASSED_ON_WHOLE = frozenset({"x-host", "x-proto", "x-scheme", "x-http-host-override"})
-"""What the headers of proxies and tunnels are called, by the words of their names. Neither browsers nor programs that
-ask for themselves send such: what is not here is a proxy that leaves no trace."""
+"""The headers of proxies and tunnels, by the words of their names. Neither browsers nor programs that ask for
+themselves send such: what is not here is a proxy that leaves no trace."""
 
 
 def is_relayed(headers: Mapping[str, str], port: int) -> bool:

@@ -137,7 +137,7 @@ class Server(uvicorn.Server):
 
 
 class _Door(asyncio.Protocol):
-    """What a connection is before it is let in; `begun` is set once it sends, or is over."""
+    """A connection before it is let in; `begun` is set once it sends, or is over."""
 
     def __init__(self, admit: Callable[[asyncio.Transport], None]) -> None:
         self.begun = asyncio.Event()

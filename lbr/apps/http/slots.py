@@ -1,7 +1,7 @@
 """Decides which connections are held, and which is cut when there are too many or it takes too long. Pure.
 
-A connection is always let in: what it wants is known only once its head is read, and it may be a stop. What makes room
-for it asks nothing yet, or has waited longest.
+A connection is always let in: what it wants is known only once its head is read, and it may be a stop. A connection
+that asks nothing yet, or has waited longest, makes room for it.
 """
 
 from collections import Counter
@@ -49,7 +49,7 @@ class Slots:
         return len(self._held)
 
     def enter(self, slot: Slot) -> Slot | None:
-        """Take one in; return who has to go for it."""
+        """Take one in; return the one that has to go for it."""
         bounded = [one for one in self._held if one.phase != "watching"]
         self._held[slot] = None
         if len(bounded) < self._most:
@@ -79,7 +79,7 @@ class Slots:
 
 
 def _victim(held: list[Slot]) -> Slot:
-    """Return the oldest of what matters least, of who has most of that; what is stopped is cut last."""
+    """Return the oldest of the least important ones, of the peer with most of these; stops are cut last."""
     for phases in _CUT_FIRST:
         found = [one for one in held if one.phase in phases]
         if found:

@@ -1,4 +1,4 @@
-"""How many requests may be under way at once, of one who asks and of all together."""
+"""The number of requests under way at once, of one asker and of all together."""
 
 from collections import Counter
 from collections.abc import Iterator

@@ -26,8 +26,8 @@ from lbr.errors import BusError, DeviceError
 ROUTES_WITHIN_S = 1.0
 ASK_AGAIN_S = 0.02
 STUCK_ROUNDS = 30
-"""How many rounds of the main loop, ten a second, in which another thread did none: a machine that is too busy for the
-one is so for the other."""
+"""The rounds of the main loop, ten a second, in which another thread did none: a machine that is too busy for the one
+is so for the other."""
 ASKED_S = 1.0
 
 

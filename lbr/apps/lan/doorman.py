@@ -4,8 +4,8 @@
                   └──► its host has to wait: released later, or ended
 
 The library accepts and refuses by itself without asking. So its listening sockets want a mebibyte before a connection
-counts as readable (socket(7), SO_RCVLOWAT, which connections inherit); a released connection wants a byte. What is let
-in never passes here again. A thread of its own does this, within a millisecond of the connection.
+counts as readable (socket(7), SO_RCVLOWAT, which connections inherit); a released connection wants a byte. A message
+that was let in never passes here again. A thread of its own does this, within a millisecond of the connection.
 """
 
 import os

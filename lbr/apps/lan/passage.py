@@ -6,7 +6,7 @@ A machine that has no time for this process has none for what it hears either, s
 from msgspec import Struct
 
 DOUBTED_AFTER = 3
-"""How many of the robot's statuses outside for none that came through the door: one a second."""
+"""The rate of the robot's statuses outside for all that came by another way than the door: one a second."""
 BROKEN_AFTER = 3
 
 

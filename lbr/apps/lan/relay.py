@@ -1,8 +1,8 @@
 """Takes at the door what may begin motion or change something, and asks the robot for it, marked as from afar.
 
-What comes from another machine may be old: a network that heals delivers what it has held back. A sender that moves the
-robot must know that, so such messages never pass from router to router. Stops and emergency stops do, and never wait
-here.
+Messages of another machine may be old: a network that heals delivers those that it has held back. A sender that moves
+the robot must know that, so such messages never pass from router to router. Stops and emergency stops do, and never
+wait here.
 """
 
 import threading

@@ -1,4 +1,4 @@
-"""What a token's role may do at the door, and what the relay serves there. Pure."""
+"""The rights of a token's role at the door, and the commands that the relay serves there. Pure."""
 
 from msgspec.structs import replace
 
@@ -64,7 +64,7 @@ def limits(robot: str, lan: LanConfig) -> Limits:
 
 
 def commands(lan: LanConfig, role: Role) -> tuple[str, ...]:
-    """Return the commands that a role may use: through the relay, or of who is outside as well."""
+    """Return the commands that a role may use: through the relay, or also from outside."""
     return tuple(key for key, needed in (lan.commands | lan.theirs).items() if RANKS[needed] <= RANKS[role])
 
 

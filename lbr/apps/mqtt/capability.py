@@ -36,7 +36,7 @@ ASK_S = 3.0
 TELL_S = 1.0
 TELL_NEWS_S = 0.25
 SETTLES_S = 1.2
-"""What comes once a second has come by then: the first report is no empty one."""
+"""Values that come once a second have come by then: the first report is not empty."""
 LARGEST_ASK = 2048
 LONGEST_REASON = 200
 LONGEST_WORD = 40
@@ -50,7 +50,7 @@ NO_BROKER = "no broker is named: the setting 'host' of this row says where one i
 
 
 class Waiting(NamedTuple):
-    """What was asked of others, and what they have not answered yet."""
+    """The questions to others that wait for an answer."""
 
     ask: Ask
     by: str
@@ -88,7 +88,7 @@ class Mqtt(Capability[MqttSettings]):
 
     @property
     def _role(self) -> Role | None:
-        """What the token of the row lets be done; one for another machine is for nothing here."""
+        """The rights of the row's token; one for another machine is for nothing here."""
         found = next((one for one in self.ctx.rows(TokenRight) if one.name == self.ctx.settings.token), None)
         return found.role if found is not None and found.role != "host" else None
 
@@ -144,7 +144,7 @@ class Mqtt(Capability[MqttSettings]):
 
     @property
     def _says_whether_available(self) -> bool:
-        """Whether topics of its own are used: a shadow alone is to be had with no rights to any other."""
+        """True if topics of its own are used: a shadow alone works with no rights to any other."""
         return self.ctx.settings.home_assistant is not None or self.ctx.settings.shadow is None
 
     def _asked_on(self) -> tuple[str, ...]:
@@ -337,14 +337,14 @@ class Mqtt(Capability[MqttSettings]):
                 self._reply(one.ask, "done", heard("done", text or "done"))
 
     def _complain(self, topic: str, text: str, code: str, ask: Ask | None = None) -> None:
-        """Refuse what came on a topic: at the console, and to who listens there."""
+        """Refuse a message on a topic: at the console, and to listeners there."""
         self._refused += 1
         why = heard(code, f"{one_line(topic[:LONGEST_TOPIC])}: {text}")
         self.ctx.event("refused", why.text, level="warning", code=why.code, about=self.ctx.name)
         self._reply(ask or Ask(word=""), "refused", why)
 
     def _reply(self, ask: Ask, state: str, why: Reason) -> None:
-        """Note the last answer, which a shadow reports, and tell it to who listens."""
+        """Note the last answer, which a shadow reports, and send it to listeners."""
         self._answer = {
             "word": one_line(ask.word),
             "id": ask.id,
@@ -430,7 +430,7 @@ def _json(payload: bytes) -> Any:
 
 
 def _refuse_late(ask: Ask, age_s: float | None, late_s: float) -> None:
-    """Refuse what has been desired for too long: who desired it may be gone, and who is near expects nothing."""
+    """Refuse a desire that is too old: its author may be gone, and people near the robot expect nothing."""
     if age_s is None or not age_s <= late_s:
         age = "an unknown time" if age_s is None else f"{age_s:.0f} s"
         raise InputError(f"'{ask.word}' has been desired for {age}; it is too late for it", "late")

@@ -1,5 +1,4 @@
-"""What Home Assistant is told, so that it finds the robot by itself: one document for the device and all that it has.
-Pure.
+"""The document by which Home Assistant finds the robot by itself: one for the device and all that it has. Pure.
 
 https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload
 """
@@ -69,7 +68,7 @@ def _sensors(parts: Collection[str]) -> dict[str, dict[str, Any]]:
 
 
 def _value(part: str, name: str = "") -> str:
-    """Return the expression of a value that is none where it is not known, also where its part is not there."""
+    """Return the expression of a value that is none while it is not known, also where its part is missing."""
     whole = f"value_json.get('{part}')"
     return f"({whole} or {{}}).get('{name}')" if name else whole
 

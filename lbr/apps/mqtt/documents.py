@@ -28,7 +28,8 @@ class Document(Struct, frozen=True, kw_only=True):
 
 
 class Answer(Struct, frozen=True, kw_only=True):
-    """What the service said to an update or a get: `token` is what was sent with it, `code` why it was rejected."""
+    """The answer of the service to an update or a get: `token` is that of the request, `code` the reason of a
+    rejection."""
 
     token: str = ""
     version: int | None = None

@@ -1,4 +1,4 @@
-"""How late a broker is. A message there has no date, so a word of our own goes to the broker and back again and again.
+"""The delay of a broker. A message there has no date, so a word of our own goes to the broker and back again and again.
 Pure.
 
 A broker that stood still hands over all at once what came meanwhile, ours and others', in any order. So it is late
@@ -10,9 +10,9 @@ from math import inf
 
 EVERY_S = 1.0
 LATE_S = 2.0
-"""Who asked for something stands no longer where they stood; a broker on another continent takes a fifth of that."""
+"""The asker of something is no longer where they stood; a broker on another continent takes a fifth of that."""
 CALM_S = 2.0
-"""What came in the same standstill is handed over by then, and a word that goes after it is back."""
+"""Messages of the same standstill are handed over by then, and a word that goes after it is back."""
 MOST_UNDER_WAY = 60
 
 
@@ -28,7 +28,7 @@ class Echo:
         self._late_until = -inf
         self._next = -inf
         self.ever = False
-        """Whether anything has come back since the broker was reached last."""
+        """True once anything has come back since the broker was reached last."""
 
     def connected(self, now: float) -> None:
         """Begin again: what was said to an earlier connection does not come back."""
@@ -49,7 +49,7 @@ class Echo:
         return word
 
     def hear(self, payload: bytes, now: float) -> None:
-        """Take what came back; what is none of ours, or came back before, says nothing."""
+        """Take a message that came back; a foreign one, or one that came back before, counts for nothing."""
         sent = self._sent.pop(payload.decode(errors="replace"), None)
         if sent is None:
             return

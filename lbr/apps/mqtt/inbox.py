@@ -1,4 +1,4 @@
-"""Messages that wait to be read, so many at most: of more the oldest is dropped, and no stop for what is none."""
+"""Messages that wait to be read, up to a bound: then the oldest is dropped, but never a stop for another message."""
 
 import threading
 from collections.abc import Callable

@@ -42,7 +42,7 @@ class Shadow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class HomeAssistant(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How Home Assistant finds the robot; `picture_s` is how often it is sent a picture of what is wired to
+    """The discovery of the robot by Home Assistant; `picture_s` is how often it is sent a picture of what is wired to
     `frames`."""
 
     prefix: Annotated[Topic, Meta(min_length=1)] = "homeassistant"

@@ -6,7 +6,8 @@ from lbr.messages.codes import ReasonCode
 
 
 class MqttState(Struct, frozen=True, kw_only=True):
-    """Whether the broker is there, and if not, why; how much was reported, asked for and refused, and the last answer.
+    """The state of the broker, and the reason if it is away; how much was reported, asked for and refused, and the last
+    answer.
 
     `version` is the newest of the shadow that was heard of.
     """

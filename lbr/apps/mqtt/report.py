@@ -10,7 +10,7 @@ from lbr.capability.context import Received
 Latest = Callable[[str], Received | None]
 Report = dict[str, Any]
 OLD_S = 3.0
-"""What is older is not known: the slowest of these streams comes once a second."""
+"""Older values are not known: the slowest of these streams comes once a second."""
 SOURCES = ("battery", "odometry", "attitude", "motors", "drive", "joints", "motions", "behaviour")
 LONGEST = 120
 MOST_FAULTS = 10

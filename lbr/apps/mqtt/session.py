@@ -4,8 +4,7 @@
       publish ──► outbox ────────────────►  broker
       take    ◄── inbox  ◄────────────────  messages of the topics that were subscribed to
 
-What the broker is not there for is not kept: state is told anew to each connection, and what was asked in between is
-old.
+Messages for an absent broker are not kept: each connection gets the state anew, and requests from in between are old.
 """
 
 import ssl

@@ -5,7 +5,7 @@
     report() ──► update of what changed in `reported`, under the version that is known, every 5 s at most
                  update/rejected 409: somebody else was first ──► get again
 
-`desired` is never written. What is asked is reported back as it was, beside the answer, so that it differs no more.
+`desired` is never written. A request is reported back as it was, beside the answer, so that it differs no more.
 """
 
 from collections.abc import Iterator
@@ -29,14 +29,14 @@ _HEARD = ("get/accepted", "get/rejected", "update/accepted", "update/rejected", 
 
 
 class Asked(NamedTuple):
-    """What a shadow desires the robot to do: any JSON value, and for how long it has (None: not told)."""
+    """The desire of a shadow: any JSON value, and for how long it stands (None: unknown)."""
 
     raw: Any
     age_s: float | None
 
 
 class ShadowState:
-    """What is known of a shadow since the broker was reached last; `version` None: nothing yet."""
+    """The knowledge of a shadow since the broker was reached last; `version` None: nothing yet."""
 
     def __init__(self, thing: str, name: str, every_s: float, mark: str) -> None:
         self.root = f"$aws/things/{thing}/shadow" + (f"/name/{name}" if name else "")
@@ -53,11 +53,11 @@ class ShadowState:
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """What is to be heard."""
+        """The topics to subscribe."""
         return tuple(f"{self.root}/{one}" for one in _HEARD)
 
     def connected(self) -> None:
-        """Begin as if nothing were known: a shadow may have been another's meanwhile. What was done stays done."""
+        """Begin as if nothing were known: a shadow may have been another's meanwhile. Done desires stay done."""
         self.version, self._known, self._wanted = None, {}, True
         self._get, self._update, self._next_get = ("", -inf), ("", -inf, {}), -inf
 

@@ -1,5 +1,4 @@
-"""What may be asked of the robot from outside: the words that a row allows, each a stop or a goal that ends by itself.
-Pure."""
+"""The words of a row for use from outside: each a stop or a goal that ends by itself. Pure."""
 
 from math import isfinite
 from typing import Annotated, Any
@@ -19,7 +18,7 @@ from lbr.messages.units import HeadingDeg, Name, Power, TurnDeg
 
 LONGEST_TEXT = 250
 LEAST_CM = 1.0
-"""Of a way; less is none, and 0 would set no bound at all."""
+"""Of a way; a shorter one is refused, and 0 would set no bound at all."""
 
 
 class StopWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="stop", forbid_unknown_fields=True):
@@ -82,7 +81,7 @@ class Ask(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Bounds(Struct, frozen=True, kw_only=True):
-    """What may come with a word: a text, or a number within bounds."""
+    """The value with a word: a text, or a number within bounds."""
 
     text: bool = False
     least: float = 0.0

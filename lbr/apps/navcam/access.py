@@ -47,7 +47,7 @@ class TokenAccess:
         owner: bool = False,
         whose: str | None = None,
     ) -> Client:
-        """Return who asks; Refused (401) without the token or a cookie, from wherever."""
+        """Return the asker; Refused (401) without the token or a cookie, from any address."""
         del port, owner
         if not shown:
             scheme, _, shown = headers.get("authorization", "").partition(" ")

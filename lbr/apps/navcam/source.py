@@ -44,7 +44,7 @@ class Door:
         return dict(sorted(found.items()))
 
     async def snapshot(self, camera: str) -> bytes | None:
-        """Return the newest picture of a camera, or of any; None if there is none that is fresh."""
+        """Return the newest picture of a camera, or of any; None if no fresh one came."""
         taken = [
             (stamp.sent_s(stamp.read(raw.attachment), raw.arrived), raw.payload)
             for raw in await asyncio.to_thread(self._asked, "frame")

@@ -1,4 +1,4 @@
-"""What was: the black box that runs beside the robot, recordings on purpose, and the commands that look at both.
+"""The past: the black box that runs beside the robot, recordings on purpose, and the commands that look at both.
 
 `box` writes, `recording` reads and writes the files, `rerun` checks a recording against capabilities that run now.
 """

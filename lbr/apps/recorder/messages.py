@@ -20,7 +20,7 @@ class RecordCommand(Struct, frozen=True, kw_only=True):
     """Record on purpose, into a file of its own: `seconds` long, or until it is ended (0).
 
     `cameras`: every picture that they take. `lines`: the bytes of the devices' lines, and all commands with their
-    answers, too. `name` is the file's; it is made of the time if there is none.
+    answers, too. `name` is the file's; without one it is made of the time.
     """
 
     seconds: Annotated[float, Meta(ge=0.0, le=86400.0)] = 0.0
@@ -34,7 +34,7 @@ class EndRecording(Struct, frozen=True, kw_only=True):
 
 
 class BoxReply(Struct, frozen=True, kw_only=True):
-    """What became of it; `path` is the file, or the folder of what is kept."""
+    """The result; `path` is the file, or the folder of what is kept."""
 
     accepted: bool
     reason: str = ""
@@ -43,12 +43,12 @@ class BoxReply(Struct, frozen=True, kw_only=True):
 
 
 class BoxState(Struct, frozen=True, kw_only=True):
-    """How the box is: what it has written since it started, what it could not, and what it holds.
+    """The state of the box: its writes since it started, its losses, and its files.
 
     `messages` were written, `lost` could not be: the disk was slow or full, or they came faster than they were taken.
-    `disk_mb` is what the box's own files take, `kept_mb` what is kept for longer, `kept` how many times something was.
-    `recording` is the file of a recording on purpose, empty if there is none, `recording_s` for how long it goes on and
-    `recording_mb` how large it is. `trouble` is what is wrong, in one line.
+    `disk_mb` is the size of the box's own files, `kept_mb` of those kept for longer, `kept` how many times something
+    was. `recording` is the file of a recording on purpose, else empty, `recording_s` for how long it goes on and
+    `recording_mb` how large it is. `trouble` is the problem, in one line.
     """
 
     messages: int = 0

@@ -54,7 +54,7 @@ def ask(
 
 
 def _whichever() -> ssl.SSLContext:
-    """Return TLS with whatever certificate: which one it is, the token's fingerprint says."""
+    """Return TLS with any certificate: the token's fingerprint tells whether it is the right one."""
     found = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     found.minimum_version = ssl.TLSVersion.TLSv1_2
     found.check_hostname = False

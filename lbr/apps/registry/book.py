@@ -1,4 +1,4 @@
-"""What the service knows of robots: who they are, how to reach them, when they were heard of last. Pure."""
+"""The service's knowledge of robots: their names, how to reach them, and their last report. Pure."""
 
 from collections.abc import Collection
 from typing import Annotated
@@ -17,8 +17,7 @@ Endpoint = Annotated[str, Meta(pattern=r"^(tls|tcp)/[A-Za-z0-9.:\[\]_-]{1,200}$(
 
 
 class Entry(Struct, frozen=True, kw_only=True):
-    """What a robot says of itself. `up_s` is for how long it has been up, and `every_s` how often it will say so
-    again."""
+    """The report of a robot. `up_s` is for how long it has been up, and `every_s` the pace of its reports."""
 
     robot: Name
     version: Annotated[str, Meta(pattern=r"^[!-~]{0,40}$(?!\n)")] = ""

@@ -44,7 +44,7 @@ class Guests:
         return {name: guest.since for name, guest in sorted(self._now().items())}
 
     def add(self, name: str) -> Token:
-        """Make a token; InputError if the name is none, or has one."""
+        """Make a token; InputError if the name is invalid, or has one."""
         tokens.check_name(name)
         secret = tokens.text(secrets.token_bytes(32))
         with self._changing() as known:

@@ -6,8 +6,7 @@ from lbr.messages.codes import ReasonCode
 
 
 class RegistrarState(Struct, frozen=True, kw_only=True):
-    """Whether the service has the robot in its list, under which name, by what others reach it, and if not listed,
-    why."""
+    """The robot's place in the service's list, its name there, how others reach it, and if it is not listed, why."""
 
     registered: bool
     url: str

@@ -1,2 +1,2 @@
-"""Sounds for whatever app plays some: WAV files, names that are safe as files, and sinks that say if they were
+"""Sounds for any app that plays some: WAV files, names that are safe as files, and sinks that report whether they were
 heard."""

@@ -1,8 +1,8 @@
 """Decodes a sound file to PCM WAV, in a process of its own: `python -m lbr.apps.sound.decode FROM TO`.
 
-What people put into a folder may be anything, so that it is read by a process that may die, hang and be killed. It has
-no network: of what the library knows, only files are read, and no lists that name other files. Exit code 1 and one
-sentence on the standard error if there is no sound in it.
+People put any file into a folder, so that it is read by a process that may die, hang and be killed. It has no network:
+of what the library knows, only files are read, and no lists that name other files. Exit code 1 and one sentence on the
+standard error if there is no sound in it.
 """
 
 import resource
@@ -19,7 +19,7 @@ RATE_HZ = 44_100
 LONGEST_S = 1800.0
 MEMORY_BYTES = 2 << 30
 CONTAINERS = "wav,w64,aiff,caf,au,mp3,flac,ogg,amr,aac,asf,matroska,webm,mov,mp4,m4a,3gp,3g2,mj2"
-"""What FFmpeg may take a file for, by its own names; none of them opens other files."""
+"""The formats that FFmpeg may take a file for, by its own names; none of them opens other files."""
 OPTIONS = {"format_whitelist": CONTAINERS, "protocol_whitelist": "none"}
 
 

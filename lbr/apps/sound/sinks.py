@@ -17,7 +17,7 @@ from lbr.errors import DeviceError
 ALSA = "alsa:"
 FILES_KEPT = 50
 GRACE_S = 5.0
-"""How much longer than its sound a player may take before it counts as stuck."""
+"""The time beyond its sound that a player may take before it counts as stuck."""
 _WORDS_BYTES = 4000
 Clock = Callable[[], float]
 

@@ -17,7 +17,7 @@ _BLOCK_FRAMES = 1 << 16
 
 
 class Wav(Struct, frozen=True):
-    """What a WAV file's header says, held against the size of the file."""
+    """The header of a WAV file, held against the size of the file."""
 
     path: Path
     duration_s: float

@@ -1,6 +1,6 @@
 """The speech engine's own process: `python -m lbr.apps.speech.engine`, texts as JSON lines in, WAV files out.
 
-It first says whether there is an engine at all. Then each request is answered by one line. What pyttsx3 prints goes
+It first says whether there is an engine at all. Then each request is answered by one line. The output of pyttsx3 goes
 nowhere, and it only ever writes files: its own playback reports success without a sound card. A voice of the cloud or
 of piper that cannot be had is no failure: espeak-ng says the text, and the answer's note says why.
 """
@@ -36,7 +36,7 @@ class Engine:
         self._engine.connect("error", self._note)
 
     def write(self, request: Request) -> None:
-        """Write the sound; raise LbrError if there is none."""
+        """Write the sound; raise LbrError if none was made."""
         if not self._sounds(request) and not self._sounds(request):
             raise LbrError("the speech engine has no sound for this text")
         wav.read(Path(request.path))

@@ -1,4 +1,4 @@
-"""What is kept below `$LBR_HOME`: recordings in `sounds`, of any format; songs in `music`, WAV files; both by name."""
+"""The files below `$LBR_HOME`: recordings in `sounds`, of any format; songs in `music`, WAV files; both by name."""
 
 from contextlib import suppress
 from pathlib import Path

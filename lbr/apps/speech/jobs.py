@@ -8,7 +8,7 @@ from lbr.apps.sound.wav import Wav
 from lbr.errors import InputError
 
 WRITTEN_AHEAD = 2
-"""How many texts are sound already while another is being played."""
+"""The number of texts that are sound already while another is being played."""
 
 
 @dataclass(eq=False, slots=True)

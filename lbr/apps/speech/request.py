@@ -1,4 +1,4 @@
-"""What the engine's process is asked for, and what it answers: JSON lines. No I/O."""
+"""The requests to the engine's process, and its answers: JSON lines. No I/O."""
 
 from msgspec import Struct
 
@@ -37,7 +37,7 @@ class Request(Struct, frozen=True, kw_only=True):
 
 
 class Answer(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What became of a request, or at first, of the engine itself; no reason is success.
+    """The result of a request, or at first, of the engine itself; an empty reason is success.
 
     `note` says why another voice than the row's has spoken.
     """

@@ -1,4 +1,4 @@
-"""What can be said: texts without what no voice has words for, and phrases by name and language. Pure."""
+"""The speakable part of texts, without characters that no voice speaks, and phrases by name and language. Pure."""
 
 import unicodedata
 from collections.abc import Iterable, Mapping

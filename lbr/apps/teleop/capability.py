@@ -24,7 +24,7 @@ BY_HAND = "stopped at the gamepad"
 
 
 class Teleop(Capability[TeleopSettings]):
-    """Whatever a gamepad asks for needs its dead-man button, but for a stop."""
+    """A wish of a gamepad needs its dead-man button, unless it is a stop."""
 
     rate_hz = RESTING_HZ
 

@@ -1,7 +1,7 @@
-"""What a hand on a gamepad means: which twist, which buttons were pressed, and why the robot is to stand. Pure.
+"""The meaning of a hand on a gamepad: which twist, which buttons were pressed, and why the robot is to stand. Pure.
 
 The robot moves only while all of this is so: the dead-man button is held, and was seen released since the gamepad came;
-the sticks were seen at rest since then; the gamepad is heard. Whatever is not known, and what is no number, is rest.
+the sticks were seen at rest since then; the gamepad is heard. An unknown value, and anything but a number, is rest.
 """
 
 from collections.abc import Iterable
@@ -53,7 +53,7 @@ class Hand:
     def hear(self, pad: GamepadState, sent_s: float) -> tuple[Button, ...]:
         """Take what the gamepad's driver says; return which buttons were pressed since it spoke last.
 
-        What is held already when a gamepad comes was not pressed.
+        A button that is held already when a gamepad comes was not pressed.
         """
         if not pad.connected:
             self.lose()

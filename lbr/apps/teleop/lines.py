@@ -1,4 +1,4 @@
-"""What buttons say: a line at each press, and the motion that a line begins, which lasts while the dead-man button is
+"""The lines of buttons: one at each press, and the motion that it begins, which lasts while the dead-man button is
 held."""
 
 from typing import Any, NamedTuple

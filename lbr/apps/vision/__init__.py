@@ -1,6 +1,6 @@
-"""What a camera's picture shows of a coloured thing or a face, and where that is: told, or followed by the head.
+"""The coloured thing or face in a camera's picture, and where it is: reported, or followed by the head.
 
-What looks needs OpenCV, the extra `vision`, and none of it before something is looked for.
+Looking needs OpenCV, the extra `vision`, and none of it before a search begins.
 """
 
 from lbr.component import Component

@@ -10,7 +10,7 @@ from lbr.messages.tracking import Seen
 
 
 class Angles(NamedTuple):
-    """How a camera is turned, or where something is."""
+    """The direction of a camera, or of a thing."""
 
     yaw_rad: float
     pitch_rad: float

@@ -16,7 +16,7 @@ NO_PICTURES = "no pictures come from the camera, or only old ones"
 
 
 class Look(NamedTuple):
-    """What a picture shows that was taken then."""
+    """The content of a picture that was taken then."""
 
     taken_s: float
     seen: Seen | None

@@ -1,4 +1,4 @@
-"""What a picture shows: the largest round thing of a colour, or the largest face. Needs OpenCV, the extra `vision`.
+"""The find in a picture: the largest round thing of a colour, or the largest face. Needs OpenCV, the extra `vision`.
 
 Positions and sizes are shares of the picture's width, so that it does not matter how small it was decoded.
 """

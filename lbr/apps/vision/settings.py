@@ -1,4 +1,4 @@
-"""What is looked for in a picture and through what, and the words for a look."""
+"""The target in a picture and the camera, and the words for a look."""
 
 from typing import Annotated
 
@@ -16,7 +16,7 @@ MODEL_HINT = (
 
 
 class VisionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is looked for and through what; the colour is that of an orange ball, as hue, saturation and value.
+    """The target and the camera; the colour is that of an orange ball, as hue, saturation and value.
 
     A hue from 350 to 10 goes over red.
     """

@@ -13,7 +13,7 @@ from lbr.messages.tracking import Seen, Target
 
 
 class Sketch(NamedTuple):
-    """What was seen, in words, and the marked picture as JPEG."""
+    """The find, in words, and the marked picture as JPEG."""
 
     text: str
     picture: bytes

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from lbr.apps.web.login import Login
 
 HERE: Role = "view"
-"""What every program of this machine may do, for any user; stopping is part of it."""
+"""The rights of every program of this machine, for any user; stopping is part of it."""
 OWNER: Role = "admin"
 TRUSTED: Role = "operate"
 OLD_SCHEME, NONE = "TOK:", "none"
@@ -58,10 +58,10 @@ class Access:
         owner: bool = False,
         whose: str | None = None,
     ) -> Client:
-        """Return who asks at `port`; Refused (401) for a token that is none. `shown` is a token that no header has.
+        """Return the asker at `port`; Refused (401) for an invalid token. `shown` is a token that no header has.
 
-        What a proxy says of others is not believed, but it says that this is not a user at this machine. `owner`:
-        the kernel says that the program that asks is of this robot's own user; `whose` is what else it says.
+        A proxy is not believed about others, but it shows that this is not a user at this machine. `owner`: the kernel
+        says that the program that asks is of this robot's own user; `whose` is what else it says.
         """
         if not shown and "authorization" in headers:
             shown = self._shown(headers["authorization"].strip())

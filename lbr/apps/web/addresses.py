@@ -10,7 +10,7 @@ import ifaddr
 from lbr.apps.http.names import EVERYWHERE
 
 _OUTSIDE = ("192.0.2.1", 9)
-"""An address without a machine (RFC 5737): which of our own a packet to it would bear is asked, and none is sent."""
+"""An address without a machine (RFC 5737): the kernel names our own address for a packet to it, and none is sent."""
 
 
 def of_machine() -> tuple[str, ...]:

@@ -1,5 +1,4 @@
-"""What the server answers: its routes behind their guards, and for each request who asks, whether they may, what they
-say."""
+"""The answers of the server: its routes behind their guards, and for each request its asker, rights, and reply."""
 
 import asyncio
 from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
@@ -29,7 +28,7 @@ from lbr.apps.web.routing import Path, asked_path
 LARGEST_BODY = 64 * 1024
 BODY_S = 10.0
 REGARDLESS_S = 0.2
-"""How long the body of what is done regardless of it is waited for: who stops the robot does not wait for a reason."""
+"""The wait for the body of a request that is done regardless of it: a stop does not wait for a reason."""
 NO_ROUTE = """<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -49,7 +48,7 @@ InLoop = Callable[..., Coroutine[Any, Any, Response]]
 
 
 class Knows(Protocol):
-    """Who knows who asks."""
+    """The register of askers."""
 
     def client(
         self,
@@ -61,7 +60,7 @@ class Knows(Protocol):
         owner: bool = False,
         whose: str | None = None,
     ) -> Client:
-        """Return who asks; Refused (401) for a token that is none."""
+        """Return the asker; Refused (401) for an invalid token."""
 
 
 class Gate:
@@ -87,7 +86,7 @@ class Gate:
     async def client(
         self, scope: Scope, headers: Mapping[str, str], shown: str = "", *, owner: bool = False, signs_in: bool = False
     ) -> Client:
-        """Return who asks; Refused (401) for a token that is none."""
+        """Return the asker; Refused (401) for an invalid token."""
         port = (scope.get("server") or ("", 0))[1] or 0
         whose = await _whose(scope) if signs_in or "cookie" in headers else None
         client = self._access.client(address_of(scope), headers, shown, port=port, owner=owner, whose=whose)

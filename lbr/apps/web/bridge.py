@@ -55,8 +55,8 @@ class Bridge:
     async def call(self, work: Coroutine[Any, Any, T], *, timeout_s: float = ANSWER_S) -> T:
         """Have a coroutine run in the loop, and return what it returns.
 
-        Refused (503) if the loop ends, has too much to do, or nothing came of it in time. What has begun goes on also
-        if it is no longer waited for: what it has asked of the robot may have been done.
+        Refused (503) if the loop ends, has too much to do, or nothing came of it in time. An act that has begun goes on
+        also if it is no longer waited for: its requests to the robot may have been done.
         """
         if self._closed or len(self._inbox) >= MOST_WAITING:
             work.close()

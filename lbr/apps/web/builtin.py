@@ -1,4 +1,4 @@
-"""What the server answers whatever its faces are: states, stopping, where it is, and what there is to ask."""
+"""The answers of the server itself, without any face: states, stopping, its address, and its routes."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -44,7 +44,7 @@ from lbr.messages.leases import StopCommand
 from lbr.messages.system import ConsoleResult, EstopResetCommand
 
 STOPS = ("halt", "stop_motion")
-"""The request ports that stop, first those to whatever moves by itself: once it stands, the robot does."""
+"""The request ports that stop, first those to parts that move by themselves: once they stand, the robot does."""
 NOTICED_S = 0.5
 RESET_S, STOP_S = 3.0, 1.0
 HERE = "lbr.apps.web"
@@ -128,9 +128,10 @@ class BuiltinRoutes:
         return Message(message="stopped")
 
     async def _stop_all(self, why: str, source: str) -> Refused | None:
-        """Ask all that is wired; return why something does not stop. What moves by itself stands once it says so.
+        """Ask all that is wired; return why something does not stop. A part that moves by itself stands once it reports
+        so.
 
-        What can be held here and is not wired is stopped by the console's word, which no row takes away.
+        A part that can be held here and is not wired is stopped by the console's word, which no row takes away.
         """
         stop = StopCommand(reason=why[:200], whole=True)
         asked = {name: self._robot.ctx.ask(name, stop, STOP_S) for name in self._wired()}
@@ -165,7 +166,7 @@ class BuiltinRoutes:
     async def _estop(self, request: Request, body: EstopBody | None = None) -> EstopAnswer:
         """Latch the emergency stop.
 
-        Whatever the body is: one that is not JSON only gives no reason.
+        With any body: one that is not JSON only gives no reason.
         """
         given = body.reason if body is not None else ""
         why = f"{given} ({request.client})" if given else f"by {request.client}"

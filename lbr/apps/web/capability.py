@@ -46,10 +46,10 @@ SWITCH_S = 0.0005
 """Two threads share the interpreter, and a client waits for both."""
 TELL_S = 1.0
 BUSY_HZ, IDLE_HZ, IDLE_AFTER_S = 50.0, 10.0, 2.0
-"""How often states are looked at while there is a client, or was one lately, and without."""
+"""The pace at which states are looked at while there is a client, or was one lately, and without."""
 LOOK_S = 5.0
 KNOWS_S = 5.0
-"""How long a server that listens waits for what its faces tell first; where a device is missing, it never comes."""
+"""The wait of a listening server for the first reports of its faces; where a device is missing, they never come."""
 ENDS = "the server ends; it comes back at once if its rows were changed"
 
 
@@ -167,7 +167,7 @@ class Web(Capability[WebSettings]):
             self._api = None
 
     def _open_bus(self) -> Bus | None:
-        """Return a way onto the bus for the API; None where there is none."""
+        """Return a way onto the bus for the API; None if it has none."""
         return opened(self.ctx)
 
     def _application(self) -> ASGIApp:

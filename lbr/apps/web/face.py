@@ -48,7 +48,7 @@ CODES: dict[int, Code] = {
 
 
 class Message(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What was wrong, as a sentence and by its code."""
+    """The problem, as a sentence and by its code."""
 
     message: str
     code: ReasonCode = ""
@@ -78,7 +78,7 @@ class Refused(Exception):  # noqa: N818 - an answer, not a fault
 
 @dataclass(frozen=True, slots=True)
 class Client:
-    """Who asks: from which address, by which token (empty: by none), and what that allows (None: nothing).
+    """The asker: its address, its token (empty: without one), and its rights (None: nothing).
 
     `legacy`: the row lets a GET move that nothing proves to be no web page's. `session` is what is kept of the cookie
     that a browser was given for a token. `whose` program asks, the kernel says: a user's of this machine, or of another

@@ -1,4 +1,4 @@
-"""Chooses the faces that are shown: those that the row names, out of installed packages. What cannot be shown is
+"""Chooses the faces that are shown: those that the row names, out of installed packages. A face that cannot be shown is
 refused in words."""
 
 from collections.abc import Callable, Iterable, Sequence
@@ -169,7 +169,7 @@ class Faces:
 
 
 def _chosen(name: str) -> tuple[list[Plugin], str]:
-    """Return what packages bring a face of that name, and why there is none of them; empty if there is."""
+    """Return the packages that bring a face of that name, and why it is missing; empty if it is there."""
     found = [one for one in plugins.every("faces") if one.name == name]
     if found:
         return found, ""

@@ -1,4 +1,4 @@
-"""What every request passes before its route, outermost first, as middleware: always answered, not too much, by our
+"""The guards of every request before its route, outermost first, as middleware: always answered, not too much, by our
 name."""
 
 import asyncio
@@ -22,7 +22,7 @@ from lbr.apps.web.face import Refused, json
 
 LONGEST_URL = 4096
 TOO_OFTEN_S = 0.25
-"""How long a client that asks too often waits to hear that, so that a flood leaves time for those who stop the robot.
+"""The wait of a client that asks too often for its refusal, so that a flood leaves time for those who stop the robot.
 """
 _READ, CAME = "lbr.headers", "lbr.came"
 SECURITY = {
@@ -36,7 +36,7 @@ SECURITY = {
 
 
 class Counts:
-    """What the server counts, and what it has to tell; written by its thread, read by the loop's."""
+    """The counts and reports of the server; written by its thread, read by the loop's."""
 
     def __init__(self) -> None:
         self.requests = 0

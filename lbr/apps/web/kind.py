@@ -36,7 +36,7 @@ Network = Annotated[str, Meta(description="an address or a network, such as 192.
 
 
 class OldApi(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the face `lbr_original` treats the clients of the API that the robot lbr has always had."""
+    """The face `lbr_original` and the clients of the API that the robot lbr has always had."""
 
     heartbeat_s: Annotated[
         float, Meta(ge=0.5, le=5.0, description="a client that moves the robot and is silent for longer is lost")

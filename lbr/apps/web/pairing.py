@@ -1,7 +1,7 @@
 """Pairing: a device shows the six digits that a person read at the robot's console, and gets a token of its own.
 
-The executive drew the digits, compares them and makes the token. What is here carries them there and the token back,
-and knows of no code but the one that a device shows.
+The executive drew the digits, compares them and makes the token. The server carries them there and the token back, and
+knows of no code but the one that a device shows.
 """
 
 import re

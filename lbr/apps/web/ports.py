@@ -1,4 +1,4 @@
-"""What a face reads and asks beyond what the server has of its own. Light to import: rows are checked by it.
+"""The reads and requests of a face beyond the server's own. Light to import: rows are checked by it.
 
 A package declares it in a module of its own, and names it in the `ports` of its component, as it names its face:
 
@@ -15,16 +15,16 @@ from lbr.messages.rows import Row
 from lbr.plugins import PluginError
 
 OF_STATE = {"robot", "age_s", "faces"}
-"""What `/state` says besides the inputs."""
+"""The part of `/state` besides the inputs."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FacePorts:
     """Ports of the kind `web`, which has them wherever the package is installed that brings them.
 
-    `states` are the inputs whose newest value is in `/state`, under its name. Who says no type of `replies` is answered
-    by a CommandReply. Each input is optional. `edits` are the tables whose rows it may have written, by the request
-    `edit`.
+    `states` are the inputs whose newest value is in `/state`, under its name. A port without a type in `replies` is
+    answered by a CommandReply. Each input is optional. `edits` are the tables whose rows it may have written, by the
+    request `edit`.
     """
 
     inputs: Mapping[str, type[Struct]] = field(default_factory=dict)

@@ -1,7 +1,7 @@
 """The cookies that browsers were given for a token: each looks and nothing more, can be ended, and ends by itself.
 
 Each is good for the user of this machine whose browser was given it, and for no other user here, or for other machines
-alone: cookies know no ports, so a browser shows them to whatever else another user serves at this host.
+alone: cookies know no ports, so a browser shows them to servers of other users at this host, too.
 
 Kept in a file of the owner's, as hashes, so that a restart ends none; a reader of the file cannot come in by it.
 """

@@ -24,7 +24,7 @@ MOST_TOLD_HZ = 20.0
 
 
 class StreamParams(Struct, frozen=True, kw_only=True):
-    """How many states a second, at most."""
+    """The greatest rate of states."""
 
     rate_hz: Annotated[float, Meta(ge=0.1, le=50.0)] = 20.0
 
@@ -38,7 +38,7 @@ class Streams(Viewing[float]):
         self._states = states
 
     async def entry(self, scope: Scope) -> tuple[Client, float]:
-        """Return who looks and how often; raise Refused."""
+        """Return the viewer and its rate; raise Refused."""
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
         client = await self._gate.client(scope, headers, shown_token(scope))

@@ -49,14 +49,14 @@ class Viewing(BaseRoute, Generic[W]):
 
     @abstractmethod
     async def entry(self, scope: Scope) -> tuple[Client, W]:
-        """Return who comes, and what it wants; raise Refused."""
+        """Return the client, and its wish; raise Refused."""
 
     @abstractmethod
     async def serve(self, socket: WebSocket, receive: Receive, client: Client, wanted: W) -> None:
         """Serve a socket that was accepted, until it is over."""
 
     def refuse_viewer(self, client: Client) -> None:
-        """Raise Refused for who may not look, and while there are too many."""
+        """Raise Refused for a client that may not look, and while there are too many."""
         refuse_without(client, "view")
         if full := self._viewers.why_not(who(client)):
             raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")

@@ -1,6 +1,6 @@
 """A camera as a capability: every picture goes out at once, and switched off the device is closed.
 
-Without a subscriber it rests. What asks for the newest picture now and then gets one of the last half second.
+Without a subscriber it rests. A program that asks for the newest picture now and then gets one of the last half second.
 """
 
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ CLOSE_S = 0.3
 NEWEST_S = 1.0
 REST_AFTER_S = 2.0
 OPENING_S = 1.5
-"""How long a device may take to open before that is a trouble."""
+"""The time that a device may take to open before that is a trouble."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class _Switching:
 
 
 class Camera(Capability[CameraSettings]):
-    """Publishes the newest picture. What it may see is up to `switch`, also while its device is away."""
+    """Publishes the newest picture. Its sight is up to `switch`, also while its device is away."""
 
     rate_hz = 10.0
 

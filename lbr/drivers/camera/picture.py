@@ -1,4 +1,4 @@
-"""What every camera is to its capture: something to wait for, and pictures to take from it."""
+"""The contract of a camera and its capture: something to wait for, and pictures to take from it."""
 
 from dataclasses import dataclass
 from typing import Protocol

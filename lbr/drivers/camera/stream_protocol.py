@@ -11,7 +11,7 @@ from lbr.errors import MalformedError
 
 _HEADER = struct.Struct("<IQ")
 LARGEST_BYTES = 8 << 20
-"""A longer picture is none: the two ends are out of step."""
+"""A longer picture is refused: the two ends are out of step."""
 
 
 def request(**wanted: object) -> bytes:

@@ -1,5 +1,5 @@
-"""How a camera was switched last, for as long as its robot runs: one that was switched off stays so if its process
-ends."""
+"""The last switch position of a camera, for as long as its robot runs: one that was switched off stays so if its
+process ends."""
 
 import os
 from contextlib import suppress

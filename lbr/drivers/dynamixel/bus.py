@@ -25,7 +25,7 @@ from lbr.drivers.servos.protocol1.question import Question
 ADAPTER_MODEL = 0x4201
 ADAPTER_SERVOS = 30
 ADAPTER_SILENCE_S = 0.0012
-"""What a USB2AX waits for each servo that does not answer."""
+"""The wait of a USB2AX for each servo that does not answer."""
 _MOTION = Struct("<4xB3Hx")
 _MOTION_DATA = Struct("<3H")
 _PADDING = b"\xff" * MOTION_BYTES

@@ -16,7 +16,7 @@ from lbr.drivers.servos.registers import RegisterServos
 
 RELEASE = "lbr.drivers.dynamixel.guard_release"
 ASKED = 3
-"""How often an adapter is asked whether it is a USB2AX; most are not, and say nothing."""
+"""The pace at which an adapter is asked whether it is a USB2AX; most are not, and do not answer."""
 
 
 class Dynamixel(RegisterServos[DynamixelSettings, Bus]):

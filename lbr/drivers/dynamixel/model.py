@@ -1,4 +1,4 @@
-"""What the numbers of AX-12A servos mean, and which fault has latched: the servo writes 0 to its own torque limit."""
+"""The meaning of the numbers of AX-12A servos, and of a latched fault: the servo writes 0 to its own torque limit."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING

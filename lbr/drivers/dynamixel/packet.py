@@ -1,5 +1,5 @@
-"""What of protocol 1.0 is Dynamixel's own: the names of error bits, and the packet by which a USB2AX reads several
-servos.
+"""The part of protocol 1.0 that is Dynamixel's own: the names of error bits, and the packet by which a USB2AX reads
+several servos.
 
 Source: ROBOTIS e-manual, protocol 1.0; USB2AX firmware v04 and v05.
 """

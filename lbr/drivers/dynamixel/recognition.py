@@ -1,4 +1,4 @@
-"""How a bus of AX-12A is recognised: ids 1 to 20 are asked for their model number, which is read and never written."""
+"""Recognition of a bus of AX-12A: ids 1 to 20 are asked for their model number, which is read and never written."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.servos.protocol1 import packet

@@ -19,7 +19,7 @@ BAUDS = (1_000_000, 500_000, 400_000, 250_000, 200_000, 115_200, 57_600, 19_200,
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """What of a servo's EEPROM the driver goes by."""
+    """The registers of a servo's EEPROM that the driver relies on."""
 
     firmware: int
     max_torque: int

@@ -86,7 +86,7 @@ class Motion(NamedTuple):
 MOTION_BYTES = 6
 MOTION_ADDRESS = PRESENT_POSITION.address
 SAG = 10
-"""How far below its goal a servo may rest under its load, in counts (2.9 degrees). Chosen, not measured on a real
+"""The rest below its goal that a servo may have under its load, in counts (2.9 degrees). Chosen, not measured on a real
 robot; with the factory's compliance slope of 32 counts a servo gives way by up to 9.4 degrees before it pushes with all
 it has."""
 

@@ -8,7 +8,7 @@ from msgspec import Struct
 
 SYS = Path("/sys/class/input")
 ANYWHERE = "input:"
-"""How an address begins that goes by what a gamepad is, not by where it is: its radio address, or else its name."""
+"""The beginning of an address that finds a gamepad by its radio address, or else its name, not by its place."""
 _WORD_BITS = 8 * struct.calcsize("l")
 _JOYSTICK, _GAMEPAD = 0x120, 0x130
 _ABS_X, _ABS_Y = 0, 1

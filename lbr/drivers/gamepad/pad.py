@@ -1,4 +1,4 @@
-"""What a gamepad's events say is held on it: Linux's gamepad specification, and what pads do that keep less of it.
+"""The state of a gamepad from its events: Linux's gamepad specification, and the habits of pads that keep less of it.
 Pure."""
 
 from collections.abc import Iterable, Mapping
@@ -71,7 +71,7 @@ def way(value: int, span: Span, axis: Axis) -> float:
 
 
 class Held(NamedTuple):
-    """What is held at the end of a packet."""
+    """The state at the end of a packet."""
 
     axes: dict[Axis, float]
     pressed: tuple[Button, ...]

@@ -25,8 +25,7 @@ class Decoders(Struct, frozen=True, kw_only=True):
     enabled: frozenset[str]
 
     def lacks(self, protocols: Iterable[int] = ()) -> str:
-        """Return what is wrong and what to type; nothing if one of these protocols, or any if none is named, is
-        decoded."""
+        """Return the problem and the cure; nothing if one of these protocols, or any if none is named, is decoded."""
         wanted = sorted({NAMES[number] for number in protocols if number in NAMES})
         if self.enabled & set(wanted) if wanted else self.enabled:
             return ""

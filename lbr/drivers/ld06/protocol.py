@@ -1,4 +1,4 @@
-"""What an LD06 says: packets of twelve distances, clockwise, each packet with a check byte. No I/O.
+"""The output of an LD06: packets of twelve distances, clockwise, each packet with a check byte. No I/O.
 
 Written after public programs that read one; not yet read from a device.
 """
@@ -16,7 +16,7 @@ POINTS = 12
 PACKET_BYTES = 47
 FULL_TURN_CDEG = 36_000
 WIDEST_CDEG = 3_000
-"""A packet that covers more is none: at the slowest turn that a scan is worth, twelve distances cover 20 degrees."""
+"""A packet that covers more is refused: at the slowest turn that a scan is worth, twelve distances cover 20 degrees."""
 GAP_CDEG = 500
 """Between packets that follow one another there is a step of 0.8 degrees."""
 
@@ -43,7 +43,7 @@ class Packet(Struct, frozen=True):
 
 
 class PacketParser:
-    """Turns bytes, in pieces of any size, into packets; it holds less than one. `bad_bytes` counts what is none."""
+    """Turns bytes, in pieces of any size, into packets; it holds less than one. `bad_bytes` counts all others."""
 
     def __init__(self) -> None:
         self.bad_bytes = 0

@@ -1,4 +1,4 @@
-"""How an LD06 is recognised: it talks by itself; three sound packets are enough, and nothing is sent."""
+"""Recognition of an LD06: it talks by itself; three sound packets are enough, and nothing is sent."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.ld06.protocol import BAUD, PacketParser

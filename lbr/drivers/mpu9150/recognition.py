@@ -1,4 +1,4 @@
-"""How an MPU-9150 is recognised: by its register WHO_AM_I."""
+"""Recognition of an MPU-9150: by its register WHO_AM_I."""
 
 from lbr.capability.recognition import I2cHandshake, Read, Seen
 from lbr.drivers.mpu9150 import registers

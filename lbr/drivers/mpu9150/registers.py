@@ -51,7 +51,7 @@ _READING = struct.Struct("<B3hB")
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """What one count means, by the ranges set."""
+    """The worth of one count, by the ranges set."""
 
     gyro_rps: float
     accel_mps2: float
@@ -59,7 +59,7 @@ class Units:
 
 @dataclass(frozen=True, slots=True)
 class MagneticField:
-    """One reading of the compass: microtesla along the accelerometer's axes, or why there is none."""
+    """One reading of the compass: microtesla along the accelerometer's axes, or why it is missing."""
 
     microtesla: Vector | None
     trouble: str = ""

@@ -1,4 +1,4 @@
-"""What the unit says, in SI units and by our clock. Pure.
+"""The readings of the unit, in SI units and by our clock. Pure.
 
 The library counts in g, degrees a second, gauss and milliseconds of the device's own clock; what was not measured is a
 huge number (PUNK_DBL, 1e300).

@@ -1,5 +1,4 @@
-"""How a UPS PIco is recognised: by a source and a battery's volts that can be; its registers are read, and none is
-written."""
+"""Recognition of a UPS PIco: by a plausible source and battery voltage; its registers are read, and never written."""
 
 from lbr.capability.recognition import I2cHandshake, Read, Seen
 from lbr.drivers.pico import registers

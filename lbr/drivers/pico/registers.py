@@ -11,7 +11,7 @@ from lbr.messages.power import Supply
 
 STATUS_ADDRESS = 0x69
 COMMANDS_ABOVE = 2
-"""How far above its status the supply takes its commands: 0x6B, or 0x5B where it was moved to 0x59."""
+"""From the status address to that of commands: 0x6B, or 0x5B where the first was moved to 0x59."""
 
 MODE, BATTERY, OUTPUT, EXTERNAL, NTC, TO92, CHARGER, COUNTER, FIRMWARE = (
     0x00,
@@ -28,7 +28,7 @@ STILL_ALIVE, CHEMISTRY, RELAY = 0x05, 0x07, 0x0C
 """These are of the commands; the rest is status."""
 
 STILL_ALIVE_OFF = 0xFF
-"""What switches that timer off. 0 would fire it at once, and is never written."""
+"""The value that switches that timer off. 0 would fire it at once, and is never written."""
 
 _ON_ANOTHER_SOURCE = 0x80
 _SOURCES: dict[int, Supply] = {1: "external", 2: "battery"}
@@ -47,12 +47,12 @@ _CHEMISTRIES = {ord("S"): LIPO, ord("P"): LIPO, ord("F"): LIFEPO4, ord("Q"): LIF
 
 
 def volts(word: int) -> float:
-    """Return the volts of a word of binary-coded decimals; raise MalformedError if it is none."""
+    """Return the volts of a word of binary-coded decimals; raise MalformedError if it is not one."""
     return decimal(word) / 100
 
 
 def celsius(byte: int) -> float:
-    """Return the degrees of a byte of binary-coded decimals; raise MalformedError if it is none."""
+    """Return the degrees of a byte of binary-coded decimals; raise MalformedError if it is not one."""
     return float(decimal(byte))
 
 

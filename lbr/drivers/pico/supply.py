@@ -12,7 +12,7 @@ from lbr.drivers.pico.readout import Readout, items
 from lbr.messages.power import UpsState
 
 FED_TIMES = 4
-"""How often the still-alive timer is fed within its time."""
+"""The number of times that the still-alive timer is fed within its time."""
 
 _CELLS = {"lipo": registers.LIPO, "lifepo4": registers.LIFEPO4, "auto": None}
 

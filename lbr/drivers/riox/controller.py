@@ -26,7 +26,7 @@ from lbr.messages.units import Quaternion
 HELD_UP_S = 0.25
 QUIET_S = 0.03
 SPOILT_S = 0.015
-"""What is left for an answer after a bad line: that was it, or its echo."""
+"""The rest of the time for an answer after a bad line: that was it, or its echo."""
 MOST_REFUSALS = 3
 
 Tell = Callable[[str, str], None]

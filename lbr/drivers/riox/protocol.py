@@ -1,4 +1,4 @@
-"""What a RIOX says: lines that end with CR, `NAME=number:number:…`, `-` for what it refuses. No I/O."""
+"""The output of a RIOX: lines that end with CR, `NAME=number:number:…`, `-` for a refusal. No I/O."""
 
 import re
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How a RIOX is recognised: by the ten numbers that it answers to `?ML`."""
+"""Recognition of a RIOX: by the ten numbers that it answers to `?ML`."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.riox.protocol import MOTION, Answer, ReplyParser, encode_query

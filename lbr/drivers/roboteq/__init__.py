@@ -22,7 +22,7 @@ Baud = Literal[9600, 19200, 38400, 57600, 115200]
 
 
 class Wheel(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How one wheel's motor is wired: forward times `direction` goes to `channel`."""
+    """The wiring of one wheel's motor: forward times `direction` goes to `channel`."""
 
     channel: Literal[1, 2]
     direction: Literal[-1, 1] = 1

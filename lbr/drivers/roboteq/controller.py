@@ -26,7 +26,7 @@ ROTATION: tuple[bytes, ...] = (
 
 
 class Controller:
-    """One Roboteq on an open line. Whatever is wrong with it is a DeviceError that says what to do.
+    """One Roboteq on an open line. Every problem with it is a DeviceError with its cure.
 
     `turning` from before a power is written until zero was acknowledged; `beat` is called before everything written.
     """

@@ -19,7 +19,7 @@ class Line(ByteLine, Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How an exchange ended."""
+    """The end of an exchange."""
 
     command: bytes
     result: Result

@@ -1,4 +1,5 @@
-"""What the controller's answers mean, in SI units; None stands for what was not understood, never a made-up number."""
+"""The meaning of the controller's answers, in SI units; None stands for one that was not understood, never a made-up
+number."""
 
 import re
 from collections.abc import Callable

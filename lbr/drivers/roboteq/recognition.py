@@ -1,4 +1,4 @@
-"""How a Roboteq is recognised: by the answer to `?FID`, its firmware; `~` and `!` are never sent."""
+"""Recognition of a Roboteq: by the answer to `?FID`, its firmware; `~` and `!` are never sent."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.roboteq import protocol as wire

@@ -1,4 +1,4 @@
-"""What the controller last measured, for as long as that can be believed."""
+"""The controller's last measurements, for as long as they can be believed."""
 
 from collections.abc import Callable
 from typing import TypeVar

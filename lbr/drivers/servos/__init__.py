@@ -1,4 +1,4 @@
-"""What drivers of servo buses have in common: settings, kind, the gate for setpoints, torque, guard, slow release.
+"""The common part of drivers of servo buses: settings, kind, the gate for setpoints, torque, guard, slow release.
 
 Servos whose torque, goal and limits can be read back, which most can, need three things of a driver, in a package of
 its own: the bus, what its numbers mean, and a program that releases them after the driver's death:
@@ -33,7 +33,7 @@ NO_PORTS: Mapping[str, type[Struct]] = {}
 
 
 class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of every driver of servos may set."""
+    """The settings of every driver of servos."""
 
     device: Name
     baud: Annotated[int, Meta(ge=4800, le=4_000_000)] = 1_000_000
@@ -57,7 +57,7 @@ class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 class RegisterServosSettings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row may set whose servos tell their torque, their goal and their limits."""
+    """The settings of drivers whose servos report their torque, their goal and their limits."""
 
     sweep_hz: Annotated[float, Meta(ge=1.0, le=250.0, description="rounds of the poller per second at most")] = 100.0
     on_estop: Annotated[

@@ -19,7 +19,7 @@ _Jobs = dict[object, tuple[Callable[[Any], object], "Future[object]"]]
 
 
 class BusThread(Generic[Bus]):
-    """Runs jobs in their order and the background between them. What breaks the line ends the thread: see `failure`."""
+    """Runs jobs in their order and the background between them. An error of the line ends the thread: see `failure`."""
 
     def __init__(self, bus: Bus, background: Callable[[Bus], float] = lambda _bus: 60.0) -> None:
         self.failure: Exception | None = None

@@ -27,7 +27,7 @@ S = TypeVar("S", bound=ServosSettings)
 
 
 class Session(Protocol):
-    """What lives as long as the line is open, as far as the capability needs it."""
+    """The objects that live as long as the line is open, as far as the capability needs them."""
 
     @property
     def guard(self) -> Guard | None:
@@ -57,8 +57,8 @@ T = TypeVar("T", bound=Session)
 class Servos(Capability[S], ABC, Generic[S, T]):
     """Applies fresh setpoints to the servos that the rows name; in every doubt they hold, and are released slowly.
 
-    What all drivers of servos do alike. `RegisterServos` has the rest for servos whose registers can be read back; a
-    driver of others fills the abstract methods itself.
+    The common behaviour of all drivers of servos. `RegisterServos` has the rest for servos whose registers can be read
+    back; a driver of others fills the abstract methods itself.
     """
 
     rate_hz = 100.0
@@ -142,7 +142,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         """Answer the commands that waited for the line."""
 
     def known(self) -> bool:
-        """Say whether anything can be said of who has torque."""
+        """Tell whether it is known which servos have torque."""
         return True
 
     def admit(self, setpoint: ServoSetpoint, arrived: float, now: float) -> None:
@@ -157,7 +157,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         self._publish(None, reason)
 
     def close(self) -> None:
-        """Have the servos hold, or let them go, as the row says; then close the line. What has torque is the
+        """Have the servos hold, or let them go, as the row says; then close the line. Servos with torque are the
         guard's."""
         session, self._session = self._session, None
         if session is not None:

@@ -1,4 +1,4 @@
-"""What a bus of servos has to do for the capability that drives it, and what is known of each servo.
+"""The duties of a bus of servos for the capability that drives it, and the facts known of each servo.
 
 Positions, speeds and torque limits are the servo's own whole numbers here: what was written can then be compared with
 what is read back. `ServoModel` says what they mean.
@@ -21,7 +21,7 @@ Tell = Callable[[str, str, str], None]
 class Motion(Protocol):
     """Where a servo is and what it does, as one read gives it: raw, and in SI units with counter-clockwise positive.
 
-    What a servo does not tell is 0: error bits, speed, load.
+    A value that a servo does not report is 0: error bits, speed, load.
     """
 
     @property
@@ -51,7 +51,7 @@ class Motion(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SlowState:
-    """What a servo says of itself apart from its motion; `at` is when. Read of one servo in each round of the poller.
+    """The report of a servo apart from its motion; `at` is the time. Read of one servo in each round of the poller.
 
     `enabled` and `goal` are to be what the servo says: by them a stop is acknowledged and the guard knows whom to hold.
     A servo that knows no speed says 0, one without a torque limit its `full_torque`.
@@ -88,7 +88,7 @@ class Snapshot:
     states_hz: float = 0.0
     sweep_s: float = 0.0
     together: bool = False
-    """Whether it was read by one request."""
+    """True if it was read by one request."""
 
     @property
     def searched(self) -> bool:
@@ -98,7 +98,7 @@ class Snapshot:
 
 @dataclass(slots=True)
 class Counts:
-    """What went wrong on the line since it was opened. `babble` counts bytes that belong to no packet."""
+    """The errors of the line since it was opened. `babble` counts bytes that belong to no packet."""
 
     timeouts: int = 0
     corrupt: int = 0
@@ -165,7 +165,7 @@ class ServoBus(Protocol):
 
 
 class ServoModel(Protocol):
-    """What the numbers of these servos mean, and what they are known to do."""
+    """The meaning of these servos' numbers, and their known features."""
 
     @property
     def full_torque(self) -> int:

@@ -1,4 +1,4 @@
-"""Whether the sender of setpoints can be believed: a pure function of state, event and time.
+"""The trust in a sender of setpoints: a pure function of state, event and time.
 
 Setpoints that cease, or say that their sender is lost, end the motion: the servos hold, and after a time release
 slowly. The lease that was quoted then is revoked: setpoints that still quote it keep the servos held, and move nothing.

@@ -20,7 +20,7 @@ STEP_S = 0.05
 
 
 class Releasing(Protocol):
-    """What a driver tells its servos after its death. Whatever it writes or reads, the line is its own meanwhile.
+    """The orders of a driver to its servos after its death. The line is its own while it writes and reads.
 
     An OSError, as a DeviceError is one, says that the line is gone. `blind`: it cannot ask who has torque, so that it
     acts only where the driver said that something may move. `least_hold_s`: it holds at least this long.

@@ -5,7 +5,8 @@ from lbr.drivers.serial_line import SerialLine, open_line
 from lbr.drivers.wire import Wire
 
 SERVO_S = 0.0003
-"""What a servo takes to begin its answer, and the hole in it that its motor control makes (datasheet and measured)."""
+"""The time until a servo begins its answer, and the hole in it that its motor control makes (datasheet and measured).
+"""
 LONGEST_DELAY_S = 0.000508
 """The largest return delay time a servo can be set to."""
 

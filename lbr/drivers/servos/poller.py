@@ -13,7 +13,7 @@ from typing import Generic
 from lbr.drivers.servos.contract import SETTING_UP, UNSEEN, B, Motion, Seen, SlowState, Snapshot
 
 MISSES = 4
-"""How many sweeps in a row without an answer make a servo silent. Chosen, not measured: 40 ms of the usual 100 a
+"""The sweeps in a row without an answer that make a servo silent. Chosen, not measured: 40 ms of the usual 100 a
 second."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3

@@ -1,4 +1,4 @@
-"""What the guard of servos tells them whose torque, goal and limit can be read back; see `guard_release`."""
+"""The last orders of the guard to servos whose torque, goal and limit can be read back; see `guard_release`."""
 
 from collections import deque
 from collections.abc import Collection

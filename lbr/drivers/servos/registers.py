@@ -71,7 +71,7 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         return self._session is not None and self._session.poller.heard > self._session.opened
 
     def known(self) -> bool:
-        """Say whether every servo was looked for; before, silence is all that can be said of who has torque."""
+        """Tell whether every servo was looked for; before, silence leaves open which of them have torque."""
         return self._snapshot.searched
 
     def command(self, call: Call) -> None:

@@ -1,4 +1,5 @@
-"""What lives as long as the line of a servo bus is open: the bus, its thread, the poller, what was told, the guard."""
+"""The objects that live as long as the line of a servo bus is open: the bus, its thread, the poller, the orders, the
+guard."""
 
 from collections.abc import Callable
 from math import inf

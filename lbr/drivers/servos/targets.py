@@ -1,4 +1,4 @@
-"""What every servo is to do: torque on and off, torque limits and goals, and whether it did as told, read back from it.
+"""The orders for every servo: torque on and off, torque limits and goals, and their effect, read back from it.
 
 Lives in the loop's thread; what it wants on the wire it submits as jobs to the bus's thread.
 """
@@ -22,8 +22,8 @@ FRESH_S = 0.05
 """Of a moving servo even this age is too old: to be held there would take it back. A few sweeps; chosen, not measured.
 """
 FOUND_S = 0.5
-"""How long a servo that was found with torque keeps it until its mover knows of it: a few rounds of state and setpoint,
-so that a servo heard late after a restart keeps its torque. Chosen, not measured."""
+"""The time that a servo that was found with torque keeps it until its mover knows of it: a few rounds of state and
+setpoint, so that a servo heard late after a restart keeps its torque. Chosen, not measured."""
 REPEAT_S = 0.1
 AGAIN_S = 0.2
 FADE_STEP = 0.0097
@@ -33,8 +33,8 @@ LET_GO = "was released; switch its torque off, then on"
 
 @dataclass(slots=True)
 class TargetState:
-    """What one servo is to do, and was told. `settled`: when it was told to have torque or none; inf while that waits;
-    `aimed`: its goal.
+    """The wanted and the sent order for one servo. `settled`: the time of its last order about torque; inf while that
+    waits; `aimed`: its goal.
 
     `blocked` says why it gets no torque before a setpoint had it without. `stays`: its goal is where it was measured;
     `adrift`: it is to be held where it is as soon as that is measured; `found`: when it was first heard, with torque.
@@ -60,7 +60,7 @@ class TargetState:
 
 
 class ServoTargets(Generic[B]):
-    """All servos of a bus. What it wants is told to the servos on the next occasion, stops first."""
+    """All servos of a bus. Its orders go to the servos on the next occasion, stops first."""
 
     def __init__(
         self,
@@ -81,9 +81,9 @@ class ServoTargets(Generic[B]):
         self._sent_at = -inf
         self._faded_at = -inf
         self.guarded = True
-        """Whether a guard would release the servos if this driver died; before, none gets torque."""
+        """True if a guard would release the servos after this driver's death; before, no servo gets torque."""
         self.broken: Exception | None = None
-        """What a job raised that is no matter of the line: a servo was not told what it should be."""
+        """The error of a job that does not concern the line: a servo was not told what it should be."""
 
     def apply(self, gate: ServoGate, strength: float, snapshot: Snapshot) -> None:
         """Do what follows from the gate's state and from what the servos said last."""

@@ -10,7 +10,7 @@ from lbr.messages.units import Name
 
 Board = Literal["arduino", "parallax"]
 SENSORS = RING
-"""What every board tells, whatever else it does."""
+"""The readings of every board, whatever else it does."""
 
 
 class UltrasonicSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,4 +1,4 @@
-"""What the range boards say: one JSON object per line, in centimetres. No I/O.
+"""The output of the range boards: one JSON object per line, in centimetres. No I/O.
 
 A board with more than the five sensors tells the others beside them, by their names with a capital letter. The Arduino
 waits for `g`, stops on `s` and tells of every byte it received; the Parallax board just talks.

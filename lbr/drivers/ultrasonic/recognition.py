@@ -1,4 +1,4 @@
-"""How a board of range sensors is recognised: by a line of its distances; the Arduino is asked to begin, and to stop
+"""Recognition of a board of range sensors: by a line of its distances; the Arduino is asked to begin, and to stop
 again."""
 
 from lbr.capability.recognition import Seen, SerialHandshake

@@ -1,4 +1,4 @@
-"""What drivers of wheels have in common: settings, kind, the gate for setpoints, the guard, the capability.
+"""The common part of drivers of wheels: settings, kind, the gate for setpoints, the guard, the capability.
 
 A driver of another controller, in a package of its own, is a `WheelController` and three declarations:
 
@@ -39,7 +39,7 @@ class EnableCommand(Struct, frozen=True, kw_only=True):
 
 
 class WheelsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of every driver of wheels may set."""
+    """The settings of every driver of wheels."""
 
     device: Name
     enabled: bool = True

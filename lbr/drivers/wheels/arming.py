@@ -1,4 +1,4 @@
-"""Whether a setpoint may reach the wheels: a pure function of state, event and time.
+"""The gate between setpoints and wheels: a pure function of state, event and time.
 
 Disarmed is where everything begins and where every doubt ends. Only a fresh zero arms; a setpoint that comes late,
 is not finite or loses its source stops the motors, and the lease it quoted is dead for good.
@@ -14,7 +14,7 @@ START = "waiting for a zero setpoint"
 
 @dataclass(frozen=True, slots=True)
 class Setpoint:
-    """What was asked of each motor; `born` is the older of its stamp and its arrival, in monotonic seconds.
+    """The powers that were asked of each motor; `born` is the older of its stamp and its arrival, in monotonic seconds.
 
     `unnamed` is a motor that it gives no power, which is NaN then.
     """

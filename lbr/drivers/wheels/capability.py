@@ -28,10 +28,9 @@ RESEND_S = 0.015
 IDLE_QUERY_S = 0.05
 REPORT_PERIOD_S = 5.0
 FEW = 8
-"""How many commands unanswered are told first, then whenever they have doubled: a few are harmless."""
+"""The number of unanswered commands that is reported first, then each doubling: a few are harmless."""
 ARMS_S = 0.3
-"""How long who switches the motors on waits for them to be armed: a fault or the emergency stop may stand against
-it."""
+"""The wait of a request to switch the motors on until they are armed: a fault or the emergency stop may prevent it."""
 GUARD_STARTS = "its guard process is starting"
 UNASKED = (
     "the controller's emergency stop is engaged, but not by this robot: "

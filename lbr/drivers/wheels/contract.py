@@ -1,4 +1,4 @@
-"""What a controller of wheels has to do for the capability that drives it."""
+"""The duties of a controller of wheels for the capability that drives it."""
 
 from typing import NamedTuple, Protocol, TypedDict
 
@@ -7,7 +7,7 @@ EMERGENCY_STOP = "emergency_stop"
 
 
 class GuardStop(NamedTuple):
-    """What the guard writes to stop the motors, and what the controller says when it has; nothing: it says nothing."""
+    """The bytes by which the guard stops the motors, and the controller's acknowledgement; empty: it gives none."""
 
     request: bytes
     acknowledged: bytes = b""
@@ -34,8 +34,8 @@ class Measured(TypedDict, total=False):
 
 
 class WheelController(Protocol):
-    """A controller of some motors on its line. Powers are -1..1, forward positive. Whatever is wrong is a DeviceError
-    that says what to do.
+    """A controller of some motors on its line. Powers are -1..1, forward positive. Every problem is a DeviceError with
+    its cure.
 
     No call may take longer than a few milliseconds in the usual case, nor hold up a stop for longer than 30 ms ever:
     the loop that calls it is what stops the wheels. Commands that are not acknowledged count as lost, and are repeated
@@ -51,9 +51,9 @@ class WheelController(Protocol):
     asked: tuple[float, ...]
     """The powers that were written last."""
     resting: bool
-    """Whether zero was acknowledged, and nothing was written since."""
+    """True once zero was acknowledged, and nothing was written since."""
     turning: bool
-    """Whether a wheel may turn: from before a power is written until zero was acknowledged. The guard goes by it."""
+    """True if a wheel may turn: from before a power is written until zero was acknowledged. The guard goes by it."""
 
     def open(self) -> None:
         """Identify it, write zero, then set and read back what safety rests on, its own watchdog above all."""

@@ -1,4 +1,4 @@
-"""What this home proves itself by: the certificate of its bus, and the key that its tokens come from; and new tokens.
+"""The proofs of this home: the certificate of its bus, and the key that its tokens come from; and new tokens.
 
 A token is made again from the key and its row whenever it is needed, and is never written down; the row has its hash.
 """
@@ -64,7 +64,7 @@ def is_own_shown() -> bool:
 
 
 class NewToken(Struct, frozen=True, kw_only=True):
-    """A token that is not to be had again, its role, and what its row keeps of it."""
+    """A token that is shown only once, its role, and the part that its row keeps."""
 
     token: tokens.Token
     role: TokenRole
@@ -80,7 +80,7 @@ def new_token(
     ends: datetime | None = None,
     paired_from: str | None = None,
 ) -> NewToken:
-    """Make a token and write its row, durably; InputError if the name is none, or a valid token has it."""
+    """Make a token and write its row, durably; InputError if the name is invalid, or a valid token has it."""
     fingerprint = tokens.fingerprint(certificate_der())
     created_at = _text(datetime.now(UTC))
     secret = token_secret(token_key(), tokens.check_name(name), created_at)

@@ -1,4 +1,4 @@
-"""What the rows of a plan say of its parts, for who explains why one of them stands still. Pure."""
+"""The facts of a plan about its parts, for the explanation of why one of them stands still. Pure."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""How the parts of the executive make an event."""
+"""The making of events by the parts of the executive."""
 
 from typing import Any, Protocol
 

@@ -1,4 +1,4 @@
-"""What is odd in rows that run all the same: inputs that nothing feeds, settings that a kind doubts, code of one's
+"""The oddities of rows that run all the same: inputs that nothing feeds, settings that a kind doubts, code of one's
 own."""
 
 from collections.abc import Iterator

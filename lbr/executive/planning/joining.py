@@ -1,4 +1,4 @@
-"""How a robot of a package comes into a database: at the database's making, at the robot's first run, or by command."""
+"""The way of a package's robot into a database: at the database's making, at the robot's first run, or by command."""
 
 from collections.abc import Iterator
 from pathlib import Path

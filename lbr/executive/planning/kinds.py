@@ -36,7 +36,7 @@ class KindsBeside:
         return not new
 
     def find(self, name: str, home: Path) -> Kind:
-        """Return a kind that is ready; KindError if it is none."""
+        """Return a kind that is ready; KindError if it is not."""
         _, found = self._known.get(name) or ("", None)
         if found is None or not registry.mark(name, home):
             return registry.find(name, home)

@@ -26,7 +26,7 @@ class LastGoodCopy:
         self._due: float | None = None
         self._thread: threading.Thread | None = None
         self._edited = False
-        """Whether the rows were edited before the last copy was made: no trouble, and looked at elsewhere."""
+        """The rows have settled: no trouble, and nothing edited since the last copy."""
         self._why = ""
 
     def touched(self, now: float) -> None:

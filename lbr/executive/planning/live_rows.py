@@ -36,7 +36,8 @@ LOOK_S = 0.2
 LOOK_SHARE = 5.0
 """Looking takes at most a fifth of the main thread's time: slow reads are less frequent."""
 PROBLEMS_TOLD = 3
-"""How many problems of an edit are told; a joint's limit alone may be in the way of a dozen key frames."""
+"""The number of problems of an edit that are reported; a joint's limit alone may be in the way of a dozen key frames.
+"""
 
 
 class LiveRows(Service):
@@ -176,8 +177,7 @@ class LiveRows(Service):
         self._watch.look_again()
 
     def _known(self, name: str) -> dict[RowKey, Any]:
-        """Return the rows that a capability has, by table and key; what its profile has in their place is none of
-        them."""
+        """Return the rows of a capability, by table and key; without those that its profile replaces."""
         measured = {one.device for one in self.plan.rows.of(CalibrationValue)}
         return {
             (table, tuple(row[column] for column in one.key)): row

@@ -1,4 +1,4 @@
-"""What this machine has room for, and what it lacks: a plan that it cannot run is refused before anything starts."""
+"""The limits of this machine: a plan that it cannot run is refused before anything starts."""
 
 import contextlib
 import os
@@ -23,7 +23,7 @@ itself."""
 FILES_WANTED = 2048
 """For a full robot, and for all who look at it besides."""
 MEMORY_EACH_MB = 16
-"""What a driver or an operation has for itself; few capabilities have less."""
+"""The memory of a driver or an operation by itself; few capabilities have less."""
 STARTING_PER_CORE = 3
 """More that start at a time are no sooner ready, and hold up what runs."""
 

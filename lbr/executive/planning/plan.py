@@ -1,4 +1,4 @@
-"""What should run, the rows it came from, and the difference between two plans. Pure; `planner` makes one."""
+"""The plan of processes, the rows it came from, and the difference between two plans. Pure; `planner` makes one."""
 
 from collections.abc import Container, Iterator, Mapping
 
@@ -16,7 +16,7 @@ from lbr.messages.rows import RowsChanged
 
 
 class Plan(Struct, frozen=True, kw_only=True):
-    """What should run, in start order, and the rows it came from, with the verbs that kinds bring."""
+    """The processes of a robot in start order, and the rows they came from, with the verbs that kinds bring."""
 
     robot: str
     units: dict[str, ProcessSpec]
@@ -63,9 +63,9 @@ class Plan(Struct, frozen=True, kw_only=True):
 
 
 class Change(Struct, frozen=True, kw_only=True):
-    """What an edit of the rows does to the processes.
+    """The effect of an edit of the rows on the processes.
 
-    Who has to `plug` goes on, with more emulated devices; who is to `follow`, with other rows.
+    A world that has to `plug` goes on, with more emulated devices; a process that is to `follow`, with other rows.
     """
 
     start: tuple[str, ...] = ()

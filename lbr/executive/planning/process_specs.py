@@ -224,7 +224,7 @@ def _calibration(rows: Iterable[CalibrationValue], profile: Profile) -> tuple[Ca
 
 
 def _users(rows: RobotRows, site: RunIdentity, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:
-    """Return who may come in there; whose token is for the other way in is not even known to who opens this one."""
+    """Return the tokens that may come in there; a token for the other way in is not even known to this one."""
     return tuple(
         LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
         for t in rows.tokens

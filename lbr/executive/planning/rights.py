@@ -27,8 +27,8 @@ def of_guest(plan: Plan, unit: ProcessSpec) -> Rights:
 def of_local(plan: Plan) -> Rights:
     """Return what any user of the robot's socket may do, without a password: look, and operate.
 
-    Setpoints may be put, and are refused aloud by who takes them: they lack the seal. Streams may not. What may be put
-    is named key by key: a wildcard would let pass every other wildcard, and by that whatever a row denies.
+    Setpoints may be put, and their receiver refuses them aloud: they lack the seal. Streams may not. Permitted puts are
+    named key by key: a wildcard would let pass every other wildcard, and by that all that a row denies.
     """
     robot = plan.robot
     return Rights(
@@ -112,8 +112,8 @@ def _to_record(robot: str) -> Rights:
 def _of_lan(plan: Plan, unit: ProcessSpec) -> Rights:
     """Return what may come in from other machines without passing the relay: looking, and stopping.
 
-    So may what processes say that run there, but for what they ask of others: that is relayed. What may be heard is
-    named key by key: all else that a client declares to hear ends at the door, and holds up no other router.
+    So may what processes say that run there, but for what they ask of others: that is relayed. Permitted subscriptions
+    are named key by key: all others that a client declares end at the door, and hold up no other router.
     """
     assert unit.lan is not None
     robot, lan = plan.robot, unit.lan

@@ -8,7 +8,7 @@ from lbr.bus.access import Credentials
 
 
 class RunIdentity(Struct, frozen=True, kw_only=True):
-    """What a plan needs to know of this run: where things are, and the secret its seals and passwords come from.
+    """The facts of this run that a plan needs: its places, and the secret of its seals and passwords.
 
     `listen` are endpoints for other machines that were asked for at the command line.
     """

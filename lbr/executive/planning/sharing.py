@@ -1,4 +1,4 @@
-"""Who may share a process with whom. Pure.
+"""The rules for sharing a process. Pure.
 
 Those of one process have the same rights on the bus, and end together when one fails. So what is near a motor shares
 with such alone, and so does what may do anything in people's names, or records everything.
@@ -21,14 +21,14 @@ LAN = "lan"
 
 
 def user(name: str, process: str) -> str:
-    """Return who a capability is on the bus: itself, or the process that it shares; no capability's name has a dot."""
+    """Return a capability's name on the bus: its own, or that of its shared process, which alone has a dot."""
     return f"process.{process}" if process else name
 
 
 def problems(
     rows: RobotRows, chosen: Collection[CapabilityRow], kinds: Mapping[str, Kind], profile: Profile
 ) -> list[Problem]:
-    """Return what is wrong with the shared processes of what was chosen to run; on other machines there are none."""
+    """Return the problems of shared processes among the chosen capabilities; other machines share none."""
     names = rows.names("capability")
     steering = frozenset(message for kind in kinds.values() for message in kind.setpoints.values())
     near = {row.name: _near(kinds[row.name], steering) for row in chosen}

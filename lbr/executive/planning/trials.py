@@ -27,8 +27,8 @@ TOLD = 4
 def not_ready(before: Mapping[str, str], touched: Iterable[str], now: Iterable[CapabilityStatus]) -> tuple[str, ...]:
     """Return what keeps rows on trial from being kept, in words: what they touch, and what failed since.
 
-    What was degraded before they came may be so again: a device that is not there is not their fault. Nor is an
-    emergency stop that a person has pressed.
+    A capability that was degraded before they came may be so again: a device that is missing is not their fault. Nor is
+    an emergency stop that a person has pressed.
     """
     found = {one.name: one for one in now}
     lacking = []

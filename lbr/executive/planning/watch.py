@@ -26,7 +26,7 @@ EDITS_TOLD = 4
 
 
 class News(Struct, frozen=True):
-    """What a look has found: a plan that differs, with what to do and what was edited, or why there is none.
+    """The result of a look: a plan that differs, with what to do and what was edited, or why it could not be made.
 
     With problems, a plan is the old one with the tokens of now: a token that was revoked is refused, whatever else is
     wrong.

@@ -1,4 +1,4 @@
-"""What must hold between capabilities: channels join ports of one type, verbs name commands that exist.
+"""The rules between capabilities: channels join ports of one type, verbs name commands that exist.
 
 That the rows they name are there is the database's to check; what is not there is passed over here.
 """
@@ -23,7 +23,7 @@ EXECUTIVE_COMMANDS: Mapping[str, type[msgspec.Struct]] = {
     "estop_reset": EstopResetCommand,
     "line": LineCommand,
 }
-"""What capabilities may ask the executive for, if their rows wire them to it."""
+"""The requests of capabilities to the executive, if their rows wire them to it."""
 
 EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {
     "stop": frozenset({"reason"}),
@@ -34,7 +34,7 @@ EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {
     "why": frozenset({"part"}),
     **dict.fromkeys(("reset", "help", "shutdown", "status", "phone", "open", "close"), frozenset()),
 }
-"""What the executive does by itself, and the fields that each takes."""
+"""The commands of the executive itself, and the fields of each."""
 
 EXECUTIVE_ROLES: Mapping[str, Role] = {
     **dict.fromkeys(("stop", "estop", "status", "help", "report", "why"), "view"),

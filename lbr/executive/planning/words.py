@@ -1,4 +1,4 @@
-"""What can be said to a robot: the rows of its own, and for each of its capabilities the words that its kind brings."""
+"""The words of a robot: the rows of its own, and for each of its capabilities the words of its kind."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
@@ -18,7 +18,7 @@ OF_EVERY_ROBOT = (
     Word("/why/{part}", "why", "Tell what holds a part still, such as `why drive`: a capability, joint or device"),
     Word("/restart/{name}", "restart", "Stop a capability and start it again, by its name", role="admin"),
 )
-"""What lbr itself does, and what a robot may say otherwise, unlike the words of `lbr.database.builtin`."""
+"""The words of lbr itself that a robot may replace, unlike those of `lbr.database.builtin`."""
 
 
 def words(rows: RobotRows, kinds: Mapping[str, Kind]) -> tuple[VerbRow, ...]:

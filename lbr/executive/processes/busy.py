@@ -3,7 +3,7 @@
 import os
 
 OVER_AFTER_S = 10.0
-"""How long after the last process that was not given the processor, what else is wrong has had time to mend."""
+"""The time for other troubles to mend after the last process that was not given the processor."""
 
 
 class Busy:

@@ -3,7 +3,7 @@
     process (user, password) ──► core ◄── annex: opened later, for processes whose rights the core does not know
     anybody at the socket ─────► local door ─┘
 
-What a router allows is fixed when it opens, and to reopen the core would cut off everything that moves. So the
+The rights of a router are fixed when it opens, and to reopen the core would cut off everything that moves. So the
 processes that an edit has given other rights get an annex: a router that knows their rights, hung on the core until
 none of them runs any more. `lbr/executive/planning/rights.py` says who may do what.
 

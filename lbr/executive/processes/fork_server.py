@@ -29,7 +29,7 @@ from lbr.messages.unreadable import UNREADABLE
 BEGINS_WITHIN_S = 3.0
 """A few times what it takes beside four busy loops."""
 ANSWERS_WITHIN_S = 0.3
-"""A fork takes 2 ms; stops wait for whoever waits for it."""
+"""A fork takes 2 ms; stops wait for the process that waits for it."""
 RETRY_S = 5.0
 
 
@@ -63,8 +63,7 @@ class Forked:
 
 
 class ForkServer:
-    """Begins at once, and is replaced some time after it has died or did not answer. What it says is in
-    `NAME-forks.log`."""
+    """Begins at once, and is replaced some time after it has died or did not answer. Its log is `NAME-forks.log`."""
 
     def __init__(self, reaper: Reaper, name: str) -> None:
         self._reaper = reaper

@@ -28,7 +28,7 @@ class MainThread(Service):
         os.set_blocking(self.wake_fd, False)
 
     def call(self, do: Callable[[], T]) -> T:
-        """Run `do` there and return its result; raise what it raises. What is not begun in time is never done:
+        """Run `do` there and return its result; raise what it raises. A call that is not begun in time is never done:
         LbrError."""
         if threading.get_ident() == self._ident:
             return do()

@@ -1,4 +1,4 @@
-"""What runs and how it is: the status of every capability, with its CPU, memory and niceness."""
+"""The status of every capability, with its CPU, memory and niceness."""
 
 from collections.abc import Mapping
 

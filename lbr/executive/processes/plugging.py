@@ -25,7 +25,7 @@ _replies = Decoder(CommandReply)
 
 
 class PlugDevice(Struct, frozen=True, kw_only=True):
-    """What a world is asked for."""
+    """The request to a world."""
 
     device: str
     type: str

@@ -1,5 +1,4 @@
-"""What "ready" means: every capability is ready, or it is said in the same breath why not, and none has failed.
-Pure."""
+"""The meaning of "ready": every capability is ready, or reports at once why not, and none has failed. Pure."""
 
 from collections.abc import Iterable
 
@@ -12,8 +11,8 @@ LONGEST_TEXT = 2000
 
 
 class Readiness(Struct, frozen=True):
-    """Who keeps the robot from being ready (`failed`), and who only has less than its all (`degraded`), with
-    reasons."""
+    """The capabilities that keep the robot from being ready (`failed`), and those that only have less than their all
+    (`degraded`), with reasons."""
 
     failed: dict[str, str] = {}
     degraded: dict[str, str] = {}
@@ -32,7 +31,7 @@ class Readiness(Struct, frozen=True):
 def readiness(capabilities: Iterable[CapabilityStatus]) -> Readiness:
     """Return it for a robot whose capabilities have settled: what waits on this machine waits for what has failed.
 
-    Who waits for another machine, or ended as its restart policy allows, does without and says so.
+    A capability that waits for another machine, or ended as its restart policy allows, does without and reports it.
     """
     failed: dict[str, str] = {}
     degraded: dict[str, str] = {}

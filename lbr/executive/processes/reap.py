@@ -27,7 +27,7 @@ MOST_GUARDED = 512
 """Sessions of drivers, running or ended; a machine runs at most 100 processes of a robot."""
 LOOK_FIRST_S, LOOK_MOST_S = 0.01, 0.25
 LEFT_S = 0.5
-"""How often what ended processes have left behind is looked at again."""
+"""The pace at which remains of ended processes are looked at again."""
 AWAKE_S, AWAKE_AT_THE_END_S = 1.0, 0.1
 """Frozen for this long at most: a tenth of the patience with an executive that hangs, and with what is left of one."""
 DEAD = "ZX"
@@ -53,7 +53,7 @@ class Process(NamedTuple):
 
 
 class Thread(NamedTuple):
-    """What a thread has had so far: how long it `ran` and `waited` for a processor, and its state."""
+    """The times of a thread so far: how long it `ran` and `waited` for a processor, and its state."""
 
     ran: float
     waited: float
@@ -61,7 +61,7 @@ class Thread(NamedTuple):
 
 
 class Silence:
-    """Whether the executive hangs: it was silent for `patience_s`, not counting what the machine kept from it. Pure.
+    """The executive hangs: it was silent for `patience_s`, not counting the time that the machine kept from it. Pure.
 
     One that a person has frozen (SIGSTOP, Ctrl-Z) counts as one that hangs: the robot cannot be stopped by it.
     """
@@ -128,7 +128,7 @@ def threads_of(pid: int) -> dict[int, Thread]:
 
 
 class Run:
-    """What the executive has started; only processes of this user are seen to the bottom."""
+    """The processes that the executive has started; only those of this user are searched to the bottom."""
 
     def __init__(self, mark: bytes, last_word: bytes, clock: Callable[[], float] = time.monotonic) -> None:
         self._mark = mark
@@ -203,7 +203,8 @@ class Run:
     def _end(self, sessions: Collection[int], numbers: Collection[int] | None) -> list[Process]:
         """Kill what belongs to these sessions or bears one of these marks (None: any); return what may still be there.
 
-        What forks and leaves faster than it is looked at is met as a group alone. A guard leads a group of its own.
+        A fork that leaves faster than it is looked at is met as a group alone. A guard leads a group of
+        its own.
         """
         for session in sessions:
             with suppress(OSError):

@@ -17,14 +17,14 @@ from lbr.executive.processes import scheduling
 
 PROGRAM = Path(__file__).with_name("reap.py")
 END_S = 1.0
-"""How long its work is waited for, a few times what it takes on a busy machine."""
+"""The patience with its work, a few times its time on a busy machine."""
 LEAVE_S = 0.1
 BEAT_S = 1.0
 HANGS_S = 10.0
 """The main loop goes round at least once a second; the longest that it took at a
 start, on two cores at load 15, were 0.6 s."""
 MOST_REMEMBERED = 64
-"""How many drivers that have ended a new reaper is told of: their guards may still speak."""
+"""The number of ended drivers that a new reaper learns of: their guards may still speak."""
 END, BEAT, REST = ".", "!", "_"
 _LEFT: "list[subprocess.Popen[bytes]]" = []
 

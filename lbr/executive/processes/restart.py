@@ -23,7 +23,7 @@ UNSEEN = 256
 
 
 class End(Enum):
-    """How a process ended."""
+    """The end of a process."""
 
     CLEAN = "ended"
     CRASHED = "crashed"

@@ -1,8 +1,8 @@
-"""Who outranks whom on a busy machine: what moves the robot first, what merely uses it last.
+"""The ranks on a busy machine: movers of the robot first, mere users of it last.
 
 A process in a session of its own is a scheduling group of its own where the kernel groups by session (autogroup), and
-niceness alone counts only within a group; so both are set, by the parent, which still has the right to. What is not
-permitted is left as it is: /proc shows what was granted.
+niceness alone counts only within a group; so both are set, by the parent, which still has the right to. A rank that is
+not permitted is left as it is: /proc shows what was granted.
 """
 
 import contextlib

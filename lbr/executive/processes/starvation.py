@@ -1,7 +1,7 @@
 """A process that is silent: does it hang, or does the machine not give it the processor? Pure, but for the reading.
 
-A thread that could run and is not given a processor is waiting, and the kernel counts how long. Who is stopped, who
-waits for a lock, and who turns in circles does not wait: what is silent for longer than it waited hangs.
+A thread that could run and is not given a processor is waiting, and the kernel counts how long. A thread that is
+stopped, waits for a lock, or turns in circles is not starved: one that is silent for longer than it waited hangs.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ OTHERS_STRETCH = 2.0
 """The main thread may wait for what another thread of its process holds while that is not given the processor; but
 threads that merely carry messages wait as well, so this excuses no longer than this many times the usual patience."""
 HARDLY_S = 0.1
-"""How long any thread may have to wait."""
+"""The longest wait of any thread."""
 RUNS_SHARE = 0.25
 """A round of a capability that runs takes some milliseconds of the processor. One that has had a quarter of its
 patience, and is silent for longer than that, turns in circles, however long it waited; one that starts may have much to
@@ -32,7 +32,7 @@ STARTING_WORK_S = 60.0
 
 
 class Thread(Struct, frozen=True):
-    """What a thread has had so far: how long it `ran`, in how many `slices`, how long it `waited` for a processor, and
+    """The times of a thread so far: how long it `ran`, in how many `slices`, how long it `waited` for a processor, and
     whether it could run. `since` is when it was first seen to have had so many slices."""
 
     ran: float = 0.0
@@ -62,10 +62,10 @@ def verdict(
 ) -> Verdict:
     """Judge a silence that lasts `silent_s`, of which `first` was the first look and `now` is the latest.
 
-    Nothing excuses what went before the first look, but it counts no longer than a look should have taken to come. Who
-    ran for longer than `may_run_s` hangs. `stretch` is for how many times the patience threads beside the main one
-    excuse it; running itself excuses it for `work_s`. With patience left `fine`, also where it is only because the
-    first look came late.
+    Nothing excuses what went before the first look, but it counts no longer than a look should have taken to come. A
+    thread that ran for longer than `may_run_s` hangs. `stretch` is for how many times the patience threads beside the
+    main one excuse it; running itself excuses it for `work_s`. With patience left `fine`, also where it is only because
+    the first look came late.
     """
     if not silent_s > patience_s:
         return "fine"
@@ -86,7 +86,8 @@ def verdict(
 def following(before: Look, now: Look) -> Look:
     """Return a look that knows of each thread for how long it has had no slice, as far as the looks before tell.
 
-    Who is seen able to run has not waited ever since the first look: it may have slept, and been woken just now.
+    A thread that is seen able to run has not waited ever since the first look: it may have slept, and been woken just
+    now.
     """
     others = {one: _dated(before.others.get(one), thread, now.at) for one, thread in now.others.items()}
     return Look(now.at, _dated(before.main, now.main, now.at), others)

@@ -41,7 +41,7 @@ SETTLING_S = 2.5
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
 BEGINS = frozenset({"not_ready", "not_armed"})
-"""What a capability lacks that has just begun, and will have in a moment."""
+"""The lack of a capability that has just begun, gone in a moment."""
 MACHINE = "machine"
 
 
@@ -121,7 +121,7 @@ class Supervisor:
     def settled(self) -> bool:
         """Say whether everything that should run does, or has given up; what is degraded gets a moment to recover.
 
-        Who says that it has just begun gets as long as its first troubles are not told.
+        A capability that reports its beginning gets as long as its first troubles are held back.
         """
         return not self._leaving and all(self._is_settled(part) for part in self.parts.values())
 

@@ -36,7 +36,7 @@ ANSWER_S = 1.0
 TAKEN_S = host_protocol.GONE_S + 1.0
 """An agent that died is forgotten by then, and this one takes its place."""
 END_S, LOST_END_S = 2.5, 0.5
-"""How long the processes have to end; without contact they can only wait for what does not come."""
+"""The time of the processes to end; without contact they can only wait for what does not come."""
 TRIM_S = 1.0
 MOST_WAITING = 64
 _shares = Decoder(HostShare)

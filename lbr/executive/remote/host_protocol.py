@@ -1,4 +1,4 @@
-"""What the executive and the agent on another machine say to each other: a report, answered with the share."""
+"""The messages of the executive and the agent on another machine: a report, answered with the share."""
 
 from hashlib import blake2b
 from importlib import metadata
@@ -14,9 +14,9 @@ REPORT_S = 0.2
 LOST_S = 2.0
 """An agent that is not answered for this long ends its share; one whose link is lost does at once."""
 GONE_S = 3.0
-"""An agent that does not report for this long is gone; one whose link is lost, or who died, is at once."""
+"""An agent that does not report for this long is gone; a lost link or a dead agent counts at once."""
 TOLD = frozenset(["started", "recovered", "degraded", "stopped", "crashed", "hung", "ended", "failed", "need_lost"])
-"""What a supervisor tells of its processes; an agent is believed nothing else."""
+"""The reports of a supervisor about its processes; an agent is believed nothing else."""
 MOST_EVENTS = 16
 LONGEST_TEXT = 500
 
@@ -29,7 +29,8 @@ class Learnt(Struct, frozen=True, kw_only=True):
 
 
 class HostReport(Struct, frozen=True, kw_only=True):
-    """How a share of the robot is: `agent` tells one run of an agent from others, `where` says which for people.
+    """The state of a share of the robot: `agent` tells one run of an agent from others, `where` is its place for
+    people.
 
     `share` is the mark of the share it has. `events` and `learnt` are told until there is an answer.
     """

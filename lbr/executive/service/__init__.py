@@ -1,1 +1,1 @@
-"""What people and programs have of the executive: lines and answers, stops, reports, edits, the journal."""
+"""The executive's services for people and programs: lines and answers, stops, reports, edits, the journal."""

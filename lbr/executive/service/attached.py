@@ -1,4 +1,4 @@
-"""What is plugged in, for pages: asked by `lbr devices` in a process of its own, so that no device holds the executive
+"""The plugged-in devices, for pages: `lbr devices` looks in a process of its own, so that no device holds the executive
 up."""
 
 import subprocess

@@ -1,4 +1,4 @@
-"""What a field of a line may be on this robot, for completion: what its kind says, out of its rows and files."""
+"""The values of a field of a line on this robot, for completion: by its kind, out of its rows and files."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,7 +16,7 @@ REPORTS = ("telemetry", "settings", "statistics", "health", "events", "wiring", 
 
 
 class _Known:
-    """What a robot knows that a field of one capability's command may be."""
+    """The values that a robot knows of a field of one capability's command."""
 
     def __init__(self, plan: Plan, home: Path, name: str) -> None:
         self.home = home

@@ -1,4 +1,4 @@
-"""What the robot is, for programs and pages that come to it knowing nothing: out of the plan that runs. Pure."""
+"""The description of the robot, for programs and pages that know nothing of it: out of the plan that runs. Pure."""
 
 from collections.abc import Iterable
 from typing import Any

@@ -35,7 +35,7 @@ DONE, FAILED, BAD_INPUT = 0, 1, 2
 STOPPED = "stopped"
 MAX_RUN_S = 30.0
 BOUNDED_RUN_S = 86_400.0
-"""What knows its own end is held until then, unless its capability sets a limit."""
+"""A motion with an end of its own is held until then, unless its capability sets a limit."""
 MOST_LEASES = 256
 MOST_RECORDED = 200
 ROWS = "rows"
@@ -43,10 +43,10 @@ ROWS = "rows"
 
 
 class _Speaker(NamedTuple):
-    """Who says a line, with which rights, whether at the robot's own terminal, and when.
+    """The sender of a line, its rights, whether it is the robot's own terminal, and when.
 
     `remote_stamp` is the stamp of a line from another machine, which goes on to whom it concerns as it is. It had
-    `waited_s` there. By a `page` the server for people says it, in the name of who asked there.
+    `waited_s` there. By a `page` the server for people sends it, in the name of the person there.
     """
 
     source: str
@@ -59,7 +59,7 @@ class _Speaker(NamedTuple):
 
     @property
     def told(self) -> str:
-        """Return who it is, for the audit trail: from another machine with the token that the door saw proven."""
+        """Return the name for the audit trail: from another machine with the token that the door saw proven."""
         if not self.remote_stamp:
             return self.source
         found = stamp.read(self.remote_stamp)

@@ -30,7 +30,7 @@ SHORTEST_S = 0.2
 ACKNOWLEDGE_LIMIT_S = 0.5
 RELEASE_S = 1.0
 ALONE_S = 0.5
-"""How long a mover may say that it is latched before the press that it heard is here too."""
+"""The time by which a mover may report its latch before the same press arrives here."""
 MOST_RESETS = 4
 RELEASED = "emergency stop released; the next command may move the robot"
 NOT_SAVED = "the emergency stop's latch is not on the disk"
@@ -87,7 +87,7 @@ class Emergency(Service):
         )
 
     def state(self) -> EstopState:
-        """Return the latch and who has acknowledged it; from any thread."""
+        """Return the latch and its acknowledgements; from any thread."""
         if not self._engaged:
             return EstopState(engaged=False, reason="")
         movers = set(self._movers())
@@ -128,9 +128,9 @@ class Emergency(Service):
     def release(self, source: str, written_s: float) -> Reason | None:
         """Release every mover, then the latch; return why not, or nothing. From any thread but the executive's own.
 
-        What was written before another than `source` pressed it releases nothing. A press that comes meanwhile wins:
-        what was released already is latched again. Waits for the disk, unless that fails or takes half a second. A stop
-        is never so short that a stream of commands has not met it.
+        A reset that was written before another than `source` pressed it releases nothing. A press that comes meanwhile
+        wins: what was released already is latched again. Waits for the disk, unless that fails or takes half a second.
+        A stop is never so short that a stream of commands has not met it.
         """
         with self._changed:
             presses, (at, who) = self._count, self._halts.by_others(source)
@@ -217,7 +217,7 @@ class Emergency(Service):
             return self._repeat(now) if self._engaged and self.state().waiting else now + ALONE_S
 
     def _announce(self) -> None:
-        """Report that all have acknowledged, or who is overdue: each once."""
+        """Report that all have acknowledged, or the overdue movers: each once."""
         state = self.state()
         found = (not state.waiting, state.overdue)
         if found == self._announced or self._releasing:

@@ -1,4 +1,4 @@
-"""What happened: published on `@event`, shown at the console, written down in the database. Never blocks motion."""
+"""Events: published on `@event`, shown at the console, written down in the database. Never blocks motion."""
 
 import contextlib
 import time

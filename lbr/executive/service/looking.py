@@ -13,7 +13,7 @@ from lbr.why import said
 from lbr.why.snapshot import Said, Snapshot
 
 ANSWERS_WITHIN_S = 0.12
-"""What runs answers within some milliseconds; what is frozen is not waited for any longer, and told."""
+"""A running process answers within some milliseconds; a frozen one is not waited for any longer, and reported."""
 
 
 def look(robot: Robot, bus: Session, *, asker: str = "", role: Role = "admin") -> Snapshot:

@@ -169,7 +169,7 @@ class Pages:
         return ManageReply(accepted=True, revision=revision, touched=touched)
 
     def _changed(self, database: Database, err: forms.ChangedError) -> ManageReply:
-        """Return the refusal of a change of a row that is another meanwhile: with who changed it, and when."""
+        """Return the refusal of a change of a row that has changed meanwhile: with the author and the time."""
         at, by = database.last_change(self._plan().robot, err.table, err.key) or ("", "")
         reason = f"{err} (by {by})" if by else str(err)
         return ManageReply(

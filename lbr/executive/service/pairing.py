@@ -30,8 +30,8 @@ class Code(Struct, frozen=True, kw_only=True):
 
 
 class Try(Struct, frozen=True, kw_only=True):
-    """What a try came to: `code` if it was right. `left` are the wrong tries that the code still bears, None if there
-    was no code; `from_there` is how often that address was wrong since the robot started."""
+    """The result of a try: `code` if it was right. `left` are the wrong tries that the code still bears, None without a
+    code; `from_there` is how often that address was wrong since the robot started."""
 
     code: Code | None = None
     left: int | None = None

@@ -22,7 +22,7 @@ from lbr.messages.pairing import PairCommand, PairReply
 from lbr.messages.plain import one_line
 
 DELAY_S = 1.0
-"""What a wrong try waits for its answer: a person does not notice, and who tries many learns nothing faster."""
+"""The wait of a wrong try for its answer: a person does not notice, and many tries learn nothing faster."""
 MOST_WAITING = 32
 """Wrong tries that wait for their answers; with so many, no more are looked at."""
 TOLD_EVERY_S = 60.0

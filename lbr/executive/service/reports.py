@@ -1,4 +1,4 @@
-"""What the robot tells of itself at the console: data, and the same in words."""
+"""The reports of the robot at the console: data, and the same in words."""
 
 import json
 import time
@@ -36,7 +36,7 @@ class Reports:
         self._bus = bus
 
     def make(self, name: str) -> tuple[Any, str]:
-        """Return a report's data and its text; raise InputError if there is none of this name."""
+        """Return a report's data and its text; raise InputError if no report has this name."""
         makers: dict[str, Callable[[], Any]] = {
             "telemetry": self.telemetry,
             "settings": self._settings,

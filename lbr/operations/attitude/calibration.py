@@ -31,7 +31,7 @@ TELL_S = 0.2
 STUCK_S = 3.0
 STUCK_DEG = 5.0
 HEADING_S = 2.0
-"""How long the end of a calibration waits for a heading by it: several measurements of the slowest compass."""
+"""The wait at the end of a calibration for a heading by it: several measurements of the slowest compass."""
 
 
 class Collection:

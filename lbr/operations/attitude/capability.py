@@ -14,9 +14,9 @@ from lbr.operations.attitude.settings import AttitudeSettings
 from lbr.operations.attitude.turns import Turns
 
 TELL_S = 0.5
-"""How long nothing may be known before the capability calls itself degraded."""
+"""The time that nothing may be known before the capability calls itself degraded."""
 STILL_S = 0.07
-"""How often a body that turns about no axis is told of: at every second tick as the row comes."""
+"""The pace of reports of a body that turns about no axis: at every second tick as the row comes."""
 
 
 class Attitude(Capability[AttitudeSettings]):

@@ -19,7 +19,7 @@ _LEAST_DETERMINANT, _MOST_DETERMINANT = 0.01, 100.0
 
 @dataclass(frozen=True, slots=True)
 class MagCalibration:
-    """What a compass has around it: hard iron adds `offset_ut`, and `matrix` takes back what soft iron distorts.
+    """The surroundings of a compass: hard iron adds `offset_ut`, and `matrix` takes back the distortion by soft iron.
 
     Both along the sensor's axes. `horizontal_ut` is the field along the ground where it was calibrated. `problem` says
     why values that there are cannot be used.

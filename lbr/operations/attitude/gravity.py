@@ -1,4 +1,5 @@
-"""How a body leans by an accelerometer alone, for inertial units without a gyro: slow, and right only at rest. No I/O.
+"""The lean of a body by an accelerometer alone, for inertial units without a gyro: slow, and right only at rest. No
+I/O.
 
 It has the face of `Fusion`; where the body looks, and how far it has turned, is not known to it.
 """

@@ -21,7 +21,7 @@ MOST_KEPT = 50
 HEADER = ("time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut", "accel_x_mps2", "accel_y_mps2", "accel_z_mps2", "turned_deg")
 MOST_NUMBER = 1e6
 SHORT_HEADER = ("x", "y", "z")
-"""What files of other programs have in place of the magnetic field's columns; capital letters do not count."""
+"""The columns in place of the magnetic field's in files of other programs; capital letters do not count."""
 _OWN = re.compile(r"mag-\d{8}-\d{6}\.csv")
 
 

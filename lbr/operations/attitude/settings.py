@@ -13,7 +13,7 @@ MicroTesla = Annotated[float, Meta(ge=0.0, le=10000.0, description="microtesla")
 
 
 class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the sensor sits in the body (REP 103: x ahead, y left, z up).
+    """The place of the sensor in the body (REP 103: x ahead, y left, z up).
 
     Either roll, pitch and yaw of the sensor in the body, or `axes`: the body's x, y and z, each as an axis of the
     sensor. A sensor whose x points to the right and y ahead has `+y-x+z`, or a yaw of -90.

@@ -15,7 +15,7 @@ FIRST_BLOCK_S = 0.25
 FIRST_BLOCKS = 2
 """The first zero comes sooner: 50 samples of an MPU-9150 (0.06 deg/s of noise, datasheet) tell it to 0.01 deg/s."""
 WEIGHT = 0.3
-"""What newer blocks count for, once a zero is known."""
+"""The weight of newer blocks, once a zero is known."""
 FIELD_TURNED_DEG = 2.0
 ALIKE_DPS = 0.5
 ACCEL_NOISE_MPS2 = 0.5

@@ -1,4 +1,4 @@
-"""What an inertial unit says although no body can do it. No I/O and no clock."""
+"""The readings of an inertial unit that no body can cause. No I/O and no clock."""
 
 from math import degrees, isfinite, radians
 

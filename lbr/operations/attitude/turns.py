@@ -9,7 +9,7 @@ MOST = 16
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """What there is to tell of one: `kind` is `turned`, or `turn_lost` for one that is given up."""
+    """The report of one: `kind` is `turned`, or `turn_lost` for one that is given up."""
 
     kind: str
     text: str

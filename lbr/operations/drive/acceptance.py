@@ -73,7 +73,7 @@ def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
 def _limits(state: State, command: Motion, now: float) -> Reason | None:
     """Bounds make sense: a range within the sensor's reach and not there yet, a time within the longest run.
 
-    What turns or goes a distance needs to know how it lies or how far it came.
+    A turn or a distance needs to know how the base lies or how far it came.
     """
     if isinstance(command, TwistCommand):
         aside = command.vy_mps != 0.0 and not state.base.holonomic

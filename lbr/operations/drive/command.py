@@ -1,4 +1,4 @@
-"""What a command asks for, whether it drives, moves by a twist, turns by an angle or turns to a heading."""
+"""The demand of a command: it drives, moves by a twist, turns by an angle or turns to a heading."""
 
 from math import atan2, degrees, fmod
 

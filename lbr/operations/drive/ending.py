@@ -33,7 +33,7 @@ def end_what_is_over(state: State, now: float) -> Decision:
 
 
 def halt(state: State, decided: ending.Decision[ActiveMotion], now: float) -> Decision:
-    """Take in what was decided of who has the base, and stand still, whether it was held or not."""
+    """Take in the decision on the holder of the base, and stand still, whether it was held or not."""
     held, said = decided
     if state.lease is not None:
         return apply(state, held, said, now)

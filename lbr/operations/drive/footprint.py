@@ -1,4 +1,4 @@
-"""How far a base may turn about a point beside it until its outline comes to something: in closed form, no steps."""
+"""The turn of a base about a point beside it until its outline comes to something: in closed form, no steps."""
 
 from math import acos, atan2, copysign, hypot, inf, sqrt, tau
 

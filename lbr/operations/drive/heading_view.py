@@ -1,4 +1,4 @@
-"""What is believed of the attitude: how far the base has turned, how fast it turns and where it looks."""
+"""The belief about the attitude: how far the base has turned, how fast it turns and where it looks."""
 
 from math import isfinite, nan
 

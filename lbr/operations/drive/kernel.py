@@ -151,7 +151,7 @@ def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
 
 
 def _scan(state: State, event: ScanSeen, now: float) -> State:
-    """Take in a scan; one of a sensor that has no row, or of which the row says that it tells one distance, is none."""
+    """Take in a scan; that of a sensor without a row, or of one whose row has a single distance, does not count."""
     scan, arrived = event.scan, _no_later(event.arrived, now)
     row = state.sensors.rows.get(scan.sensor)
     if row is None or row.rays == 1:

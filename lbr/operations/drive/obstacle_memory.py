@@ -1,4 +1,4 @@
-"""What the sensors saw stays where it was seen for a while: arcs and spins do not run into what the cones have lost."""
+"""The sensors' finds stay in their place for a while: arcs and spins do not run into things outside the cones."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import atan2, cos, hypot, inf, isnan, pi, radians, sin, tau
@@ -35,8 +35,8 @@ WORDS: dict[Direction, str] = {"forward": "ahead", "back": "behind", "left": "on
 class Spot(NamedTuple):
     """Where something was seen, and when: x ahead, y left, from the middle of the base (REP 103).
 
-    `by` is the sensor that saw it, as long as the base has not moved since then. What a `scanner` saw it alone can see
-    to be gone: others look at other heights.
+    `by` is the sensor that saw it, as long as the base has not moved since then. A `scanner` alone can see that its own
+    finds are gone: others look at other heights.
     """
 
     x_m: float
@@ -47,7 +47,7 @@ class Spot(NamedTuple):
 
 
 class ObstacleMemory(Struct, frozen=True, kw_only=True):
-    """What was seen around the base when its sensors were last heard, and where the base has come to since then.
+    """The things seen around the base when its sensors were last heard, and the way of the base since then.
 
     `turned_rad` and `way_m` are those parts of it that the wheels' powers alone tell: attitude and odometry correct
     them.
@@ -62,7 +62,7 @@ class ObstacleMemory(Struct, frozen=True, kw_only=True):
 
 
 class Ahead(Struct, frozen=True, kw_only=True):
-    """What a motion comes to first: after `way_m` of its faster wheel (infinite: nothing); where it is now."""
+    """The first obstacle of a motion: after `way_m` of its faster wheel (infinite: no obstacle); where it is now."""
 
     way_m: float = inf
     side: Direction = "forward"
@@ -275,7 +275,7 @@ def _shifted(memory: ObstacleMemory, way_m: float, turn_rad: float, aside_m: flo
 def _seen(spots: list[Spot], view: View, row: RangeSensor, settings: DriveSettings) -> list[Spot]:
     """Return the spots after what a sensor sees: without those that it looks past, and with what is near.
 
-    What it sees may be anywhere across its cone, and reach out of it. New spots take the place of old ones beside them.
+    Its finds may be anywhere across its cone, and reach out of it. New spots take the place of old ones beside them.
     """
     c, s, near_m = cos(row.yaw_rad), sin(row.yaw_rad), view.raw_m
     face_m, off_m = round(row.x_m * c + row.y_m * s, 9), round(row.y_m * c - row.x_m * s, 9)

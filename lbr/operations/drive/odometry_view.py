@@ -1,4 +1,4 @@
-"""What is believed of the odometry: how far the base went, how fast it goes, and whether its wheels stall or slip."""
+"""The belief about the odometry: how far the base went, how fast it goes, and whether its wheels stall or slip."""
 
 from math import isfinite, nan
 

@@ -26,7 +26,7 @@ FROZEN_REPEATS = 2
 
 
 class Odometer(Struct, frozen=True, kw_only=True):
-    """How far the base was driven by its own estimate, forwards and backwards alike; turning at the wheels."""
+    """The way of the base by its own estimate, forwards and backwards alike; turning at the wheels."""
 
     along_m: float = 0.0
     turned_m: float = 0.0
@@ -41,7 +41,7 @@ class Odometer(Struct, frozen=True, kw_only=True):
 
 
 class View(Struct, frozen=True, kw_only=True):
-    """What is believed of one sensor: `distance_m` is infinite when nothing is near, NaN when it is not known.
+    """The belief about one sensor: `distance_m` is infinite when nothing is near, NaN when it is not known.
 
     `pending_m` is a farther value that waits for a second one like it. `idle_m` is how far the base was driven
     while `raw_m` came `repeats` times in a row unchanged.
@@ -58,7 +58,7 @@ class View(Struct, frozen=True, kw_only=True):
 
 
 class Limit(Struct, frozen=True, kw_only=True):
-    """What the rules do to a motion: both wheels times `scale`; 0 stops. `text` names sensor and distance.
+    """The effect of the rules on a motion: both wheels times `scale`; 0 stops. `text` names sensor and distance.
 
     `code` says whether something is there or it is not known; `direction` is the rule's: where the motion goes, or
     `memory` for what is only remembered.

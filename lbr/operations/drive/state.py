@@ -122,7 +122,7 @@ class Goal(Struct, frozen=True, kw_only=True):
 
 
 class ActiveMotion(Struct, frozen=True, kw_only=True):
-    """What the base is held for: a command, and its bounds. It moves with `power` at most, towards `angle_deg`.
+    """The command that the base is held for, and its bounds. It moves with `power` at most, towards `angle_deg`.
 
     A twist moves with the powers in `sides` at most.
     """
@@ -178,7 +178,7 @@ class State(Struct, frozen=True, kw_only=True):
 
     @property
     def lease(self) -> Lease[ActiveMotion] | None:
-        """Return who has the base, and what for."""
+        """Return the holder of the base, and its purpose."""
         return self.leases.live
 
 

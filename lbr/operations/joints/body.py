@@ -10,7 +10,7 @@ from lbr.messages.joints import Joint
 from lbr.names import did_you_mean
 
 TURNING_OVER = ("_yaw", "_roll")
-"""What turns about x or z turns the other way in a mirror, also in the middle of the body."""
+"""A joint that turns about x or z turns the other way in a mirror, also in the middle of the body."""
 LONGEST_NAME = 40
 
 

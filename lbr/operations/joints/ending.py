@@ -26,7 +26,7 @@ def end_what_is_over(state: State, now: float) -> Decision:
 
 
 def still(state: State, decided: Decided, now: float, stop: Stop | None = None) -> Decision:
-    """Take in what was decided of who has the joints, and hold all of them, whether they had a holder or not."""
+    """Take in the decision on the holder of the joints, and hold all of them, whether they had a holder or not."""
     if state.move is not None:
         return take(state, decided, now, stop, at_once=stop is not None and stop.at_once)
     if stop is not None and not stop.at_once and (goes_on := feet.again(state, stop)) is not None:
@@ -38,7 +38,7 @@ def still(state: State, decided: Decided, now: float, stop: Stop | None = None) 
 def take(state: State, decided: Decided, now: float, stop: Stop | None = None, *, at_once: bool = False) -> Decision:
     """Take in who has the joints now; when they have no holder any more, hold them, and say how each motion ended.
 
-    What a `stop` or a lapse ended steps to its feet first, if it knows where, and is not to be held `at_once`.
+    A motion that a `stop` or a lapse ended steps to its feet first, if it knows where, and is not to be held `at_once`.
     """
     held, said = decided
     outputs: Outputs = ()

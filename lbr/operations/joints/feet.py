@@ -1,7 +1,7 @@
 """To its feet: what was stopped in mid-step goes on to the nearest place where the robot stands. Pure.
 
 It is this process that does so, without a holder: a driver that hears nothing of it any more holds at once. A motion
-without a stable key frame, and whatever is no motion, is held at once.
+without a stable key frame, and anything but a motion, is held at once.
 """
 
 from math import ceil
@@ -23,7 +23,7 @@ LONGEST_S = 0.8
 STRAIGHT_S = 0.3
 """A straight way to a pose takes this long at least: in simulation 0.1 to 0.8 s left a robot on its feet alike."""
 SMOOTHEST = 1.5
-"""How much longer than a straight one a smooth way takes at the same greatest speed."""
+"""The time of a smooth way by that of a straight one at the same greatest speed."""
 AGAIN_S = 0.1
 """One stop comes by several ways within this time, all of them sent at once; people do not press so fast twice."""
 LONGEST_STEP_S = 0.05
@@ -73,7 +73,7 @@ def again(state: State, stop: Stop) -> State | None:
 
 
 def advance(state: State, now: float) -> State:
-    """Return the state a little nearer to its feet; or held, where it stands or whatever came between."""
+    """Return the state a little nearer to its feet; or held, once it stands or something came between."""
     feet = state.feet
     if feet is None:
         return state

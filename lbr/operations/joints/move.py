@@ -30,7 +30,7 @@ class Stored(Struct, frozen=True, kw_only=True):
 
 
 class ToFeet(Struct, frozen=True, kw_only=True):
-    """What a robot does after it was stopped on its way: it goes on to where it stands, until `until` at the latest.
+    """The act of a robot that was stopped on its way: it goes on to where it stands, until `until` at the latest.
 
     It quotes the dead `lease`, so that a driver that ended this does not take it up again. `pose` is where it goes
     straight to, from where it is measured after `begun`. `stops` are who said so by which way, and when that was sent.

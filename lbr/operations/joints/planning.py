@@ -1,4 +1,4 @@
-"""What a command has the joints do: ways through key frames, what is appended to them, and what joins beside them."""
+"""The ways of the joints by a command: through key frames, appended to them, or joined beside them."""
 
 from math import copysign, inf, nan
 
@@ -14,9 +14,9 @@ from lbr.operations.joints.trajectory import Trajectory
 LONGEST_S = 3600.0
 NOTABLE_STRETCH = 1.01
 UNKNOWN_S = 2.0
-"""How far a joint of unknown place is taken to go: its servo goes there at its weakest."""
+"""The assumed way of a joint of unknown place: its servo goes there at its weakest."""
 SMOOTHEST = 1.5
-"""How much longer than a straight one a smooth way takes at the same greatest speed; enough from any lesser speed on.
+"""The time of a smooth way by that of a straight one at the same greatest speed; enough from any lesser speed on.
 """
 
 

@@ -1,4 +1,4 @@
-"""What a motion command asks for, apart from its sender and lease; in the end always key frames."""
+"""The demand of a motion command, apart from its sender and lease; in the end always key frames."""
 
 from math import radians
 
@@ -10,7 +10,7 @@ from lbr.operations.joints.body import Body
 
 
 class JointsRequest(Struct, frozen=True, kw_only=True):
-    """The motion itself. What is appended is each time something new, as its `token` says."""
+    """The motion itself. Each appended part has a new `token`."""
 
     command: JointsCommand
     token: str = ""

@@ -13,7 +13,7 @@ from lbr.operations.joints.state import Outputs, ServosLost, ServosSeen, State, 
 UNREAD_S = 3.0
 """A driver that has not said by then whether a servo has torque never does."""
 SWITCHING_S = 1.0
-"""How long a servo may take to have the torque that it was given."""
+"""The time that a servo may take to have the torque that it was given."""
 
 
 def seen(state: State, event: ServosSeen, now: float) -> Decision:

@@ -108,7 +108,7 @@ def ahead(trajectory: Trajectory, elapsed_s: float) -> tuple[KeyFrame, ...]:
 
 
 def without(trajectory: Trajectory, names: Collection[str]) -> Trajectory | None:
-    """Return the way of the joints that are left, each as it was; None if there are none."""
+    """Return the way of the joints that are left, each as it was; None if no joint is left."""
     knots = {name: values for name, values in trajectory.knots.items() if name not in names}
     return msgspec.structs.replace(trajectory, knots=knots) if knots else None
 

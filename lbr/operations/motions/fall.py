@@ -1,4 +1,4 @@
-"""Whether the robot has fallen, and on which side it lies, by how its trunk leans. Pure."""
+"""The fall of a robot, and the side on which it lies, by the lean of its trunk. Pure."""
 
 from math import acos, cos, radians, sin
 from typing import Literal
@@ -24,7 +24,7 @@ GETS_UP = "get_up"
 
 
 class Fall(Struct, frozen=True, kw_only=True):
-    """How it lies, empty: upright or unknown. `since` is when it began to lean otherwise than that says."""
+    """The side on which it lies, empty: upright or unknown. `since` is when it began to lean otherwise than that."""
 
     lies: Lies = ""
     since: float | None = None

@@ -33,14 +33,14 @@ from lbr.operations.motions.state import (
 
 Decision = tuple[State, Outputs]
 ANSWER_S = 1.5
-"""How long a motion waits for joints operation to answer; its own lease counts from then on."""
+"""The wait of a motion for joints operation to answer; its own lease counts from then on."""
 AHEAD_S = 4.0
-"""How much of a motion is to lie ahead of the joints: enough for any pause of this process, little enough to compute.
+"""The length of motion that lies ahead of the joints: enough for any pause of this process, little enough to compute.
 """
 AHEAD_FRAMES = MAX_FRAMES // 2
 """And no more than that, however short they are: the joints take no more than `MAX_FRAMES`."""
 GRACE_S = 0.2
-"""How a goal of the joints ended may be heard a little later than that its lease is dead."""
+"""The end of a goal of the joints may arrive a little later than the death of its lease."""
 BACK = Reason("clock", "the clock went back")
 ENDINGS: dict[str, Ending] = {"stopped": "stopped", "superseded": "superseded"}
 

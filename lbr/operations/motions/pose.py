@@ -11,7 +11,7 @@ BEYOND_RAD = radians(1.0)
 """So far outside its limits a joint may be and is taken as standing at the limit: servos are no more exact than
 that."""
 STEEPEST = 1.5
-"""How much faster a smooth way from rest to rest is in its middle than a straight one."""
+"""The speed of a smooth way from rest to rest in its middle, by that of a straight one."""
 LONGEST_S = 30.0
 DIGITS = 4
 MOST_TOLD = 4
@@ -32,7 +32,7 @@ def key_frame(joints: Sequence[Joint], state: JointsState, duration_s: float) ->
 
 
 def reach_s(joints: Sequence[Joint], state: JointsState, frame: KeyFrame, *, mirror: bool) -> float:
-    """Return how long the joints need to a key frame from where they are, or are to be, if none is too fast."""
+    """Return the time that the joints need to a key frame from where they are, or are to be, if none is too fast."""
     known = {joint.name: joint for joint in joints}
     longest_s = 0.0
     for name, angle_rad in frame.positions.items():

@@ -1,4 +1,4 @@
-"""What is played, step by step: a lead-in, the motion this many times, a lead-out. Pure.
+"""The programme that is played, step by step: a lead-in, the motion this many times, a lead-out. Pure.
 
 A step is a key frame; or a motion that the robot's own controller keeps, as a whole.
 """

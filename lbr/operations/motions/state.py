@@ -65,7 +65,7 @@ class JointsStopped(Struct, frozen=True, kw_only=True):
 
 
 class Passed(Struct, frozen=True, kw_only=True):
-    """How many key frames of a goal of joints operation lie behind."""
+    """The number of key frames of a goal of joints operation that lie behind."""
 
     goal: str
     frames: int
@@ -152,7 +152,7 @@ class State(Struct, frozen=True, kw_only=True):
 
     @property
     def lease(self) -> Lease[Playing] | None:
-        """Return who plays what."""
+        """Return the player and its motion."""
         return self.leases.live
 
 

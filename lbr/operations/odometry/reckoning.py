@@ -31,7 +31,7 @@ class _Mark:
 
 @dataclass(slots=True)
 class _Run:
-    """What is counted in one epoch. `idle_s`: for how long the wheels of each motor were pushed and stood."""
+    """The counts of one epoch. `idle_s`: the time that the wheels of each motor were pushed and stood."""
 
     wheels_m: tuple[float, ...]
     idle_s: tuple[float, ...]

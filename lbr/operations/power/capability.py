@@ -1,4 +1,4 @@
-"""Power as a capability: readings in, a state out once a second, and whatever the decision has it do."""
+"""Power as a capability: readings in, a state out once a second, and the acts of the decision."""
 
 from math import ceil, inf, isfinite
 
@@ -18,7 +18,7 @@ PUBLISH_S = 1.0
 SAY_WITHIN_S = 2.0
 ASK_AGAIN_S = 60.0
 REPLY_S = 0.7
-"""How long the sender that arms waits to be told whether the computer may be powered off at all."""
+"""The wait of the sender that arms for the answer whether the computer may be powered off at all."""
 SPOKEN = frozenset({"supply_low", "shutdown_countdown", "shutdown_failed"})
 REPEATED = frozenset({"supply_low", "supply_good", "supply_unknown", "supply_known"})
 """News that a voltage between two values, or a bad cable, brings again and again."""
@@ -144,8 +144,7 @@ class Power(Capability[PowerSettings]):
 
     @property
     def _pretends(self) -> bool:
-        """Return whether the supply is none that could fail: its twin must never power off the computer that it runs
-        on."""
+        """Return whether the supply cannot fail: a twin must never power off the computer that it runs on."""
         return not self.ctx.settings.bus and (self._ups is None or self._ups.emulated)
 
     def _ask(self, question: Question) -> None:

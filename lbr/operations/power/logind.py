@@ -1,7 +1,7 @@
 """Asks logind over D-Bus to power the computer off; in a thread of its own, because answers may take their time.
 
 The calls: `CanPowerOff() -> s` (yes, no, challenge, na) and `PowerOff(b interactive)`, never interactive: no user is
-there to be asked. What polkit does not let happen comes back as `no`, `challenge` or an error.
+there to be asked. An act that polkit does not permit comes back as `no`, `challenge` or an error.
 """
 
 import asyncio
@@ -25,7 +25,7 @@ _END_S = 0.2
 
 
 class Answer(NamedTuple):
-    """What logind said: `said` is its word or nothing, `trouble` why it will not power off, for people."""
+    """The answer of logind: `said` is its word or nothing, `trouble` why it will not power off, for people."""
 
     question: Question
     said: str = ""

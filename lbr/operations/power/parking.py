@@ -12,7 +12,7 @@ from lbr.messages.leases import CommandReply
 from lbr.operations.power import PowerSettings
 
 RESULT_S = 0.3
-"""How much later than a dead lease the result of a motion may be heard."""
+"""The delay after a dead lease by which the result of a motion may arrive."""
 MOTIONS = LeaseTarget(
     "park", "halt", "player of motions", "the motions do not answer; the joints hold by themselves", result_s=RESULT_S
 )
@@ -23,7 +23,7 @@ class Wired(Transport, Protocol):
     """The part of a context that is needed here."""
 
     def targets(self, request: str) -> tuple[str, ...]:
-        """Return who is wired to it."""
+        """Return the capability that is wired to it."""
 
     def take(self, port: str) -> list[Received]:
         """Return what came on an input."""

@@ -21,7 +21,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """How it stands. `until_s` is when the phase ends, `seen_s` when the supply was read last."""
+    """The phase. `until_s` is when it ends, `seen_s` when the supply was read last."""
 
     armed: bool
     warn_v: float
@@ -82,7 +82,7 @@ class Parked:
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """What logind said to being asked to power off; `pretended`: it was not asked, because nothing here is real."""
+    """The answer of logind to the request to power off; `pretended`: it was not asked, because nothing here is real."""
 
     trouble: str = ""
     pretended: bool = False

@@ -1,4 +1,4 @@
-"""What a reading of the supply means: which voltage counts now, against which thresholds, or why none does. Pure."""
+"""The meaning of a reading of the supply: which voltage counts now, against which thresholds, or why none. Pure."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -9,7 +9,7 @@ from lbr.operations.power import PowerSettings
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """The voltage that counts, and its thresholds; `what` is whose it is. With `trouble` there is none."""
+    """The voltage that counts, and its thresholds; `what` is whose it is. With `trouble` no voltage counts."""
 
     trouble: str = ""
     what: str = ""
@@ -46,7 +46,7 @@ class View:
 
 
 def look(ups: UpsState, warn_v: float, shutdown_v: float, settings: PowerSettings) -> View:
-    """Return what a reading means, with the thresholds for the external supply; a reading that is none is trouble."""
+    """Return the meaning of a reading, with the thresholds for the external supply; an invalid reading is trouble."""
     if not ups.valid:
         return View(trouble=ups.reason or "the supply is not read")
     external_v = ups.external_v

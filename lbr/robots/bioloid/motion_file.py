@@ -16,7 +16,7 @@ from lbr.robots.bioloid.mtn import MtnFile, Page, Step
 COUNT_RAD, MIDDLE, MOST = radians(300.0 / 1023.0), 512, 1023
 """Of an AX-12A, which is motor type 0."""
 STEPS_OF_PAGE = 7
-"""What the maker's controllers keep in one page."""
+"""The bounds of one page in the maker's controllers."""
 LONGEST_STEP_S, GRAIN_S = 2.04, 0.008
 """They keep times in units of 8 ms in one byte."""
 TABLE = "page"

@@ -52,7 +52,7 @@ class Step(NamedTuple):
 
 
 class Page(NamedTuple):
-    """A motion, or a part of one: `next` and `exit` are numbers of pages, counted from 1; 0 is none."""
+    """A motion, or a part of one: `next` and `exit` are numbers of pages, counted from 1; 0 ends there."""
 
     name: str
     steps: tuple[Step, ...]

@@ -10,7 +10,7 @@ from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want
 
 _CONTROL = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}", re.ASCII)
 _GROUPS = ("user", "camera")
-"""How the original groups a camera's controls, as V4L2 does."""
+"""The original's groups of a camera's controls, as in V4L2."""
 _WRONG = {
     "white_balance_automatic": "the original set another control by this name",
     "exposure_dynamic_framerate": "the original never set it",

@@ -21,7 +21,7 @@ _WHOLE = re.compile(r"\s*(\d{1,9})\s*", re.ASCII)
 
 
 class ServoMove(NamedTuple):
-    """What a scene does with one servo, in nominal counts."""
+    """The part of a scene for one servo, in nominal counts."""
 
     id: int
     start: int

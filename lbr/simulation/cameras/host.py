@@ -146,8 +146,7 @@ class CameraHost:
 
 
 def _received(control: socket.socket) -> bytes:
-    """Return a message; nothing: the other end is gone. What it said before it went comes after the error of its
-    end."""
+    """Return a message; nothing: the other end is gone. Its last output comes after the error of its end."""
     try:
         return control.recv(LONGEST_BYTES)
     except ConnectionError:

@@ -1,4 +1,4 @@
-"""What the world and the process that draws say to each other, over a socket that keeps messages apart."""
+"""The messages of the world and the process that draws, over a socket that keeps messages apart."""
 
 from msgspec import Struct
 

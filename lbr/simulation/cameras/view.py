@@ -1,4 +1,4 @@
-"""What a picture needs of one instant of the world, in memory shared with the process that draws."""
+"""The data of a picture from one instant of the world, in memory shared with the process that draws."""
 
 import mmap
 import os
@@ -16,7 +16,7 @@ _TRIES = 20
 
 
 class SharedView:
-    """The newest view only: who writes never waits, and who reads takes a whole one or none."""
+    """The newest view only: a writer never waits, and a reader takes a whole one or nothing."""
 
     def __init__(self, size: int, descriptor: int | None = None) -> None:
         self.descriptor = os.memfd_create("world-view", os.MFD_CLOEXEC) if descriptor is None else descriptor
@@ -30,7 +30,7 @@ class SharedView:
         self._memory[: self._end] = _HEADER.pack(_sum(view, taken_ns), taken_ns) + view
 
     def read(self) -> tuple[int, bytes] | None:
-        """Return the newest view and when it was taken; None if there is none yet, or each try hit one half written."""
+        """Return the newest view and when it was taken; None before the first, or if each try hit one half written."""
         for _ in range(_TRIES):
             copy = self._memory[: self._end]
             checksum, taken_ns = _HEADER.unpack_from(copy)

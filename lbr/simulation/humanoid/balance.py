@@ -1,4 +1,4 @@
-"""Whether a motion leaves a body on its feet: played without devices, as fast as the machine can, and watched."""
+"""The test of a motion on a body's balance: played without devices, as fast as the machine can, and watched."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil, cos, hypot, radians, sin
@@ -19,10 +19,10 @@ from lbr.simulation.physics import mujoco
 FALLEN_RAD = radians(50.0)
 """Leaning further than this from how it stands, no humanoid comes back by itself."""
 GOAL_S = 0.02
-"""How often a servo is told where to go, as the joints operation does."""
+"""The pace of goals for a servo, as in the joints operation."""
 SAMPLE_S, MOST_SAMPLES = 0.04, 600
 CALM_S, LONGEST_CALM_S = 0.6, 3.0
-"""How long it is left to stand before the motion, until nothing moves."""
+"""The time that it is left to stand before the motion, until nothing moves."""
 CALM_RPS = 0.03
 AFTER_S = 1.5
 """After its end a motion is watched this long: what tips over does so then."""

@@ -23,14 +23,14 @@ from lbr.simulation.physics import mujoco, packed
 
 _UPRIGHT = cos(radians(45.0))
 _STAND_M = 0.05
-"""How far above the floor a stand has its feet."""
+"""The height of a stand's feet above the floor."""
 
 _HAND_EVERY, _HAND_MPS = 5, 0.3
 _STANDS = 0.85
-"""How high its trunk is when it stands, as a share of how high it is with every joint at zero."""
+"""The height of its trunk when it stands, as a share of that with every joint at zero."""
 
 _WELL_ABOVE = 0.4
-"""How far off the middle of its feet its weight may be, as a share of what they span."""
+"""The distance of its weight from the middle of its feet that it bears, as a share of their span."""
 
 
 class HumanoidEngine:

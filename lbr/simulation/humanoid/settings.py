@@ -13,7 +13,7 @@ from lbr.simulation.settings import Battery, Compass, Imu
 
 
 class Motor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is in each servo: torque when it stalls and speed without load at `rated_v`, its gear, its current.
+    """The motor of each servo: torque when it stalls and speed without load at `rated_v`, its gear, its current.
 
     `friction_nm` and `armature_kgm2`, the inertia of its rotor, are as they show at the horn.
     """
@@ -27,13 +27,13 @@ class Motor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Motors(Motor, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is in the servos of some `joints`, which are given by names or patterns such as `*_knee`."""
+    """The motors of some `joints`, which are given by names or patterns such as `*_knee`."""
 
     joints: Annotated[tuple[str, ...], Meta(min_length=1)]
 
 
 class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a servo sits on its joint: its angle where that is at 0, and -1 where it turns the other way."""
+    """The place of a servo on its joint: its angle where that is at 0, and -1 where it turns the other way."""
 
     zero_rad: Annotated[float, Meta(ge=-3.0, le=3.0)] = 0.0
     sign: Literal[1, -1] = 1

@@ -1,4 +1,4 @@
-"""What a humanoid's drivers would tell of its simulated body, with their rates, delays and what is wrong with them.
+"""The reports of a humanoid's drivers on its simulated body, with their rates, delays and faults.
 
 Joints sit askew, servos hear of their goals late, what they measure jitters, and a main board takes its time to give up
 what it plays.
@@ -27,12 +27,12 @@ ASKEW_RAD, JITTER_RAD = 0.006, 0.005
 LEAN_NOISE_RAD = 0.01
 LATE_ROUNDS = (1, 4)
 GIVES_UP_S, PASSES_S = (0.01, 0.04), (0.06, 0.2)
-"""How long a main board plays on once it is to give up, and when its servos are read and told again; assumed."""
+"""The time that a main board plays on once it is to give up, and when its servos are read and told again; assumed."""
 PUSH_NS_PER_KG = 0.35
 
 
 class Player(Protocol):
-    """What plays motions that a controller keeps, and moves all servos meanwhile."""
+    """The player of motions that a controller keeps, which moves all servos meanwhile."""
 
     playing: int | None
 

@@ -1,4 +1,4 @@
-"""What may be wrong in a trial, by name."""
+"""The faults of a trial, by name."""
 
 from collections.abc import Mapping
 from math import inf, pi
@@ -13,7 +13,7 @@ BOX = BoxSettings(name="box", x_m=-0.5, y_m=1.2, length_m=0.4, width_m=0.5)
 
 
 class Faults(Struct, frozen=True, kw_only=True):
-    """What is wrong with a trial; times are from its start.
+    """The faults of a trial; times are from its start.
 
     `dock` is how the dock is changed, None: it is gone; `box` stands in the room as well. `deaf` are the beams that are
     not seen from `deaf_s` on. From `blind_s` on the ranges measure nothing, from `lost_s` on the attitude is silent.

@@ -1,4 +1,4 @@
-"""What a robot's drivers would tell of the simulated world, with their rates and what is wrong with them."""
+"""The reports of a robot's drivers on the simulated world, with their rates and faults."""
 
 from collections.abc import Mapping
 from math import atan2, degrees, hypot, inf, radians, remainder, tau
@@ -17,9 +17,9 @@ from lbr.simulation.engine import Engine
 from lbr.simulation.trials.faults import Faults
 
 MOTORS_S, RANGES_S, ATTITUDE_S, DOCK_S, SIGHTING_S = 0.06, 0.1, 0.04, 0.11, 0.07
-"""How often each tells, as measured of the running robot; a beam comes nine times a second."""
+"""The rates of reports, as measured of the running robot; a beam comes nine times a second."""
 SETPOINT_S = 0.1
-"""An older setpoint is none: the motor driver lets no wheel turn by it."""
+"""An older setpoint does not count: the motor driver lets no wheel turn by it."""
 BEAM_S = 1.5
 TURN_NOISE_DPS = 0.1
 EYE, FIELD_DEG = "front", (72.0, 45.0)

@@ -47,8 +47,8 @@ LOOK_S = 1.0
 
 
 class Setup(Struct, frozen=True, kw_only=True):
-    """What all trials of a table have in common: the robot's processes as its rows plan them, its world, and the
-    table's name.
+    """The common part of all trials of a table: the robot's processes as its rows plan them, its world, and the table's
+    name.
 
     `humanoid` is the world of one that walks, which `begins` so.
     """
@@ -73,7 +73,7 @@ def rows_of(unit: ProcessConfig) -> Callable[[type[Row]], tuple[Any, ...]]:
 
 
 class Outcome(Struct, frozen=True, kw_only=True):
-    """How a trial ended.
+    """The end of a trial.
 
     `good` by the table's own word, or for one that was still under way at the end of its time. `state` and `row` are
     where the table was. `began` says how a humanoid did, `falls` how often it fell then, `stands` whether it stood at

@@ -1,4 +1,4 @@
-"""What all emulated devices on ports have in common; a package of your own builds its twins with this, too."""
+"""The common part of all emulated devices on ports; a package of your own builds its twins with this, too."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -43,7 +43,7 @@ P = TypeVar("P", bound=Port)
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What a twin is built with: seed and time of the world, the trace of the wheels' outputs, its cameras if any.
+    """The parts for building a twin: seed and time of the world, the trace of the wheels' outputs, its cameras if any.
 
     `sensors` are where the robot has sensors of distance.
     """
@@ -96,7 +96,7 @@ class Feeling(Protocol):
 class ServoBus(Protocol):
     """A twin whose servos move the joints of a body; asked and told at every step of the world, by the servos' ids.
 
-    What a servo answers is the same object until one of its registers has changed.
+    A servo's answer is the same object until one of its registers has changed.
     """
 
     def drives(self, now: float) -> Mapping[int, ServoDrive]:

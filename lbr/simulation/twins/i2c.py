@@ -1,4 +1,4 @@
-"""What emulated devices on an i2c bus of their own have in common: a socket, transactions, and a bus that fails."""
+"""The common part of emulated devices on an i2c bus of their own: a socket, transactions, and a bus that fails."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What the call answers over HTTP. Who asks, and what that one may, goes along: the call's own process decides."""
+"""The call's answers over HTTP. The asker and its rights go along: the call's own process decides."""
 
 from typing import Annotated
 
@@ -22,7 +22,7 @@ NOT_RUNG = Refuses(
 
 
 class RingBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a page wants, and its offer."""
+    """The wish of a page, and its offer."""
 
     purpose: Annotated[
         Purpose, Meta(description="talk: a call; watch: its picture alone; display: show the caller")
@@ -31,7 +31,7 @@ class RingBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class KeepBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Whether the page leaves."""
+    """True if the page leaves."""
 
     leave: bool = False
 

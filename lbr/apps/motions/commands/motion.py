@@ -39,7 +39,7 @@ def command() -> None:
 @database_option
 @json_option
 def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
-    """List the motions: how long they are, how many joints they move, and who keeps them."""
+    """List the motions: how long they are, how many joints they move, and the part that keeps them."""
     with opened(database) as rows:
         found = [(name, motion) for name in rows.robots(robot) for motion in _motions(rows.load(name))]
     if as_json:
@@ -109,8 +109,8 @@ def import_(
 ) -> int:
     """Take the motion in FILE: one that 'lbr motion export' wrote, or one of a robot's maker, which its package reads.
 
-    A robot that runs takes it over at once; a motion that is being played is stopped for it. What the file asks of a
-    joint beyond its limits is refused, and named.
+    A robot that runs takes it over at once; a motion that is being played is stopped for it. An angle beyond a joint's
+    limits is refused, and named.
     """
     if name is not None and not re.fullmatch(NAME_PATTERN, name):
         raise InputError(f"'{name}' is not a name: those are of lower-case letters, digits and _, a letter first")

@@ -15,7 +15,7 @@ WORLD = "humanoid_world"
 ROUNDS = (1, 2)
 """A walk is stopped in its first round, from rest, and in its second, under way."""
 ASKEW_RAD = 0.006
-"""How far a joint's zero is off, one standard deviation: a third of a degree, what a calibration by hand leaves."""
+"""The error of a joint's zero, one standard deviation: a third of a degree, as a calibration by hand leaves."""
 SEEDS = (1, 2, 3)
 
 

@@ -1,4 +1,4 @@
-"""What a motion was before, out of the revisions that the database keeps of every row; pure."""
+"""The earlier versions of a motion, out of the revisions that the database keeps of every row; pure."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
@@ -21,7 +21,8 @@ Values = dict[tuple[str, ...], dict[str, Any]]
 
 
 def versions(now: Motion | None, revisions: Iterable[RevisionRow], robot: str, name: str) -> tuple[MotionVersion, ...]:
-    """Return the versions of a motion, newest first, what it is `now` among them; those without key frames are none.
+    """Return the versions of a motion, newest first, the one of `now` among them; those without key frames are left
+    out.
 
     A change that only takes back the one before makes no version of its own.
     """

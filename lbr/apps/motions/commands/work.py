@@ -49,7 +49,7 @@ MOST_BYTES = 4 << 30
 LARGEST_JOB_BYTES = 16 << 20
 WORLD = "humanoid_world"
 SMOOTHEST = 1.5
-"""How much longer than a straight one a smooth way takes at the same greatest speed."""
+"""The time of a smooth way by that of a straight one at the same greatest speed."""
 
 
 def main() -> int:
@@ -74,7 +74,7 @@ def main() -> int:
 
 
 def done(job: Job) -> Iterator[Said]:
-    """Do a job: yield how far it is, and its result at last; LbrError says why there is none."""
+    """Do a job: yield its progress, and its result at last; LbrError is the reason of a failure."""
     match job:
         case CheckJob():
             yield from _checked(job)

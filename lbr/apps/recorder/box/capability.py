@@ -57,7 +57,7 @@ _events = msgspec.json.Decoder(Event)
 
 
 class Tape:
-    """What of a round goes into one file, and when a new one is due."""
+    """The part of a round that goes into one file, and the time of a new one."""
 
     def __init__(self, disk: Disk, segment_s: float | None) -> None:
         self.disk = disk

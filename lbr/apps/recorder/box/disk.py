@@ -25,11 +25,11 @@ MOST_LINKED = 40
 SLOW_S = 2.0
 CLOSE_S = 0.4
 FULL = frozenset([errno.ENOSPC, errno.EDQUOT])
-"""What there would be room for if an old file went; whatever else fails, they stay."""
+"""The writes that an old file would make room for; after any other failure, old files stay."""
 
 
 class Chunk(Struct):
-    """What one round has to write; `begin` is what a new file says of itself, and has it begun."""
+    """The data of one round; `begin` is the head of a new file, and has it begun."""
 
     parts: list[bytes]
     messages: int
@@ -40,7 +40,7 @@ class Chunk(Struct):
 
 
 class Bounds(Struct, frozen=True, kw_only=True):
-    """How much may be there, and how long it may stay."""
+    """The bounds on size and age."""
 
     bytes: int
     seconds: float
@@ -63,7 +63,7 @@ class Bounds(Struct, frozen=True, kw_only=True):
 
 
 class Disk:
-    """Writes one file after the other, where `place` says. What it tells may be read from any thread.
+    """Writes one file after the other, where `place` says. Any thread may read its reports.
 
     With `shelf` and `bounds` it is the box: old files go, and what is kept is linked. `trouble` is what is wrong, in
     one line. After a failure it takes nothing until a chunk begins another file (`broken`). Without a shelf there is

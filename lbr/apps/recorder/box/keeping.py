@@ -25,7 +25,7 @@ KINDS = frozenset(
 )
 MARK = "mark"
 MOST_OF_ONE, WITHIN_S = 6, 3600.0
-"""What happens again and again does not push out what happened once."""
+"""An event that repeats does not push out a single one."""
 
 
 class Keep(Struct):
@@ -38,7 +38,7 @@ class Keep(Struct):
 
 
 class Keeping:
-    """What is being kept; `before_s` and `after_s` an incident, which others within that time join."""
+    """The incident being kept; `before_s` and `after_s` surround it, and others within that time join."""
 
     def __init__(self, before_s: float, after_s: float) -> None:
         self._before_s = before_s

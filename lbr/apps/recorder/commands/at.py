@@ -168,7 +168,7 @@ def _past(path: Path, at_ns: int, robot: str | None) -> tuple[int, Tables]:
 
 
 def _of(tables: RawTables, robot: str | None) -> Tables:
-    """Return the rows of one robot, without tokens; of all if none is named."""
+    """Return the rows of one robot, without tokens; of all without a name."""
     return {
         name: [dict(row) for row in found if robot is None or row.get("robot", row.get("name", robot)) == robot]
         for name, found in tables.items()

@@ -1,4 +1,4 @@
-"""What a shell completes for commands that look at recordings."""
+"""The completions of a shell for commands that look at recordings."""
 
 from contextlib import suppress
 

@@ -90,7 +90,7 @@ def _series(text: str) -> Series:
 
 
 def value_of(message: Any, path: Iterable[str]) -> float | None:
-    """Return the number at a path in decoded JSON; None where there is none."""
+    """Return the number at a path in decoded JSON; None if it is missing."""
     for part in path:
         if isinstance(message, dict):
             message = message.get(part)

@@ -78,7 +78,7 @@ def command(
     """Publish what was recorded under another robot's name, with its schemas, at the pace of then. Nothing moves by it.
 
     With --check a recording by 'lbr record --lines' goes through the real drivers and operations instead, in a home of
-    its own. What chance did on the way falls otherwise each time, what a change does does not: so it is tried again.
+    its own. A difference by chance varies from try to try, that of a change does not: so it is tried again.
 
     WHAT is the box (if left out), what it kept, a recording or a file. Meanwhile `lbr topic`, `lbr plot` and `lbr
     status` with --robot replay look at it. In a terminal space pauses, the arrows jump and change the speed, q ends.

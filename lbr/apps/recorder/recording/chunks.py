@@ -221,7 +221,7 @@ class Contents:
             at += length
 
     def declare(self, opcode: int, body: bytes) -> None:
-        """Take a schema or a channel; DamagedError if it is none."""
+        """Take a schema or a channel; DamagedError if it is broken."""
         try:
             if opcode == Opcode.SCHEMA:
                 self._take_schema(body)

@@ -153,7 +153,7 @@ def _cell(value: Any) -> Any:
 
 
 def picture_in(one: Message) -> bytes | None:
-    """Return the bytes of the picture that a message is, None if it is none."""
+    """Return the bytes of the picture in a message, None if it has no picture."""
     said = decoded(one)
     try:
         return base64.b64decode(said["data"], validate=True)

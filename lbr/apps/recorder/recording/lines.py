@@ -1,7 +1,7 @@
-"""What a recording with lines has of a robot's devices and commands, and what a device would answer by it. Pure.
+"""The devices and commands in a recording with lines, and the answers that a device would give by it. Pure.
 
 A line is taken for questions and answers: what came within `ANSWER_NS` of what was sent answers it, unless more was
-sent since. What came without a question has its time alone.
+sent since. An answer without a question has its time alone.
 """
 
 import bisect
@@ -23,8 +23,8 @@ command."""
 SURE = 3
 """Bytes of a question by which its beginning is known among others."""
 LATE_NS = 150_000_000
-"""What was sent but once has a meaning of its own: what is answered after it may be because of it. So much earlier or
-later than then it may come."""
+"""A question that was sent but once has a meaning of its own: the answers after it may be because of it. So much
+earlier or later than then it may come."""
 OFTEN_NS = 50_000_000
 _taped = msgspec.json.Decoder(Taped)
 
@@ -37,7 +37,7 @@ class Answer(NamedTuple):
 
 
 class Exchange(NamedTuple):
-    """What was sent at once, when, and what came back."""
+    """The bytes sent at once, when, and the answer."""
 
     at_ns: int
     sent: bytes
@@ -81,7 +81,7 @@ class RecordedLine:
     def question(self, data: bytes) -> tuple[bytes, bool]:
         """Return the question with which these bytes begin, and whether it may have an end that is not here yet.
 
-        What was sent in two pieces may come as one; what was never sent ends where something begins that was.
+        A question sent in two pieces may come as one; an unknown one ends where a known one begins.
         """
         if data in self._by_question:
             return data, False
@@ -97,7 +97,7 @@ class RecordedLine:
     def _next(self, sent: bytes, at_ns: int) -> Exchange:
         """Return the exchange of about that time which has the same single questions before it and after it.
 
-        Who asks often, but not at the same moments as then, gets each answer once: the one after the last.
+        A driver that asks often, but not at the same moments as then, gets each answer once: the one after the last.
         """
         found = self._by_question[sent]
         begin_ns, end_ns = self._between(sent, at_ns)

@@ -19,7 +19,7 @@ _SYSTEM = ("@rows", "@status", "@event", "@log")
 
 
 class Moment(Struct, frozen=True, kw_only=True):
-    """What was known then; `said` are the newest messages by topic with their ages, `events` oldest first.
+    """The knowledge of that moment; `said` are the newest messages by topic with their ages, `events` oldest first.
 
     `late_s` is how long before the moment anything was recorded last: a box that was off is told by it.
     """

@@ -16,7 +16,7 @@ from lbr.apps.recorder.recording.chunks import MAGIC, Channel, Contents, Damaged
 from lbr.errors import InputError
 
 _SIGNS = (b"\x04\x00\x00\x00zstd", b"\x03\x00\x00\x00lz4", b"\x00\x00\x00\x00")
-"""What stands at the end of a chunk's head: by this one is found again behind damage."""
+"""The end of a chunk's head: it finds one again behind damage."""
 _BEFORE_SIGN = chunks.HEAD_BYTES - 4
 _RECORD = struct.Struct("<BQ")
 _LOOSE = {Opcode.SCHEMA, Opcode.CHANNEL}
@@ -25,7 +25,7 @@ MOST_METADATA = 1 << 20
 
 
 class Damage(Struct):
-    """What of a file could not be read: how many places, and how many bytes."""
+    """The unreadable part of a file: how many places, and how many bytes."""
 
     places: int = 0
     bytes: int = 0
@@ -58,8 +58,7 @@ class Recording:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing in it could be found that is of a recording: it is none, or was cut before its first chunk's
-        end."""
+        """True if nothing of a recording was found: it is another file, or was cut before its first chunk's end."""
         return not (self.spans or self._messages)
 
     @property
@@ -159,7 +158,7 @@ class Recording:
             raise DamagedError(str(err)) from err
 
     def _next(self, at: int) -> int | None:
-        """Return where the next chunk begins, None if there is none."""
+        """Return where the next chunk begins, None after the last."""
         found = []
         for sign in _SIGNS[:2]:
             place = self._data.find(sign, at + _BEFORE_SIGN)

@@ -1,4 +1,4 @@
-"""What a recorder gets to know of a robot, by the reports `streams` and `rows`."""
+"""A recorder's knowledge of a robot, by the reports `streams` and `rows`."""
 
 from typing import Any
 

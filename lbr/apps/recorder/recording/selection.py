@@ -1,4 +1,4 @@
-"""What of a robot's recordings is meant, and its messages in order."""
+"""The chosen part of a robot's recordings, and its messages in order."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -30,7 +30,7 @@ class Chosen(Struct, frozen=True, kw_only=True):
 
 
 class Damage(Struct):
-    """What could not be read: files at all, places in others, and how many bytes these had."""
+    """The unreadable part: whole files, places in others, and how many bytes these had."""
 
     files: list[str] = []
     places: int = 0

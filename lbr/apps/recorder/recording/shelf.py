@@ -41,7 +41,7 @@ class Incident(Struct, kw_only=True):
 
 
 class Kept(Struct, frozen=True):
-    """What led to an incident, and why it was kept; `why` is None where that cannot be read."""
+    """The record of an incident, and why it was kept; `why` is None where that cannot be read."""
 
     path: Path
     files: tuple[Path, ...]
@@ -49,12 +49,12 @@ class Kept(Struct, frozen=True):
 
     @property
     def bytes(self) -> int:
-        """How much disk its files take."""
+        """The disk space of its files."""
         return size_of(self.files)
 
 
 class Shelf:
-    """The folders of one robot. Whatever is missing is no error; OSError only where something is written."""
+    """The folders of one robot. A missing file is not an error; OSError only where something is written."""
 
     def __init__(self, home: Path, robot: str) -> None:
         self.box = home / "box" / robot
@@ -123,7 +123,7 @@ class Shelf:
         return gone
 
     def drop_oldest(self) -> bool:
-        """Delete the oldest of the box's own files, for room on the disk; False if there is none."""
+        """Delete the oldest of the box's own files, for room on the disk; False if none is left."""
         files = self.files()
         return bool(files) and _removed(files[0])
 

@@ -15,7 +15,7 @@ MOST_S = 100 * 366 * 86400.0
 
 
 def seconds(text: str) -> float | None:
-    """Return a duration in seconds, None if it is none: `90`, `90s`, `10m`, `2h`, `3d`."""
+    """Return a duration in seconds, None for anything but `90`, `90s`, `10m`, `2h`, `3d`."""
     found = _AGO.fullmatch(text.strip().lower())
     if found is None:
         return None

@@ -1,5 +1,4 @@
-"""Whether two runs of a robot did the same: numbers as time goes on, and what happened. Pure; times in ns of the
-recording."""
+"""The likeness of two runs of a robot: numbers as time goes on, and events. Pure; times in ns of the recording."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence

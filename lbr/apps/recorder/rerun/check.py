@@ -39,7 +39,7 @@ RENEWED_NS = 300_000_000
 """A goal that ends so much earlier or later ends as it did: leases are renewed ten times a second."""
 SETTLED_NS = 200_000_000
 LATE_S = 0.5
-"""What was said later than this is compared with so much around it that nothing would be found otherwise."""
+"""A message later than this is compared with so much around it that nothing would be found otherwise."""
 EXECUTIVE = "executive"
 ONE_IN = 50
 """Samples of which one may be another: a pulse of a turn's last, creeping steps."""
@@ -50,7 +50,7 @@ Tell = Callable[[str], None]
 
 
 class Recorded(Struct, kw_only=True):
-    """What of a recording is run again."""
+    """The part of a recording that is run again."""
 
     robot: str
     rows: RecordedRows
@@ -68,7 +68,7 @@ class Recorded(Struct, kw_only=True):
 
 
 class Outcome(Struct, kw_only=True):
-    """What came of it. `setpoints` has the samples of each stream, `differences` where they were others."""
+    """The result. `setpoints` has the samples of each stream, `differences` those that were others."""
 
     seconds: float
     runs: tuple[str, ...]

@@ -34,7 +34,7 @@ UP_S = 10.0
 
 
 class Asked(NamedTuple):
-    """How often a device was asked, and the first questions that were never asked in the recording."""
+    """The number of questions to a device, and the first ones that were never asked in the recording."""
 
     times: int
     unlike: tuple[bytes, ...]
@@ -83,7 +83,7 @@ class _End(Protocol):
 
 
 class _Spoken:
-    """What comes by itself, as the clock goes on, and goes back."""
+    """The device's own messages, as the clock goes on, and goes back."""
 
     def __init__(self, line: RecordedLine, clock: Clock) -> None:
         self._line, self._clock = line, clock

@@ -25,7 +25,7 @@ def command() -> None:
     """Run a service that lists which robots are up, or ask one.
 
     The service runs anywhere, without a robot. Each robot gets a token from it, puts that into
-    credentials/registry.token, and switches on its row `registrar`. Whoever has a token may read the list.
+    credentials/registry.token, and switches on its row `registrar`. Every holder of a token may read the list.
     """
 
 
@@ -45,8 +45,7 @@ def serve(host: str, port: int) -> int:
 @command.command("add")
 @click.argument("name")
 def add(name: str) -> int:
-    """Make a token of this name and print it, once: for a robot that is to be listed, or for who is to read the
-    list."""
+    """Make a token of this name and print it, once: for a robot that is to be listed, or for a reader of the list."""
     click.echo(str(Guests().add(name)))
     click.echo(
         "note: on the robot put it into credentials/registry.token of its home, for its eyes alone (chmod 600)",

@@ -23,7 +23,7 @@ LEAST_WIDE_RAD = 1e-3
 
 @dataclass(slots=True)
 class _Watch:
-    """What is looked for, and until when."""
+    """The target, and the end of the search."""
 
     target: Target
     looking: Looking

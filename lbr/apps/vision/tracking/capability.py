@@ -32,7 +32,7 @@ ROUND_S = 0.5
 
 @dataclass(slots=True)
 class _Following:
-    """What is under way; `call` waits for the answer until the head is ours and the eye sees."""
+    """The order under way; `call` waits for the answer until the head is ours and the eye sees."""
 
     command: TrackCommand
     mover: HeadClient

@@ -17,8 +17,7 @@ AHEAD = Angles(0.0, 0.0)
 
 
 class Pose(NamedTuple):
-    """How the head stood at a time, how far that may be wrong, and by how much it rests beside where it is told to
-    be."""
+    """The head's posture at a time, its possible error, and its rest beside where it is told to be."""
 
     angles: Angles
     unsure_rad: float
@@ -27,7 +26,7 @@ class Pose(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Tuning:
-    """How the head follows; limits are those of its joints, the lower one first."""
+    """The rules for following with the head; limits are those of its joints, the lower one first."""
 
     yaw_limits: tuple[float, float]
     pitch_limits: tuple[float, float]
@@ -39,8 +38,8 @@ class Tuning:
 def follow(aim: Angles, head: Pose, seen: Seen, tuning: Tuning) -> Angles:
     """Return where to look from now on, who was to look at `aim`.
 
-    What the head's own movement may feign moves nothing, and no step passes the target: it is reached from one side. A
-    head that comes to rest beside its aim is asked for so much more.
+    A difference that the head's own movement may feign moves nothing, and no step passes the target: it is reached from
+    one side. A head that comes to rest beside its aim is asked for so much more.
     """
     if not all(map(isfinite, (*head.angles, *head.beside, head.unsure_rad, seen.x, seen.y, seen.radius))):
         return aim

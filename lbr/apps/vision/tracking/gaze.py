@@ -1,4 +1,4 @@
-"""How the head stood at a time past: what its joints told lately. Pure.
+"""The head's posture at a past time, by the late reports of its joints. Pure.
 
 A joint that is not measured is taken to be where it was last told to be, and then to lag behind that.
 """
@@ -17,7 +17,7 @@ SLACK_S = 0.1
 LAG_S = 0.3
 """So much a joint may be behind what it is told."""
 CURRENT_S = 0.5
-"""What was measured longer before a picture says nothing about it."""
+"""A measurement from longer before a picture does not count for it."""
 SETTLED_S = 0.6
 MOST_BESIDE_RAD = 0.3
 REST_RAD = 0.03
@@ -37,7 +37,7 @@ class Line:
         return self._times[-1] if self._times else -inf
 
     def add(self, at_s: float, value: float) -> None:
-        """Take a value in; one that is not newer than the last is none."""
+        """Take a value in; one that is not newer than the last does not count."""
         if not (isfinite(at_s) and isfinite(value) and at_s > self.newest_s):
             return
         self._times.append(at_s)
@@ -73,7 +73,7 @@ class _Where(NamedTuple):
 
 
 class JointPast:
-    """What one joint told lately: where it was measured, and where it was told to be."""
+    """The late reports of one joint: where it was measured, and where it was told to be."""
 
     def __init__(self) -> None:
         self._measured, self._told = Line(), Line()

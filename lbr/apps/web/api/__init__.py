@@ -6,6 +6,6 @@
     POST /api/console                  a console line                        requests.py
     WS   /api/live                     newest of streams, events, a hold     live.py ─► feeds.py, holds.py
 
-The WebSockets are on the server's thread. What asks the robot, and what renews leases, is in the capability's loop,
-which never waits for a client; between them are slots that one writes and the other reads.
+The WebSockets are on the server's thread. Askers and the renewal of leases are in the capability's loop, which never
+waits for a client; between them are slots that one writes and the other reads.
 """

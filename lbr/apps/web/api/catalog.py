@@ -1,4 +1,4 @@
-"""What there is to hear and to ask, by what the robot told of itself; immutable, so that every thread may read it."""
+"""The streams and commands of the robot, by its own description; immutable, so that every thread may read it."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -29,7 +29,7 @@ class Catalog:
     def heard(self, keys: Iterable[str]) -> tuple[str, ...]:
         """Return those of the keys that may be heard, each once: what is said, and never what another is told.
 
-        Commands hold the leases of who sent them, and pictures are for who is known.
+        Commands hold the leases of their senders, and pictures are for known clients.
         """
         return tuple(dict.fromkeys(key for key in keys if key in self.streams or key in WATCHED))
 

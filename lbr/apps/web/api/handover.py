@@ -1,5 +1,5 @@
-"""A person who wants what another holds asks for it, and the holder hands it over. Both are only told: who has the
-lease moves until it is released, and who asked begins as always."""
+"""A person who wants what another holds asks for it, and the holder hands it over. Both are only told: the holder moves
+until the lease is released, and the asker begins as always."""
 
 from collections.abc import Callable
 from typing import Annotated, Any
@@ -21,13 +21,13 @@ Tell = Callable[[str, str, dict[str, Any]], None]
 
 
 class AskBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is wanted."""
+    """The wanted lease."""
 
     capability: Name
 
 
 class HandOverBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What was released, and for whom: the `by` of the event that asked."""
+    """The released lease, and its next holder: the `by` of the event that asked."""
 
     capability: Name
     to: Annotated[str, Meta(max_length=80)]

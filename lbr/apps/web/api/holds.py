@@ -53,7 +53,7 @@ SILENT = "{} said nothing for {:g} s"
 
 
 class HoldNews(Struct, frozen=True, kw_only=True):
-    """How it stands with the motion that a page holds: whether it does, why not, and who does."""
+    """The state of the motion that a page holds: whether it does, why not, and the holder."""
 
     n: int
     holds: bool
@@ -252,7 +252,7 @@ class Holds:
         )
 
     def _left(self, lease: LeaseClient, why: str, lost: bool) -> bool:
-        """Say whether a lease that is not wanted any more is none, or has been given up."""
+        """Tell whether an unwanted lease never was, or has been given up."""
         try:
             lease.step()
             if lease.ended is None and lease.accepted is not None:

@@ -1,7 +1,7 @@
 """`/api/live`: the newest of the streams that a page wants, events, and the motion that it holds; on the server's
 thread.
 
-What a page says is read by a task of its own, so that one that reads slowly can still let go.
+A task of its own reads the page's messages, so that one that reads slowly can still let go.
 """
 
 import asyncio
@@ -41,7 +41,7 @@ _encode = msgspec.json.Encoder().encode
 
 
 class Sessions(Protocol):
-    """Who knows which sessions of browsers go on."""
+    """The sessions of browsers that go on."""
 
     def knows(self, mark: str) -> bool:
         """Say whether a session goes on."""
@@ -58,7 +58,7 @@ class Live(Viewing[Feeds]):
         self._sessions = sessions
 
     async def entry(self, scope: Scope) -> tuple[Client, Feeds]:
-        """Return who comes, and what there is to hear; raise Refused."""
+        """Return the client, and what it may hear; raise Refused."""
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
         shown = shown_token(scope)
@@ -143,7 +143,7 @@ class _Viewer:
             self._do(said)
 
     def frame(self) -> str:
-        """Return what there is to say; empty if nothing is new, and none is due."""
+        """Return the messages that are due; empty if nothing is new."""
         now = self._api.now()
         if self._known is not self._api.known:
             self._want()

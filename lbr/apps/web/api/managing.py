@@ -1,4 +1,4 @@
-"""The API's routes for rows, tokens and logs: asked of the executive, with the role of who asks looked at here."""
+"""The API's routes for rows, tokens and logs: asked of the executive, with the asker's role looked at here."""
 
 from typing import Annotated, Any, Literal, Protocol
 
@@ -59,7 +59,7 @@ class EventsWanted(Struct, frozen=True, kw_only=True):
 
 
 class Asks(Protocol):
-    """What the routes need: in the capability's loop."""
+    """The needs of the routes: in the capability's loop."""
 
     def manage(self, payload: bytes, *, source: str, timeout_s: float) -> Question:
         """Ask the executive; Refused (503) without a bus."""
@@ -91,7 +91,7 @@ class Managing:
 
     @post("/api/devices", role="admin", within_s=WITHIN_S)
     async def _devices(self, client: Client) -> Managed:
-        """What is plugged in, and the changes of rows it is worth.
+        """The plugged-in devices, and the changes of rows for them.
 
         Each is asked by a question that moves and changes nothing; `POST /api/rows` writes the `changes` of a proposal.
         """
@@ -99,7 +99,7 @@ class Managing:
 
     @get("/api/tokens", role="admin", within_s=WITHIN_S)
     async def _tokens(self, client: Client) -> Managed:
-        """Who may come in by a token."""
+        """The tokens, and their roles."""
         return await self._ask(client, LookAtTokens())
 
     @post("/api/tokens/revoke", role="admin", within_s=WITHIN_S)
@@ -114,7 +114,7 @@ class Managing:
 
     @get("/api/events", within_s=WITHIN_S)
     async def _events(self, client: Client, params: EventsWanted) -> Managed:
-        """What happened, the newest first, as it was written down."""
+        """Events, the newest first, as they were written down."""
         return await self._ask(client, LookAtEvents(subject=params.subject, level=params.level, limit=params.limit))
 
     async def _ask(self, client: Client, command: Any) -> Response:

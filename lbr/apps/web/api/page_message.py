@@ -1,4 +1,4 @@
-"""What a page says over the live socket. Pure: bytes from outside become a message, or Rubbish; nothing else is
+"""The messages of a page over the live socket. Pure: bytes from outside become a message, or Rubbish; nothing else is
 raised."""
 
 from typing import Annotated, Any
@@ -53,7 +53,7 @@ class PageMessage(Struct, frozen=True, kw_only=True):
 
 
 class Rubbish(Exception):  # noqa: N818 - an answer, not a fault
-    """What came is no message; the text says where it does not fit."""
+    """The bytes are not a message; the text names the place where they do not fit."""
 
 
 _decoder = msgspec.json.Decoder(PageMessage)

@@ -1,4 +1,4 @@
-"""How long a page may be silent while what it holds goes on. Pure.
+"""The silence of a page in which its motion goes on. Pure.
 
 A hand on a stick says where to go all the time, and without it the way ends nowhere. A turn, a drive to a range or for
 a time, and a motion of joints through key frames end by themselves: their page has nothing to tell and only has to be

@@ -32,7 +32,7 @@ LONGEST_LINE = 4096
 OVERTAKEN = "a stop came after this command"
 TOLD = 400
 OF_PEOPLE = "web:"
-"""How the robot knows a sender for whom this server asks: a token's name, or an address, follows."""
+"""The robot's name for a sender for whom this server asks: a token's name, or an address, follows."""
 
 
 class ConsoleBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -42,7 +42,7 @@ class ConsoleBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
 
 class Described(Struct, frozen=True, kw_only=True):
-    """What the robot is, and what the asker may. Motions are without their key frames."""
+    """The description of the robot, and the rights of the asker. Motions are without their key frames."""
 
     robot: str
     simulated: bool
@@ -62,7 +62,7 @@ class Described(Struct, frozen=True, kw_only=True):
 
 
 class ConsoleAnswer(Struct, frozen=True, kw_only=True):
-    """What became of a line: `code` 0 done, 1 refused or failed, 2 bad input; `reason_code` and `cause` say why.
+    """The result of a line: `code` 0 done, 1 refused or failed, 2 bad input; `reason_code` and `cause` are the reasons.
 
     `hold` is the lease of motion that a line began, to be renewed by its command; without that it is over in 0.3 s.
     `confirm` is the line that does it after all.
@@ -78,7 +78,7 @@ class ConsoleAnswer(Struct, frozen=True, kw_only=True):
 
 
 class Asks(Protocol):
-    """What the routes need: in the capability's loop."""
+    """The needs of the routes: in the capability's loop."""
 
     @property
     def phases(self) -> tuple[CapabilityStatus, ...]:
@@ -117,7 +117,7 @@ class Requests:
 
     @get("/api")
     async def _describe(self, client: Client) -> Annotated[Response, {200: Described}]:
-        """What the robot is, and what you may."""
+        """The description of the robot, and your rights."""
         return json(self._robot.document(client.role))
 
     @get("/api/{capability}/{name}")
@@ -164,7 +164,7 @@ class Requests:
     async def _console(self, request: Request, body: ConsoleBody) -> Annotated[Response, {200: ConsoleAnswer}]:
         """Say a console line.
 
-        With the rights of who asks. 200 whatever became of it: `code` says that.
+        With the rights of the asker. 200 whatever became of it: `code` says that.
         """
         role: Role = request.client.role or "view"
         line = body.line
@@ -177,14 +177,14 @@ class Requests:
 
     @get("/api/why", within_s=WHY_S + 1.0)
     async def _why(self, client: Client) -> Annotated[Response, {200: Chain}]:
-        """What holds the robot still."""
+        """The hindrances of the robot."""
         return await self._reason("why", client)
 
     @get("/api/why/{part}", within_s=WHY_S + 1.0)
     async def _why_part(
         self, client: Client, part: str
     ) -> Annotated[Response, {200: Chain}, Refuses({404: "There is nothing of this name on this robot."})]:
-        """What holds a part still, and what to type.
+        """The hindrances of a part, and what to type.
 
         `first` is the place among `links` of what is told; `state` is `ok` if nothing holds it.
         """
@@ -208,7 +208,7 @@ async def answered(question: Question, within_s: float) -> dict[str, Any]:
 
 
 def source_of(client: Client) -> str:
-    """Return who asks, as the robot is told: by a token's name, or from an address."""
+    """Return the asker, for the robot: by a token's name, or from an address."""
     name = client.name or client.session.partition(":")[0]
     return f"{OF_PEOPLE}{name or client.address}"[:80]
 

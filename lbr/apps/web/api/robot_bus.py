@@ -30,7 +30,7 @@ class Question(Protocol):
 
 
 class Bus(Protocol):
-    """What the API needs of a bus; from any thread."""
+    """The needs of the API from a bus; from any thread."""
 
     def hear(self, key: str, *, depth: int = 1) -> Feed:
         """Hear the newest `depth` messages of a key."""

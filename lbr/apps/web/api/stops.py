@@ -1,7 +1,7 @@
 """Knows which requests a stop has overtaken here: a page's own stop is read while its command still waits. Pure.
 
-Between processes the dates of messages tell that. What a request asks is dated when it is passed on, so one that came
-before a stop, and is passed on after it, bears the date at which it came.
+Between processes the dates of messages tell that. A request is dated when it is passed on, so one that came before a
+stop, and is passed on after it, bears the date at which it came.
 """
 
 import re

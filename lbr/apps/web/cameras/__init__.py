@@ -1,4 +1,4 @@
-"""The robot's cameras as a face: a page, a stream, the newest picture; for who shows a token or has signed in."""
+"""The robot's cameras as a face: a page, a stream, the newest picture; for clients with a token or signed in."""
 
 from typing import TYPE_CHECKING
 

@@ -10,8 +10,8 @@ from lbr.capability.context import Received
 from lbr.messages.camera import CameraState
 
 LOOK_S = 0.01
-"""How often the loop looks for pictures while there are viewers; otherwise they wait, unread, within the bus library.
-"""
+"""The pace at which the loop looks for pictures while there are viewers; otherwise they wait, unread, within the bus
+library."""
 
 
 class Ports:

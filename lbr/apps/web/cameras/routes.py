@@ -1,4 +1,4 @@
-"""What the cameras answer over HTTP, wherever their pictures come from."""
+"""The answers of the cameras over HTTP, from any source of pictures."""
 
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Protocol
@@ -15,7 +15,7 @@ from lbr.messages.camera import CameraState
 
 PREFIX = "camera_"
 OLDEST_S = 1.0
-"""An older picture is none: the camera may be off."""
+"""An older picture does not count: the camera may be off."""
 HERE, JPEG = "lbr.apps.web.cameras", "image/jpeg"
 NO_PICTURE = Refuses({503: "There is no picture now, or too many watch."})
 SIGN_IN = 'Bearer realm="lbr"'
@@ -35,7 +35,7 @@ class Source(Protocol):
         """Return how each camera is, by its short name."""
 
     async def snapshot(self, camera: str) -> bytes | None:
-        """Return the newest picture of a camera, or of any; None if there is none that is fresh."""
+        """Return the newest picture of a camera, or of any; None if no fresh one came."""
 
     def step(self) -> None:
         """Do one round of work."""
@@ -108,7 +108,7 @@ class CamerasFace(Face):
 
     @get("/cameras", role="known")
     async def _states(self) -> dict[str, dict[str, Any]]:
-        """How each camera is."""
+        """The state of each camera."""
         states = await self._source.states()
         return {
             name: {"status": "on" if state.on else "off", **msgspec.structs.asdict(state)}

@@ -1,1 +1,1 @@
-"""What the server adds to `lbr doctor`."""
+"""The server's part of `lbr doctor`."""

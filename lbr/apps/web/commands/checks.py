@@ -1,4 +1,4 @@
-"""What `lbr doctor` looks at for a robot that is served over HTTP: whether its port is free, and who may reach it."""
+"""The checks of `lbr doctor` for a robot that is served over HTTP: whether its port is free, and who may reach it."""
 
 import errno
 import ipaddress

@@ -1,4 +1,4 @@
-"""What the page's motion builder asks: is it balanced, what is in this file, what was this motion before."""
+"""The questions of the page's motion builder: is it balanced, what is in this file, what was this motion before."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -57,7 +57,7 @@ class UploadBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Uploaded(Struct, frozen=True, kw_only=True):
-    """How much of an upload has come."""
+    """The progress of an upload."""
 
     bytes: int
 
@@ -199,7 +199,7 @@ class Building:
 
     @get("/api/motion/versions", within_s=SHORT_S + 1.0)
     async def _versions(self, params: VersionParams) -> Annotated[Versions, SLOW]:
-        """What a motion was before, newest first."""
+        """The earlier versions of a motion, newest first."""
         job = VersionsJob(robot=self._robot.name, database=self._database(), motion=params.motion)
         return await self._done(job, Versions)
 
@@ -237,7 +237,7 @@ class Building:
     async def _checked(
         self, client: Client, params: CheckParams
     ) -> Annotated[Check, NO_CHECK, Refuses({500: "It could not be done; the sentence says why."})]:
-        """How far a check is, and its report."""
+        """The progress of a check, and its report."""
         work = self._the_check(client, params.check)
         work.asked_s = self._robot.now()
         if isinstance(work.result, NotDone):

@@ -1,4 +1,4 @@
-"""What a motion looks like: the one pose of it that is furthest from standing at zero."""
+"""The picture of a motion: the one pose of it that is furthest from standing at zero."""
 
 from lbr.messages.joints import Motion
 

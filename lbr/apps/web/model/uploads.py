@@ -1,4 +1,4 @@
-"""What pages send in parts, because no request's body is large: packed by gzip, unpacked within bounds."""
+"""The uploads of pages in parts, because no request's body is large: packed by gzip, unpacked within bounds."""
 
 import zlib
 from collections.abc import Callable
@@ -24,7 +24,7 @@ class _Upload(Struct):
 
 
 class Uploads:
-    """All for the loop. An upload is known by who sends it and a name of the sender's choice."""
+    """All for the loop. An upload is known by its sender and a name of the sender's choice."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
@@ -51,7 +51,7 @@ class Uploads:
         return len(upload.packed)
 
     def take(self, who: str, name: str) -> bytes:
-        """Return what was sent, once; Refused if there is none, or if it cannot be unpacked."""
+        """Return the upload, once; Refused if it is unknown, or cannot be unpacked."""
         self._tidy()
         upload = self._uploads.pop((who, name), None)
         if upload is None:

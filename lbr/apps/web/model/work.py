@@ -21,7 +21,7 @@ PROGRAM = "lbr.apps.motions.commands.work"
 MOST_AT_ONCE = 2
 """Beside what moves the robot, on a small machine."""
 CHECK_S, SHORT_S = 90.0, 20.0
-"""How long a check of ten minutes of motion takes where a second of it takes a seventh; and all else."""
+"""The time of a check of ten minutes of motion where a second of it takes a seventh; and of all else."""
 MOST_SAID = 8 << 20
 UNASKED_S = 5.0
 """A page asks four times a second how far its check is."""

@@ -45,7 +45,7 @@ class NotBuiltError(RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class File:
-    """A built file, with what it is called by who has it already."""
+    """A built file, with the tag by which a browser that has it names it."""
 
     name: str
     media: str
@@ -71,13 +71,13 @@ def built(place: Traversable | None = None) -> tuple[File, ...]:
 
 
 class _Manifest(msgspec.Struct):
-    """What the build wrote about itself."""
+    """The build's own description."""
 
     sources: str
 
 
 def build(place: Traversable | None = None) -> str:
-    """Return what the built page is called, as it knows it itself; empty if there is none."""
+    """Return the name of the built page, as it knows it itself; empty if it is not built."""
     kept = (place or resources.files(__package__) / "dist") / MANIFEST
     try:
         return msgspec.json.decode(kept.read_bytes(), type=_Manifest).sources[:16]

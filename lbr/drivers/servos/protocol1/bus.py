@@ -102,7 +102,7 @@ class ProtocolBus:
             self.written_all += 1
 
     def scan(self, servos: Iterable[int] = range(packet.HIGHEST_ID + 1)) -> list[int]:
-        """Return who answers a PING; takes some ten milliseconds for each who does not."""
+        """Return the servos that answer a PING; takes some ten milliseconds for each of the others."""
         return [servo for servo in servos if self.ping(servo) is not None]
 
     def leftover(self) -> list[Status]:
@@ -249,7 +249,7 @@ class ProtocolBus:
         self._wary_until = now + WARY_S
 
     def _judge(self, data: bytes, question: Question) -> bool:
-        """Count what is not the answer; True if it explains why there is none."""
+        """Count a packet that is not the answer; True if it explains why the answer is missing."""
         parser = StatusParser()
         explained = False
         for status in parser.feed(data):

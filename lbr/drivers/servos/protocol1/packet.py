@@ -22,7 +22,7 @@ PING, READ, WRITE, SYNC_READ, SYNC_WRITE = 0x01, 0x02, 0x03, 0x82, 0x83
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """What a servo answered: its error bits and the bytes asked for."""
+    """A servo's answer: its error bits and the bytes asked for."""
 
     id: int
     error: int
@@ -74,7 +74,7 @@ def sync_write(address: int, blocks: Mapping[int, bytes]) -> list[bytes]:
 class StatusParser:
     """Turns bytes, in pieces of any size, into status packets; whatever comes, it holds less than one packet.
 
-    What cannot be a packet is dropped byte by byte until something can be one again. `noise` counts the bytes dropped,
+    Bytes that cannot be a packet are dropped one by one until some can again. `noise` counts the bytes dropped,
     `corrupt` the packets whose checksum was wrong.
     """
 

@@ -26,7 +26,7 @@ LONGEST_S = 40.0
 
 @dataclass(frozen=True, slots=True)
 class Followed:
-    """How it ended. `aside` is where the dock's middle line is from the robot, as it looks: 1 right, -1 left."""
+    """The end of it. `aside` is the side of the dock's middle line, as the robot looks: 1 right, -1 left."""
 
     touched: bool
     why: str
@@ -46,7 +46,7 @@ def follow(docked_back_m: float) -> Script[Followed]:
 
 
 class _Course:
-    """What was seen on the way."""
+    """The sightings on the way."""
 
     def __init__(self, view: View, docked_back_m: float) -> None:
         self.aside = 0.0

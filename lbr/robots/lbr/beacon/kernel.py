@@ -1,4 +1,4 @@
-"""Who has which manoeuvre done, and how that ended, as a pure function of what is known, what happened and when."""
+"""The manoeuvres, their holders and their ends, as a pure function of knowledge, event and time."""
 
 from math import inf
 
@@ -89,7 +89,7 @@ class State(Struct, frozen=True, kw_only=True):
 
     @property
     def lease(self) -> Lease[Seeking] | None:
-        """Return who has which manoeuvre done."""
+        """Return the holder and its manoeuvre."""
         return self.leases.live
 
 

@@ -35,7 +35,7 @@ ROAM_M, ROAM_DEG, ROAM_LOOK_S = 1.5, 45.0, 0.4
 
 @dataclass(slots=True)
 class Memory:
-    """What one manoeuvre leaves to the next: where to look first, and where the middle of the beams was.
+    """The memory of one manoeuvre for the next: where to look first, and where the middle of the beams was.
 
     `aside` is that from the robot, as it looks: 1 right, -1 left, 0 straight back. Both sides are as the docked robot
     looks, which is the same once it is aligned.

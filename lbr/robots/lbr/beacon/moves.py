@@ -1,4 +1,4 @@
-"""What manoeuvres are made of: wait, look, turn, drive a distance. Pure."""
+"""The parts of manoeuvres: wait, look, turn, drive a distance. Pure."""
 
 from lbr.messages.codes import Code
 from lbr.robots.lbr.beacon.view import STAND, Ending, GivenUpError, Go, Script, Turn, View
@@ -9,8 +9,8 @@ ELSEWHERE_M, ELSEWHERE_POWER = 0.25, 0.15
 LOOK_S = 0.7
 AGAIN_S = 1.0
 START_S, SLOWEST_DPS, SLOWEST_MPS = 4.0, 12.0, 0.3
-"""What takes longer pushes against something: at full power a base does 0.5 m/s or more, and turns by 40 degrees a
-second."""
+"""A longer move pushes against something: at full power a base does 0.5 m/s or more, and turns by 40 degrees a second.
+"""
 
 
 def wait(seconds: float) -> Script[View]:

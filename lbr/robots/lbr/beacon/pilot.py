@@ -39,7 +39,7 @@ class Pilot:
         return battery.rest_voltage_v if battery is not None else None
 
     def begin(self, holder: str) -> None:
-        """Begin a manoeuvre for a holder, whose own stops are none of others'."""
+        """Begin a manoeuvre for a holder, whose own stops are not those of others."""
         self.stopped, self._action, self._broken = None, None, None
         self._began_s, self._own = self._ctx.clock(), {"", self._ctx.name, holder}
 

@@ -1,4 +1,4 @@
-"""What a manoeuvre knows of the robot: the newest of its streams, each for as long as it can be believed."""
+"""A manoeuvre's knowledge of the robot: the newest of its streams, each for as long as it can be believed."""
 
 from math import inf
 from typing import Any, Protocol
@@ -35,7 +35,7 @@ class Inputs(Protocol):
 
 
 class Senses:
-    """What the robot says of itself. Directions count from `heading_deg`, or without a compass from the first look."""
+    """The robot's own reports. Directions count from `heading_deg`, or without a compass from the first look."""
 
     def __init__(self, ctx: Inputs, heading_deg: float) -> None:
         self._ctx = ctx

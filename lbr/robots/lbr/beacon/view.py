@@ -12,7 +12,7 @@ Beam = Literal["left", "right", "power"]
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How a motion or a manoeuvre ended, by the list of codes: `final` if the robot is to stand, or is another's."""
+    """The end of a motion or a manoeuvre, by the list of codes: `final` if the robot is to stand, or is another's."""
 
     good: bool
     text: str
@@ -68,7 +68,7 @@ class Go:
 Action = Stand | Back | Turn | Go
 STAND = Stand()
 Script = Generator[Action, View, T]
-"""What is to be done goes out by `yield`, what is then seen comes in by it."""
+"""Orders go out by `yield`, views come in by it."""
 
 
 class GivenUpError(Exception):

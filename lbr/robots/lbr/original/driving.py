@@ -43,7 +43,7 @@ class Who:
 
     @classmethod
     def of(cls, request: Request) -> "Who":
-        """Return who asks."""
+        """Return the client."""
         return cls(names.who(request.client.address), request.client.name, request.headers.get("user-agent", ""))
 
     def is_heard_by(self, asker: "Who") -> bool:
@@ -57,7 +57,7 @@ class Who:
 
 
 class Hold:
-    """What moves the base now, for whom, and when that client was heard."""
+    """The motion of the base now, its client, and when that was heard."""
 
     def __init__(self, who: Who, motion: Motion, lease: LeaseClient, heartbeat: Heartbeat) -> None:
         self.who = who
@@ -67,7 +67,7 @@ class Hold:
 
 
 class Driver:
-    """Moves the base for who asks first, until that one stops, falls silent, or it is over."""
+    """Moves the base for its first client, until that one stops, falls silent, or it is over."""
 
     def __init__(self, robot: Robot, heartbeat_s: float, unattended_s: float) -> None:
         self._robot = robot
@@ -94,7 +94,7 @@ class Driver:
     async def move(self, who: Who, asked: Asked, came_s: float = inf) -> None:
         """Move like this from now on; return once the drive has accepted it, else raise Refused with the reason.
 
-        What came before a stop, and is read only now, begins nothing; `came_s` is when it came.
+        A request from before a stop that is read only now begins nothing; `came_s` is its arrival.
         """
         assert asked.motion is not None
         before = self._given_up

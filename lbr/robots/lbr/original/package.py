@@ -1,8 +1,8 @@
 """The telemetry in the names and units that the robot lbr has always told. Pure.
 
-What was never measured has no number made up for it: its part is left out, or it is null. Distances keep the numbers
-that the ring itself tells, for those who compare with them: `over_range_cm` for nothing within reach, 0 for a sensor
-that is not there or answers an error, and -1 if nothing new came of the ring.
+A value that was never measured is not made up: its part is left out, or it is null. Distances keep the numbers that the
+ring itself tells, for those who compare with them: `over_range_cm` for nothing within reach, 0 for a sensor that is not
+there or answers an error, and -1 if nothing new came of the ring.
 """
 
 import time

@@ -54,7 +54,7 @@ class Acting(Route):
 
 
 class LbrOriginalFace(web.Face):
-    """What the clients of the robot lbr ask; pictures are as the face `cameras` shows them."""
+    """The requests of the robot lbr's clients; pictures are as the face `cameras` shows them."""
 
     name = "lbr_original"
 

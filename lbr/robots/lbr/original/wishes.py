@@ -1,4 +1,4 @@
-"""What a request of the old API asks for, out of its JSON. Pure.
+"""The demand of a request of the old API, out of its JSON. Pure.
 
 As its clients know it: the first of `heading`, `turn` and `level` counts, an empty string is as if nothing were there,
 numbers may be texts but for the level, and what is bounded is bounded by whole centimetres and seconds.
@@ -25,17 +25,17 @@ PORTS: dict[type[Motion], Port] = {
 """By which request each motion is asked for."""
 SENSORS = ("forward", "back", "left", "right", "bottom")
 NEAREST_CM, FARTHEST_CM = 17, 768
-"""What a range to stop at is brought within, as the original does."""
+"""The bounds for a range to stop at, as in the original."""
 LONGEST_S = 3600
 NOTHING = "say 'level' and 'angle', 'turn', 'heading' or 'speech'"
 
 
 class NotFiniteError(InputError):
-    """A number that is none: whoever computes it has lost its way, so the robot is to stand."""
+    """A NaN: its sender has lost its way, so the robot is to stand."""
 
 
 class Asked(Struct, frozen=True, kw_only=True):
-    """What is asked for: a motion, or to stop, and what to say; empty is nothing."""
+    """The demand: a motion, or to stop, and what to say; empty is nothing."""
 
     motion: Motion | None = None
     stop: bool = False

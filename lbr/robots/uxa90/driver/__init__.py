@@ -22,7 +22,7 @@ Slot = Annotated[int, Meta(ge=1, le=42)]
 
 
 class ImuSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the main board's inertial unit is asked, and what its six bytes mean, which nobody has verified on a
+    """The questions to the main board's inertial unit, and the meaning of its six bytes, which nobody has verified on a
     robot."""
 
     asked: Annotated[

@@ -28,14 +28,14 @@ UNEVEN = 0.3
 """That time varies so much, so that late answers do not always come while the same other servo is asked."""
 CALMER = 0.98
 STEPPING_ASIDE_S = 0.006
-"""What waits to be written lets an answer be missed that has not come by then."""
+"""A waiting write lets an answer be missed that has not come by then."""
 SERVO_S = 0.0025
 """Several that are asked in one write answer one after another, each this long after the one before at most."""
 CHECK_S = 0.003
 CHECK_SHARE = 1.5
 """Nothing surplus within this, or this many times what a servo takes: the answers before are believed."""
 MUTE_MOVES = 5
-"""How many moves without any answer in a row, while questions get theirs: moves are not answered here."""
+"""The moves without any answer in a row, while questions get theirs: moves are not answered here."""
 FRAME_S = 0.25
 
 
@@ -69,8 +69,8 @@ class Bus:
     """The line. Lost answers are None; a line that is gone is a DeviceError.
 
     `heard` are answers that count, for others to take; `told` are frames that came; `unasked` counts how often bytes
-    came although none was asked. `stop_waits`, `write_waits` are asked while listening: a stop ends that at once, a
-    write after a moment.
+    came without a question. `stop_waits`, `write_waits` are asked while listening: a stop ends that at once, a write
+    after a moment.
     """
 
     def __init__(

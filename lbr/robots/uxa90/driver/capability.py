@@ -19,7 +19,7 @@ from lbr.robots.uxa90.driver.view import MEASURED_S, servo_state, statistics
 
 RETAKE_S = 3.0
 BLIND_S = 1.5
-"""How long after PC control was taken it may take until it is known where the servos are."""
+"""The time after PC control was taken until the places of the servos must be known."""
 CONTROLLER_S = 0.5
 LOOKED_FOR = "PC control is being taken, and the servos are looked for"
 CONTACT = "was out of reach: was it without power? Switch its torque off, then on"

@@ -1,4 +1,4 @@
-"""What the emergency stop does on the line, and when it is acknowledged: after the servos were read to stand still."""
+"""The act of the emergency stop on the line, and its acknowledgement: after the servos were read to stand still."""
 
 from collections.abc import Mapping
 from math import inf
@@ -57,7 +57,7 @@ class EmergencyStop:
     def _unconfirmed(self, session: Session) -> str:
         """Say why it is not known that the servos stood still, or nothing.
 
-        What was read to stand still once, and is told nothing since, is moved by its weight or by hand.
+        A servo that was once read to stand still, without an order since, is moved by its weight or by hand.
         """
         if session.controller.occupied or not session.controller.passes:
             self._rested = False

@@ -16,7 +16,7 @@ CONTROL, REMOTE, FIRMWARE, SERIAL, ZEROS, IMU, LAST_BUTTON = 0x10, 0x14, 0x12, 0
 
 
 class Frame(NamedTuple):
-    """What the main board says, or is told."""
+    """The frames of the main board, both ways."""
 
     type: int
     platform: int
@@ -37,7 +37,7 @@ QUESTIONS = {
     "imu": (IMU, 6),
     "last_button": (LAST_BUTTON, 2),
 }
-"""What the main board can be asked: the frame's type, and how many bytes its answer contains."""
+"""The questions to the main board: the frame's type, and how many bytes its answer contains."""
 
 
 def remote(button: int) -> bytes:

@@ -16,7 +16,7 @@ from lbr.robots.uxa90.driver.packets import BREAK_ALL, passive
 
 
 class BoardRelease:
-    """What the main board and its servos are told."""
+    """The orders to the main board and its servos."""
 
     blind = True
 

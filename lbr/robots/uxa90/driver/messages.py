@@ -36,7 +36,7 @@ class InquireCommand(Struct, frozen=True, kw_only=True):
 
 
 class InquireReply(Struct, frozen=True, kw_only=True):
-    """What it said: numbers as they came, and the same for people."""
+    """The answer: numbers as they came, and the same for people."""
 
     accepted: bool
     reason: str = ""

@@ -21,7 +21,7 @@ BREAK_ALL = bytes((HEAD, 0xDF, 0x20, 0x7F))
 
 
 class Answer(NamedTuple):
-    """What a servo says to a move, a read and a passive packet."""
+    """A servo's answer to a move, a read and a passive packet."""
 
     load: int
     position: int
@@ -73,9 +73,10 @@ def stored(slot: int) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class Register:
-    """How a servo's value is asked for and written. `twice`: one value, said twice.
+    """The reading and writing of a servo's value. `twice`: one value, sent twice.
 
-    `read` and `write` are command bytes, None where there is none; `answers`: bytes that a write is answered with.
+    `read` and `write` are command bytes, None where the command does not exist; `answers`: bytes that a write is
+    answered with.
     """
 
     name: str

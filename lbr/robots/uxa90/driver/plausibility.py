@@ -1,4 +1,4 @@
-"""Whether a position that came is believed: a pure function of what came before. It carries neither id nor checksum.
+"""The belief in a position: a pure function of those before. It carries neither id nor checksum.
 
 Believed is what the servo could have reached since it was believed last, and if that is elsewhere, not at the first
 word. Several that cannot be, and nothing of it is believed any more; several in a row that fit one another, and it is
@@ -18,7 +18,7 @@ RESTING_CPS, MOVING_CPS = 40.0, 420.0
 SMALL = 2
 """A step no longer than this is believed at once."""
 TOLD_RESTING, TOLD_MOVING = 3, 2
-"""How often in a row a servo must say that it is elsewhere, on the same side, unless it moves that way already."""
+"""The reports in a row that a servo must give of another place, on the same side, unless it moves that way already."""
 FITTING_MOVING, FITTING_CPS, FITTING_S = 4, 150.0, 0.1
 LOSES, GAINS = 3, 5
 OLD_S = 1.0

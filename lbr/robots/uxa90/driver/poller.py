@@ -12,10 +12,10 @@ MISSES = 2
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.5, 8.0
 IDLE_S = 0.02
 FIRST_SWEEPS = 8
-"""How many follow one another at once, so that positions are believed soon."""
+"""The number that follow one another at once, so that positions are believed soon."""
 BETTER_ALONE = 3
 BUSY_S, WARY_S = 0.1, 5.0
-"""How long after a write, and after answers were lost, what was answered is made sure of before the next is asked."""
+"""The time after a write, and after lost answers, in which an answer is confirmed before the next question."""
 STATISTICS_S = 1.0
 SILENT = "does not answer"
 

@@ -1,5 +1,4 @@
-"""How the main board of a UXA-90 is recognised: by its firmware's number; control is not taken, so no servo hears of
-it."""
+"""Recognition of a UXA-90's main board: by its firmware's number; control is not taken, so no servo notices."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.robots.uxa90.driver import frames

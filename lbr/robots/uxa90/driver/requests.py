@@ -1,4 +1,4 @@
-"""What the main board and single servos are asked, and what is written into them: one job of the line's thread each."""
+"""The questions to the main board and single servos, and writes into them: one job of the line's thread each."""
 
 from collections.abc import Callable, Collection
 
@@ -9,7 +9,7 @@ from lbr.robots.uxa90.driver.packets import ANSWER_BYTES, REGISTERS, Register
 from lbr.robots.uxa90.driver.session import words
 
 ASKED_S, WRITTEN_S = 0.1, 0.25
-"""How long a register's answer is waited for; to keep one without power takes the servo longer."""
+"""The wait for a register's answer; to keep one without power takes the servo longer."""
 TRIES = 3
 SETTLE_S = 0.5
 NOT_TOLD = "was not told: the line was wanted for a stop or a move, or is not quiet; say it again"

@@ -1,4 +1,4 @@
-"""What lives as long as the line of a UXA-90 is open: the bus, its owner, the sweep, what was told, the guard."""
+"""The objects of an open line of a UXA-90: the bus, its owner, the sweep, the orders, the guard."""
 
 from collections.abc import Mapping
 from concurrent.futures import Future

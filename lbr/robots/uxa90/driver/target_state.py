@@ -1,4 +1,4 @@
-"""What one servo is to do, and was told."""
+"""The wanted and the sent order for one servo."""
 
 from dataclasses import dataclass
 from math import inf

@@ -1,4 +1,4 @@
-"""What every servo is to do, as the packet that says so; what changed leaves in one write. Lives in the loop's thread.
+"""The orders for every servo, as packets; all that changed leave in one write. Lives in the loop's thread.
 
 Only `flush` and `brake` run in the line's thread: they write what is wanted at that moment.
 """
@@ -18,10 +18,11 @@ PLACE_S = 0.6
 """A position older than this is not where the servo is: twelve sweeps of the usual 20 a second. Chosen, not measured.
 """
 WEAK_S = 2.0
-"""How long a servo goes at the weakest level if its place was unknown, or it was far from its goal. Chosen, not
+"""The time that a servo goes at the weakest level if its place was unknown, or it was far from its goal. Chosen, not
 measured."""
 SAG = 8
-"""How far from its goal a servo may rest under its load, in counts. Chosen, not measured on a real robot."""
+"""The distance from its goal at which a servo may rest under its load, in counts. Chosen, not measured on a real robot.
+"""
 REST_S = 0.3
 AGAIN_S = 1.0
 MOVING_S = 1.0
@@ -32,7 +33,7 @@ STILL, STILL_S = 2, 0.04
 FEW = 8
 """After a write to more servos than this the line needs a moment for itself."""
 PLAYED_S = 1.0
-"""How long after a motion of the main board servos get no goal before it was read where they are."""
+"""The time after a motion of the main board in which servos get no goal before their places are read."""
 
 
 class ServoTargets:
@@ -49,7 +50,7 @@ class ServoTargets:
     ) -> None:
         self.servos = {servo: TargetState(servo, blocked=blocked) for servo in servos}
         self.open = False
-        """Whether servos can be told anything now."""
+        """True if servos can take orders now."""
         self._seen = seen
         self._clock = clock
         self._wire_s = wire_s

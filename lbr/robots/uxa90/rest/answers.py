@@ -10,8 +10,7 @@ Number = int | float
 
 
 class Measured(Struct, frozen=True):
-    """What a servo said of itself: its count, its load as a fraction, how old that is; null is not known or not
-    believed."""
+    """The report of a servo: its count, its load as a fraction, its age; null is not known or not believed."""
 
     position: int | None
     load: float | None
@@ -78,7 +77,7 @@ class MotionsAnswer(Struct, frozen=True):
 
 
 class MotionMessage(Struct, frozen=True):
-    """The code that stands for a motion; a name for what is none but a word to the main board."""
+    """The code that stands for a motion; a name for a word to the main board that is not a motion."""
 
     btn_code: int | UnsetType = UNSET
     motion_name: str | UnsetType = UNSET

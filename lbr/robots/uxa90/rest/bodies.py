@@ -24,7 +24,7 @@ UNIT = Annotated[Unit, Meta(description="counts, percent of the range, or degree
 
 
 class MotorParams(Struct, kw_only=True):
-    """What /motor is asked."""
+    """The query of /motor."""
 
     id: Id | None = None
     pos: Position | None = None
@@ -37,7 +37,7 @@ class MotorParams(Struct, kw_only=True):
 
 
 class MultiParams(Struct, kw_only=True):
-    """How /multimotor is to be read."""
+    """The reading of /multimotor."""
 
     unit: UNIT | None = None
 

@@ -41,11 +41,11 @@ class Editor:
         self._heard = 0
 
     async def show_motor(self, key: str) -> MotorRowAnswer:
-        """Return a motor's row; 404 if there is none."""
+        """Return a motor's row; 404 if it is missing."""
         return self._motor_answer(self._motor(key), await self._revision())
 
     async def show_motion(self, key: str) -> MotionRowAnswer:
-        """Return a motion's row; 404 if there is none."""
+        """Return a motion's row; 404 if it is missing."""
         return self._motion_answer(self._button(key), await self._revision())
 
     async def add_motor(self, request: Request, body: NewMotorBody) -> MotorRowAnswer:

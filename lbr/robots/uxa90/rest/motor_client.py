@@ -46,8 +46,8 @@ class MotorClient:
     async def turn(self, turns: Iterable[Turn], joint: Callable[[Turn], Joint], *, timed: bool = False) -> None:
         """Move motors; return once the joints have accepted all of it, else raise Refused with their reason.
 
-        `timed`: it was asked for long ago, so a stop that was not heard of yet is to come first. What was asked for by
-        a lease that ended just then, because all had arrived, is asked for again.
+        `timed`: it was asked for long ago, so a stop that was not heard of yet is to come first. A request under a
+        lease that ended just then, because all had arrived, is repeated.
         """
         command = _command(turns, joint)
         if command is None:

@@ -1,4 +1,4 @@
-"""What a request to /motor or /multimotor wants, by the rules and in the order that the API has had from the
+"""The demand of a request to /motor or /multimotor, by the rules and in the order that the API has had from the
 beginning."""
 
 from collections.abc import Mapping, Sequence
@@ -63,7 +63,7 @@ class Several:
 
 
 def unit_of(query: Query) -> str:
-    """Return the unit that positions are in; empty if none was named, which means counts."""
+    """Return the unit of positions; empty means counts."""
     unit = _once(query, "unit")
     if unit is not None and unit not in UNITS:
         raise Refused(400, f"unit '{unit[:20]}' is not one of {', '.join(UNITS)}")

@@ -1,5 +1,4 @@
-"""What the API does in the capability's loop: motors move by one lease, motions play one at a time, jobs begin when
-due."""
+"""The API in the capability's loop: motors move by one lease, motions play one at a time, jobs begin when due."""
 
 from collections.abc import Callable, Mapping
 from math import inf
@@ -28,7 +27,7 @@ from lbr.robots.uxa90.rest.table import MotorTable
 
 TAKE_CONTROL_S = 3.0
 STOOD_STILL_S = 1.0
-"""What is due after this long without a round would surprise everybody."""
+"""A job that is due after this long without a round would surprise everybody."""
 
 
 class Service:

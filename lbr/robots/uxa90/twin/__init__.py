@@ -42,7 +42,7 @@ class Uxa90Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
 
 class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is at the other end of a `uxa90` device row's line, and how fast it is; `ids` are the servos that it has.
+    """The main board at the other end of a `uxa90` device row's line, and its speed; `ids` are its servos.
 
     `zeros` are its own zero of each servo, as the main board keeps them. `programmes` replace motions of the main
     board, by slot. `aborts`: PC control ends a motion; if not, it is ignored meanwhile. `reports_end`: a motion of the

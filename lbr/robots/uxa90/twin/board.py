@@ -1,7 +1,8 @@
 """The emulated main board (UIC): its modes, its motions, and the servos that it passes packets on to.
 
 In normal mode it heeds its own frames alone. A frame of type 10 takes PC control: from then on servo packets are passed
-on, except while a motion plays. What a packet does to a servo is computed when the packet is handed in, a little early.
+on, except while a motion plays. The effect of a packet on a servo is computed when the packet is handed in, a little
+early.
 """
 
 from collections.abc import Iterable, Mapping

@@ -18,7 +18,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 FRAME_S = 0.02
-"""How often the main board sends its servos a place on the way."""
+"""The pace at which the main board sends its servos a place on the way."""
 
 Count = Annotated[float, Meta(ge=1, le=254, description="nominal counts; 127 is the middle of a servo's range")]
 Digits = Annotated[str, Meta(pattern="^[0-9]{1,2}$(?!\\n)", description="a servo's id")]
@@ -47,8 +47,8 @@ class Frame(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A motion of the main board: its frames, one after the other, from wherever the servos are.
 
-    What it never names stays as it was, limp or held. With `limp` all servos are released at its end. A figure is a few
-    frames, which may be played more than once.
+    A servo that it never names stays as it was, limp or held. With `limp` all servos are released at its end. A figure
+    is a few frames, which may be played more than once.
     """
 
     frames: Annotated[tuple[Frame, ...], Meta(min_length=1)]
@@ -87,7 +87,7 @@ class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Way(Struct, frozen=True):
-    """What servos are told to do next: counts by id, how long the way takes, and at which level."""
+    """The next order for servos: counts by id, how long the way takes, and at which level."""
 
     counts: dict[int, float]
     duration_s: float

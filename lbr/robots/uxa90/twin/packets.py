@@ -1,4 +1,4 @@
-"""What a main board makes of the bytes on its line: its own frames, and packets for the servos behind it.
+"""The bytes on a main board's line, decoded: its own frames, and packets for the servos behind it.
 
 A servo packet is `FF b1 ... sum`; FF in the middle of one begins another. Frames and servo packets may follow each
 other in any order; a pause within one makes the main board forget it.

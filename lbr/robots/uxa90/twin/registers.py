@@ -1,5 +1,5 @@
-"""What a SAM servo keeps, and the configuration packets that write and read it; after the wCK, whose protocol it
-shares."""
+"""The registers of a SAM servo, and the configuration packets that write and read them; after the wCK, whose protocol
+it shares."""
 
 from collections.abc import Mapping
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""What a main board says on its line, each byte in its own time, and what can go wrong with it."""
+"""The answers of a main board on its line, each byte in its own time, and their faults."""
 
 from collections import deque
 from random import Random

@@ -31,7 +31,7 @@ class CameraTwin(PortTwin[SocketPort, CameraFaults]):
         return faults
 
     def service(self, now: float) -> None:  # noqa: ARG002
-        """Do all that is due: the cable, and who has connected."""
+        """Do all that is due: the cable, and new connections."""
         plug(self.port, present=not self._faults.unplug)
         for client, _ in self.port.receive():
             connection = self.port.hand_over(client)

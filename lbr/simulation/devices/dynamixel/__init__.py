@@ -18,7 +18,8 @@ class DynamixelFaults(ServoBusFaults, frozen=True, kw_only=True, forbid_unknown_
 
 
 class DynamixelRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What hangs on a `dynamixel` device row's bus, and how fast it is; `usb2ax` is a dongle's firmware, null: none.
+    """The servos on a `dynamixel` device row's bus, and how fast it is; `usb2ax` is a dongle's firmware, null: without
+    one.
 
     `return_delay` is what the servos' registers hold at first, in 2 us; 250 as they leave the factory.
     `goal_switches_on`: a servo that gets a goal gets torque too, as some users say of theirs and the manual does not.

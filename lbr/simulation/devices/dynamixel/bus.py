@@ -16,7 +16,7 @@ from lbr.simulation.devices.dynamixel.servo import AxServo
 from lbr.simulation.wire import flip_one_bit, noise
 
 LATE_S = 0.012
-"""How much later a late answer comes."""
+"""The delay of a late answer."""
 
 PIECES_S = 0.0005
 """The pause between the pieces of an answer in pieces."""

@@ -7,7 +7,7 @@ from lbr.simulation.devices.dynamixel.packets import BROADCAST, Code, Fault, Ins
 
 NUMBER = 0xFD
 STRAY = status(NUMBER, Fault.RANGE)
-"""What version 05 says before it forwards a broadcast that is longer than it likes."""
+"""The answer of version 05 before it forwards a broadcast that is longer than it likes."""
 
 _MODEL = 0x4201
 _TICK_S = 20e-6

@@ -1,4 +1,4 @@
-"""How registers of a servo count positions and speeds."""
+"""The counts of positions and speeds in a servo's registers."""
 
 from math import radians
 

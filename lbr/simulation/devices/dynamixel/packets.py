@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 BROADCAST = 0xFE
 RECEIVE_BYTES = 143
-"""What fits into an AX servo's receive buffer."""
+"""The size of an AX servo's receive buffer."""
 
 _HEADER = b"\xff\xff"
 _GAP_S = 0.1

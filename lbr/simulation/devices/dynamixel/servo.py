@@ -1,6 +1,6 @@
 """An emulated AX-12A: its control table, its errors, and what its registers make of its motor.
 
-Where the manual leaves room, this servo assumes: EEPROM may be written only without torque; a write that touches a
+For the gaps of the manual, this servo assumes: EEPROM may be written only without torque; a write that touches a
 register it may not touch, or sets one out of its range, changes nothing and answers the range error; a goal outside the
 angle limits is not taken; overload stays reported until a torque limit is written; with both angle limits 0 (wheel
 mode) it does not turn; switched on, it goes to whatever its goal register holds.
@@ -18,7 +18,7 @@ from lbr.simulation.turning import moved
 Act = Callable[[Instruction, float], bytes | None]
 
 OVERLOAD_S = 2.0
-"""How long it bears its full torque."""
+"""The time that it bears its full torque."""
 
 _LEVELS: Mapping[int, int] = {Code.PING: 0, Code.READ: 1}
 _FULL = 1023.0

@@ -14,7 +14,7 @@ Pull = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 
 class GamepadFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is done to a gamepad: `pressed` are its buttons, the axes are pushed so far.
+    """The input of a gamepad: `pressed` are its buttons, the axes are pushed so far.
 
     `silent`: it is out of range, and says nothing. `garbage`, `half`: a record has noise before it, or ends early.
     """
@@ -34,7 +34,7 @@ class GamepadFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 class GamepadRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a `gamepad` device row's pad is held at first."""
+    """The first state of a `gamepad` device row's pad."""
 
     faults: GamepadFaults = GamepadFaults()
 

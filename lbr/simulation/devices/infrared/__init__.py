@@ -44,7 +44,7 @@ class BeamCodes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class InfraredRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What an `infrared` device row's receiver hears of the dock; `protocol` is the kernel's number, 7 for Sony-15."""
+    """The beams at an `infrared` device row's receiver; `protocol` is the kernel's number, 7 for Sony-15."""
 
     faults: InfraredFaults = InfraredFaults()
     codes: BeamCodes = BeamCodes()

@@ -17,9 +17,9 @@ back."""
 _POINTS, _POINTS_PER_S, _STEP_CDEG, _SPEED_DPS = 12, 4500, 80, 3600
 _PACKET_S = _POINTS / _POINTS_PER_S
 _BURST = 4
-"""How many packets are handed over at once: a host that is woken for each of 375 a second does little else."""
+"""The packets that are handed over at once: a host that is woken for each of 375 a second does little else."""
 _LATEST_S = 0.1
-"""What it had to say longer ago than this is lost: it was not read meanwhile."""
+"""Older output than this is lost: it was not read meanwhile."""
 _STARTUP_S = 0.5
 _CONFIDENCE = 200
 _NOTHING_MM = 0

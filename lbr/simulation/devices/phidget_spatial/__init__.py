@@ -23,7 +23,7 @@ class PhidgetSpatialFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fie
 
 
 class PhidgetSpatialRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How many samples a `phidget_spatial` device row's unit sends at once."""
+    """The samples that a `phidget_spatial` device row's unit sends at once."""
 
     faults: PhidgetSpatialFaults = PhidgetSpatialFaults()
     burst: Annotated[int, Meta(ge=1, le=8)] = 2

@@ -19,7 +19,7 @@ MAG_MS = 8
 ZEROING_MS = 2000
 _LONGEST_LINE = 200
 _LATEST_MS = 80.0
-"""What is later is lost: after a halt of the world more of the same feeling would look like a frozen unit."""
+"""Later samples are lost: after a halt of the world more of the same feeling would look like a frozen unit."""
 _JUMP_DPS = 400.0
 
 
@@ -48,7 +48,7 @@ class PhidgetSpatial:
         self._felt = reading
 
     def hear(self, data: bytes, now: float) -> None:
-        """Take in orders; what is none is passed over."""
+        """Take in orders; other bytes are passed over."""
         *lines, rest = (self._line + data).split(b"\n")
         self._line = rest[:_LONGEST_LINE]
         for line in lines:

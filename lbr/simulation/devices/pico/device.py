@@ -108,7 +108,7 @@ class Pico:
 
 
 class _Status(RegisterDevice):
-    """What is at the lower address, to be read only."""
+    """The registers at the lower address, to be read only."""
 
     def __init__(self, pico: Pico) -> None:
         super().__init__()
@@ -127,7 +127,7 @@ class _Status(RegisterDevice):
 
 
 class _Commands(RegisterDevice):
-    """What is at the upper address."""
+    """The registers at the upper address."""
 
     def __init__(self, pico: Pico) -> None:
         super().__init__()

@@ -25,7 +25,7 @@ class RioxFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 class RioxRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a `riox` device row's unit counts; `echo`: it repeats what it hears, until told otherwise."""
+    """The counts of a `riox` device row's unit; `echo`: it repeats its input, until told otherwise."""
 
     faults: RioxFaults = RioxFaults()
     echo: bool = True

@@ -24,7 +24,7 @@ class RoboteqFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class RoboteqRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a `roboteq` device row says it is wired: a direction of -1 turns the wheel back for a positive command."""
+    """The wiring of a `roboteq` device row: a direction of -1 turns the wheel back for a positive command."""
 
     faults: RoboteqFaults = RoboteqFaults()
     left_channel: Literal[1, 2] = 1

@@ -24,7 +24,7 @@ _IDENTITY = {"FID": "Roboteq v1.8 SDC2130 08/20/2016", "TRN": "RCB500:SDC2130"}
 
 
 class Measured(Struct, frozen=True, kw_only=True):
-    """What the controller knows. Counts, amps and rpm are per channel, in the channel's own sense: positive for a
+    """The knowledge of the controller. Counts, amps and rpm are per channel, in the channel's own sense: positive for a
     positive command."""
 
     battery_v: float = 12.6

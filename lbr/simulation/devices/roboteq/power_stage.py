@@ -9,7 +9,7 @@ DEFAULT_WATCHDOG_MS = 1000
 
 
 class PowerStage:
-    """What the two outputs do, as a function of the commands heard and the time.
+    """The two outputs, as a function of the commands received and the time.
 
     Only `feed` keeps the watchdog from expiring. Expiry takes the outputs to zero but forgets nothing: the next
     `feed` brings back whatever the channels' commands then are. `works` says whether the watchdog does.
