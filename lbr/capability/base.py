@@ -17,12 +17,14 @@ class Capability(Generic[S]):
     A capability may change its `rate_hz` as it goes: what has nothing to do needs no fast one, and commands wake it.
     With `woken_by_streams` false what inputs and setpoints bring waits for the next tick, which spares a process that
     reads fast streams most of its work; commands, answers and the emergency stop wake it all the same.
+    Inputs in `received_while_read` are received like pictures: while they are read, and two seconds longer.
     A DeviceError out of `open` or `step` makes the capability degraded: the runtime calls `close` and opens again
     with a capped backoff. Any other exception ends the process, and the executive decides what follows.
     """
 
     rate_hz: float = 10.0
     woken_by_streams: bool = True
+    received_while_read: frozenset[str] = frozenset()
 
     def __init__(self, ctx: Context[S]) -> None:
         self.ctx = ctx

@@ -133,7 +133,8 @@ class Loop:
         """Have the capability on its bus, and not open yet."""
         kind, make = self._find()
         streams = self._woken if getattr(make, "woken_by_streams", True) else None
-        self._ctx = ctx = ProcessContext(self._config, kind, self._reporter, self._woken, streams, self._join)
+        seldom = getattr(make, "received_while_read", frozenset[str]())
+        self._ctx = ctx = ProcessContext(self._config, kind, self._reporter, self._woken, streams, self._join, seldom)
         try:
             self._capability = make(ctx)
         except BaseException:

@@ -36,9 +36,9 @@ COMPLAINTS_PER_S = 2
 ACKNOWLEDGE_S = 0.5
 """So long a mover may take to acknowledge an emergency stop that has no setting `acknowledge_s`."""
 UNREAD_S = 2.0
-"""Pictures that nobody has read for so long are not received any more."""
+"""The subscription ends after so long without a reader."""
 NEWEST_WAIT_S = 0.1
-"""So long the first reader of pictures waits for the newest one there is; a frozen camera costs that once."""
+"""The longest wait of the first reader for the newest message; a frozen sender costs it once."""
 R = TypeVar("R", bound=Row)
 
 
@@ -52,7 +52,7 @@ class Join(Protocol):
 class Port:
     """One input or setpoint: decodes what its streams bring, drops what is not genuine, too fast or malformed.
 
-    Pictures are received while they are read: a camera that has no subscriber rests.
+    Pictures are received `while_read`: a camera that has no subscriber rests.
     """
 
     def __init__(
@@ -63,12 +63,14 @@ class Port:
         wake: Callable[[], None] | None,
         complain: Callable[[str, str, Code, str], None],
         name: str,
+        *,
+        while_read: bool = False,
     ) -> None:
         self.sources = tuple(wire.source for wire in wires)
         self.last: Received | None = None
         self._bus, self._wires, self._wake = bus, wires, wake
         self._name = name
-        self._while_read = kind is JpegFrame
+        self._while_read = while_read or kind is JpegFrame
         self._read_at = 0.0
         self._decoder = PictureDecoder() if kind is JpegFrame else Decoder(kind)
         self._complain = complain
@@ -92,7 +94,7 @@ class Port:
         return self.last
 
     def drop_unread(self, now: float) -> None:
-        """Receive pictures no longer that are not read."""
+        """End the subscription of an unread stream."""
         if self._while_read and self._feeds and now - self._read_at > UNREAD_S:
             for _, subscription in self._feeds:
                 subscription.close()
@@ -104,7 +106,7 @@ class Port:
         ]
 
     def _begin_to_read(self) -> None:
-        """Receive pictures, and have the newest one at once."""
+        """Receive it, and have the newest message at once."""
         self._subscribe()
         keys_asked = {feed.key: feed for feed in self._wires}
         for raw in self._bus.newest(keys_asked, source=self._name, timeout_s=NEWEST_WAIT_S):
@@ -164,6 +166,7 @@ class ProcessContext:
         wake: Callable[[], None],
         wake_for_streams: Callable[[], None] | None,
         join: Join | None = None,
+        received_while_read: Collection[str] = (),
     ) -> None:
         join = join or _by_zenoh
         self.robot = config.robot
@@ -215,7 +218,15 @@ class ProcessContext:
         self._declared = {name: Decoder(one) for name, one in kind.outputs.items() if one is not JpegFrame}
         ports = {**kind.inputs, **kind.setpoints}
         self._ports = {
-            name: Port(self._bus, config.wiring.get(name, ()), message, wake_for_streams, self._refused, config.name)
+            name: Port(
+                self._bus,
+                config.wiring.get(name, ()),
+                message,
+                wake_for_streams,
+                self._refused,
+                config.name,
+                while_read=name in received_while_read,
+            )
             for name, message in ports.items()
         }
         self._commands = {

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from lbr.apps.behaviours import texts
 from lbr.apps.behaviours.kernel import DONE, Outcome, Run
+from lbr.apps.behaviours.keys import STREAMS
 from lbr.apps.behaviours.kind import BehaviourSettings
 from lbr.apps.behaviours.library import Library
 from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LowBattery
@@ -63,6 +64,7 @@ class Behaviours(Capability[BehaviourSettings]):
 
     rate_hz = IDLE_HZ
     woken_by_streams = False
+    received_while_read = frozenset(STREAMS) - WATCHED
 
     def __init__(self, ctx: Context[BehaviourSettings]) -> None:
         super().__init__(ctx)
@@ -214,7 +216,7 @@ class Behaviours(Capability[BehaviourSettings]):
             self._refuse_late(call)
         reachable = self._library.reachable(table)
         self._streams = frozenset(key.stream for one in reachable for key in one.keys) & self._senses.there
-        self._senses.listen(self._senses.there)
+        self._senses.listen(self._streams | WATCHED)
         now = self._began = self.ctx.clock()
         self._run = Run(table, self._library.good(), now, self.dice.randrange)
         self._ticket = -1

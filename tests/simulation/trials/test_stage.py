@@ -85,6 +85,40 @@ def test_a_value_that_its_declaration_does_not_allow_is_not_published_and_report
     assert len(odd.told) == 2
 
 
+class Seldom(Capability[NoSettings]):
+    """Reads a stream while it is made to, and keeps what came."""
+
+    received_while_read = frozenset({"state"})
+    reads = False
+
+    def __init__(self, ctx):
+        super().__init__(ctx)
+        self.came: list[float] = []
+
+    def step(self):
+        if self.reads:
+            self.came += [received.message.number for received in self.ctx.take("state")]
+
+
+def test_what_is_received_while_it_is_read_has_no_subscriber_before_and_begins_with_the_newest_message(odd):
+    key = keys.port("r", "odd", "state")
+    kind = Kind(name="seldom", summary="reads", family="app", entry=Seldom, inputs={"state": Told})
+    feeds = len(odd.bus.feeds[key])
+    seldom = odd.add(config("seldom", wiring={"state": (InputWire(key=key, source="odd", history=4),)}), kind)
+    odd.run(1.0)
+    assert len(odd.bus.feeds[key]) == feeds
+    seldom.reads = True
+    odd.run(0.12)
+    assert seldom.came[0] == 1.0
+    odd.capability.value = 2.0
+    odd.run(0.5)
+    assert seldom.came[-1] == 2.0
+    assert len(odd.bus.feeds[key]) == feeds + 1
+    seldom.reads = False
+    odd.run(4.0)
+    assert len(odd.bus.feeds[key]) == feeds
+
+
 def test_a_handler_that_raises_is_the_answer_before_its_process_ends(odd):
     asked = odd.command("odd", "do", Told(), "test")
     with pytest.raises(RuntimeError, match="a defect"):

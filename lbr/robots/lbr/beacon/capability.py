@@ -32,6 +32,7 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
     feeds = ("drive",)
     rate_hz = IDLE_HZ
     woken_by_streams = False
+    received_while_read = frozenset({"attitude", "ranges", "dock"})
 
     def __init__(self, ctx: Context[BeaconSettings]) -> None:
         super().__init__(ctx)
