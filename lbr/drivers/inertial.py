@@ -40,13 +40,16 @@ class Quiet:
         self._last: ImuSample | None = None
 
     def look(self, sample: ImuSample) -> bool:
-        """Say so after each sample; what is not measured or repeats itself is a reason to look more often."""
+        """Say so after each sample; what is not measured begins it anew.
+
+        A repeated sample is a reason to look more often, and no motion: a unit that is asked early repeats its last.
+        """
         last, self._last = self._last, sample
-        if not _near(sample, self._like) or (last is not None and _same(sample, last)):
+        if self._like is None or not _near(sample, self._like):
             self._like = sample if _measured(sample) else None
             return False
-        assert self._like is not None
-        return sample.time_s - self._like.time_s >= QUIET_S
+        repeats = last is not None and _same(sample, last)
+        return not repeats and sample.time_s - self._like.time_s >= QUIET_S
 
 
 class LifeSigns:
@@ -94,11 +97,11 @@ def _same(one: ImuSample, other: ImuSample) -> bool:
     return one.gyro_rps == other.gyro_rps and one.accel_mps2 == other.accel_mps2
 
 
-def _near(sample: ImuSample, like: ImuSample | None) -> bool:
-    if like is None or not sample.valid:
-        return False
-    return _differ_less(sample.gyro_rps, like.gyro_rps, QUIET_RPS) and _differ_less(
-        sample.accel_mps2, like.accel_mps2, QUIET_MPS2
+def _near(sample: ImuSample, like: ImuSample) -> bool:
+    return (
+        sample.valid
+        and _differ_less(sample.gyro_rps, like.gyro_rps, QUIET_RPS)
+        and _differ_less(sample.accel_mps2, like.accel_mps2, QUIET_MPS2)
     )
 
 

@@ -64,6 +64,14 @@ def test_one_that_repeats_itself_is_asked_as_often_as_ever(unit):
     assert not unit.say(**same)
 
 
+def test_a_sample_that_came_twice_does_not_begin_the_wait_anew():
+    unit = Unit()
+    unit.say(QUIET_S / 2)
+    unit.say(0.02, gyro_rps=GYRO_ZERO, accel_mps2=(0.0, 0.0, 9.81))
+    unit.say(QUIET_S / 2)
+    assert unit.say(0.05)
+
+
 def test_a_turn_at_an_even_rate_becomes_quiet_and_its_end_is_seen_at_once(unit):
     unit.say(QUIET_S + 0.1, turn_rps=1.0)
     assert unit.say(turn_rps=1.0)
