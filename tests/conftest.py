@@ -13,6 +13,7 @@ import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +47,8 @@ settings.load_profile("everyday")
 gc.disable()
 """Collecting ten thousand tests leaves nothing behind, and each look at them takes longer than the last."""
 
-LISTS = {name: Path(__file__).parent / f"{name}.txt" for name in ("nightly", "slow")}
+TESTS = Path(__file__).parent
+LISTS = {name: TESTS / f"{name}.txt" for name in ("nightly", "slow")}
 """Marks of tests, and the file that names for each which folders, modules and tests have it."""
 SLOW_S = 2.0
 
@@ -65,9 +67,9 @@ def pytest_collection(session: pytest.Session) -> None:
     a warning, is left to the collection, which says so.
     """
     worker = getattr(session.config, "workerinput", None)
-    if worker is None or session.config.args != session.config.getini("testpaths"):
+    if worker is None or not _is_whole(session.config):
         return
-    found = sorted((session.config.rootpath / "tests").rglob("test_*.py"))
+    found = sorted(path for path in TESTS.rglob("test_*.py") if not _is_left_out(path, session.config))
     modules = [".".join(path.relative_to(session.config.rootpath).with_suffix("").parts) for path in found]
     first = len(modules) * int(worker["workerid"].removeprefix("gw")) // worker["workercount"]
     for module in modules[first:] + modules[:first]:
@@ -76,16 +78,21 @@ def pytest_collection(session: pytest.Session) -> None:
             importlib.import_module(module)
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Import no folder or module in README's run that all of it leaves to the night."""
+    return _is_left_out(collection_path, config) or None
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark what the lists name; a whole collection fails on a line that names nothing."""
     for mark, path in LISTS.items():
-        wanted = {line for line in path.read_text().splitlines() if line and not line.startswith("#")}
-        named = set()
+        wanted = _lines(mark)
+        named = {line for line in wanted if _is_left_out(TESTS / line, config) and (TESTS / line).exists()}
         for item in items:
             if names := wanted.intersection(_names(item.nodeid.removeprefix("tests/"))):
                 item.add_marker(mark)
                 named |= names
-        if named != wanted and config.args == config.getini("testpaths"):
+        if named != wanted and _is_whole(config):
             raise pytest.UsageError(f"{path.name} names what is not there: {', '.join(sorted(wanted - named))}")
 
 
@@ -93,6 +100,22 @@ def pytest_collection_finish() -> None:
     """Let no later collection of garbage look again at the tests themselves."""
     gc.freeze()
     gc.enable()
+
+
+@cache
+def _lines(mark: str) -> frozenset[str]:
+    return frozenset(line for line in LISTS[mark].read_text().splitlines() if line and not line.startswith("#"))
+
+
+def _is_whole(config: pytest.Config) -> bool:
+    return config.args == config.getini("testpaths")
+
+
+def _is_left_out(path: Path, config: pytest.Config) -> bool:
+    """Say whether a folder or module is left to the night by this run."""
+    if not _is_whole(config) or config.option.markexpr != "not nightly" or not path.is_relative_to(TESTS):
+        return False
+    return not _lines("nightly").isdisjoint(map(str, (path.relative_to(TESTS), *path.relative_to(TESTS).parents)))
 
 
 def _names(test: str) -> Iterator[str]:
