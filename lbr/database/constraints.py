@@ -56,15 +56,16 @@ def refused(script: str) -> str:
 
 def statements(script: str) -> Iterator[tuple[int, str]]:
     """Yield each statement of a script with the line it begins in."""
-    begun, text = 1, ""
+    begun, text, empty = 1, "", True
     for number, line in enumerate(script.splitlines(keepends=True), 1):
-        if not _without_comments(text).strip():
+        if empty:
             begun, text = number, ""
         for part in re.findall(r"[^;]*;|[^;]+", line):
             text += part
             if part.endswith(";") and sqlite3.complete_statement(text):
                 yield begun, text
-                begun, text = number, ""
+                begun, text, empty = number, "", True
+        empty = empty and not _without_comments(text).strip()
     if _without_comments(text).strip():
         yield begun, text
 
