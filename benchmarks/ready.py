@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator
 
 from benchmarks import Measured
-from tests.scenarios.first_command import FIRST, ask_at_ready
+from tests.scenarios.first_command import FIRST, asked_at_ready
 from tests.support import programs
 from tests.support.figures import Promise, Results
 
@@ -36,8 +36,8 @@ def measure(given: argparse.Namespace) -> Measured:
             refused = 0
             for number in range(given.n):
                 ask = FIRST[name][number % len(FIRST[name])]
-                why, took_ms = ask_at_ready(name, ask)
-                results.check(name, [why] if why else [])
+                with asked_at_ready(name, ask) as (_, why, took_ms):
+                    results.check(name, [why] if why else [])
                 results.sample(name, took_ms)
                 refused += bool(why)
                 print(f"{name} {number + 1}: {why or 'obeyed'} ({took_ms:.0f} ms)", file=sys.stderr, flush=True)

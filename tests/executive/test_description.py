@@ -11,6 +11,7 @@ from lbr.executive.planning import planner, rights
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.service.description import describe
+from tests.support import databases
 
 SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 ROBOTS = ("lbr", "bioloid", "uxa90")
@@ -25,7 +26,7 @@ INSERT INTO wheel (robot, name, motor, x_m, y_m, roller_rad, diameter_m) VALUES
 @pytest.fixture(scope="module")
 def plans(tmp_path_factory):
     path = tmp_path_factory.mktemp("database") / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     with store.Database.open(path) as database:
         made = {name: planner.make(database.load(name), Profile(robot=name, simulate=True), SITE) for name in ROBOTS}
     assert not any(problems for _, problems in made.values())
@@ -95,7 +96,7 @@ def test_a_base_says_how_it_moves_and_how_fast_by_its_rows(tmp_path, plans):
     assert (told.max_speed_mps > 0.0, told.max_turn_rps > 0.0) == (True, True)
     assert describe(plans["uxa90"], ()).base is None
     path = tmp_path / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     with sqlite3.connect(path) as database:
         database.executescript(MECANUM)
     database.close()

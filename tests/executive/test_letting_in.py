@@ -29,6 +29,7 @@ from lbr.executive.service.letting_in import LettingIn
 from lbr.executive.service.pairing import Code
 from lbr.messages.rows import by_table
 from tests.executive.test_plan import planned
+from tests.support import databases
 
 PROFILE = Profile(robot="uxa90", simulate=True)
 LOCAL = "https://lbr-3fa2.local:50000/"
@@ -46,7 +47,7 @@ CLOSED = {"accepted": True, "url": "http://127.0.0.1:50000/", "open": False, "tl
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("database") / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     with store.Database.open(path) as database:
         found = database.load("uxa90")
         enabled = tuple(replace(row, enabled=True) if row.name == "web" else row for row in found.capabilities)
@@ -233,7 +234,7 @@ def test_who_has_the_token_already_is_not_restarted_for_it(rows):
 
 def test_one_setting_is_written_as_a_revision_and_the_others_stay(tmp_path):
     path = tmp_path / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     with sqlite3.connect(path) as other:
         other.execute("UPDATE capability SET settings = '{\"port\":  1234}' WHERE robot = 'uxa90' AND name = 'web'")
     other.close()
@@ -284,7 +285,7 @@ def test_a_name_stays_what_people_know_it_by(said, name):
 
 
 def test_a_list_says_from_where_a_device_was_paired(tmp_path):
-    store.create(tmp_path / "robot.db")
+    databases.fresh(tmp_path / "robot.db")
     with store.Database.open(tmp_path / "robot.db") as database:
         database.add_token("by-hand", "view", "h" * 64)
         database.add_token("phone", "operate", "h" * 64, good_for="web", paired_from="192.168.1.7")
@@ -295,7 +296,7 @@ def test_a_list_says_from_where_a_device_was_paired(tmp_path):
 
 
 def test_a_paired_token_is_a_row_like_any_with_where_it_came_from(tmp_path):
-    store.create(tmp_path / "robot.db")
+    databases.fresh(tmp_path / "robot.db")
     with store.Database.open(tmp_path / "robot.db") as database:
         made = credentials.new_token(database, "phone", "view", good_for="web", paired_from="192.168.1.7")
         (row,) = database.tokens()

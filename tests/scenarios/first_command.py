@@ -4,7 +4,8 @@ import tempfile
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from tests.support.robot import Robot, prepare, running
@@ -41,8 +42,9 @@ FIRST: dict[str, tuple[Ask, ...]] = {
 }
 
 
-def ask_at_ready(name: str, ask: Ask) -> tuple[str, float]:
-    """Start a robot as it ships and ask it; return why it was refused, or nothing, and the milliseconds to the answer."""
+@contextmanager
+def asked_at_ready(name: str, ask: Ask) -> Iterator[tuple[Robot, str, float]]:
+    """Run a robot as it ships and ask it; yield it, why it refused, or nothing, and the milliseconds to the answer."""
     with tempfile.TemporaryDirectory(prefix="lbr-ready-") as place:
         home = prepare(Path(place) / "home", whole=True)
         with running(home, profile=f"{name}-sim", limit_s=START_S) as robot:
@@ -53,4 +55,4 @@ def ask_at_ready(name: str, ask: Ask) -> tuple[str, float]:
                 if robot.ready["ready"] and not degraded
                 else f"ready with {degraded or robot.ready['failed']}"
             )
-            return why, (time.monotonic() - since) * 1e3
+            yield robot, why, (time.monotonic() - since) * 1e3

@@ -1,0 +1,97 @@
+"""Each robot as it ships: it obeys the first motion that a person asks for, and acknowledges the emergency stop.
+
+Ready is a promise; where the first motion would not be obeyed, the ready line says why.
+"""
+
+import json
+import threading
+import urllib.request
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from lbr.testing.robot import NoAnswerError
+from tests.scenarios.first_command import FIRST, asked_at_ready
+from tests.support.robot import Robot, prepare, running
+from tests.support.waiting import HANG_S, until
+
+MOTIONS = {
+    "lbr": ("stop", "/r/0.3/0"),
+    "bioloid": ("/torque/on", "/play/wave"),
+    "uxa90": ("stop", "/play/walk_forward_6step"),
+}
+
+
+@pytest.fixture(scope="module", params=MOTIONS)
+def asked(request: pytest.FixtureRequest) -> Iterator[tuple[Robot, str]]:
+    """A robot, and why it refused what it was asked at its ready line."""
+    with asked_at_ready(request.param, FIRST[request.param][0]) as (robot, why, _):
+        yield robot, why
+
+
+@pytest.mark.timeout(60)
+def test_a_robot_that_says_it_is_ready_obeys_the_first_command(asked: tuple[Robot, str]) -> None:
+    assert not asked[1]
+
+
+@pytest.mark.timeout(60)
+def test_a_robot_that_starts_latched_is_ready_and_its_line_says_by_what_it_is_held(tmp_path: Path) -> None:
+    home = prepare(tmp_path / "h")
+    with running(home) as robot:
+        robot.line("estop")
+    with running(home) as robot:
+        assert robot.ready["ready"]
+        assert list(robot.ready["degraded"]) == ["drive"]
+        assert robot.capability("drive")["code"] == "estop"
+        assert robot.line("reset")["code"] == 0
+        until(lambda: robot.capability("drive")["phase"] == "ready")
+        assert robot.line("/r/0.2/0")["code"] == 0
+
+
+@pytest.mark.timeout(60)
+def test_the_emergency_stop_is_acknowledged_at_rest_and_in_mid_motion(asked: tuple[Robot, str]) -> None:
+    robot, _ = asked
+    first, motion = MOTIONS[robot.name]
+    until(lambda: not moves(robot), what="it is at rest")
+    acknowledged(robot)
+    until(lambda: robot.line(first)["code"] == 0, what=first)
+    until(lambda: robot.line(motion)["hold"], what=motion)
+    keeping = threading.Thread(target=keep, args=(robot, motion))
+    keeping.start()
+    until(lambda: moves(robot), what="it moves")
+    acknowledged(robot)
+    keeping.join()
+    kinds = [event["kind"] for event in robot.events() if event["kind"].startswith("estop")]
+    assert kinds == ["estop", "estop_acknowledged", "estop_reset"] * 2
+
+
+@pytest.mark.timeout(60)
+def test_the_api_says_of_an_emergency_stop_what_the_console_does(tmp_path: Path) -> None:
+    with running(prepare(tmp_path / "h"), profile="uxa90-sim", limit_s=20.0) as robot:
+        request = urllib.request.Request(f"{robot.web}/estop", method="POST")
+        with urllib.request.urlopen(request, timeout=HANG_S) as answer:
+            text = json.load(answer)["message"]
+        assert text.startswith("emergency stop: ")
+        until(lambda: not robot.ask("@estop")["waiting"], what="it is acknowledged")
+        assert robot.line("estop")["text"] == robot.status()["estop"]["text"]
+
+
+def acknowledged(robot: Robot) -> None:
+    answer = robot.line("estop")
+    assert answer["code"] == 0, answer["text"]
+    state = robot.ask("@estop")
+    assert (state["waiting"], state["overdue"], state["text"]) == ([], [], answer["text"])
+    assert {"motors", "servos"} & set(state["acknowledged"])
+    until(lambda: robot.line("reset")["code"] == 0, what="it is released")
+
+
+def moves(robot: Robot) -> bool:
+    states = [robot.ask(f"{name}/state") for name in ("drive", "joints")]
+    return any(state and state["moving"] for state in states)
+
+
+def keep(robot: Robot, motion: str) -> None:
+    with suppress(NoAnswerError, AssertionError):
+        robot.move(motion)
