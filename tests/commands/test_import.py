@@ -18,6 +18,7 @@ from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import MotionRow, MotionStep, motions_of
 from lbr.robots.bioloid.mtn import Page
 from tests.database.test_motion_files import content as factory_file
+from tests.support import databases
 from tests.support.old_data import BOW, motion_file, old_database, old_sql, step
 
 RIOX = "UPDATE device SET type = 'riox' WHERE name = 'imu' AND robot = 'lbr'"
@@ -26,7 +27,7 @@ RIOX = "UPDATE device SET type = 'riox' WHERE name = 'imu' AND robot = 'lbr'"
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     path = tmp_path_factory.mktemp("database") / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     return path.read_bytes()
 
 

@@ -25,6 +25,18 @@ def lbr(tmp_path):
     return run
 
 
+@pytest.fixture
+def here(tmp_path, monkeypatch, capsys):
+    """Run a command in this process, which has imported already what each needs; `lbr` is a program of its own."""
+    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+
+    def run(*arguments: str) -> "subprocess.CompletedProcess[str]":
+        code = cli.main([*arguments])
+        return subprocess.CompletedProcess(arguments, code, *capsys.readouterr())
+
+    return run
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [
@@ -41,16 +53,29 @@ def lbr(tmp_path):
         (["send", ""], 2, "there is nothing to send"),
         (["send", " ", ""], 2, "there is nothing to send"),
         (["nonsense"], 2, "nonsense"),
-        (["run", "nothing", "--no-console"], 2, "profile 'nothing'"),
-        (["run", "--no-console", "--db", "/nowhere/at/all.db"], 2, "/nowhere/at/all.db"),
         (["db", "check"], 2, "'lbr db init' makes one"),
         (["graph"], 2, "'lbr db init' makes one"),
         (["status", "--connect", "nonsense"], 1, "cannot reach a robot at nonsense"),
         (["status", "--connect", "unixsock-stream//tmp/lbr-nobody-listens"], 1, "cannot reach a robot"),
     ],
 )
-def test_what_cannot_be_done_is_one_line_and_an_exit_code(lbr, arguments, code, said):
-    done = lbr(*arguments)
+def test_what_cannot_be_done_is_one_line_and_an_exit_code(here, arguments, code, said):
+    refused(here(*arguments), code, said)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["status"], 1, "no robot runs here"),
+        (["run", "nothing", "--no-console"], 2, "profile 'nothing'"),
+        (["run", "--no-console", "--db", "/nowhere/at/all.db"], 2, "/nowhere/at/all.db"),
+    ],
+)
+def test_a_program_says_so_and_ends_with_that_code(lbr, arguments, code, said):
+    refused(lbr(*arguments), code, said)
+
+
+def refused(done, code, said):
     assert done.returncode == code
     assert said in done.stderr
     assert done.stderr.startswith("lbr: ")
@@ -58,15 +83,15 @@ def test_what_cannot_be_done_is_one_line_and_an_exit_code(lbr, arguments, code, 
     assert done.stdout == ""
 
 
-def test_logs_of_a_robot_that_is_not_there_are_refused_with_those_that_are(lbr, tmp_path, wording):
+def test_logs_of_a_robot_that_is_not_there_are_refused_with_those_that_are(here, tmp_path, wording):
     for name in ("lbr-base", "bioloid-servos"):
         log = tmp_path / "home" / "logs" / f"{name}.log"
         log.parent.mkdir(parents=True, exist_ok=True)
         log.write_text("said\n")
-    done = lbr("logs", "--robot", "bioliod")
+    done = here("logs", "--robot", "bioliod")
     assert done.returncode == 2
     wording(done.stderr)
-    assert lbr("logs", "--robot", "bioloid").stdout.startswith("bioloid/servos")
+    assert here("logs", "--robot", "bioloid").stdout.startswith("bioloid/servos")
 
 
 def test_help_and_version_work_without_a_home(lbr):
@@ -78,16 +103,16 @@ def test_help_and_version_work_without_a_home(lbr):
     "command",
     ["run", "console", "send", "status", "stop", "doctor", "service", "topic", "graph", "view", "db", "robots"],
 )
-def test_every_command_has_help(lbr, command):
-    done = lbr(command, "--help")
+def test_every_command_has_help(here, command):
+    done = here(command, "--help")
     assert done.returncode == 0
     assert done.stdout.startswith(f"Usage: lbr {command}")
 
 
 @pytest.mark.parametrize("command", [[], ["topic"], ["db"]])
-def test_a_group_without_a_command_prints_its_help(lbr, command):
-    done = lbr(*command)
-    assert done.stdout == lbr(*command, "--help").stdout
+def test_a_group_without_a_command_prints_its_help(here, command):
+    done = here(*command)
+    assert done.stdout == here(*command, "--help").stdout
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -97,10 +122,10 @@ def test_rows_are_made_checked_and_compared(lbr):
     assert lbr("db", "diff").stdout == "the rows are as shipped\n"
 
 
-def test_rows_that_are_there_are_kept_and_drawn(lbr):
-    assert lbr("db", "init").returncode == 0
-    assert lbr("db", "init").returncode == 2
-    graph = json.loads(lbr("graph", "--robot", "lbr", "--json").stdout)
+def test_rows_that_are_there_are_kept_and_drawn(here):
+    assert here("db", "init").returncode == 0
+    assert here("db", "init").returncode == 2
+    graph = json.loads(here("graph", "--robot", "lbr", "--json").stdout)
     assert {"source": "drive.setpoint", "target": "motors.setpoint", "enabled": True, "rate_hz": None} in graph["edges"]
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from lbr import client
+from lbr import cli, client
 from lbr.bus import certificates
 from tests.support import programs
 from tests.support.door import Door, opened
@@ -28,6 +28,19 @@ def said(done: "subprocess.CompletedProcess[str]") -> str:
     assert done.stdout == ""
     assert len(done.stderr.splitlines()) == 1, done.stderr
     return done.stderr
+
+
+@pytest.fixture
+def here(door: Door, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    """Run `lbr` in this process, as if on another machine; `Door.lbr` is a program of its own."""
+    monkeypatch.setenv("LBR_HOME", str(door.away))
+
+    def run(*arguments: str, token: str, endpoint: str = door.endpoint) -> "subprocess.CompletedProcess[str]":
+        monkeypatch.setenv("LBR_TOKEN", token)
+        code = cli.main([*arguments, "--connect", endpoint])
+        return subprocess.CompletedProcess(arguments, code, *capsys.readouterr())
+
+    return run
 
 
 def test_an_operator_drives_and_a_console_stops_when_its_input_ends(door: Door):
@@ -104,8 +117,8 @@ def test_a_program_whose_role_is_too_low_is_told_that_this_may_be_why_nothing_an
     ],
     ids=["none", "malformed", "unknown", "too long", "another robot's"],
 )
-def test_who_may_not_come_in_is_told_why_in_one_sentence(door: Door, change, code, words):
-    done = door.lbr("send", "stop", token=change(str(door.tokens["phone"])))
+def test_who_may_not_come_in_is_told_why_in_one_sentence(door: Door, here, change, code, words):
+    done = here("send", "stop", token=change(str(door.tokens["phone"])))
     assert words in said(done)
     assert done.returncode == code
     assert door.tokens["phone"].secret not in done.stderr
@@ -146,9 +159,8 @@ def listening(greeting: bytes) -> Iterator[str]:
         ("tls/[::1]:99999", 2, "is not an endpoint"),
     ],
 )
-def test_where_no_robot_is_one_sentence_says_so(door: Door, endpoint, code, words):
-    door = Door(door.robot, endpoint, door.tokens)
-    done = door.by("phone", "status")
+def test_where_no_robot_is_one_sentence_says_so(door: Door, here, endpoint, code, words):
+    done = here("status", token=str(door.tokens["phone"]), endpoint=endpoint)
     assert words in said(done)
     assert done.returncode == code
 

@@ -13,6 +13,7 @@ from lbr.errors import InputError
 from lbr.messages.joints import KeyFrame, Motion
 from lbr.robots.bioloid import motion_file, mtn
 from lbr.robots.bioloid.mtn import MtnFile, Page, Step
+from tests.support import databases
 from tests.support.old_data import BOW, ENABLED, step
 from tests.support.old_data import motion_file as content
 
@@ -52,7 +53,7 @@ def plain(file: MtnFile) -> MtnFile:
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("database") / "robot.db"
-    store.create(path)
+    databases.fresh(path)
     with store.Database.open(path) as database:
         return {name: database.load(name) for name in database.robots()}
 
