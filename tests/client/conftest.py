@@ -1,4 +1,4 @@
-"""A whole robot in simulation for each module, a program that is connected to it, and the distribution without lbr."""
+"""A whole robot in simulation for all modules here, a program that is connected to it, and the distribution without lbr."""
 
 import pytest
 
@@ -7,16 +7,14 @@ from tests.support import lbr_client
 from tests.support import robot as robots
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def home(tmp_path_factory):
     return tmp_path_factory.mktemp("home")
 
 
-@pytest.fixture(scope="module")
-def running(home, request):
-    """A robot of the capabilities that the module names in PARTS, beside those that each has."""
-    parts = getattr(request.module, "PARTS", ("attitude", "imu"))
-    with robots.running(robots.prepare(home, *parts)) as robot:
+@pytest.fixture(scope="package")
+def running(home):
+    with robots.running(robots.prepare(home, "attitude", "imu")) as robot:
         yield robot
 
 

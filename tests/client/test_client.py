@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 import time
+from contextlib import ExitStack
 
 import pytest
 
@@ -223,17 +224,25 @@ def test_a_motion_that_is_not_there_is_told_with_what_names_those_that_are(robot
         robot.borrow("drive/nope")
 
 
-def test_a_program_that_outlives_its_robot_is_told_to_connect_again(running, robot):
-    """The last one here: it ends the robot."""
-    running.popen.terminate()
-    running.popen.wait()
-    for do in (
-        lambda: robot.say("status"),
-        lambda: robot.latest("drive/state"),
-        lambda: next(robot.stream("drive/state", within_s=0.1)),
-        lambda: robot.borrow("drive/command", power=0.1),
-    ):
-        with pytest.raises(
-            (client.BusError, client.RefusalError), match=r"ended since this program connected; .* again"
+def test_a_whole_robots_words_are_methods(robot):
+    assert {"r", "t", "stop", "status"} <= set(dir(robot.do))
+    assert "drive" in robot.do.status().text
+    assert "power" in robot.do.r.__doc__
+
+
+def test_a_program_that_outlives_its_robot_is_told_to_connect_again(monkeypatch, tmp_path):
+    home = robots.prepare(tmp_path / "h")
+    monkeypatch.setenv("LBR_HOME", str(home))
+    with ExitStack() as stack:
+        with robots.running(home):
+            robot = stack.enter_context(client.connect(name="a test"))
+        for do in (
+            lambda: robot.say("status"),
+            lambda: robot.latest("drive/state"),
+            lambda: next(robot.stream("drive/state", within_s=0.1)),
+            lambda: robot.borrow("drive/command", power=0.1),
         ):
-            do()
+            with pytest.raises(
+                (client.BusError, client.RefusalError), match=r"ended since this program connected; .* again"
+            ):
+                do()

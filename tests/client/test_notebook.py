@@ -17,6 +17,7 @@ from tests.support.waiting import until
 
 NOTEBOOK = Path(__file__).resolve().parents[2] / "docs" / "examples" / "drive.ipynb"
 PARTS = ("attitude", "imu", "odometry", "camera_front")
+"""More than a robot has that all modules share."""
 DRIVING = """
 import os, time
 from pathlib import Path
@@ -26,6 +27,17 @@ Path("pid").write_text(str(os.getpid()))
 with client.connect() as robot, robot.drive(0.15, 180, at_most_s=20):
     time.sleep(20)
 """
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    return tmp_path_factory.mktemp("home")
+
+
+@pytest.fixture(scope="module")
+def running(home):
+    with robots.running(robots.prepare(home, *PARTS)) as robot:
+        yield robot
 
 
 @pytest.fixture

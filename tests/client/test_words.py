@@ -63,9 +63,3 @@ def test_a_word_that_is_not_there_is_asked_for_again_and_then_told():
     assert len(asked) == 2
     assert not hasattr(words, "_ipython_display_")
     assert len(asked) == 2
-
-
-def test_a_whole_robots_words_are_methods(robot):
-    assert {"r", "t", "stop", "status"} <= set(dir(robot.do))
-    assert "drive" in robot.do.status().text
-    assert "power" in robot.do.r.__doc__

@@ -1,5 +1,6 @@
-"""Robots whose door is open: one for all tests of a module that leave it standing, with its tokens as they were."""
+"""Robots whose door is open: one for all tests here that leave it standing, with its tokens as they were."""
 
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -7,11 +8,12 @@ import pytest
 
 from tests.support import netns
 from tests.support.door import Door, opened
+from tests.support.robot import prepare
 
 
-@pytest.fixture(scope="module")
-def door(shared_home: Path) -> Iterator[Door]:
-    with opened(shared_home) as found:
+@pytest.fixture(scope="package")
+def door() -> Iterator[Door]:
+    with tempfile.TemporaryDirectory(prefix="lbr-") as place, opened(prepare(Path(place) / "h")) as found:
         yield found
 
 

@@ -10,9 +10,9 @@ from tests.support.bench import Bench, bench
 from tests.support.figures import Results
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def running() -> Iterator[Bench]:
-    """A robot that scenarios of one module share; each begins with results of its own."""
+    """A robot that all scenarios share that leave it standing; each begins with results of its own."""
     with bench(Results(PROMISES)) as under_test:
         yield under_test
 
