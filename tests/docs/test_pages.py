@@ -302,7 +302,8 @@ def test_the_commands_that_the_readme_begins_with_are_the_ones_that_are_checked(
     assert all(f"command_of {name}" in check for name in ("run", "test"))
     installed = run.split(" && ")[1]
     assert installed.endswith("pip install -e '.[sim]'")
-    assert test.split(" && ")[1] == installed.replace("[sim]", "[sim,dev]")
+    lighter = installed.replace("install", "install --no-compile")  # tests import a tenth of it
+    assert test.split(" && ")[1] == lighter.replace("[sim]", "[sim,dev]")
 
 
 @pytest.mark.slow_start
