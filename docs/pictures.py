@@ -106,21 +106,12 @@ def beside(page: Page, act: Callable[[], object]) -> None:
         page.wait_for_timeout(FRAME_MS)
 
 
-def push_stick(page: Page) -> None:
-    """Drive ahead by the stick, turn to the right, drive on, and stop by the button."""
-    field = page.locator(".drive-stick").bounding_box()
-    assert field
-    x, y, far = field["x"] + field["width"] / 2, field["y"] + field["height"] / 2, field["width"] / 2
-    page.wait_for_timeout(700)
-    page.mouse.move(x, y)
-    page.mouse.down()
-    for right, ahead, hold_ms in ((0, 0.5, 2200), (0.75, 0.15, 1400), (0, 0.5, 1600)):
-        page.mouse.move(x + right * far, y - ahead * far, steps=6)
-        page.wait_for_timeout(hold_ms)
-    page.mouse.up()
+def drive_about(page: Page) -> None:
+    """Drive ahead, turn to the left, and drive ahead again, by the buttons of the page."""
     page.wait_for_timeout(500)
-    page.keyboard.press("Escape")
-    page.wait_for_timeout(900)
+    for move in ("Ahead 50 cm", "Turn -90°", "Ahead 50 cm"):
+        page.get_by_role("button", name=move).click()
+        page.wait_for_timeout(4500)
 
 
 def every_view(page: Page, folder: Path, name: str) -> None:
@@ -164,9 +155,9 @@ def of_lbr(browser: Browser, robot: Robot) -> None:
         page.evaluate("document.querySelector('.dialog-veil').scrollTo(0, 0)")
         page.wait_for_timeout(500)
         keep(page, "rows_desk")
-    with shown(browser, robot, {"width": 390, "height": 780}, "dark") as page:
+    with shown(browser, robot, {"width": 1120, "height": 700}, "dark") as page:
         look(page, "drive")
-        film(page, "drive", lambda: push_stick(page), frame_ms=180, quality=45)
+        film(page, "drive", lambda: drive_about(page), frame_ms=150, width=720, quality=45)
     with shown(browser, robot, DESK, "dark") as page:
         robot.say("/behaviour/run/patrol")
         look(page, "behaviours", 6000)
