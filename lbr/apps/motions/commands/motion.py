@@ -9,12 +9,13 @@ import click
 from msgspec.structs import replace
 
 from lbr import home
+from lbr.apps.motions.commands import motion_files
+from lbr.apps.motions.commands.motion_files import Summary
 from lbr.commands.completing import complete_motion
 from lbr.commands.new_file import write_new
 from lbr.commands.options import FileName, database_option, json_option, print_json
 from lbr.commands.rows import opened, problems_of
-from lbr.database import edits, given_files, motion_files
-from lbr.database.motion_files import Summary
+from lbr.database import edits, given_files
 from lbr.database.rows import RobotRows
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of

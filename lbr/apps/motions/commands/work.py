@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec.structs import replace
 
-from lbr.database import motion_files
+from lbr.apps.motions.commands import motion_files
 from lbr.errors import InputError, LbrError
 from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionRow, MotionStep, motions_of

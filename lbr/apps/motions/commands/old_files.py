@@ -6,9 +6,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lbr.database import foreign_tables, given_files, identity, motion_files
+from lbr.apps.motions.commands import motion_files
+from lbr.apps.motions.commands.motion_files import MotionFile
+from lbr.database import foreign_tables, given_files, identity
 from lbr.database.columns import json_strictly
-from lbr.database.motion_files import MotionFile
 from lbr.errors import InputError
 from lbr.robot import registry
 from lbr.robot.motion_file import MakersMotion

@@ -6,15 +6,16 @@ from pathlib import Path
 import click
 from click.shell_completion import CompletionItem
 
+from lbr.apps.motions.commands import old_files, wanted_rows
+from lbr.apps.motions.commands.motion_files import MotionFile
+from lbr.apps.motions.commands.old_files import Given
+from lbr.apps.motions.commands.wanted_rows import Here, Taken
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.rows import opened, problems_of
-from lbr.database import edits, given_files, old_files, taking
-from lbr.database.motion_files import MotionFile
-from lbr.database.old_files import Given
+from lbr.database import edits, given_files
 from lbr.database.rows import RobotRows
 from lbr.database.shipped import shipped
 from lbr.database.store import Database
-from lbr.database.taking import Here, Taken
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, Motion
 from lbr.messages.plain import one_line
@@ -135,7 +136,7 @@ def _planned(
 ) -> Taken:
     """Return what all files together would write; InputError names what of a person's is in the way."""
     tables, _ = rows.tables()
-    here = taking.Here(tables, robot)
+    here = wanted_rows.Here(tables, robot)
     wants: list[Want] = []
     motions: list[Motion] = []
     notes: list[Note] = []
@@ -155,8 +156,8 @@ def _planned(
             raise InputError(f"{one.path}: {err}") from err
     first, _ = shipped()
     taken = (
-        taking.take(wants, here, first, replacing=replacing),
-        taking.take_motions(motions, of_robot, first, replacing=replacing),
+        wanted_rows.take(wants, here, first, replacing=replacing),
+        wanted_rows.take_motions(motions, of_robot, first, replacing=replacing),
     )
     if kept := [text for one in taken for text in one.kept]:
         more_of = f", and {len(kept) - 10} more" if len(kept) > 10 else ""
@@ -164,7 +165,7 @@ def _planned(
             f"what a person has set would be written over: {'; '.join(kept[:10])}{more_of}. Nothing is written; "
             "--replace takes what the file says"
         )
-    return taking.Taken(
+    return wanted_rows.Taken(
         rows=tuple(row for one in taken for row in one.rows),
         notes=(*(note for one in taken for note in one.notes), *notes),
     )
@@ -176,7 +177,7 @@ def _write(rows: Database, robot: str, plan: Taken, revision: int, *, dry_run: b
         proposed = edits.write_rows(
             rows, robot, plan.rows, problems_of, create=None, revision=revision, dry_run=dry_run
         )
-        accepted = taking.without(plan, robot, proposed.problems)
+        accepted = wanted_rows.without(plan, robot, proposed.problems)
         if accepted.rows == plan.rows:
             proposed.good()  # raises where the problem is in other rows
             break

@@ -8,7 +8,7 @@ import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.database import motion_files
+from lbr.apps.motions.commands import motion_files
 from lbr.database.columns import WrongError, columns, json_strictly, raw
 from lbr.database.reading import ROBOT, Problem, RawRow, RawTables, Tables
 from lbr.database.rows import CapabilityRow, DeviceRow, ExternalCommandRow, RobotRow, RobotRows
