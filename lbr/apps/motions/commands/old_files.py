@@ -78,13 +78,13 @@ def _unknown(source: Source, wanted: str | None) -> str:
 
 def _source(path: Path, content: bytes) -> Source:
     text = None if content.startswith(identity.MAGIC) else given_files.decoded(content)
-    found = _json(text)
+    document = _json(text)
 
     @cache
     def tables() -> ForeignTables | None:
         if content.startswith(identity.MAGIC):
             return foreign_tables.of_database(content)
-        if text is not None and found is None and "CREATE TABLE" in text.upper():
+        if text is not None and document is None and "CREATE TABLE" in text.upper():
             return foreign_tables.of_sql(text)
         return None
 
@@ -93,7 +93,7 @@ def _source(path: Path, content: bytes) -> Source:
         folder=str(path.absolute().parent),
         content=content,
         text=text,
-        json=found,
+        json=document,
         tables=tables,
     )
 
