@@ -339,11 +339,11 @@ class Wheels(Capability[S], ABC):
         )
         self.ctx.publish("state", message)
 
-    def _each(self, applied: Sequence[float], told: Measured) -> dict[str, Any]:
+    def _each(self, applied: Sequence[float], readings: Measured) -> dict[str, Any]:
         """Return what is applied and measured: of `left` and `right` in their fields, of others by their names."""
         unknown = (None,) * len(applied)
-        amps, counts = told.get("motor_amps_a", unknown), told.get("motor_counts", unknown)
-        measured = {name: value for name, value in told.items() if not name.startswith("motor_")}
+        amps, counts = readings.get("motor_amps_a", unknown), readings.get("motor_counts", unknown)
+        measured = {name: value for name, value in readings.items() if not name.startswith("motor_")}
         if tuple(self.motors) == TWO:
             return {"left": applied[0], "right": applied[1], **measured}
         each = zip(self.motors, applied, amps, counts, strict=True)
@@ -361,8 +361,8 @@ class Wheels(Capability[S], ABC):
         return left, right
 
 
-def _counts(told: Measured) -> tuple[object, ...]:
-    return told.get("counts_left"), told.get("counts_right"), told.get("motor_counts")
+def _counts(measured: Measured) -> tuple[object, ...]:
+    return measured.get("counts_left"), measured.get("counts_right"), measured.get("motor_counts")
 
 
 def _said(faults: Sequence[str]) -> str:
