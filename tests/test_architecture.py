@@ -549,7 +549,7 @@ def blind_to_bytes(source: str) -> list[int]:
     awaited = {"msgspec.DecodeError", "msgspec.MsgspecError"}
     enough = {"UnicodeDecodeError", "UnicodeError", "ValueError", "Exception"}
     found = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(ast.parse(source)) if any(name in source for name in awaited) else ():
         if isinstance(node, ast.Try):
             types = [one for handler in node.handlers if handler.type is not None for one in flat(handler.type)]
         elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("suppress"):

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from lbr.database import audit
 from lbr.database.rows import AuditRow
-from lbr.database.store import Database, create
+from lbr.database.store import Database
+from tests.support import databases
 
 TRIGGERS = ("audit_insert", "audit_update", "audit_delete")
 
@@ -52,8 +53,7 @@ def test_words_of_strangers_forge_no_line_and_reach_no_terminal(database):
 
 @given(texts=st.lists(st.text(st.characters(codec=None)), max_size=5))
 def test_any_text_is_written_and_verified(tmp_path_factory, texts):
-    path = tmp_path_factory.mktemp("audit") / "robot.db"
-    create(path)
+    path = databases.fresh(tmp_path_factory.mktemp("audit") / "robot.db")
     with Database.open(path) as database:
         write(database, *texts)
         assert database.audit_fault() == ""

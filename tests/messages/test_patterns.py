@@ -16,6 +16,8 @@ from lbr.messages.units import NAME_OR_NONE_PATTERN, NAME_PATTERN, Name, NameOrN
 LBR = Path(__file__).parents[2] / "lbr"
 END = re.compile(r"\$(?!\(\?!\\n\))(?=\||\)|\Z)")
 """An end of a text that lets a line's end follow."""
+CALLED = ("Meta", "compile", "match", "search")
+"""What is called with a pattern; most calls are not worth another look."""
 
 
 def texts(node: ast.AST) -> Iterator[str]:
@@ -31,6 +33,8 @@ def patterns(tree: ast.AST) -> Iterator[tuple[int, str]]:
     """Yield the patterns that types declare and that `re` is given, without those that go by lines."""
     for node in ast.walk(tree):
         if not isinstance(node, ast.Call):
+            continue
+        if not getattr(node.func, "attr", getattr(node.func, "id", "")).endswith(CALLED):
             continue
         name = ast.unparse(node.func)
         if name.endswith("Meta"):
