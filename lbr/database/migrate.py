@@ -1,7 +1,6 @@
 """Brings an older database to the schema of this version: backup first, then all steps in one transaction."""
 
 import os
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -42,10 +41,11 @@ def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
 def backup(connection: Connection, path: Path, stamp: str) -> Path:
     """Copy the whole database beside itself, readable by its owner alone, never over an earlier copy."""
     target = _new_file(path, stamp)
-    with ExitStack() as failed:
-        failed.callback(target.unlink)
+    try:
         connection.execute("VACUUM INTO ?", (str(target),))
-        failed.pop_all()
+    except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+        target.unlink()
+        raise
     with target.open("rb") as written:
         os.fsync(written.fileno())
     return target

@@ -7,7 +7,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -158,10 +158,11 @@ class Database:
         check_file(path)
         with sentences(path):
             database = cls(path, connect(path), wall_ns=wall_ns, program=program)
-            with ExitStack() as failed:
-                failed.callback(database.close)
+            try:
                 database._prepare()
-                failed.pop_all()
+            except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+                database.close()
+                raise
         return database
 
     def data_version(self) -> int:

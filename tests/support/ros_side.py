@@ -4,6 +4,7 @@ ros_side.py ENDPOINT      publishes a twist on /cmd_vel 20 times a second, until
 """
 
 import json
+import select
 import signal
 import struct
 import sys
@@ -108,18 +109,23 @@ def key(topic: str, type_: tuple[str, str]) -> str:
     return "/".join(["0", topic, *type_])
 
 
-def main(endpoint: str) -> None:
-    """Drive."""
+def main(endpoint: str, *, lines: bool) -> None:
+    """Drive, by what lines of input ask for or ahead."""
     with opened(endpoint) as session:
         node = Node(session, f"teleop_{uuid.uuid4().hex[:6]}")
         publisher = node.publisher("cmd_vel", TWIST)
+        wanted = None if lines else [0.2, 0.0]
+        print(json.dumps({"ready": True}), flush=True)
         while True:
-            publisher.put(twist(0.2))
-            time.sleep(0.05)
+            if select.select([sys.stdin] if lines else [], [], [], 0.05)[0]:
+                wanted = json.loads(sys.stdin.readline() or "null")["twist"]
+                print(json.dumps({"sent_ns": time.monotonic_ns()}), flush=True)
+            if wanted is not None:
+                publisher.put(twist(*wanted))
 
 
 if __name__ == "__main__":
     if "--router" in sys.argv:
         with opened(sys.argv[1], router=True):
             signal.pause()
-    main(sys.argv[1])
+    main(sys.argv[1], lines="--lines" in sys.argv)

@@ -3,7 +3,6 @@
 import types
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache, lru_cache
-from math import isnan
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import msgspec
@@ -97,7 +96,7 @@ class Key(NamedTuple):
             return float(message)
         if isinstance(message, int | float):
             value = float(message) * self.times
-            return None if isnan(value) else value
+            return value if value == value else None  # noqa: PLR0124 - NaN is no value
         return message if isinstance(message, str) else None
 
 

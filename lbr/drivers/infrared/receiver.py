@@ -2,7 +2,6 @@
 
 import errno
 import struct
-from contextlib import ExitStack
 from pathlib import Path
 
 from lbr.capability.context import Device
@@ -24,11 +23,12 @@ class Receiver:
             raise DeviceError(f"device '{device.name}' at {device.address} {what}")
         events = _sends_events(device.address, settings)
         self._node = InputNode(device, device.address, records.parser(events=events))
-        with ExitStack() as failed:
-            failed.callback(self.close)
+        try:
             self._node.claim() if events else self._prepare_scancodes()
             self._refuse_without_decoder(settings)
-            failed.pop_all()
+        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+            self.close()
+            raise
 
     def poll(self) -> list[Scancode]:
         """Return what has come in since the last call."""

@@ -157,8 +157,7 @@ class Doors:
                 lease_ms=session.HELD_MS,
             )
         )
-        with contextlib.ExitStack() as failed:
-            failed.callback(local.close)
+        try:
             core = self._open(
                 self._router(
                     self._core,
@@ -167,7 +166,9 @@ class Doors:
                     connect=(local_endpoint(self._robot),),
                 )
             )
-            failed.pop_all()
+        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+            local.close()
+            raise
         self._core_router = core
         self._local = Hung(local, lambda opened: opened.crossing(self._core.router_id, self._robot, self._notify))
         self._worker = threading.Thread(target=self._work, name="doors", daemon=True)
