@@ -16,6 +16,8 @@ Phase = tuple[str, str, ReasonCode]
 """A phase, its reason and its code."""
 
 BEAT_S = 0.2
+EARLY_S = 0.02
+"""A loop that goes round every `BEAT_S` is sometimes a little early, and beats all the same."""
 COUNTS_S = 1.0
 HEARTBEAT_VARIABLE = "LBR_HEARTBEAT_FD"
 _whose: ContextVar[int] = ContextVar("whose", default=0)
@@ -69,7 +71,7 @@ class Reporter:
         now = time.monotonic()
         if now < self._beat_at:
             return
-        self._beat_at = now + BEAT_S
+        self._beat_at = now + BEAT_S - EARLY_S
         if now >= self._counts_at:
             self._counts_at = now + COUNTS_S
             self._write(_encode(Report(counts=counts, number=self._number)))

@@ -31,8 +31,9 @@ HANG_DEGRADED_S = 4.0
 DEGRADED_PATIENCE_S = 1.5
 WAY_S = 0.02
 LOOK_AGAIN_S = 0.2
-HEARTBEATS_S = 0.2
-"""The reports of ready processes that move nothing are read together, so often; an end is noticed at once."""
+HEARTBEATS_S = 0.08
+"""The reports of ready processes that move nothing are read together, so often; an end is noticed at once. A beat that is
+read so late is no suspicious silence yet."""
 LOAD_S, BUSY_SHARE = 3.0, 0.4
 """Whose main thread has waited for so much of three seconds is late with everything; a start makes others wait for
 less."""
