@@ -170,17 +170,17 @@ def test_a_slider_under_a_finger_does_not_heed_what_was_measured(opened, robot):
 
 def test_releasing_all_is_asked_before_and_one_side_is_not(opened, robot):
     page = opened("joints", DESK)
-    page.get_by_role("button", name="Release all").click()
+    page.get_by_role("button", name="Switch all off").click()
     dialog = page.get_by_role("dialog")
     expect(dialog).to_contain_text("falls")
     dialog.get_by_role("button", name="Cancel").click()
     assert robot.asked == []
-    page.get_by_role("button", name="Release: Left").click()
+    page.get_by_role("button", name="Switch off: Left").click()
     assert until_true(page, lambda: robot.asked)
     what, given = robot.asked.pop()
     assert (what, given["on"], len(given["joints"])) == ("joints/torque", False, 9)
-    page.get_by_role("button", name="Release all").click()
-    page.get_by_role("dialog").get_by_role("button", name="Release all").click()
+    page.get_by_role("button", name="Switch all off").click()
+    page.get_by_role("dialog").get_by_role("button", name="Switch all off").click()
     assert until_true(page, lambda: robot.asked)
     assert robot.asked[-1] == ("joints/torque", {"on": False, "confirmed": True})
     expect(page.locator('.joints-row[data-tone="limp"]')).to_have_count(18)
@@ -203,6 +203,23 @@ def test_without_webgl_the_body_is_drawn_flat(opened, robot):
     expect(limb).to_be_attached(timeout=LONG_MS)
     page.locator(".joints-flat polygon").first.dispatch_event("click")
     expect(page.locator(".joints-details")).to_be_visible()
+
+
+def test_a_refusal_has_the_button_that_mends_it(opened, robot):
+    page = opened("motions", PHONE)
+    robot.refusal = {"code": "no_torque", "reason": "18 joints have no torque: /torque/on first"}
+    page.get_by_role("button", name="Play wave", exact=True).click()
+    expect(page.locator(".notice")).to_contain_text("Joints are off.")
+    expect(page.locator(".notice")).not_to_contain_text("/torque")
+    page.locator(".notice").get_by_role("button", name="Switch on").click()
+    assert until_true(page, lambda: ("joints/torque", {"on": True}) in robot.asked)
+    robot.refusal = {"code": "held", "reason": "console holds it", "holder": "console"}
+    page.get_by_role("button", name="Play wave", exact=True).click()
+    expect(page.locator(".held")).to_contain_text("console moves it")
+    robot.refusal = None
+    page.get_by_role("button", name="Take over").click()
+    assert until_true(page, lambda: robot.playing == "wave")
+    assert robot.held[-1]["message"]["take_over"] is True
 
 
 def test_a_motion_is_played_and_ended(opened, robot):
@@ -346,7 +363,7 @@ def test_a_motion_is_saved_and_comes_back_from_a_file(building, robot, tmp_path)
 
 def test_one_side_is_posed_by_hand_and_the_robots_pose_becomes_a_key_frame(building, robot):
     page = building(DESK, STANDS[:1])
-    page.get_by_role("button", name="Release", exact=True).click()
+    page.get_by_role("button", name="Switch off", exact=True).click()
     assert until_true(page, lambda: robot.asked)
     what, given = robot.asked.pop()
     assert (what, given["on"], len(given["joints"])) == ("joints/torque", False, 9)
@@ -374,10 +391,10 @@ def test_torque_that_nobody_has_read_is_shown_as_unknown(opened, robot):
     page = opened("joints", DESK)
     summary = page.get_by_role("region", name="Torque")
     count = len(robot.torque)
-    expect(summary.get_by_text(f"Torque of {count} of {count} unknown")).to_be_visible()
-    expect(summary.get_by_text(f"All {count} joints hold")).to_have_count(0)
-    expect(summary.get_by_role("button", name="Lock all")).to_be_enabled()
-    expect(summary.get_by_role("button", name="Release all")).to_be_enabled()
+    expect(summary.get_by_text(f"On or off unknown: {count} of {count}")).to_be_visible()
+    expect(summary.get_by_text(f"All {count} joints are on")).to_have_count(0)
+    expect(summary.get_by_role("button", name="Switch all on")).to_be_enabled()
+    expect(summary.get_by_role("button", name="Switch all off")).to_be_enabled()
 
 
 @pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])

@@ -321,14 +321,14 @@ def test_build_a_bow_and_have_it_played(at):
 
 def test_release_one_side_at_once_and_all_only_when_asked(at):
     page, robot = at("bioloid", "joints")
-    press(page, "Release: Left")
+    press(page, "Switch off: Left")
     assert within(page, lambda: robot.asked and not robot.torque["left_elbow"] and robot.torque["right_elbow"])
     assert asked(page).count() == 0
-    press(page, "Release all")
+    press(page, "Switch all off")
     assert robot.torque["right_elbow"]
-    asked(page).get_by_role("button", name="Release all").click()
+    asked(page).get_by_role("button", name="Switch all off").click()
     assert within(page, lambda: not any(robot.torque.values()))
-    press(page, "Lock all")
+    press(page, "Switch all on")
     assert within(page, lambda: all(robot.torque.values()))
 
 

@@ -16,12 +16,14 @@ export const headers = (): Record<string, string> => (token.value ? { Authorizat
 /** Asks the robot; never throws. A refusal is also shown, unless `quiet`. */
 export async function ask<T>(path: string, { method = "GET", body, quiet = false, keepalive = false, timeoutMs = 8000 }: Options = {}): Promise<Answer<T>> {
   const answer = await asked<T>(path, { method, body, keepalive, timeoutMs });
-  if (!answer.ok && !quiet) notice(told(answer), "warn");
+  if (!answer.ok && !quiet) notice(told(answer), "warn", { code: answer.code, about: path.split("/")[1] });
   return answer;
 }
 
-/** What a person reads of a refusal: what its code means, and its sentence. */
+/** What a person reads of a refusal: the page's own sentence for its code, or else what the code means and the robot's sentence. */
 export function told(answer: Pick<Answer, "code" | "reason">): string {
+  const own = maybe(`refused.${answer.code}`);
+  if (own) return own;
   const meant = maybe(`code.${answer.code}`);
   return [meant, answer.reason].filter(Boolean).join(": ") || t("refused.unreachable");
 }

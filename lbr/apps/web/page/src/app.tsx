@@ -7,6 +7,7 @@ import { loadAgain, outdated } from "./build";
 import { Fallen } from "./fallen";
 import { Asked } from "./handover";
 import { link } from "./live";
+import { Mend } from "./mend";
 import { dismiss, notices, type Tone } from "./notices";
 import { Badge, Button, Dialog, Empty, Icon, type IconName } from "./parts";
 import { ConnectPhone } from "./phone";
@@ -14,7 +15,7 @@ import { away, knows, robot } from "./robot";
 import { Settings } from "./settings";
 import { SignIn } from "./sign-in";
 import { StopButton } from "./stop-button";
-import { estop, resetEstop, stop } from "./stopping";
+import { asksReset, estop, resetEstop, stop } from "./stopping";
 import { VIEWS, type View } from "./views";
 import { t } from "./words";
 
@@ -114,27 +115,27 @@ function useClearance(): Ref<HTMLDivElement> {
 }
 
 function Alarms() {
-  const [asks, ask] = useState(false);
   const box = useClearance();
   const { engaged, told, reason, source, text } = estop.value;
   const lost = link.value === "lost" && robot.value !== null;
+  const keep = (): void => { asksReset.value = false; };
   return (
     <div class="alarms" ref={box}>
       {engaged && (
         <div class="alarm alarm-stop" role="alert">
           <Icon name="stop" />
           <p class="alarm-said" tabIndex={0}><strong>{told ? t("stop.engaged") : t("stop.engaging")}</strong>{told && [[source, reason].filter(Boolean).join(": "), text].filter(Boolean).join(" · ")}</p>
-          {told && <Button onClick={() => ask(true)}>{t("stop.reset")}</Button>}
+          {told && <Button onClick={() => { asksReset.value = true; }}>{t("stop.reset")}</Button>}
         </div>
       )}
       <Fallen />
       {lost && <div class="alarm" role="alert"><Icon name="unlink" /><p>{t("link.lost.long")}</p></div>}
       {outdated.value && <div class="alarm" role="alert"><Icon name="warn" /><p>{t("build.old")}</p><Button onClick={loadAgain}>{t("build.load")}</Button></div>}
       <Dialog
-        title={t("stop.reset.title")} open={asks} onClose={() => ask(false)}
+        title={t("stop.reset.title")} open={asksReset.value} onClose={keep}
         actions={<>
-          <Button kind="quiet" onClick={() => ask(false)}>{t("dialog.cancel")}</Button>
-          <Button kind="primary" onClick={() => { ask(false); void resetEstop(); }}>{t("stop.reset")}</Button>
+          <Button kind="quiet" onClick={keep}>{t("dialog.cancel")}</Button>
+          <Button kind="primary" onClick={() => void resetEstop()}>{t("stop.reset")}</Button>
         </>}
       >
         <p>{t("stop.reset.text")}</p>
@@ -150,6 +151,7 @@ function Notices() {
       {notices.value.map((one) => (
         <div key={one.id} class={`notice notice-${one.tone}`}>
           <Icon name={TONES[one.tone]} /><p>{one.text}</p>
+          <Mend code={one.code} about={one.about} onDone={() => dismiss(one.id)} />
           <Button kind="quiet" icon="close" label={t("dialog.close")} onClick={() => dismiss(one.id)} />
         </div>
       ))}

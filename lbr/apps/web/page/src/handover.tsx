@@ -1,10 +1,10 @@
 // Two people, one robot: who wants what another holds asks for it, and the holder hands it over or goes on.
 import { signal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
 import { ask } from "./access";
 import { plain } from "./format";
 import { holding } from "./holding";
 import { onEvent } from "./live";
+import { Mend } from "./mend";
 import { notice } from "./notices";
 import { Button, Icon } from "./parts";
 import { may, streamOfType } from "./robot";
@@ -31,7 +31,8 @@ function handOver({ by, capability }: Asker): void {
   void ask("api/hand_over", { method: "POST", body: { capability, to: by } });
 }
 
-const named = (source: string): string => source.replace(/^web:/, "");
+/** Who that is, as people say it. */
+export const named = (source: string): string => source.replace(/^web:/, "");
 
 onEvent.add(({ kind, data }) => {
   const { by, capability } = (data ?? {}) as Partial<Asker>;
@@ -55,18 +56,13 @@ const question = ({ by, capability }: Asker): string => {
 
 /** Says that another holds what was asked for here, and asks the holder for it. */
 export function Held({ capability }: { capability: string }) {
-  const { code, holder, to, moving } = holding.state.value;
-  useEffect(() => {
-    if (code !== "held" || moving) return;
-    const timer = setTimeout(holding.forget, SHOWN_MS);
-    return () => clearTimeout(timer);
-  }, [code, moving]);
+  const { code, holder, to } = holding.state.value;
   if (code !== "held" || !to.startsWith(`${capability}/`) || !may("operate")) return null;
   return (
     <div class="held" role="status">
       <Icon name="person" />
-      <p><strong>{t("code.held")}</strong>{holder && <span>{named(holder)}</span>}</p>
-      <Button icon="person" onClick={() => void askFor(capability)}>{t("hand.ask")}</Button>
+      <p><strong>{holder ? t("hand.holds", { holder: named(holder) }) : t("code.held")}</strong></p>
+      <Mend code={code} about={capability} />
     </div>
   );
 }

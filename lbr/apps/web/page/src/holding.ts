@@ -25,11 +25,18 @@ const STEADY_MS = 300;
 const AWAKE_MS = 250;
 /** A reason why it ended is shown for so long. */
 export const SHOWN_MS = 5000;
+/** Who holds it can be asked for it for so long. */
+const HELD_MS = 20_000;
 /** What is told of the last few wishes still counts: so many are told while an answer is on its way. */
 const LATELY = 8;
+/** Who holds it and the emergency stop have places of their own on the page. */
+const SHOWN_ELSEWHERE = new Set(["held", "estop"]);
 const EXPECTED = new Set(["", "done", "idle", "superseded", "time_over"]);
 
 const state = signal<Holding>(RESTS);
+/** What moves next takes over from who holds the robot. */
+const takesOver = signal(false);
+let played: { to: string; message: object } | null = null;
 let n = 0;
 let wanted = "";
 let told_ = "";
@@ -51,6 +58,7 @@ function move(to: string, message: object): boolean {
   if (over && to === state.value.to) return false;
   if (link.value !== "open" && link.value !== "quiet") return false;
   once = false;
+  played = null;
   begin(to, message);
   return true;
 }
@@ -60,12 +68,13 @@ function play(to: string, message: object): void {
   release();
   if (behind(to)) return notice(OLD.reason(), "warn");
   once = true;
+  played = { to, message };
   begin(to, message);
 }
 
 function begin(to: string, message: object): void {
   over = false;
-  wanted = JSON.stringify({ to, message });
+  wanted = JSON.stringify({ to, message: takesOver.value ? { ...message, take_over: true } : message });
   if (!state.value.moving || state.value.to !== to) state.value = { ...RESTS, moving: true, to };
   active = true;
   beat();
@@ -109,6 +118,7 @@ function slept(): void {
 /** Lets what moves come to rest. */
 function release(): void {
   clearTimeout(timer);
+  if (state.value.moving) takesOver.value = false;
   active = over = once = asleep = false;
   beatAt = 0;
   if (begun) send({ release: true });
@@ -144,16 +154,25 @@ function end(news: HoldNews): void {
   over = !once;
   state.value = { ...state.value, moving: false, holds: false, code: news.code, reason: news.reason, holder: news.holder };
   fade();
-  if (once) {
-    if (EXPECTED.has(news.code)) notice(t("drive.reached", { reason: news.reason }), "good");
-    else notice(told(news), news.code === "stopped" ? "info" : "warn");
-  }
+  takesOver.value = false;
+  if (!once) return;
+  if (EXPECTED.has(news.code)) notice(t("drive.reached", { reason: news.reason }), "good");
+  else if (news.code === "stopped") notice(t("stop.stopped"));
+  else if (!SHOWN_ELSEWHERE.has(news.code)) notice(told(news), "warn", { code: news.code, about: state.value.to.split("/")[0] });
+}
+
+/** Takes over from who holds what was refused: what ends by itself begins again at once, a hand with its next push. */
+function takeOver(): void {
+  const again = state.value.code === "held" ? played : null;
+  takesOver.value = !takesOver.value;
+  forget();
+  if (again && takesOver.value) play(again.to, again.message);
 }
 
 /** Lets a reason go that is over; what was asked for stays, so that a hand that is still there has to come to rest first. */
 function fade(): void {
   const left = state.value;
-  setTimeout(() => { if (state.value === left) state.value = { ...RESTS, to: left.to }; }, SHOWN_MS);
+  setTimeout(() => { if (state.value === left) state.value = { ...RESTS, to: left.to }; }, left.code === "held" ? HELD_MS : SHOWN_MS);
 }
 
 /** Forgets the last refusal. */
@@ -168,4 +187,4 @@ window.addEventListener("pagehide", release);
 document.addEventListener("freeze", release);
 document.addEventListener("visibilitychange", () => { if (document.hidden) release(); });
 
-export const holding = { state, move, play, release, forget };
+export const holding = { state, takesOver, move, play, release, forget, takeOver };

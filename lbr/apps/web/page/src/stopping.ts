@@ -3,10 +3,12 @@ import { computed, signal } from "@preact/signals";
 import { ask } from "./access";
 import { holding } from "./holding";
 import { status } from "./live";
-import { notice } from "./notices";
+import { notice, withdraw } from "./notices";
 import { t } from "./words";
 
 const pressed = signal(false);
+/** Whether a person is asked if the emergency stop shall be released. */
+export const asksReset = signal(false);
 const URGENT = { method: "POST", keepalive: true, quiet: true, timeoutMs: 5000 } as const;
 
 /** The emergency stop as the robot tells it, or as it was just asked for. */
@@ -23,14 +25,15 @@ export async function stop(): Promise<void> {
   holding.release();
   let answer = await ask("stop", URGENT);
   if (!answer.ok && answer.status === 0) answer = await ask("stop", URGENT);
-  if (answer.ok) notice(t("stop.stopped"), "info");
-  else notice(t("stop.failed", { reason: answer.reason }), "bad");
+  if (answer.ok && !pressed.value) notice(t("stop.stopped"), "info");
+  if (!answer.ok) notice(t("stop.failed", { reason: answer.reason }), "bad");
 }
 
 /** Latches the emergency stop. */
 export async function engage(): Promise<void> {
   holding.release();
   pressed.value = true;
+  withdraw(t("stop.stopped"));
   let answer = await ask("estop", { ...URGENT, body: { reason: "pressed on the page" } });
   if (!answer.ok && answer.status === 0) answer = await ask("estop", { ...URGENT, body: {} });
   if (!answer.ok) notice(t("stop.failed", { reason: answer.reason }), "bad");
@@ -39,6 +42,7 @@ export async function engage(): Promise<void> {
 
 /** Releases the emergency stop; moves nothing. */
 export async function resetEstop(): Promise<void> {
+  asksReset.value = false;
   const answer = await ask("estop/reset", { method: "POST" });
   if (!answer.ok) return;
   pressed.value = false;

@@ -163,3 +163,25 @@ test("a page of another build loads itself once, then moves nothing", () => {
   assert.deepEqual([...said("hold")], []);
   kept.clear();
 });
+
+test("what was refused because another holds it is taken over: a motion at once, a hand with its next push", () => {
+  holding.release();
+  const n = (): number => (said("hold").at(-1)!.hold as { n: number }).n;
+  const message = (): object => (said("hold").at(-1)!.hold as { message: object }).message;
+  holding.play("motions/play", { motion: "wave" });
+  hold(n(), { holds: false, code: "held", holder: "console" });
+  holding.takeOver();
+  assert.deepEqual(message(), { motion: "wave", take_over: true });
+  hold(n());
+  holding.release();
+  assert.equal(holding.takesOver.value, false);
+  holding.move(TO, { power: 0.3 });
+  hold(n(), { holds: false, code: "held", holder: "console" });
+  holding.release();
+  const before = said("hold").length;
+  holding.takeOver();
+  assert.equal(said("hold").length, before);
+  holding.move(TO, { power: 0.3 });
+  assert.deepEqual(message(), { power: 0.3, take_over: true });
+  holding.release();
+});

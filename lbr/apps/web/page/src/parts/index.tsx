@@ -192,7 +192,7 @@ function Opened({ title, onClose, actions, children }: DialogProps) {
     <div class="dialog-veil" onPointerDown={(event) => { if (event.target === event.currentTarget) onClose(); }}>
       <div class="dialog" role="dialog" aria-modal="true" aria-labelledby={id} tabIndex={-1} ref={box}>
         <div class="dialog-head"><h2 id={id}>{title}</h2><Button kind="quiet" icon="close" label={t("dialog.close")} onClick={onClose} /></div>
-        {children}
+        <div class="dialog-body">{children}</div>
         {actions && <div class="dialog-foot">{actions}</div>}
       </div>
     </div>

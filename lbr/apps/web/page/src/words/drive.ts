@@ -32,6 +32,7 @@ export const drive = {
   "drive.moves": ["Moves", "Fährt"],
   "drive.you": ["You drive", "Sie fahren"],
   "drive.why": ["Why?", "Warum?"],
+  "drive.why.restart": ["Restart {name}", "{name} neu starten"],
   "drive.why.nothing": ["Nothing holds it still", "Nichts hält ihn auf"],
   "drive.ready": ["Ready", "Bereit"],
   "drive.holder": ["{holder} drives", "{holder} fährt"],

@@ -20,6 +20,7 @@ export const shell = {
   "away.title": ["The robot does not answer", "Der Roboter antwortet nicht"],
   "away.text": ["Nothing answers at this address: the robot may be off, starting, or at another address, or this device is in another network. It asks again by itself.", "Unter dieser Adresse antwortet nichts: Der Roboter ist vielleicht aus, startet gerade oder hat eine andere Adresse, oder dieses Gerät ist in einem anderen Netz. Es fragt von selbst weiter."],
   "hand.ask": ["Ask for it", "Darum bitten"],
+  "hand.holds": ["{holder} moves it", "{holder} bewegt ihn"],
   "hand.asked": ["Asked. The one who drives sees it now.", "Gefragt. Wer fährt, sieht es jetzt."],
   "hand.wants": ["{by} asks for {what}", "{by} bittet um {what}"],
   "hand.wants.drive": ["{by} would like to drive", "{by} möchte fahren"],
@@ -77,5 +78,10 @@ export const shell = {
   "settings.about": ["lbr {version}, robot {robot}", "lbr {version}, Roboter {robot}"],
   "age.stale": ["{age} old", "{age} alt"],
   "age.never": ["not heard yet", "noch nichts gehört"],
+  "refused.no_torque": ["Joints are off.", "Gelenke sind aus."],
+  "refused.latched": ["A joint switched itself off.", "Ein Gelenk hat sich abgeschaltet."],
+  "refused.estop": ["Emergency stop is pressed.", "Notstopp ist gedrückt."],
+  "refused.rest_first": ["Release first, then move again.", "Erst loslassen, dann neu bewegen."],
+  "mend.on": ["Switch on", "Einschalten"],
   "refused.unreachable": ["The robot does not answer", "Der Roboter antwortet nicht"],
 } as const;

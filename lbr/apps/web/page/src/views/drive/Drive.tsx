@@ -28,23 +28,25 @@ export default function Drive() {
   return (
     <div class="drive">
       <h2 class="sr">{t("view.drive")}</h2>
-      <Stage />
-      <Why from={from} />
-      <div class="drive-hands">
-        <Gauges />
-        <div class="drive-hand">
-          <Stick />
-          {sideways() && <Turner />}
-          <Slider label={t("drive.power")} min={0.1} max={1} step={0.05} value={top.value} show={percent} disabled={!may("operate")} onInput={(value) => { top.value = value; }} />
-          {canTilt() && <Toggle label={t("drive.tilt")} checked={tilts.value} disabled={!may("operate")} onChange={(on) => void tilt(on)} />}
+      <div class="drive-first">
+        <Stage />
+        <Why from={from} />
+        <div class="drive-hands">
+          <Gauges />
+          <div class="drive-hand">
+            <Stick />
+            {sideways() && <Turner />}
+            <Slider label={t("drive.power")} min={0.1} max={1} step={0.05} value={top.value} show={percent} disabled={!may("operate")} onInput={(value) => { top.value = value; }} />
+            {canTilt() && <Toggle label={t("drive.tilt")} checked={tilts.value} disabled={!may("operate")} onChange={(on) => void tilt(on)} />}
+          </div>
         </div>
       </div>
       <div class="drive-more">
         <Moves drive={drive} />
-        <Distances />
-        <CompassCard />
         <Speak />
+        <Distances />
         <Songs />
+        <CompassCard />
         {gamepad.value ? <Badge icon="gamepad" tone="good">{t(sideways() ? "drive.gamepad.aside" : "drive.gamepad")}</Badge> : matchMedia("(pointer: fine)").matches && <p class="drive-keys muted">{t(sideways() ? "drive.keys.aside" : "drive.keys")}</p>}
       </div>
     </div>

@@ -15,7 +15,7 @@ function Gauge({ icon, label, value, unit, tone, sample, note, children }: Gauge
   const old = sample === null || sample.stale(3000);
   return (
     <div class="drive-gauge" data-tone={old ? undefined : tone} data-old={old || undefined}>
-      <span class="drive-gauge-label"><Icon name={old ? "warn" : icon} />{label}</span>
+      <span class="drive-gauge-label"><Icon name={old ? "warn" : icon} /><span>{label}</span></span>
       <span class="drive-gauge-value num">{value}{unit && <small> {unit}</small>}</span>
       {note && <span class="drive-gauge-note cut">{note}</span>}
       {children}

@@ -2,22 +2,24 @@
 import { useState } from "preact/hooks";
 
 import { told } from "../../access";
+import { Mend } from "../../mend";
+import { notices } from "../../notices";
 import { plain } from "../../format";
-import { askFor } from "../../handover";
+import { named } from "../../handover";
 import { holding } from "../../holding";
 import { clock, useStream } from "../../live";
 import type { DriveState } from "../../messages";
 import { useNews } from "../../news";
 import { Button, Icon, Stale, type IconName } from "../../parts";
-import { fetchJson, may, role } from "../../robot";
+import { consoleLine, fetchJson, knows, may, role } from "../../robot";
 import { maybe, t } from "../../words";
 import { first } from "./line";
-import { refused, takeOver } from "./pilot";
+import { refused } from "./pilot";
 
 /** The robot's own answer: the first link that holds it, and what to type. */
 interface Chain { state: string; text: string; code: string; do: string }
 
-interface Line { tone: "calm" | "good" | "warn" | "bad"; icon: IconName; head: string; text: string; held?: boolean }
+interface Line { tone: "calm" | "good" | "warn" | "bad"; icon: IconName; head: string; text: string; code?: string }
 
 export function Why({ from }: { from: string }) {
   void clock.value;
@@ -40,24 +42,29 @@ export function Why({ from }: { from: string }) {
         <p role="status" class="drive-because">
           <strong>{why.state === "ok" ? t("drive.why.nothing") : maybe(`code.${why.code}`) || t("drive.why")}</strong>
           {why.state !== "ok" && <span lang="en">{why.text}</span>}
-          {why.do && <code lang="en">{why.do}</code>}
         </p>
       ) : (
         <p role="status"><strong>{line.head}</strong>{line.text && <span>{line.text}</span>}</p>
       )}
       {sample && <Stale sample={sample} />}
       <Button kind="quiet" icon="info" class={stands ? "" : "drive-unseen"} pressed={why !== null} onClick={() => (why ? setWhy(null) : void look())}>{t("drive.why")}</Button>
-      {line.held && may("operate") && !mine && <Button kind="quiet" onClick={() => void askFor(part)}>{t("hand.ask")}</Button>}
-      {line.held && may("operate") && !mine && <Button pressed={takeOver.value} icon="person" onClick={() => { takeOver.value = !takeOver.value; holding.forget(); }}>{t("drive.takeover")}</Button>}
+      {stands && why ? <Cure of={why} part={part} /> : !mine && line.code && <Mend code={line.code} about={part} />}
     </div>
   );
+}
+
+/** What mends what the robot tells: a button by its code, or the restart of the part that it names. */
+function Cure({ of, part }: { of: Chain; part: string }) {
+  const [, name] = /^\/restart\/([a-z0-9_]+)$/.exec(of.do) ?? [];
+  if (name && knows("restart")) return <Button icon="restart" onClick={() => void consoleLine(of.do)}>{t("drive.why.restart", { name: plain(name) })}</Button>;
+  return <Mend code={of.code} about={part} />;
 }
 
 function said(drive: DriveState | null, fresh: boolean): Line {
   const hand = holding.state.value;
   const { holds, code, reason, holder } = hand;
   if (!may("operate")) return { tone: "calm", icon: "info", head: t("drive.stick.view", { role: t(`role.${role.value ?? "view"}`) }), text: other(drive, fresh) };
-  if (drive?.estop) return { tone: "bad", icon: "stop", head: t("code.estop"), text: drive.reason };
+  if (drive?.estop) return { tone: "bad", icon: "stop", head: t("code.estop"), text: "" };
   const over = code !== "" && code !== "done" && !holds;
   switch (first(hand, drive, refused.value)) {
     case "limited":
@@ -65,18 +72,30 @@ function said(drive: DriveState | null, fresh: boolean): Line {
     case "mine":
       return { tone: "good", icon: "drive", head: t("drive.you"), text: drive?.goal ?? "" };
     case "other":
-      return { tone: "calm", icon: "person", head: t("drive.holder", { holder: drive!.holder ?? "?" }), text: drive!.goal ?? drive!.reason, held: true };
+      return { tone: "calm", icon: "person", head: t("drive.holder", { holder: named(drive!.holder ?? "?") }), text: drive!.goal ?? drive!.reason, code: "held" };
     case "ended": {
-      const text = code === "held" ? t("drive.holder", { holder: holder || drive?.holder || "?" }) : reason;
-      const head = over ? maybe(`code.${code}`) || told({ code: "", reason }) : t("drive.again");
-      const more = over ? [maybe(`code.${code}`) ? text : "", refused.value ? t("drive.again") : ""] : [];
-      return { tone: "warn", icon: "warn", head, text: more.filter(Boolean).map((one) => one.replace(/[.\s]*$/, ".")).join(" "), held: code === "held" };
+      const again = refused.value ? t("drive.again") : "";
+      if (code === "stopped" && justStopped()) return again ? { tone: "warn", icon: "warn", head: again, text: "" } : rest(drive, false);
+      if (code === "held") return { tone: "warn", icon: "person", head: heldBy(holder || drive?.holder), text: again, code };
+      const own = maybe(`refused.${code}`) || maybe(`code.${code}`);
+      const head = over ? own || told({ code: "", reason }) : again;
+      const more = over ? [own && !maybe(`refused.${code}`) ? reason : "", again] : [];
+      return { tone: "warn", icon: "warn", head, text: more.filter(Boolean).map((one) => one.replace(/[.\s]*$/, ".")).join(" "), code };
     }
     default:
-      if (!drive) return { tone: "calm", icon: "info", head: t("age.never"), text: "" };
-      return { tone: "calm", icon: "check", head: t("drive.ready"), text: fresh && drive.code && drive.code !== "idle" && !byHand(drive) ? drive.reason : "" };
+      return rest(drive, fresh);
   }
 }
+
+const heldBy = (holder: string | null | undefined): string => (holder ? t("drive.holder", { holder: named(holder) }) : t("code.held"));
+
+function rest(drive: DriveState | null, fresh: boolean): Line {
+  if (!drive) return { tone: "calm", icon: "info", head: t("age.never"), text: "" };
+  return { tone: "calm", icon: "check", head: t("drive.ready"), text: fresh && drive.code && drive.code !== "idle" && !byHand(drive) ? drive.reason : "" };
+}
+
+/** This page stopped it a moment ago, and says so already. */
+const justStopped = (): boolean => notices.value.some((one) => one.text === t("stop.stopped"));
 
 /** A hand that came to rest on a page ended it, or a stop on a page, which tells of itself: nothing keeps the robot from moving. */
 const byHand = (drive: DriveState): boolean => drive.code === "stopped" && (drive.stopped_by ?? "").startsWith("web:");

@@ -12,8 +12,6 @@ export const top = signal<number>(remembered("top", 0.4));
 export const hand = signal<Push>({ x: 0, y: 0, turn: 0 });
 /** The robot refused, or ended, this motion: the hand has to come to rest first. */
 export const refused = signal(false);
-/** The next motion takes over from who holds the robot. */
-export const takeOver = signal(false);
 export const gamepad = signal("");
 
 effect(() => remember("top", top.value));
@@ -49,8 +47,7 @@ function update(): void {
   if (refused.value) return;
   if (last === null) holding.forget();
   if (!alike(last, wanted) || !holding.state.value.moving) {
-    const message = takeOver.value ? { ...wanted, take_over: true } : wanted;
-    refused.value = !holding.move(`${driver.value}/${sideways() ? "twist" : "command"}`, message);
+    refused.value = !holding.move(`${driver.value}/${sideways() ? "twist" : "command"}`, wanted);
   }
   last = wanted;
 }
@@ -110,7 +107,6 @@ export function listenToHands(name: string): () => void {
     // Whatever ended it, a stop or a loss: a hand that is still on the stick begins nothing by itself.
     if (holding.state.value.moving || last === null) return;
     refused.value = true;
-    takeOver.value = false;
   });
   const pads = listenToGamepads();
   window.addEventListener("keydown", down);

@@ -4,12 +4,15 @@ import { Held } from "../../handover";
 import { holding } from "../../holding";
 import { plain } from "../../format";
 import { Badge, Button, Card, Dialog, Empty, Icon, Segments, Stale, Toggle } from "../../parts";
+import { told } from "../../access";
+import { Mend } from "../../mend";
 import { useNews } from "../../news";
 import { command, may, robot } from "../../robot";
 import { estop } from "../../stopping";
-import { maybe, t } from "../../words";
+import { t } from "../../words";
 import { Body3d } from "./Body3d";
 import { Boxes } from "./boxes";
+import { Deeds } from "./Deeds";
 import { jointStreams, useJoints, type Joints as AllJoints } from "./hooks";
 import "./Joints.css";
 import { body, jointNames, loadBody, mirrored, type BodyModel, type JointsState, type Side } from "./model";
@@ -88,9 +91,10 @@ function Shown({ model }: { model: BodyModel }) {
           ? <Body3d model={model} streams={streams} selected={selected} may={operates} onPick={pick} onDrag={(joint, rad) => aim(joint, rad, true)} onDrop={() => mover.drop()} />
           : <div class="joints-stage"><Empty icon="joints" title={t("joints.nobody")}><p>{model.reason}</p></Empty></div>}
         {[...new Set(Object.values(joints?.owners ?? {}))].map((owner) => <Held key={owner} capability={owner} />)}
-        {why && <p class="joints-why" role="status"><Icon name="info" />{why}</p>}
+        {why && <div class="joints-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={state!.code ?? ""} /></div>}
       </div>
       <div class="joints-right">
+        <Deeds />
         <Torque names={names} model={model} joints={joints} onRecover={recover} />
         <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
         <div class="joints-groups">
@@ -133,7 +137,7 @@ function byOwner(joints: AllJoints | null, named: string[]): Map<string, string[
 /** Why the joints do not move, by the code and sentence of the robot; empty while nothing is wrong. */
 function whyNot(state: JointsState): string {
   if (!state.code || ["done", "idle", "superseded", "cancelled", "released"].includes(state.code)) return "";
-  return [maybe(`code.${state.code}`), state.reason].filter(Boolean).join(": ");
+  return told({ code: state.code, reason: state.reason ?? "" });
 }
 
 function Moving({ both, onBoth, may: operates, pairs }: { both: boolean; onBoth: (on: boolean) => void; may: boolean; pairs: boolean }) {
@@ -150,8 +154,8 @@ function Locks({ group, state, may: operates, onTorque, title }: { group: string
   const { held, limp } = torques(group, state?.joints);
   return (
     <>
-      <Button kind="quiet" icon="lock" label={t("joints.lock.side", { side: title })} disabled={!operates || !state || held === group.length} onClick={() => onTorque(group, true)} />
-      <Button kind="quiet" icon="unlock" label={t("joints.release.side", { side: title })} disabled={!operates || !state || limp === group.length} onClick={() => onTorque(group, false)} />
+      <Button kind="quiet" icon="bolt" label={t("joints.lock.side", { side: title })} disabled={!operates || !state || held === group.length} onClick={() => onTorque(group, true)} />
+      <Button kind="quiet" icon="power" label={t("joints.release.side", { side: title })} disabled={!operates || !state || limp === group.length} onClick={() => onTorque(group, false)} />
     </>
   );
 }
@@ -171,21 +175,21 @@ function Torque({ names, model, joints, onRecover }: { names: string[]; model: B
     <section class="joints-summary" aria-label={t("joints.torque")}>
       <p class="joints-badges">
         {state && bad === 0 && held === names.length && <Badge tone="good" icon="check">{t("joints.all.held", { count: names.length })}</Badge>}
-        {limp > 0 && <Badge tone="warn" icon="unlock">{t("joints.some.limp", { count: limp, of: names.length })}</Badge>}
+        {limp > 0 && <Badge tone="warn" icon="power">{t("joints.some.limp", { count: limp, of: names.length })}</Badge>}
         {state && unknown > 0 && <Badge tone="warn" icon="info">{t("joints.some.unknown", { count: unknown, of: names.length })}</Badge>}
         {bad > 0 && <Badge tone="bad" icon="warn">{t("joints.some.bad", { count: bad })}</Badge>}
         <Stale sample={joints?.sample ?? null} />
       </p>
       <div class="joints-actions">
         {latched.length > 0 && <Button icon="restart" disabled={!operates} onClick={() => onRecover(latched)}>{t("joints.recover.all")}</Button>}
-        <Button icon="lock" disabled={!operates || held === names.length} onClick={() => all(true)}>{t("joints.lock.all")}</Button>
-        <Button kind="danger" icon="unlock" disabled={!operates || limp === names.length} onClick={() => ask(true)}>{t("joints.release.all")}</Button>
+        <Button icon="bolt" disabled={!operates || held === names.length} onClick={() => all(true)}>{t("joints.lock.all")}</Button>
+        <Button kind="danger" icon="power" disabled={!operates || limp === names.length} onClick={() => ask(true)}>{t("joints.release.all")}</Button>
       </div>
       <Dialog
         title={t("joints.release.title")} open={asks} onClose={() => ask(false)}
         actions={<>
           <Button kind="quiet" autofocus onClick={() => ask(false)}>{t("dialog.cancel")}</Button>
-          <Button kind="danger" icon="unlock" onClick={() => all(false)}>{t("joints.release.yes")}</Button>
+          <Button kind="danger" icon="power" onClick={() => all(false)}>{t("joints.release.yes")}</Button>
         </>}
       >
         <p>{t("joints.release.text", { robot: model.robot })}</p>

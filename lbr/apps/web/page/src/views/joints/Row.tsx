@@ -6,7 +6,7 @@ import { maybe, t } from "../../words";
 import type { JointRange, JointState } from "./model";
 import { BADGE, toneOf, type Tone } from "./tone";
 
-const ICON: Record<Tone, IconName> = { near: "check", held: "check", moving: "play", loaded: "warn", fault: "warn", hot: "heat", limp: "unlock", unread: "unlink", doubt: "info" };
+const ICON: Record<Tone, IconName> = { near: "check", held: "check", moving: "play", loaded: "warn", fault: "warn", hot: "heat", limp: "power", unread: "unlink", doubt: "info" };
 const STEP_RAD = Math.PI / 360;
 const inDegrees = (rad: number): number => Math.round((1800 * rad) / Math.PI) / 10;
 
@@ -44,7 +44,7 @@ export function Row({ name, range, state, aim, selected, may, onPick, onMove, on
         </button>
         <Angle name={name} at={aim ?? at} lower={lower} upper={upper} disabled={!can} onMove={onMove} />
         <Button
-          kind="quiet" class="joints-lock" icon={holds ? "lock" : "unlock"} pressed={holds} disabled={!may || !state}
+          kind="quiet" class="joints-lock" icon={holds ? "bolt" : "power"} pressed={holds} disabled={!may || !state}
           label={t(holds ? "joints.release.one" : "joints.lock.one", { joint: plain(name) })} onClick={() => onTorque(name, !holds)}
         />
       </div>

@@ -27,18 +27,18 @@ export function Hands({ model, joints, live, onLive, onCapture }: { model: BodyM
     if (!on) onLive(true);
   };
   return (
-    <Card title={t("motions.hands")} icon="unlock">
+    <Card title={t("motions.hands")} icon="power">
       <p class="motions-hint">{t("motions.hands.text")}</p>
       <Segments<Which> label={t("motions.hands.which")} value={which} onChange={choose} options={SIDES.map((value) => ({ value, text: t(`motions.hands.${value}`) }))} />
       <div class="joints-actions">
-        <Button icon="unlock" disabled={!can || limp === names.length} onClick={() => (which === "all" ? ask(true) : torque(false))}>{t("motions.hands.release")}</Button>
-        <Button icon="lock" disabled={!can || held === names.length} onClick={() => torque(true)}>{t("motions.hands.hold")}</Button>
+        <Button icon="power" disabled={!can || limp === names.length} onClick={() => (which === "all" ? ask(true) : torque(false))}>{t("motions.hands.release")}</Button>
+        <Button icon="bolt" disabled={!can || held === names.length} onClick={() => torque(true)}>{t("motions.hands.hold")}</Button>
       </div>
       <Toggle label={t("motions.hands.live")} checked={live} disabled={joints === null} onChange={onLive} />
       <Button kind="primary" icon="camera" disabled={joints === null} onClick={onCapture}>{t("motions.add.robot")}</Button>
       <Dialog
         title={t("joints.release.title")} open={asks} onClose={() => ask(false)}
-        actions={<><Button kind="quiet" autofocus onClick={() => ask(false)}>{t("dialog.cancel")}</Button><Button kind="danger" icon="unlock" onClick={() => torque(false, true)}>{t("joints.release.yes")}</Button></>}
+        actions={<><Button kind="quiet" autofocus onClick={() => ask(false)}>{t("dialog.cancel")}</Button><Button kind="danger" icon="power" onClick={() => torque(false, true)}>{t("joints.release.yes")}</Button></>}
       >
         <p>{t("joints.release.text", { robot: model.robot })}</p>
       </Dialog>

@@ -4,17 +4,17 @@ import { signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { number, plain } from "../../format";
 import { Held } from "../../handover";
-import { useNews } from "../../news";
 import { holding } from "../../holding";
 import { Badge, Button, Card, Empty, Field, Icon, Segments, Slider, Toggle } from "../../parts";
 import { capabilities, command, may, robot, streamOfType } from "../../robot";
 import { estop } from "../../stopping";
-import { maybe, t } from "../../words";
+import { t } from "../../words";
 import { ownerOf, useCalm } from "../joints/hooks";
 import { body, loadBody, type BodyModel } from "../joints/model";
 import { Builder } from "./Builder";
 import { buttons, hasPad, keycap, keyName, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
 import { Figure } from "./Figure";
+import { Playing } from "./Playing";
 import "../joints/Joints.css";
 import "./Motions.css";
 
@@ -91,27 +91,6 @@ export default function Motions() {
 function capOf(keys: ButtonRow[], motion: string): string {
   const key = keys.find((one) => one.motion === motion);
   return key ? keycap(key.button || String(key.id)) : "";
-}
-
-function Playing({ state, part, onStop }: { state?: MotionsState; part: number; onStop: () => void }) {
-  const fresh = useNews(state && !state.playing ? `${state.code ?? ""} ${state.reason ?? ""}`.trim() : "");
-  if (!state?.playing) {
-    const why = fresh && state?.reason && state.code && !["done", "idle", "", "cancelled"].includes(state.code) ? [maybe(`code.${state.code}`), state.reason].filter(Boolean).join(": ") : "";
-    return why ? <p class="motions-why" role="status"><Icon name="info" />{why}</p> : null;
-  }
-  return (
-    <section class="motions-playing" aria-label={t("motions.playing", { motion: plain(state.motion ?? "") })}>
-      <div class="motions-bar" role="progressbar" aria-valuemin={0} aria-valuemax={100} aria-valuenow={Math.round(100 * part)}><span style={{ width: `${100 * part}%` }} /></div>
-      <p><strong class="motions-name">{plain(state.motion ?? "")}</strong>
-        <span>{[
-          state.frames ? t("motions.frame", { frame: state.frame ?? 0, of: state.frames }) : "",
-          (state.times ?? 1) > 1 ? t("motions.round", { round: state.round ?? 1, of: state.times ?? 1 }) : "",
-          state.left_s != null ? t("motions.left", { s: number(state.left_s, 1) }) : "",
-        ].filter(Boolean).join(" · ")}</span>
-      </p>
-      <Button kind="danger" icon="stop" onClick={onStop}>{t("motions.end")}</Button>
-    </section>
-  );
 }
 
 function One({ row, model, cap, can, now, onPlay, onStop }: { row: MotionRow; model: BodyModel | null; cap: string; can: boolean; now: number | null; onPlay: () => void; onStop: () => void }) {

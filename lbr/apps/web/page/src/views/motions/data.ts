@@ -52,3 +52,14 @@ export class Progress {
     return Math.min(1, Math.max(0, 1 - state.left_s / this.whole));
   }
 }
+
+/** What people ask of a humanoid first, in this order. */
+const FIRST = [/^stand/, /^(reset|initial)$/, /^wave/, /^walk.*(forward|ahead)/, /^sit/, /^(dance|demo)/, /^(kick|bow)/, /^turn/];
+const MOST = 5;
+
+/** The few motions that are offered beside the body: one of each kind that there is, then others; what gets it up is shown when it lies. */
+export function deeds(all: MotionRow[]): MotionRow[] {
+  const found = FIRST.flatMap((kind) => all.find(({ name }) => kind.test(name)) ?? []);
+  const rest = all.filter((one) => !found.includes(one) && !one.name.startsWith("get_up_"));
+  return [...found, ...rest].slice(0, MOST);
+}

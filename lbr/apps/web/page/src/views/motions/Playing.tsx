@@ -1,0 +1,30 @@
+// The motion that is played: which, how far it is, and its end.
+import { told } from "../../access";
+import { number, plain } from "../../format";
+import { Mend } from "../../mend";
+import { useNews } from "../../news";
+import { Button, Icon } from "../../parts";
+import { t } from "../../words";
+import type { MotionsState } from "./data";
+import "./Playing.css";
+
+export function Playing({ state, part, onStop }: { state?: MotionsState; part: number; onStop: () => void }) {
+  const fresh = useNews(state && !state.playing ? `${state.code ?? ""} ${state.reason ?? ""}`.trim() : "");
+  if (!state?.playing) {
+    const why = fresh && state?.reason && state.code && !["done", "idle", "", "cancelled"].includes(state.code) ? told({ code: state.code, reason: state.reason }) : "";
+    return why ? <div class="motions-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={state?.code ?? ""} /></div> : null;
+  }
+  return (
+    <section class="motions-playing" aria-label={t("motions.playing", { motion: plain(state.motion ?? "") })}>
+      <div class="motions-bar" role="progressbar" aria-valuemin={0} aria-valuemax={100} aria-valuenow={Math.round(100 * part)}><span style={{ width: `${100 * part}%` }} /></div>
+      <p><strong class="motions-name">{plain(state.motion ?? "")}</strong>
+        <span>{[
+          state.frames ? t("motions.frame", { frame: state.frame ?? 0, of: state.frames }) : "",
+          (state.times ?? 1) > 1 ? t("motions.round", { round: state.round ?? 1, of: state.times ?? 1 }) : "",
+          state.left_s != null ? t("motions.left", { s: number(state.left_s, 1) }) : "",
+        ].filter(Boolean).join(" · ")}</span>
+      </p>
+      <Button kind="danger" icon="stop" onClick={onStop}>{t("motions.end")}</Button>
+    </section>
+  );
+}

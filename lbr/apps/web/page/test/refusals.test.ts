@@ -1,0 +1,31 @@
+import "./stage";
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { told } from "../src/access";
+import { mendable } from "../src/mend";
+import { robot } from "../src/robot";
+import type { Capability, Robot } from "../src/messages";
+import { language, TABLE } from "../src/words";
+
+const capability = (name: string, commands: Record<string, boolean>): Capability =>
+  ({ name, kind: name, family: "operation", summary: "", outputs: {}, commands: Object.fromEntries(Object.entries(commands).map(([key, leased]) => [key, { schema: {}, role: "operate", leased }])) });
+
+test("a code with a sentence of the page's own is told by it alone, others with the robot's reason", () => {
+  language.value = "en";
+  assert.equal(told({ code: "no_torque", reason: "18 joints have no torque: /torque/on first" }), "Joints are off.");
+  assert.equal(told({ code: "estop", reason: "latched: reset releases it" }), "Emergency stop is pressed.");
+  assert.equal(told({ code: "obstacle", reason: "forward reads 18 cm" }), "Something is in the way: forward reads 18 cm");
+  for (const key of Object.keys(TABLE).filter((one) => one.startsWith("refused."))) assert.doesNotMatch(TABLE[key as keyof typeof TABLE].join(), /\//, key);
+});
+
+test("a refusal has a button where this robot, and this person, can mend it so", () => {
+  const base = { role: "operate", capabilities: [capability("drive", { command: true }), capability("speech", { say: false })] } as unknown as Robot;
+  robot.value = base;
+  assert.deepEqual(["estop", "no_torque", "latched", "obstacle"].map((code) => mendable(code)), [true, false, false, false]);
+  assert.deepEqual(["drive", "speech", "console"].map((about) => mendable("held", about)), [true, false, false]);
+  robot.value = { ...base, capabilities: [capability("joints", { command: true, torque: false, recover: false })] };
+  assert.deepEqual(["no_torque", "latched"].map((code) => mendable(code)), [true, true]);
+  robot.value = { ...robot.value, role: "view" };
+  assert.equal(mendable("estop"), false);
+  robot.value = null;
+});
