@@ -60,7 +60,7 @@ FLOORS = {
     "console": BUS | {"console", "database", "home", "leases", "ownership"},
     "why": GROUND | {"why"},
     "executive": CAPABILITY | ROBOT | {"executive", "console", "database", "home", "qr", "why"},
-    "apps": CAPABILITY | ROBOT | {"apps", "bodies", "home", "qr", "recording"},
+    "apps": CAPABILITY | ROBOT | {"apps", "bodies", "home", "qr", "recording", "why"},
     "robots": ROBOT | {"robots"},
     "simulation": CAPABILITY | ROBOT | {"simulation"},
     "bodies": ROBOT | {"bodies"},

@@ -8,6 +8,10 @@ from lbr.messages.codes import ReasonCode
 from lbr.messages.units import FileStem
 
 Text = Annotated[str, Meta(max_length=200)]
+Field = Annotated[
+    str, Meta(max_length=160, pattern=r"^[^./]+/[^./]+\..+$", description="such as battery/state.voltage_v")
+]
+WallNs = Annotated[int, Meta(ge=0, description="nanoseconds since 1970, by the robot's clock")]
 
 
 class MarkCommand(Struct, frozen=True, kw_only=True):
@@ -31,6 +35,43 @@ class RecordCommand(Struct, frozen=True, kw_only=True):
 
 class EndRecording(Struct, frozen=True, kw_only=True):
     """End the recording that was begun on purpose."""
+
+
+class HistoryCommand(Struct, frozen=True, kw_only=True):
+    """Return numbers of streams out of the black box, at `points` times at most between two of them."""
+
+    fields: Annotated[tuple[Field, ...], Meta(min_length=1, max_length=40)]
+    from_ns: WallNs
+    to_ns: WallNs
+    points: Annotated[int, Meta(ge=2, le=600)] = 240
+
+
+class HistoryReply(Struct, frozen=True, kw_only=True):
+    """The times in milliseconds since 1970, and for each field a number at each of them, or null."""
+
+    accepted: bool
+    reason: str = ""
+    code: ReasonCode = ""
+    at_ms: list[int] = []
+    values: dict[str, list[float | None]] = {}
+
+
+class ThenCommand(Struct, frozen=True, kw_only=True):
+    """Explain why something stood still at a moment, as `why` would have then; without `part` of the whole robot."""
+
+    at_ns: WallNs
+    part: Text = ""
+
+
+class ThenReply(Struct, frozen=True, kw_only=True):
+    """The answer of then; `late_s` is how long before the moment anything was recorded last."""
+
+    accepted: bool
+    reason: str = ""
+    code: ReasonCode = ""
+    state: str = ""
+    text: str = ""
+    late_s: float = 0.0
 
 
 class BoxReply(Struct, frozen=True, kw_only=True):

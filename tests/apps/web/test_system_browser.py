@@ -1,6 +1,7 @@
 """The page's System view on a whole robot, in a browser: rows in forms, tokens, logs."""
 
 import json
+import re
 import sqlite3
 import tempfile
 from contextlib import closing
@@ -178,6 +179,20 @@ def test_a_log_is_read_and_stop_stays_within_reach(page, robot):
     stop.click()
     page.keyboard.press("Escape")
     expect(page.get_by_role("dialog")).to_have_count(0)
+
+
+def test_what_was_is_drawn_exported_and_explained_for_a_moment(page):
+    page.get_by_role("radio", name="History").click()
+    nearest = page.locator(".past-chart", has=page.get_by_text("Nearest", exact=True))
+    expect(nearest.locator(".u-over")).to_be_visible(timeout=SLOWLY_MS)
+    expect(nearest).to_contain_text(re.compile(r"\d m"))
+    with page.expect_download() as kept:
+        page.get_by_role("button", name="Export CSV").click()
+    head, *lines = Path(kept.value.path()).read_text().splitlines()
+    assert head == "time,nearest (m)"
+    assert lines
+    nearest.locator(".u-over").click(position={"x": 60, "y": 20})
+    expect(page.locator(".past-moment strong").first).to_be_visible(timeout=SLOWLY_MS)
 
 
 def test_a_moment_is_marked_and_a_recording_made_and_ended(page, robot):

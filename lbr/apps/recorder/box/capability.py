@@ -16,7 +16,16 @@ from lbr.apps.recorder.box.ear import ALL_ROWS, EVENT, LINES, STATUS, Ear, Heard
 from lbr.apps.recorder.box.keeping import MARK, Keeping
 from lbr.apps.recorder.box.kind import BoxSettings
 from lbr.apps.recorder.box.logs import Logs
-from lbr.apps.recorder.messages import BoxReply, BoxState, EndRecording, MarkCommand, RecordCommand
+from lbr.apps.recorder.box.past import Past, read_history, read_then
+from lbr.apps.recorder.messages import (
+    BoxReply,
+    BoxState,
+    EndRecording,
+    HistoryCommand,
+    MarkCommand,
+    RecordCommand,
+    ThenCommand,
+)
 from lbr.apps.recorder.recording import chunks
 from lbr.apps.recorder.recording.chunks import Channels
 from lbr.apps.recorder.recording.recorded import RecordedRows, RecordedStreams
@@ -106,6 +115,7 @@ class Box(Capability[BoxSettings]):
         settings = ctx.settings
         self._keeping = Keeping(settings.before_s, settings.after_s)
         self._shelf = Shelf(Path(ctx.home), ctx.robot)
+        self._past = Past(ctx, self._shelf)
         self._library = f"lbr {version('lbr')}"
         self._latest: dict[str, Heard] = {}
         self._events: deque[Heard] = deque(maxlen=EVENTS)
@@ -143,6 +153,7 @@ class Box(Capability[BoxSettings]):
 
     def step(self) -> None:
         """Take what came, and hand it over; once a round, and not at every beat of the process."""
+        self._past.step()
         if not self.ctx.on_tick or self._ear is None or self._tape is None:
             return
         now = self.ctx.clock()
@@ -168,6 +179,10 @@ class Box(Capability[BoxSettings]):
             call.reply(self._mark(message.text or f"marked by {call.source}"))
         elif isinstance(message, RecordCommand):
             call.reply(self._record(message))
+        elif isinstance(message, HistoryCommand):
+            self._past.ask(call, read_history)
+        elif isinstance(message, ThenCommand):
+            self._past.ask(call, read_then)
         elif isinstance(message, EndRecording):
             call.reply(self._end("it was ended"))
         else:
@@ -175,6 +190,7 @@ class Box(Capability[BoxSettings]):
 
     def close(self) -> None:
         """Write what was heard until now, and end the files in order."""
+        self._past.close()
         tape, self._tape = self._tape, None
         if tape is None or self._ear is None:
             return

@@ -4,8 +4,18 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from lbr.apps.recorder.messages import BoxReply, BoxState, EndRecording, MarkCommand, RecordCommand
-from lbr.capability.kind import Kind, Rights
+from lbr.apps.recorder.messages import (
+    BoxReply,
+    BoxState,
+    EndRecording,
+    HistoryCommand,
+    HistoryReply,
+    MarkCommand,
+    RecordCommand,
+    ThenCommand,
+    ThenReply,
+)
+from lbr.capability.kind import Command, Kind, Rights
 from lbr.capability.word import Word
 
 Pattern = Annotated[str, Meta(min_length=1, max_length=80, description="topics, * for any letters: motors/*, */state")]
@@ -39,8 +49,18 @@ KIND = Kind(
     entry="lbr.apps.recorder.box.start:Box",
     settings=BoxSettings,
     outputs={"state": BoxState},
-    commands={"mark": MarkCommand, "record": RecordCommand, "end": EndRecording},
-    replies=dict.fromkeys(("mark", "record", "end"), BoxReply),
+    commands={
+        "mark": MarkCommand,
+        "record": RecordCommand,
+        "end": EndRecording,
+        "history": Command(HistoryCommand, role="view"),
+        "then": Command(ThenCommand, role="view"),
+    },
+    replies={
+        **dict.fromkeys(("mark", "record", "end"), BoxReply),
+        "history": HistoryReply,
+        "then": ThenReply,
+    },
     rights=Rights(records=True),
     words=(
         Word("mark", "mark", "Keep what led here, and a while after, in the black box", role="operate"),

@@ -9,6 +9,7 @@ import click
 import msgspec
 
 from lbr import home
+from lbr.apps.recorder.box.then import SILENT_S, snapshot
 from lbr.apps.recorder.commands import box
 from lbr.apps.recorder.recording import times
 from lbr.apps.recorder.recording.moment import Moment, moment
@@ -18,16 +19,12 @@ from lbr.commands.rows import opened
 from lbr.database.reading import RawTables
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
-from lbr.messages.unreadable import UNREADABLE
 from lbr.why import telling
 from lbr.why.chain import explain
-from lbr.why.snapshot import Facts, Said, Snapshot
 
 Tables = dict[str, list[dict[str, Any]]]
 SURE = "capability"
 """The table by which it is told whether rows are the same."""
-SILENT_S = 3.0
-"""A robot that runs says something each second."""
 
 
 @click.command("at")
@@ -58,24 +55,6 @@ def command(
         text = f"nothing was recorded for {times.length(moment.late_s)} until then; this is how it was before"
         click.echo(f"lbr: {text}", err=True)
     return _why(moment, part, as_json=as_json) if what == "why" else _status(moment, as_json=as_json)
-
-
-def snapshot(moment: Moment) -> Snapshot:
-    """Return a moment as a snapshot for `why`; raise InputError if its rows were not recorded."""
-    if moment.rows is None:
-        raise InputError("the rows of then are not in the recording, and without them nothing can be explained")
-    try:
-        facts = msgspec.json.decode(moment.rows.facts, type=Facts)
-    except UNREADABLE as err:
-        raise InputError(f"the rows of then are of another version: {err}") from None
-    return Snapshot(
-        facts=facts,
-        executive="up" if moment.late_s <= SILENT_S else "down",
-        status=moment.status,
-        said={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in moment.said.items()},
-        events=moment.events,
-        wall_ns=moment.at_ns,
-    )
 
 
 def _moment(at_ns: int, robot: str | None, place: str) -> Moment:

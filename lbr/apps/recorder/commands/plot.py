@@ -4,7 +4,7 @@ import shutil
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import click
@@ -12,6 +12,7 @@ import click
 from lbr.apps.recorder.commands import box
 from lbr.apps.recorder.recording import export, selection, times
 from lbr.apps.recorder.recording.export import fields
+from lbr.apps.recorder.recording.history import value_of
 from lbr.bus import wire
 from lbr.bus.codec import decode
 from lbr.bus.session import Session
@@ -87,18 +88,6 @@ def _series(text: str) -> Series:
     if "/" not in topic or not path or "*" in topic:
         raise InputError(f"'{text[:60]}' is no field of a stream; say it as drive/state.power")
     return Series(text, topic, tuple(path.split(".")), deque(maxlen=100_000))
-
-
-def value_of(message: Any, path: Iterable[str]) -> float | None:
-    """Return the number at a path in decoded JSON; None if it is missing."""
-    for part in path:
-        if isinstance(message, dict):
-            message = message.get(part)
-        elif isinstance(message, list) and part.isdigit() and int(part) < len(message):
-            message = message[int(part)]
-        else:
-            return None
-    return float(message) if isinstance(message, bool | int | float) else None
 
 
 def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[str, Any]]:

@@ -4,8 +4,9 @@ import mmap
 import os
 import stat
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 from mcap.opcode import Opcode
@@ -80,6 +81,19 @@ class Recording:
             except DamagedError:
                 self._hurt(span.length)
         yield from self._unchunked(start_ns, end_ns)
+
+    def chunks(self) -> Iterator[tuple[Span, Callable[[], list[Message]]]]:
+        """Yield each chunk after the first, which repeats what was said before, with what reads it; damaged has none."""
+
+        def read(span: Span) -> list[Message]:
+            try:
+                return list(self._contents.read(chunks.opened(self._data, span)))
+            except DamagedError:
+                self._hurt(span.length)
+                return []
+
+        for span in self.spans[1:]:
+            yield span, partial(read, span)
 
     def _unchunked(self, start_ns: int, end_ns: int) -> Iterator[Message]:
         for _at, record in self._messages:

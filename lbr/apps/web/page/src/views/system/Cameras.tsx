@@ -1,4 +1,5 @@
 // The robot's cameras: what each sees, its privacy switch, and a picture to keep.
+import type { AllCSSProperties } from "preact";
 import { number, plain } from "../../format";
 import { useStream } from "../../live";
 import type { Capability, CameraState } from "../../messages";
@@ -26,7 +27,7 @@ function Camera({ of }: { of: Capability }) {
         <Stale sample={state} after={4000} />
         {told && <Badge tone={told.on ? (told.phase === "ready" || told.phase === "streaming" ? "good" : "calm") : "calm"}>{told.on ? maybe(`cameras.phase.${told.phase}`) || told.phase : t("cameras.phase.off")}</Badge>}
       </div>
-      <div class="camera-picture">{told && !told.on ? <><Icon name="nocamera" /><p>{t("cameras.off")}</p></> : <Picture name={of.name} />}</div>
+      <div class="camera-picture" style={told?.width_px && told.height_px ? { "--shape": `${told.width_px} / ${told.height_px}` } as AllCSSProperties : undefined}>{told && !told.on ? <><Icon name="nocamera" /><p>{t("cameras.off")}</p></> : <Picture name={of.name} />}</div>
       <p class="camera-facts muted num">{told?.width_px ? `${told.width_px} × ${told.height_px}` : ""}{told?.fps ? ` · ${number(told.fps, 1)} / s` : ""}{told?.reason ? ` ${told.reason}` : ""}</p>
       <div class="system-tools">
         {of.commands["switch"] && <Toggle label={t("cameras.private")} checked={told?.on ?? false} disabled={!told || !may(of.commands["switch"].role)} onChange={(on) => void command(of.name, "switch", { on })} />}

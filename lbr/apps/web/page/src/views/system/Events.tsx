@@ -6,7 +6,7 @@ import type { Event } from "../../messages";
 import { Choice, Empty, Icon, Segments } from "../../parts";
 import { fetchJson, robot } from "../../robot";
 import { t } from "../../words";
-import { dayOf, matches, merged, type Level } from "./history";
+import { dayOf, matches, merged, type Level } from "./listing";
 
 const MOST = 300;
 

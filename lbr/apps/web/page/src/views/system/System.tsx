@@ -9,18 +9,20 @@ import { Cameras } from "./Cameras";
 import { Chart } from "./Chart";
 import { Devices } from "./Devices";
 import { Events } from "./Events";
+import { History } from "./History";
 import { Parts } from "./Parts";
 import { Rows } from "./Rows";
 import { Tokens } from "./Tokens";
 import "./System.css";
 
-type Page = "parts" | "events" | "chart" | "cameras" | "rows" | "devices" | "tokens";
+type Page = "parts" | "history" | "events" | "chart" | "cameras" | "rows" | "devices" | "tokens";
 const page = signal<Page>(remembered<Page>("system", "parts"));
-const VIEWS: Record<Page, () => preact.JSX.Element> = { parts: Parts, events: Events, chart: Chart, cameras: Cameras, rows: Rows, devices: Devices, tokens: Tokens };
+const VIEWS: Record<Page, () => preact.JSX.Element> = { parts: Parts, history: History, events: Events, chart: Chart, cameras: Cameras, rows: Rows, devices: Devices, tokens: Tokens };
 
 export default function System() {
   const pages: { value: Page; icon: IconName; there: boolean }[] = [
     { value: "parts", icon: "system", there: true },
+    { value: "history", icon: "past", there: capabilities("box").length > 0 },
     { value: "events", icon: "events", there: true },
     { value: "chart", icon: "chart", there: true },
     { value: "cameras", icon: "camera", there: capabilities("camera").length > 0 },

@@ -1,7 +1,7 @@
 import "./stage";
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { dayOf, matches, merged } from "../src/views/system/history";
+import { dayOf, matches, merged } from "../src/views/system/listing";
 import type { Event } from "../src/messages";
 
 const event = (wall_ns: number, text: string, more: Partial<Event> = {}): Event => ({ kind: "crashed", subject: "drive", text, wall_ns, ...more });

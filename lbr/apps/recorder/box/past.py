@@ -1,0 +1,64 @@
+"""Answers out of the files of the box: on a thread, for reading takes a while, and one question at a time."""
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
+
+from msgspec import Struct
+
+from lbr.apps.recorder.box.then import snapshot
+from lbr.apps.recorder.messages import HistoryCommand, HistoryReply, ThenCommand, ThenReply
+from lbr.apps.recorder.recording.history import history
+from lbr.apps.recorder.recording.moment import moment
+from lbr.apps.recorder.recording.shelf import Shelf
+from lbr.capability.context import Call, Context
+from lbr.errors import InputError
+from lbr.why.chain import explain
+
+MOST_WAITING = 4
+
+
+class Past:
+    """The questions under way, oldest first."""
+
+    def __init__(self, ctx: Context[Any], shelf: Shelf) -> None:
+        self._ctx = ctx
+        self._shelf = shelf
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="past")
+        self._asked: list[tuple[Call, Future[Struct]]] = []
+
+    def ask(self, call: Call, read: Callable[[Shelf, Any], Struct]) -> None:
+        """Have a question answered."""
+        if len(self._asked) >= MOST_WAITING:
+            call.refuse("other questions about the past are being answered; ask again", "busy")
+            return
+        reading = self._pool.submit(read, self._shelf, call.message)
+        reading.add_done_callback(lambda _: self._ctx.wake())
+        self._asked.append((call, reading))
+
+    def step(self) -> None:
+        """Answer what has been read."""
+        done = [one for one in self._asked if one[1].done()]
+        self._asked = [one for one in self._asked if one not in done]
+        for call, reading in done:
+            try:
+                call.reply(reading.result())
+            except InputError as err:
+                call.refuse(str(err), err.code)
+
+    def close(self) -> None:
+        """Answer nothing more."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+
+def read_history(shelf: Shelf, asked: HistoryCommand) -> HistoryReply:
+    """Return the numbers that a question is about."""
+    found = history(shelf.files(), asked.fields, asked.from_ns, asked.to_ns, asked.points)
+    return HistoryReply(accepted=True, at_ms=found.at_ms, values=found.values)
+
+
+def read_then(shelf: Shelf, asked: ThenCommand) -> ThenReply:
+    """Return why something stood still then; InputError if the moment was not recorded."""
+    then = moment(tuple(shelf.files()), asked.at_ns)
+    why = explain(snapshot(then), asked.part)
+    return ThenReply(accepted=True, state=why.state, text=why.text, code=why.code, late_s=then.late_s)
