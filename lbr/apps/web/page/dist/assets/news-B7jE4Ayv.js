@@ -1,1 +1,0 @@
-import{Et as e,St as t}from"./parts-C3F7BxJ9.js";import{c as n}from"./index-B8I2Xawt.js";function r(r){let[i,a]=e(``);return t(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
