@@ -28,6 +28,7 @@ from lbr.client.robot import connect as connect_blocking
 from lbr.client.words import Words
 from lbr.console.lines import POLL_S
 from lbr.errors import BusError, InputError
+from lbr.messages.system import Role
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -214,10 +215,15 @@ class AsyncMotion:
 
 
 def connect(
-    robot: str | None = None, *, at: str | None = None, token_file: Path | str | None = None, name: str = ""
+    robot: str | None = None,
+    *,
+    at: str | None = None,
+    token_file: Path | str | None = None,
+    name: str = "",
+    role: Role = "admin",
 ) -> AsyncRobot:
     """Return the robot that `lbr.client.connect` would, for an `async with`, which connects."""
-    return AsyncRobot(lambda: connect_blocking(robot, at=at, token_file=token_file, name=name))
+    return AsyncRobot(lambda: connect_blocking(robot, at=at, token_file=token_file, name=name, role=role))
 
 
 def _apart(call: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> asyncio.Future[R]:

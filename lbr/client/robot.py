@@ -20,6 +20,7 @@ from lbr.client.words import Words
 from lbr.console import lines, target
 from lbr.console.operator import BusOperator
 from lbr.errors import BusError
+from lbr.messages.system import RANKS, Role
 
 HELD_S = 5.0
 GONE = "the robot has ended since this program connected; if it runs again, connect again"
@@ -229,11 +230,18 @@ def _leave(robot: "ref[Robot]") -> None:
 
 
 def connect(
-    robot: str | None = None, *, at: str | None = None, token_file: Path | str | None = None, name: str = ""
+    robot: str | None = None,
+    *,
+    at: str | None = None,
+    token_file: Path | str | None = None,
+    name: str = "",
+    role: Role = "admin",
 ) -> Robot:
     """Connect to the named robot, the one at an endpoint, or the only one that runs here; raise BusError or InputError.
 
     At another machine's door (`tls/HOST:PORT`) a token lets us in: `token_file`, $LBR_TOKEN, or one that `lbr` has
-    saved. `name` is what refusals and events call this program.
+    saved. `name` is what refusals and events call this program, and `role` the most that its lines may do.
     """
-    return Robot(target.find(robot, at, Path(token_file) if token_file else None), target.source(name or "program"))
+    target_ = target.find(robot, at, Path(token_file) if token_file else None)
+    least = min(role, target_.role, key=RANKS.__getitem__)
+    return Robot(msgspec.structs.replace(target_, role=least), target.source(name or "program"))

@@ -1,0 +1,184 @@
+"""Agents over HTTP: a server behind the web server's doors, and the rules for every agent."""
+
+import asyncio
+from typing import Any, cast
+
+from mcp.server.streamable_http_manager import StreamableHTTPSessionManager
+from starlette.requests import HTTPConnection
+from starlette.routing import BaseRoute, Match
+from starlette.types import Receive, Scope, Send
+
+from lbr.apps.http import listening
+from lbr.apps.http.connection import connection_of
+from lbr.apps.http.pages import Pages
+from lbr.apps.http.rates import Rates
+from lbr.apps.mcp.agent import Agent, rules_of
+from lbr.apps.mcp.kind import McpSettings
+from lbr.apps.mcp.messages import AllowAgent, McpState
+from lbr.apps.mcp.pulses import pulse_of_http
+from lbr.apps.mcp.server import Context as AgentContext
+from lbr.apps.mcp.server import McpServer
+from lbr.apps.web.access import Access
+from lbr.apps.web.advertised_address import AdvertisedAddress
+from lbr.apps.web.application import Gate, application, is_owners
+from lbr.apps.web.bridge import Bridge
+from lbr.apps.web.face import Client, refuse_without
+from lbr.apps.web.guards import Counts, address_of, headers_of
+from lbr.apps.web.serving import Serving
+from lbr.apps.web.viewing import who
+from lbr.bus.door import LanUser
+from lbr.capability.base import Capability
+from lbr.capability.context import Call, Context
+from lbr.client import aio
+from lbr.errors import DeviceError, InputError
+from lbr.messages.leases import CommandReply
+
+PATH = "/mcp"
+CLIENT = "lbr.client"
+LARGEST_BODY = 64 * 1024
+SESSIONS, IDLE_S = 16, 600.0
+AGENTS = 16
+REQUESTS_HZ = 200.0
+TELL_S = 1.0
+ENDS = "the server for agents ends"
+
+
+class Door(BaseRoute):
+    """Lets agents in at one path, by the token or the user that the web server would let in."""
+
+    def __init__(self, gate: Gate, manager: StreamableHTTPSessionManager) -> None:
+        self._gate = gate
+        self._manager = manager
+
+    def matches(self, scope: Scope) -> tuple[Match, Scope]:
+        """Say whether this is an agent's request."""
+        return (Match.FULL if scope["type"] == "http" and scope["path"] == PATH else Match.NONE), {}
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request; raise Refused."""
+        headers = headers_of(scope)
+        self._gate.refuse_strangers(scope, headers)
+        owner = "authorization" not in headers and await is_owners(scope, address_of(scope))
+        client = await self._gate.client(scope, headers, owner=owner)
+        refuse_without(client, "view")
+        scope[CLIENT] = client
+        if (connection := connection_of(scope)) is not None:
+            connection.mark("watching")
+        await self._manager.handle_request(scope, receive, send)
+
+
+class Mcp(Capability[McpSettings]):
+    """Raises DeviceError while it cannot listen."""
+
+    rate_hz = 20.0
+    woken_by_streams = False
+
+    def __init__(self, ctx: Context[McpSettings]) -> None:
+        super().__init__(ctx)
+        self._bridge = Bridge(ctx.wake, self._failed)
+        self._counts = Counts()
+        self._address = AdvertisedAddress(cast("Any", ctx.settings), ctx.settings.port, here=tuple)
+        self._serving: Serving | None = None
+        self._agents: dict[tuple[str, str], Agent] = {}
+        self._allowed: tuple[str, ...] = ()
+        self._tell_at = 0.0
+
+    def open(self) -> None:
+        """Listen and serve."""
+        settings = self.ctx.settings
+        try:
+            sockets = listening.listen(settings.host, settings.port)
+        except InputError as err:
+            row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
+            raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
+        self._address = AdvertisedAddress(cast("Any", settings), sockets[0].getsockname()[1])
+        self._bridge.open()
+        server = McpServer(self._agent, pulse_of_http)
+        manager = StreamableHTTPSessionManager(
+            server.sdk, max_request_body_size=LARGEST_BODY, max_sessions=SESSIONS, session_idle_timeout=IDLE_S
+        )
+        pages = Pages(())
+        app = application(
+            (),
+            Door(Gate(Access((), self.ctx.rows(LanUser)), pages), manager),
+            gate=Gate(Access((), self.ctx.rows(LanUser)), pages),
+            pages=pages,
+            rates=Rates(REQUESTS_HZ),
+            own_names=frozenset(name.lower() for name in (*settings.names, *self._address.names)),
+            counts=self._counts,
+            in_loop=self._bridge.call,
+        )
+        self._serving = Serving(app, sockets, tls=self._address.tls, beside=lambda: self._beside(server, manager))
+        self._serving.start()
+        self.ctx.event("listening", f"agents at {', '.join(self._urls()) or settings.host}")
+        if self._address.open and not self._address.tls:
+            text = "other machines reach the robot in clear text: a machine in between reads tokens, and changes what is asked"
+            self.ctx.event("exposed", text, level="warning")
+
+    def step(self) -> None:
+        """Let those drive whom a person allows, and tell how it is."""
+        now = self.ctx.clock()
+        self._bridge.serve()
+        while self._counts.news:
+            kind, text, level = self._counts.news.popleft()
+            self.ctx.event(kind, text, level=level)
+        if now >= self._tell_at:
+            self._tell_at = now + TELL_S
+            self._tell(listening_=True)
+
+    def command(self, call: Call) -> None:
+        """Let an agent do what it must ask a person for."""
+        if isinstance(call.message, AllowAgent):
+            self._allowed = (*self._allowed, call.message.agent)[-AGENTS:]
+            self._tell(listening_=self._serving is not None)
+            call.reply(CommandReply(accepted=True, reason=f"'{call.message.agent}' may move the robot"))
+
+    def degraded(self, reason: str) -> None:
+        """Say that nobody is served."""
+        self._tell(listening_=False, reason=reason)
+
+    def close(self) -> None:
+        """Stop serving, and what agents move."""
+        self._bridge.close(ENDS)
+        if self._serving is not None:
+            self._serving.stop()
+            self._serving = None
+
+    async def _beside(self, server: McpServer, manager: StreamableHTTPSessionManager) -> None:
+        try:
+            async with manager.run():
+                await asyncio.Event().wait()
+        finally:
+            await server.close()
+            for agent in self._agents.values():
+                await agent.close()
+
+    def _agent(self, ctx: AgentContext) -> Agent:
+        """Return the agent of a request, by who asks and what its program is called."""
+        client: Client = cast("HTTPConnection", ctx.request).scope[CLIENT]
+        params = ctx.session.client_params
+        name = params.client_info.name if params is not None else ""
+        key = (who(client), name)
+        if key not in self._agents:
+            if len(self._agents) >= AGENTS:
+                raise InputError(f"{AGENTS} agents have been here; the server knows no more", "busy")
+            role, robot = client.role or "view", self.ctx.robot
+            self._agents[key] = Agent(name, lambda source: aio.connect(robot, name=source, role=role), rules_of)
+        return self._agents[key]
+
+    def _urls(self) -> tuple[str, ...]:
+        return tuple(f"{url.rstrip('/')}{PATH}" for url in self._address.urls)
+
+    def _tell(self, *, listening_: bool, reason: str = "") -> None:
+        state = McpState(
+            listening=listening_,
+            rules=self.ctx.settings.rules,
+            urls=self._urls() if listening_ else (),
+            allowed=self._allowed,
+            refused=self._counts.refused,
+            reason=reason,
+        )
+        self.ctx.publish("state", state)
+
+    def _failed(self, err: Exception) -> None:
+        self._counts.tell("web_fault", f"{type(err).__name__}: {err}", "error")

@@ -1,0 +1,62 @@
+"""The kind `mcp`: the rules for agents, and where they are served by HTTP."""
+
+from typing import Annotated, ClassVar
+
+from msgspec import Meta, Struct
+
+from lbr.apps.mcp.messages import NEVER, WORDS, AllowAgent, Asked, McpState, Rules
+from lbr.bus.door import LanUser
+from lbr.capability.kind import Command, Kind, Needs, Rights
+from lbr.capability.word import Word
+
+
+class McpSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Settings of a row of kind `mcp`.
+
+    `words` to `fast_power` hold for every agent, also for those of `lbr mcp`. A person is asked before what `ask` names:
+    the first motion of an agent, a motion of a humanoid, more power than `fast_power`. Where other machines reach the
+    server it speaks TLS, unless `clear_text` says otherwise, and needs a token.
+    """
+
+    trusted: ClassVar[tuple[str, ...]] = ()
+
+    words: Annotated[tuple[str, ...], Meta(description="console words that agents may say, besides stops")] = WORDS
+    most_power: Annotated[float, Meta(gt=0.0, le=1.0, description="the most power that an agent may drive with")] = 0.5
+    ask: Annotated[tuple[Asked, ...], Meta(description="what a person is asked before")] = ("first", "play", "fast")
+    fast_power: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.3
+    host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
+    port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 50010
+    tls: Annotated[bool, Meta(description="https also where only this machine reaches it")] = False
+    clear_text: Annotated[
+        bool, Meta(description="http where other machines reach it: a machine in between reads and changes all of it")
+    ] = False
+    names: Annotated[
+        tuple[str, ...], Meta(description="other names that this machine is asked by, such as robot.example.org")
+    ] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse words for people alone, and what contradicts itself."""
+        if never := sorted(NEVER.intersection(self.words)):
+            raise ValueError(f"words: '{never[0]}' is for people alone")
+        if self.tls and self.clear_text:
+            raise ValueError("tls and clear_text: only one of them can be true")
+
+    @property
+    def rules(self) -> Rules:
+        """Return what holds for every agent."""
+        return Rules(words=self.words, most_power=self.most_power, ask=self.ask, fast_power=self.fast_power)
+
+
+KIND = Kind(
+    name="mcp",
+    summary="serves the robot to language agents by HTTP, and has the rules for all of them",
+    family="app",
+    rights=Rights(serves=True, lets_in=("enabled", "host", "tls", "clear_text", "names")),
+    entry="lbr.apps.mcp.start:Mcp",
+    settings=McpSettings,
+    outputs={"state": McpState},
+    commands={"allow": Command(AllowAgent)},
+    rows=(LanUser,),
+    needs=Needs("mcp", extra="mcp"),
+    words=(Word("/agent/{agent}", "allow", "Let an agent do what it must ask a person for, by its name"),),
+)

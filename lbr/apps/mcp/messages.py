@@ -1,0 +1,54 @@
+"""Messages on `mcp/*`: what a row allows to agents, who of them may drive, and where they are served."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+NEVER = frozenset(
+    (
+        "Shutdown",
+        "agent",
+        "close",
+        "disable",
+        "enable",
+        "open",
+        "p",
+        "pair",
+        "phone",
+        "record",
+        "reset",
+        "restart",
+        "torque",
+    )
+)
+"""Words for people alone: no row allows them to agents."""
+WORDS = ("a", "camera", "help", "look", "mark", "report", "s", "snapshot", "watch")
+Asked = Literal["first", "play", "fast"]
+AgentName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_.-]{1,30}$(?!\n)")]
+
+
+class Rules(Struct, frozen=True, kw_only=True):
+    """What agents may do. A person is asked before what `ask` names: the first motion of an agent (`first`), a motion of
+    a humanoid (`play`), and more power than `fast_power` (`fast`)."""
+
+    words: tuple[str, ...] = WORDS
+    most_power: float = 0.5
+    ask: tuple[Asked, ...] = ()
+    fast_power: float = 0.3
+
+
+class AllowAgent(Struct, frozen=True, kw_only=True):
+    """Let an agent do what a person must be asked for, for as long as this row runs."""
+
+    agent: AgentName
+
+
+class McpState(Struct, frozen=True, kw_only=True):
+    """Where agents are served by HTTP (`urls`), the rules for all of them, and those that a person has let do more."""
+
+    listening: bool
+    rules: Rules
+    urls: tuple[str, ...] = ()
+    allowed: tuple[str, ...] = ()
+    refused: int = 0
+    reason: str = ""

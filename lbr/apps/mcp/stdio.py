@@ -1,0 +1,118 @@
+"""An agent at standard input and output: one client, at the other end of a pipe."""
+
+import array
+import asyncio
+import fcntl
+import os
+import signal
+import stat
+import termios
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, cast
+
+from mcp.server.stdio import stdio_server
+
+from lbr.apps.mcp.agent import Agent, rules_of
+from lbr.apps.mcp.motion import PATIENCE_S, TICK_S
+from lbr.apps.mcp.server import Context, McpServer
+from lbr.client.aio import AsyncRobot
+
+BLANK = b" "
+"""JSON may begin with blanks, so that a message reads the same after them."""
+UNSEEN = "nothing tells whether the client of this agent lives: start it with a pipe or a socket as standard output"
+
+
+class Pipe:
+    """Our end of the pipe that the client reads. A client that lives takes out what is in it, also a blank."""
+
+    patience_s = PATIENCE_S
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+        self._lock = threading.Lock()
+        self._unread_before = 0
+        mode = os.fstat(number).st_mode
+        self._question = termios.FIONREAD if stat.S_ISFIFO(mode) else termios.TIOCOUTQ if stat.S_ISSOCK(mode) else 0
+
+    async def write(self, text: str) -> None:
+        """Write a message; it is whole before a blank follows."""
+        await asyncio.to_thread(self._write, text.encode())
+
+    async def flush(self) -> None:
+        """Nothing is kept back."""
+
+    def why_not(self) -> str:
+        """Return why nothing tells whether the client lives; empty if the pipe does."""
+        return "" if self._question else UNSEEN
+
+    async def follow(self, beat: Callable[[], None]) -> None:
+        """Put a blank into the empty pipe again and again, and beat once it was taken out."""
+        while True:
+            if self._has_read():
+                beat()
+            await asyncio.sleep(TICK_S)
+
+    def _has_read(self) -> bool:
+        """Say whether the client has read since the last time; one that has read all gets a blank to read."""
+        if not self._lock.acquire(blocking=False):  # a message is being written: it fits in only if it is read
+            return False
+        try:
+            unread = self._unread()
+            has_read, self._unread_before = unread < self._unread_before, unread
+            if unread == 0:
+                os.write(self._number, BLANK)
+                self._unread_before = len(BLANK)
+        except OSError:  # the client has closed it
+            return False
+        else:
+            return has_read
+        finally:
+            self._lock.release()
+
+    def _unread(self) -> int:
+        """Return how much the client has not read yet."""
+        count = array.array("i", [0])
+        fcntl.ioctl(self._number, self._question, count)
+        return count[0]
+
+    def _write(self, data: bytes) -> None:
+        with self._lock, suppress(OSError):  # a client that has closed it closes our input, too
+            rest = memoryview(data)
+            while rest:
+                rest = rest[os.write(self._number, rest) :]
+
+
+def serve(connect: Callable[[str], AsyncRobot]) -> None:
+    """Serve the client at standard input and output until it closes them, or this process is told to end."""
+    pipe = Pipe(os.dup(1))
+    os.dup2(2, 1)  # what else is printed here is no message
+    asyncio.run(_served(pipe, connect))
+
+
+async def _served(pipe: Pipe, connect: Callable[[str], AsyncRobot]) -> None:
+    agents: list[Agent] = []
+
+    def agent(ctx: Context) -> Agent:
+        if not agents:
+            params = ctx.session.client_params
+            agents.append(Agent(params.client_info.name if params is not None else "", connect, rules_of))
+        return agents[0]
+
+    server = McpServer(agent, lambda _ctx: pipe)
+    serving = asyncio.ensure_future(_run(server, pipe))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, serving.cancel)
+    try:
+        with suppress(asyncio.CancelledError):
+            await serving
+    finally:
+        await server.close()
+        for one in agents:
+            await one.close()
+
+
+async def _run(server: McpServer, pipe: Pipe) -> None:
+    async with stdio_server(stdout=cast("Any", pipe)) as (read, write):
+        await server.sdk.run(read, write, server.sdk.create_initialization_options())

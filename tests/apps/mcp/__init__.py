@@ -1,0 +1,1 @@
+"""The component `mcp`: tools for language agents."""

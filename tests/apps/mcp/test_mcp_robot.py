@@ -1,0 +1,224 @@
+"""An agent at a whole robot: what its tools do, in its own name, and what becomes of its motion when it is gone."""
+
+import asyncio
+import json
+import signal
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.support import needs, programs
+from tests.support import robot as robots
+from tests.support.waiting import until
+
+needs.modules("mcp")
+from mcp import Client  # noqa: E402 - an extra
+from mcp_types import ElicitResult, Implementation  # noqa: E402
+
+from lbr import client  # noqa: E402
+from lbr.apps.mcp.agent import Agent  # noqa: E402
+from lbr.apps.mcp.messages import McpState, Rules  # noqa: E402
+from lbr.apps.mcp.server import McpServer  # noqa: E402
+from lbr.client import aio  # noqa: E402
+
+NAMED = Implementation(name="a test", version="1")
+pytestmark = pytest.mark.slow_start
+AGENT = Path(robots.__file__).parent / "clients" / "agent.py"
+SPIN = {"power": 0.15, "angle_deg": 90, "seconds": 5}
+
+
+class Present:
+    """The pulse of a client in this process."""
+
+    patience_s = 1.0
+
+    def why_not(self):
+        return ""
+
+    async def follow(self, beat):
+        while True:
+            beat()
+            await asyncio.sleep(0.01)
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory):
+    with robots.running(robots.prepare(tmp_path_factory.mktemp("mcp"))) as robot:
+        yield robot
+
+
+@pytest.fixture
+def home(running, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(running.home))
+    running.line("reset")
+    running.line("stop")
+    return running.home
+
+
+def wheels(robot):
+    state = robot.ask("motors/state") or {"left": None, "right": None}
+    return state["left"], state["right"]
+
+
+def turning(robot):
+    return wheels(robot) not in {(0.0, 0.0), (None, None)}
+
+
+def audit(home):
+    """Return who did what, by the audit trail."""
+    with closing(sqlite3.connect(home / "robot.db")) as database:
+        return database.execute("SELECT source, text FROM audit WHERE kind = 'command'").fetchall()
+
+
+def with_tools(work, rules=None, **options):
+    """Run `work(client, call)` with the official client in this process; `call` returns what a tool answers."""
+
+    async def main():
+        async def rules_of_row(_robot):
+            return McpState(listening=False, rules=rules or Rules())
+
+        ours = Agent("a test", lambda name: aio.connect(name=name), rules_of_row)
+        server = McpServer(lambda _ctx: ours, lambda _ctx: Present())
+        try:
+            async with Client(server.sdk, client_info=NAMED, **options) as program_of_agent:
+
+                async def call(tool, /, **arguments):
+                    return (await program_of_agent.call_tool(tool, arguments)).structured_content
+
+                return await work(program_of_agent, call)
+        finally:
+            await ours.close()
+
+    return asyncio.run(main())
+
+
+async def driven(call, **how):
+    """Drive, once the base is armed again after what was before."""
+    for _ in range(100):
+        answer = await call("drive", **how)
+        if answer["code"] not in {"not_armed", "held", "stale_sensor", "busy"}:
+            return answer
+        await asyncio.sleep(0.05)
+    raise AssertionError(answer)
+
+
+@contextmanager
+def program(home, *, mode="auto", arguments=SPIN):
+    """An agent's program, which drives by `lbr mcp` at its pipe."""
+    argv = [sys.executable, AGENT, mode, "drive", json.dumps(arguments), *robots.LBR, "mcp"]
+    with programs.start(
+        argv, env=robots.environment(home), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as popen:
+        try:
+            assert popen.stdout.readline() == "calls\n"
+            yield popen
+        finally:
+            if popen.poll() is None:
+                popen.send_signal(signal.SIGCONT)
+                popen.kill()
+
+
+def test_tools_look_drive_and_are_written_down_by_name(running, home):
+    async def work(program_of_agent, call):
+        tools = {tool.name: tool for tool in (await program_of_agent.list_tools()).tools}
+        assert tools["drive"].input_schema["properties"]["power"]["maximum"] == 0.5
+        assert tools["stop"].annotations.idempotent_hint
+        assert not tools["stop"].annotations.destructive_hint
+        assert tools["status"].annotations.read_only_hint
+        status = await call("status")
+        assert status["data"]["ready"]
+        assert "ranges/readings" in status["data"]["measured"]
+        assert (await driven(call, power=0.15, angle_deg=90, seconds=0.3))["code"] == "done"
+        for tool, arguments, code in (
+            ("drive", {"power": 0.9, "angle_deg": 0}, "bad_value"),
+            ("drive", {"power": 0.1, "angle_deg": 0, "lease": "x"}, "unknown_name"),
+            ("publish", {"key": "motors/setpoint"}, "unknown_command"),
+            ("say", {"line": "reset"}, "denied"),
+        ):
+            answer = await call(tool, **arguments)
+            assert answer["code"] == code, answer
+            assert answer["text"]
+        assert (await call("why", part="drive"))["text"]
+        assert (await call("stop"))["code"] == "done"
+        assert (await call("estop", reason="a test"))["code"] == "done"
+        assert (await call("drive", power=0.1, angle_deg=0))["code"] == "estop"
+
+    with_tools(work)
+    source, text = until(lambda: [row for row in audit(home) if "drive(power=0.15" in row[1] and ": done: " in row[1]])[
+        0
+    ]
+    assert source.startswith("lbr/agent a-test@")
+    assert text.startswith("a-test asked for drive")
+
+
+@pytest.mark.parametrize("mode", ["auto", "legacy"])
+def test_a_person_is_asked_before_the_first_motion_and_only_then(mode, running, home):
+    answers, questions = ["decline", "accept"], []
+
+    async def elicited(_context, params):
+        questions.append(params.message)
+        return ElicitResult(action=answers.pop(0), content={})
+
+    async def work(_client, call):
+        refused = await call("drive", power=0.15, angle_deg=90, seconds=0.1)
+        assert refused["code"] == "confirm"
+        assert (await driven(call, power=0.15, angle_deg=90, seconds=0.1))["code"] == "done"
+        assert (await driven(call, power=0.15, angle_deg=90, seconds=0.1))["code"] == "done"
+
+    with_tools(work, Rules(ask=("first",)), mode=mode, elicitation_callback=elicited)
+    assert len(questions) == 2
+    assert "a-test" in questions[0]
+
+
+def test_a_client_that_cannot_ask_a_person_is_refused(running, home):
+    async def work(_client, call):
+        answer = await call("drive", power=0.15, angle_deg=90)
+        assert answer["code"] == "confirm"
+        assert "/agent/" in answer["do"]
+
+    with_tools(work, Rules(ask=("first",)))
+
+
+def test_a_plan_moves_nothing_and_is_good_once(running, home):
+    async def work(_client, call):
+        plan = await call("preview", tool="drive", arguments={"power": 0.15, "angle_deg": 90, "seconds": 0.1})
+        assert plan["data"]["line"] == "/r/0.15/90"
+        assert "free_cm" in plan["data"]
+        assert not turning(running)
+        done = await call("do", plan=plan["data"]["plan"])
+        assert done["code"] in {"done", "not_armed", "stale_sensor"}
+        assert (await call("do", plan=plan["data"]["plan"]))["code"] == "late"
+        over = await call("preview", tool="drive", arguments={"power": 0.9, "angle_deg": 0})
+        assert over["code"] == "bad_value"
+
+    with_tools(work)
+
+
+def test_a_person_stops_an_agent_and_it_is_told_by_whom(running, home):
+    async def work(_client, call):
+        driving = asyncio.ensure_future(driven(call, **SPIN))
+        while not await asyncio.to_thread(turning, running):
+            assert not driving.done(), driving.result()
+        await asyncio.to_thread(person.stop)
+        answer = await driving
+        assert answer["code"] == "stopped"
+        assert answer["do"]
+        assert "anna@" in answer["text"]
+
+    with client.connect(name="anna") as person:
+        with_tools(work)
+    until(lambda: wheels(running) == (0.0, 0.0))
+
+
+@pytest.mark.parametrize("mode", ["auto", "legacy"])
+def test_an_agent_that_is_killed_moves_nothing(mode, running, home):
+    with program(home, mode=mode) as popen:
+        until(lambda: turning(running))
+        popen.kill()
+        until(lambda: wheels(running) == (0.0, 0.0))
+    reason = until(lambda: (running.ask("drive/state") or {}).get("reason"))
+    assert "called it off" in reason or "no sign of life" in reason or "not renewed" in reason, reason
