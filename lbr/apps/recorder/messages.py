@@ -9,7 +9,7 @@ from lbr.messages.units import FileStem
 
 Text = Annotated[str, Meta(max_length=200)]
 Field = Annotated[
-    str, Meta(max_length=160, pattern=r"^[^./]+/[^./]+\..+$", description="such as battery/state.voltage_v")
+    str, Meta(max_length=160, pattern=r"^[^./]+/[^./]+\..+$(?!\n)", description="such as battery/state.voltage_v")
 ]
 WallNs = Annotated[int, Meta(ge=0, description="nanoseconds since 1970, by the robot's clock")]
 
