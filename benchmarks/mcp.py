@@ -1,7 +1,7 @@
 """Measures how soon the wheels stand when an agent's program is gone, and counts unsafe calls of agents that were obeyed.
 
 `python -m benchmarks mcp --n 50`. The agent is the official client of MCP, by a pipe and over HTTP, in its newest protocol and in the
-one before. It is killed, frozen, has its call cancelled, and over HTTP its network is cut: a relay passes nothing on any more.
+one before. It is killed, frozen, or cancels its call. To a server a frozen client and a network that is cut look the same.
 """
 
 import argparse
@@ -11,23 +11,21 @@ import math
 import os
 import random
 import signal
-import socket
 import sys
-import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from benchmarks import Measured
+from tests.scenarios import promises
 from tests.support import programs, robot
 from tests.support.bench import Bench, NoMotionError, bench
 from tests.support.figures import Promise, Results
 from tests.support.waiting import until
 
 SMOKE = "--n 1 --calls 30 --ends killed"
-ENDS = ("killed", "frozen", "cancelled", "cut")
+ENDS = ("killed", "frozen", "cancelled")
 WAYS = ("pipe", "http")
 MODES = {"auto": "2026-07-28", "legacy": "2025-11-25"}
 PROMISES = {
@@ -38,10 +36,9 @@ PROMISES = {
         for end in ENDS
         for way in WAYS
         for mode, version in MODES.items()
-        if (end, way) != ("cut", "pipe")
     },
     "obeyed": Promise(what="unsafe calls of tools, obeyed", unit="", hard=0.0),
-    "S14": Promise(what="what was stopped stays at rest"),
+    **{name: promises.PROMISES[name] for name in ("F6", "S14")},
 }
 AGENT = Path(robot.__file__).parent / "clients" / "agent.py"
 SPIN = {"power": 0.4, "angle_deg": 90, "seconds": 5}
@@ -74,8 +71,7 @@ def measure(given: argparse.Namespace) -> Measured:
             for end in given.ends:
                 for way in WAYS:
                     for mode in MODES:
-                        if f"{end} {way} {mode}" in PROMISES:
-                            _try(under_test, end, way, mode, port)
+                        _try(under_test, end, way, mode, port)
             print(f"{number + 1} of {given.n}", file=sys.stderr, flush=True)
         answers = _unsafe(under_test, given.calls, random.Random(given.seed))
     return Measured(
@@ -95,59 +91,24 @@ def _try(under_test: Bench, end: str, way: str, mode: str, port: int) -> None:
 
 def _end(under_test: Bench, end: str, way: str, mode: str, port: int) -> None:
     under_test.robot.line("stop")
-    with _relay(port) as (relayed, cut):
-        where = [*robot.LBR, "mcp"] if way == "pipe" else [f"http://127.0.0.1:{relayed}/mcp"]
-        argv = [sys.executable, str(AGENT), mode, "drive", json.dumps(SPIN), *where]
-        popen = programs.start(argv, env=robot.environment(under_test.robot.home), stdin=-1, stdout=-3, stderr=-3)
-        try:
-            under_test.wait_for_motion(20.0)
-            at_ns = time.monotonic_ns()
-            if end == "cut":
-                cut.set()
-            elif end == "cancelled":
-                assert popen.stdin is not None
-                os.write(popen.stdin.fileno(), b"\n")
-            else:
-                popen.send_signal(signal.SIGKILL if end == "killed" else signal.SIGSTOP)
-            zero = under_test.stopped_after(f"{end} {way} {mode}", at_ns, limit_s=4.5)
-            under_test.pass_time(REST_S)
-            under_test.stays_at_rest(zero)
-        finally:
-            popen.send_signal(signal.SIGCONT)
-            popen.kill()
-            popen.wait()
-
-
-@contextmanager
-def _relay(port: int) -> Iterator[tuple[int, threading.Event]]:
-    """Relay connections to a port of this machine until the event is set: from then on nothing goes through."""
-    cut, door = threading.Event(), socket.create_server(("127.0.0.1", 0))
-
-    def pump(source: socket.socket, target: socket.socket) -> None:
-        with suppress(OSError):
-            while data := source.recv(65536):
-                if cut.is_set():
-                    return
-                target.sendall(data)
-            target.shutdown(socket.SHUT_WR)
-
-    ends: list[socket.socket] = []
-
-    def accept() -> None:
-        with suppress(OSError):
-            while True:
-                near, _ = door.accept()
-                far = socket.create_connection(("127.0.0.1", port))
-                ends.extend((near, far))
-                for pair in ((near, far), (far, near)):
-                    threading.Thread(target=pump, args=pair, daemon=True).start()
-
-    threading.Thread(target=accept, daemon=True).start()
+    where = [*robot.LBR, "mcp"] if way == "pipe" else [f"http://127.0.0.1:{port}/mcp"]
+    argv = [sys.executable, str(AGENT), mode, "drive", json.dumps(SPIN), *where]
+    popen = programs.start(argv, env=robot.environment(under_test.robot.home), stdin=-1, stdout=-3, stderr=-3)
     try:
-        yield door.getsockname()[1], cut
+        under_test.wait_for_motion(20.0)
+        at_ns = time.monotonic_ns()
+        if end == "cancelled":
+            assert popen.stdin is not None
+            os.write(popen.stdin.fileno(), b"\n")
+        else:
+            popen.send_signal(signal.SIGKILL if end == "killed" else signal.SIGSTOP)
+        zero = under_test.stopped_after(f"{end} {way} {mode}", at_ns, limit_s=4.5)
+        under_test.pass_time(REST_S)
+        under_test.stays_at_rest(zero)
     finally:
-        for one in (door, *ends):
-            one.close()
+        popen.send_signal(signal.SIGCONT)
+        popen.kill()
+        popen.wait()
 
 
 def _unsafe(under_test: Bench, count: int, dice: random.Random) -> dict[str, int]:
