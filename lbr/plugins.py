@@ -16,7 +16,7 @@ import threading
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache, reduce
+from functools import cache, partial, reduce
 from itertools import chain, takewhile
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -194,6 +194,12 @@ def contradiction(requires: tuple[str, ...]) -> str:
     return ""
 
 
+def load(value: str) -> Any:
+    """Import and return an object by its name `module:attribute`."""
+    module, _, attribute = value.partition(":")
+    return reduce(getattr, attribute.split("."), importlib.import_module(module))
+
+
 def told(err: BaseException) -> str:
     """Return an exception as one short line; one that cannot even be told is one all the same."""
     try:
@@ -294,15 +300,10 @@ def _faults(found: Any) -> Iterator[str]:
 
 def _imported(value: str, entry: Entry) -> tuple[Any, BaseException | None]:
     """Import `module:attribute`; return it, or what was raised."""
-    module, _, attribute = value.partition(":")
-
-    def load() -> Any:
-        return reduce(getattr, attribute.split("."), importlib.import_module(module))
-
-    return (_tried if entry.ours else _tried_aside)(load)
+    return (_tried if entry.ours else tried_aside)(partial(load, value))
 
 
-def _tried(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
+def _tried(load: Callable[[], T]) -> tuple[T | None, BaseException | None]:
     try:
         with contextlib.redirect_stdout(sys.stderr):
             return load(), None
@@ -310,10 +311,10 @@ def _tried(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
         return None, err
 
 
-def _tried_aside(load: Callable[[], Any]) -> tuple[Any, BaseException | None]:
+def tried_aside(load: Callable[[], T]) -> tuple[T | None, BaseException | None]:
     """Import the code of another on a thread of its own, which lets it set no signals; threads that it starts keep
     no program from its end, and whatever it raises is its own, as Ctrl-C comes to the main thread alone."""
-    tried: list[tuple[Any, BaseException | None]] = []
+    tried: list[tuple[T | None, BaseException | None]] = []
 
     def run() -> None:
         try:

@@ -9,12 +9,10 @@ import resource
 from collections.abc import Sequence
 from typing import Any
 
-# Few runtime threads are enough for a leaf process and save it latency and CPU; a router collapses with them. What is
-# received has threads of its own: an answer given there waits for what is sent, and would wait for itself. For the same
-# reason
-# those that read (rx) are not those that watch sockets (app, acc), though each message wakes two threads so: with both
-# of
-# them waiting to pass a large message on, nothing was sent any more, and the link was given up.
+# Few runtime threads are enough for a leaf process and save it latency and CPU; a router collapses with them. Received
+# messages have threads of their own: an answer given there waits for the sender, and would wait for itself. So threads
+# that read (rx) do not watch sockets (app, acc), though each message wakes two threads so. With both waiting to pass a
+# large message on, nothing was sent any more, and the link was given up.
 LEAF_RUNTIME = "(rx: (worker_threads: 2), acc: (handover: app), tx: (handover: app), net: (handover: app))"
 RUNTIME_VARIABLE = "ZENOH_RUNTIME"
 
@@ -42,17 +40,16 @@ _opened_by: set[int] = set()
 """This process, once it has opened a session; in one that was forked since, the one that it was forked from."""
 
 LINK_LEASE_MS = 400
-"""The library looks at links now and then only: a frozen process was seen to be lost after 0.3 to 0.8 s."""
-WATCHED_MS = 10_000
-"""The lease of the links of processes whose executive hears their heartbeats and ends what hangs; the kernel tells at
-once of one that has ended. On a busy machine one that ranks low may come to say that it is there only after seconds."""
+"""The lease of links over a network, which may be cut; a frozen process was lost after 0.3 to 0.8 s."""
+LOCAL_LEASE_MS = 10_000
+"""The lease of links by a socket of this machine, where the kernel reports at once that a process has ended. On a busy
+machine a client of low rank was silent for 0.4 s, lost its link, and with it the answers under way."""
 HELD_MS = 3_600_000
 """The lease of links between sessions of one process: neither end can be gone without the other, and where both were
 held up together and then gave each other up, the router does not learn again who answers what."""
 MAX_MESSAGE_BYTES = 1 << 20
 DEAF_AWAY_MS, DEAF_HERE_MS = 200, 400
-"""Who takes nothing that must be delivered is cut off then, because all others wait for it; on this machine it may only
-be held up."""
+"""A client that takes nothing is cut off then, because all others wait for it; on this machine it may be held up."""
 ACCEPT_MS, MOST_PENDING = 3000, 500
 """Connections that have greeted by TLS and say no more keep others out no longer than this, and only when there are
 many. The library answers earlier failures with a pause of 0.1 s, which nothing can set."""
@@ -136,12 +133,15 @@ def client_settings(
     *,
     certificate: str = "",
     timeout_s: float = 2.0,
-    lease_ms: int = LINK_LEASE_MS,
+    lease_ms: int | None = None,
 ) -> dict[str, Any]:
     """Return the configuration of a session to the router at one of `connect`, in Zenoh's own words.
 
     `certificate` is the PEM of the only one that the router may show; its host name is then not looked at.
+    Without `lease_ms` the endpoints decide how long the link may be silent.
     """
+    local = all(endpoint.startswith("unixsock-stream/") for endpoint in connect)
+    lease_ms = lease_ms or (LOCAL_LEASE_MS if local else LINK_LEASE_MS)
     settings = _common(credentials, lease_ms=lease_ms) | {"mode": "client", "connect": _connect(connect, timeout_s)}
     if certificate:
         settings["transport"]["link"]["tls"] = {
@@ -157,7 +157,7 @@ def open_client(
     *,
     certificate: str = "",
     timeout_s: float = 2.0,
-    lease_ms: int = LINK_LEASE_MS,
+    lease_ms: int | None = None,
 ) -> Session:
     """Open a session to the router at one of `connect`; raise BusError if none lets it in within `timeout_s`."""
     settings = client_settings(connect, credentials, certificate=certificate, timeout_s=timeout_s, lease_ms=lease_ms)

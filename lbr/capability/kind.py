@@ -1,7 +1,6 @@
 """Kinds: what a capability row may name. Declared once per driver, operation or app; light to import."""
 
 import contextlib
-import importlib
 import importlib.util
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -11,7 +10,9 @@ from typing import Any, Literal, Protocol, TypeVar
 import msgspec
 from msgspec import Struct
 
+from lbr import plugins
 from lbr.capability import leaving
+from lbr.capability.settings import decoded
 from lbr.capability.word import Word
 from lbr.errors import LbrError
 from lbr.messages.camera import JpegFrame
@@ -226,16 +227,15 @@ class Kind:
         return f"'{self.needs.package}' is not installed: pip install 'lbr[{self.needs.extra}]'"
 
     def parse(self, settings: str | bytes) -> Any:
-        """Return the settings of a row, checked; raise msgspec.ValidationError naming the field."""
-        return msgspec.json.decode(settings, type=self.settings)
+        """Return the settings of a row, checked; raise msgspec.MsgspecError naming the field."""
+        return decoded(settings, self.settings)
 
     def load(self) -> type:
         """Import and return the class that runs; KindError names the kind, its entry, and the line that is wrong."""
         if isinstance(self.entry, type):
             return self.entry
-        module, _, name = self.entry.partition(":")
         try:
-            loaded = getattr(importlib.import_module(module), name)
+            loaded = plugins.load(self.entry)
         except Exception as err:
             raise KindError(f"kind '{self.name}': its entry {self.entry} does not load: {leaving.text(err)}") from err
         if not isinstance(loaded, type):

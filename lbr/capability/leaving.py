@@ -7,7 +7,7 @@ import traceback
 from pathlib import Path
 
 CRASHED = 70
-RUNTIME = re.compile(r"/lbr/capability/|^<frozen |/importlib/__init__\.py\Z")
+RUNTIME = re.compile(r"/lbr/(?:capability/|plugins\.py\Z)|^<frozen |/importlib/__init__\.py\Z")
 """Files whose lines say nothing of what went wrong in another's."""
 CLOSE_LIMIT_S = 0.5
 

@@ -14,15 +14,14 @@ import select
 import signal
 import subprocess
 import sys
-import threading
 import traceback
-from collections.abc import Iterator
+from functools import partial
 from importlib.machinery import SourceFileLoader
 from importlib.util import decode_source
 from pathlib import Path
 from types import CodeType
-from typing import Any, TextIO
 
+from lbr import plugins
 from lbr.capability.faults import faults
 from lbr.capability.kind import Kind, KindError
 
@@ -31,7 +30,6 @@ LIMIT_S = 5.0
 `entry`."""
 START_S = 20.0
 """The time that the trial's own interpreter may take on a busy machine before and after that."""
-LONGEST_TEXT = 300
 GOOD = b"good"
 
 
@@ -39,23 +37,10 @@ def find(name: str, path: Path) -> Kind:
     """Return the kind of a file that passed its trial; KindError says why not, with file and line. Takes a while."""
     if fault := trial(name, path):
         raise KindError(fault)
-    found: list[Kind | KindError] = []
-
-    def run() -> None:
-        with _quiet():
-            try:
-                found.append(load(name, path))
-            except KindError as err:
-                found.append(err)
-            except KeyboardInterrupt as err:  # no Ctrl-C: that comes to the main thread alone
-                found.append(_unloaded(path, err))
-
-    thread = threading.Thread(target=run, name=f"import {name}", daemon=True)
-    thread.start()
-    thread.join(LIMIT_S)
-    kind = found[0] if found else KindError(_too_slow(path, None))
-    if isinstance(kind, KindError):
-        raise kind
+    kind, err = plugins.tried_aside(partial(load, name, path))
+    if kind is None:
+        assert err is not None
+        raise err if isinstance(err, KindError) else _unloaded(path, err)
     return kind
 
 
@@ -139,31 +124,6 @@ class _FromSource(SourceFileLoader):
         return self.source_to_code(self.text, self.path)
 
 
-class _Muted:
-    """A standard stream that takes nothing from one thread, and everything from the others."""
-
-    def __init__(self, stream: TextIO, thread: int) -> None:
-        self._stream = stream
-        self._thread = thread
-
-    def write(self, text: str) -> int:
-        return len(text) if threading.get_ident() == self._thread else self._stream.write(text)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._stream, name)
-
-
-@contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Drop what this thread prints: standard output may be JSON, or the operator's terminal."""
-    me = threading.get_ident()
-    with (
-        contextlib.redirect_stdout(_Muted(sys.stdout, me)),
-        contextlib.redirect_stderr(_Muted(sys.stderr, me)),
-    ):
-        yield
-
-
 def _whole(name: str, path: Path, module: object) -> Kind:
     """Return the kind that a module declares, if nothing is wrong with it."""
     kind = getattr(module, "KIND", None)
@@ -179,7 +139,7 @@ def _whole(name: str, path: Path, module: object) -> Kind:
 
 
 def _unloaded(path: Path, err: BaseException) -> KindError:
-    return KindError(f"{_place(path, _line(err, path))} does not load: {_told(err)}")
+    return KindError(f"{_place(path, _line(err, path))} does not load: {plugins.told(err)}")
 
 
 def _line_of_kind(path: Path) -> int | None:
@@ -201,16 +161,6 @@ def _line(err: BaseException, path: Path) -> int | None:
 
 def _place(path: Path, line: int | None) -> str:
     return f"{path}, line {line}" if line else str(path)
-
-
-def _told(err: BaseException) -> str:
-    """Return an exception as one short line; one that cannot even be told is one all the same."""
-    try:
-        said = err.msg if isinstance(err, SyntaxError) else str(err)
-        text = "".join(c if c.isprintable() else "?" for c in " ".join(said.split()))
-    except Exception:  # noqa: BLE001 - its `__str__` is the user's too
-        text = ""
-    return f"{type(err).__name__}: {text[:LONGEST_TEXT]}" if text else type(err).__name__
 
 
 def _too_slow(path: Path, line: int | None) -> str:

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 from lbr.errors import InputError
@@ -23,12 +24,11 @@ def save(home: str, name: str, picture: bytes) -> Path:
         if shutil.disk_usage(path.parent).free < KEPT_FREE_BYTES:
             raise InputError(f"the disk is almost full; make room in {path.parent}")
         fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
-        try:
+        with ExitStack() as failed:
+            failed.callback(path.unlink)  # half a picture is none, and would keep its name from the next try
             with os.fdopen(fd, "wb") as file:
                 file.write(picture)
-        except BaseException:  # half a picture is none, and would keep its name from the next try
-            path.unlink()
-            raise
+            failed.pop_all()
     except FileExistsError as err:
         raise InputError(f"{path} is there already; choose another name") from err
     except OSError as err:

@@ -5,11 +5,11 @@ A kind names one handshake or a tuple of them, which are imported only by a sear
 docs/devices.md.
 """
 
-import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from lbr import plugins
 from lbr.capability.kind import Kind, KindError
 
 Read = Callable[[int, int], bytes]
@@ -75,11 +75,10 @@ def handshakes(kind: Kind) -> tuple[Handshake, ...]:
     if kind.device is None or not kind.device.recognised:
         return ()
     named = kind.device.recognised
-    module, _, name = named.partition(":")
     try:
-        loaded = getattr(importlib.import_module(module), name)
+        loaded = plugins.load(named)
     except Exception as err:  # a package of others may do anything
-        raise KindError(f"kind '{kind.name}': {named} does not load: {type(err).__name__}: {err}") from err
+        raise KindError(f"kind '{kind.name}': {named} does not load: {plugins.told(err)}") from err
     handshakes = loaded if isinstance(loaded, tuple) else (loaded,)
     for handshake in handshakes:
         if not isinstance(handshake, Handshake):

@@ -12,15 +12,23 @@ from lbr.names import near
 MOST_TOLD = 20
 
 
+def decoded(content: str | bytes, kind: Any) -> Any:
+    """Return a value out of JSON. Whatever a struct of the user's own raises is a msgspec.ValidationError, too."""
+    try:
+        return msgspec.json.decode(content, type=kind)
+    except msgspec.MsgspecError:
+        raise
+    except Exception as err:
+        raise msgspec.ValidationError(f"{type(err).__name__}: {err}") from err
+
+
 def faults(kind: type[Struct], settings: Any, at: str = "$") -> tuple[str, ...]:
     """Return what each field of decoded JSON has against a struct, in msgspec's words; nothing if all of it fits."""
     try:
-        msgspec.json.decode(msgspec.json.encode(settings), type=kind)
+        decoded(msgspec.json.encode(settings), kind)
     except msgspec.ValidationError as err:
         found = _of_fields(kind, settings, at) if isinstance(settings, dict) and at.count(".") < MOST_TOLD else []
         return tuple(found[:MOST_TOLD]) or (_placed(str(err), at),)
-    except Exception as err:  # noqa: BLE001 - a struct of the user's own may check itself in any way
-        return (_placed(f"{type(err).__name__}: {err}", at),)
     return ()
 
 
@@ -56,11 +64,9 @@ def _of_value(kind: Any, value: Any, at: str) -> tuple[str, ...]:
     if isinstance(kind, type) and issubclass(kind, Struct):
         return faults(kind, value, at)
     try:
-        msgspec.json.decode(msgspec.json.encode(value), type=kind)
+        decoded(msgspec.json.encode(value), kind)
     except msgspec.ValidationError as err:
         return (_beyond(kind, value, at) or _placed(with_choices(str(err), kind), at),)
-    except Exception as err:  # noqa: BLE001 - see above
-        return (_placed(f"{type(err).__name__}: {err}", at),)
     return ()
 
 

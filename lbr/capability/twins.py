@@ -8,7 +8,6 @@ A package declares one in a module of its own, and names it in its component, as
 Here nothing is imported before a device row of that type asks for it.
 """
 
-import importlib
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,18 +39,14 @@ class DeviceTwin:
 
     def load_player(self) -> Any:
         """Import and return what plays motions that the device keeps, or None."""
-        if not self.player:
-            return None
-        module, _, name = self.player.partition(":")
-        return getattr(importlib.import_module(module), name)()
+        return plugins.load(self.player)() if self.player else None
 
     def load(self) -> type:
         """Import and return the class that emulates it."""
         if isinstance(self.entry, type):
             return self.entry
-        module, _, name = self.entry.partition(":")
         try:
-            found = getattr(importlib.import_module(module), name)
+            found = plugins.load(self.entry)
         except (Exception, SystemExit) as err:
             raise TwinError(f"the twin of '{self.device}' ({self.entry}) does not load: {plugins.told(err)}") from err
         if not isinstance(found, type):

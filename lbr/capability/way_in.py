@@ -35,9 +35,5 @@ def enter(config: ProcessConfig) -> session.Session:
 
 
 def enter_alone(config: ProcessConfig) -> session.Session:
-    """Open a session that is shared with nobody; raise BusError if the robot's router does not let it in.
-
-    On the robot's own computer the executive hears its heartbeats, so its link says less often that it is there.
-    """
-    lease_ms = session.LINK_LEASE_MS if config.host else session.WATCHED_MS
-    return session.open_client(config.endpoints, config.credentials, certificate=config.certificate, lease_ms=lease_ms)
+    """Open a session that is shared with nobody; raise BusError if the robot's router does not let it in."""
+    return session.open_client(config.endpoints, config.credentials, certificate=config.certificate)

@@ -57,11 +57,6 @@ COMPONENT = Component(
             entry="lbr.commands.topic:command", help="List, describe, print, measure and publish streams.", group="look"
         ),
         "graph": CliCommand(entry="lbr.commands.graph:command", help="Show who feeds whom.", group="look"),
-        "import": CliCommand(
-            entry="lbr.commands.importing:command",
-            help="Take what a robot's former programs kept: databases, tables, motions.",
-            group="change",
-        ),
         "get": CliCommand(
             entry="lbr.commands.getting:command", help="Print the settings of the robot's parts.", group="change"
         ),

@@ -10,6 +10,8 @@ from lbr.commands import row_apply, row_past
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.row_past import local_time
 from lbr.commands.rows import judged, opened, said_by_kinds
+from lbr.database import copies
+from lbr.database import restore as restoring
 from lbr.database.shipped import differences
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
@@ -160,9 +162,6 @@ def restore(source: Path | None, database: Path | None, only_list: bool, as_json
     A running robot copies its rows whenever they have run well for some seconds. Shut it down first. Tokens that were
     revoked stay so, unless the damage lies there too: it says which are valid.
     """
-    from lbr.database import copies  # noqa: PLC0415
-    from lbr.database import restore as restoring  # noqa: PLC0415
-
     path = database or home.default_database()
     if only_list:
         found = copies.kept(path)

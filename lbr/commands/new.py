@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from lbr.commands import scaffold
 from lbr.commands.options import FileName
 from lbr.commands.scaffold import What
 
@@ -83,8 +84,6 @@ def capability(name: str, into: Path) -> int:
 
 
 def _write(what: What, name: str, into: Path) -> int:
-    from lbr.commands import scaffold  # noqa: PLC0415 - kept out of its `--help`
-
     folder = scaffold.write(what, name, into)
     click.echo(f"wrote {folder}. What to do next:")
     for line in scaffold.next_steps(what, name, folder):

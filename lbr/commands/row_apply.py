@@ -2,7 +2,7 @@
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 from msgspec.structs import replace
@@ -11,14 +11,11 @@ from lbr.commands.options import FileName, Number, complete_robot, database_opti
 from lbr.commands.row_past import change_options, tell
 from lbr.commands.row_touched import Touching, change_rows
 from lbr.commands.rows import opened, running_here
-from lbr.database import row_files
+from lbr.database import row_files, sources, trials
 from lbr.database.proposals import Wanted
+from lbr.database.store import Database
 from lbr.database.trials import Trial
 from lbr.errors import InputError
-
-if TYPE_CHECKING:
-    from lbr.database.store import Database
-
 
 LONGEST_S = 600.0
 LOOK_S = 0.1
@@ -143,10 +140,8 @@ def _apply(
     return code or (1 if trial is not None and trial.state != "kept" else 0)
 
 
-def _awaited(rows: "Database", revision: int) -> Trial | None:
+def _awaited(rows: Database, revision: int) -> Trial | None:
     """Wait for the end of a trial of rows; the executive goes on alone if this process is killed."""
-    from lbr.database import trials  # noqa: PLC0415
-
     trial = trials.newest(rows)
     if trial is not None:
         click.echo(f"revision {revision} is on trial by '{trial.robot}' for {trial.within_s:g} s", err=True)
@@ -161,13 +156,11 @@ def _awaited(rows: "Database", revision: int) -> Trial | None:
     return trial
 
 
-def _wanted(source: Path, rows: "Database", robot: str | None) -> Wanted:
-    from lbr.database import sources  # noqa: PLC0415
-
+def _wanted(source: Path, rows: Database, robot: str | None) -> Wanted:
     return sources.wanted(source, rows.path, robot)
 
 
-def _place(source: Path, rows: "Database") -> Any:
+def _place(source: Path, rows: Database) -> Any:
     """Return what says a problem with the file where it stands, for a folder."""
     if not source.is_dir():
         return str

@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 
 from lbr.commands.rows import planned, running_here
+from lbr.database import proposals, trials
 from lbr.database.changes import Change
 from lbr.database.proposals import Proposed, Wanted
 from lbr.database.reading import Problem, RawTables
 from lbr.database.rows import RobotRows
+from lbr.database.store import Database
 from lbr.database.tables import Schema
 from lbr.errors import InputError, LbrError
 from lbr.executive.planning import profile
 
 if TYPE_CHECKING:
-    from lbr.database.store import Database
     from lbr.executive.planning.plan import Plan
 
 
@@ -44,7 +45,7 @@ class Touched(Struct, frozen=True, kw_only=True):
 class Touching:
     """Judges the rows of robots as their starts would, and remembers what they run before and after."""
 
-    def __init__(self, rows: "Database") -> None:
+    def __init__(self, rows: Database) -> None:
         self._rows = rows
         self._running = running_here(rows.path)
         self._before: Mapping[str, RobotRows] = {}
@@ -110,7 +111,7 @@ class Touching:
 
 
 def change_rows(
-    rows: "Database",
+    rows: Database,
     wanted: Wanted,
     text: str,
     touching: Touching,
@@ -120,8 +121,6 @@ def change_rows(
     dry_run: bool,
 ) -> Proposed:
     """Change the rows for a command; `touching` judges them and keeps the effects on processes."""
-    from lbr.database import proposals  # noqa: PLC0415
-
     if not dry_run:
         end_left_trial(rows)
 
@@ -144,9 +143,8 @@ def change_rows(
     )
 
 
-def end_left_trial(rows: "Database") -> str:
+def end_left_trial(rows: Database) -> str:
     """Roll back the trial of a robot that no longer runs, as its next start would; return a report."""
-    from lbr.database import trials  # noqa: PLC0415
     from lbr.executive.planning.trials import go_back  # noqa: PLC0415
 
     trial = trials.newest(rows)

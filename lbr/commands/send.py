@@ -5,7 +5,6 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import click
 
@@ -13,13 +12,11 @@ from lbr import home
 from lbr.commands.completing import complete_line
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
 from lbr.console import lines, printable, stops, target
+from lbr.console.operator import BusOperator
 from lbr.console.target import Target
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
 from lbr.messages.system import ConsoleResult
-
-if TYPE_CHECKING:
-    from lbr.console.operator import BusOperator
 
 LOOK_S = 0.05
 
@@ -123,12 +120,10 @@ def _result(robot: Target, line: str) -> ConsoleResult:
 
 
 @contextmanager
-def _speaking(robot: Target) -> "Iterator[BusOperator]":
+def _speaking(robot: Target) -> Iterator[BusOperator]:
     """Be connected to a robot as somebody who says lines."""
-    from lbr.console import operator, target  # noqa: PLC0415 - see above
-
     with target.connected(robot) as bus:
-        said = operator.BusOperator(
+        said = BusOperator(
             bus, robot.robot, target.source("lbr send"), role=robot.role, proof=robot.proof, listen=False
         )
         try:

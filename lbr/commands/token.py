@@ -6,7 +6,7 @@ import os
 import re
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -196,12 +196,11 @@ def new_file(path: Path | None) -> Iterator[TextIO | None]:
         raise InputError(f"{path} exists already; name another file, or remove it") from None
     except OSError as err:
         raise InputError(f"{path} cannot be written ({err.strerror}): name another file") from err
-    try:
+    with ExitStack() as failed:
+        failed.callback(path.unlink, missing_ok=True)
         with os.fdopen(opened, "w") as file:
             yield file
-    except BaseException:
-        path.unlink(missing_ok=True)
-        raise
+        failed.pop_all()
 
 
 def write_configuration(file: TextIO, token: Token, endpoints: list[str]) -> None:

@@ -81,12 +81,14 @@ def write(connection: Connection, changes: Sequence[Change], schema: Schema) -> 
     A row may come before the rows that it refers to. Updates go first: a row that now refers to another row stays
     when its former target is deleted. Columns that lbr alone writes stay.
     """
-    dangling = _dangling(connection)
+    removes = any(change.after is None for change in changes)
+    tables = set(schema.keys_of) if removes else {change.table for change in changes}
+    dangling = _dangling(connection, tables)
     connection.execute("PRAGMA defer_foreign_keys = ON")
     for change in sorted(changes, key=lambda change: (change.before is None, change.after is None)):
         with _naming(change):
             _write(connection, change, schema)
-    if new := sorted(_dangling(connection) - dangling, key=str):
+    if new := sorted(_dangling(connection, tables) - dangling, key=str):
         table, parent = new[0][0], new[0][2]
         raise RowError((f"a row of {table} would refer to a row of {parent} that is not there: nothing was changed",))
 
@@ -116,8 +118,10 @@ def _write(connection: Connection, change: Change, schema: Schema) -> None:
         connection.execute(statements.update(change.table, values, key), (*values.values(), *change.key))
 
 
-def _dangling(connection: Connection) -> set[tuple[Any, ...]]:
-    return set(connection.execute("PRAGMA foreign_key_check").fetchall())
+def _dangling(connection: Connection, tables: Iterable[str]) -> set[tuple[Any, ...]]:
+    """Return the rows of some tables that refer to no row. Without a removal, only changed tables can have new ones."""
+    check = "SELECT * FROM pragma_foreign_key_check(?)"
+    return {row for table in tables for row in connection.execute(check, (table,))}
 
 
 @contextmanager

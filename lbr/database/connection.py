@@ -4,7 +4,7 @@ import os
 import re
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import quote
@@ -64,13 +64,12 @@ def connect(path: Path, *, changing: bool = True) -> Connection:
     (check_owners if changing else check_owner)(path)
     mode = "mode=rw" if changing else "mode=ro&immutable=1"
     connection = _connect(path, mode)
-    try:
+    with ExitStack() as failed:
+        failed.callback(connection.close)
         if changing:
             connection.scalar("SELECT count(*) FROM sqlite_schema")  # opens the log
             check_side_files(path)
-    except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-        connection.close()
-        raise
+        failed.pop_all()
     return connection
 
 

@@ -1,6 +1,7 @@
 """Brings an older database to the schema of this version: backup first, then all steps in one transaction."""
 
 import os
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +42,10 @@ def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
 def backup(connection: Connection, path: Path, stamp: str) -> Path:
     """Copy the whole database beside itself, readable by its owner alone, never over an earlier copy."""
     target = _new_file(path, stamp)
-    try:
+    with ExitStack() as failed:
+        failed.callback(target.unlink)
         connection.execute("VACUUM INTO ?", (str(target),))
-    except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-        target.unlink()
-        raise
+        failed.pop_all()
     with target.open("rb") as written:
         os.fsync(written.fileno())
     return target

@@ -7,7 +7,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -158,11 +158,10 @@ class Database:
         check_file(path)
         with sentences(path):
             database = cls(path, connect(path), wall_ns=wall_ns, program=program)
-            try:
+            with ExitStack() as failed:
+                failed.callback(database.close)
                 database._prepare()
-            except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-                database.close()
-                raise
+                failed.pop_all()
         return database
 
     def data_version(self) -> int:

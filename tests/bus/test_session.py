@@ -1,6 +1,7 @@
 """A leaf process's sessions under questions: real processes on a real router."""
 
 import json
+import signal
 import socket
 import subprocess
 import sys
@@ -46,6 +47,15 @@ sys.stdin.readline()
 for _ in range({MORE_THAN_A_SOCKET_HOLDS}):
     bus.get("robot/drive/state", zenoh.handlers.Callback(lambda reply: None, indirect=False), timeout=8.0)
 sys.stdin.readline()
+"""
+
+
+PATIENT = """
+import sys
+from lbr.bus import session, wire
+with session.open_client(sys.argv[1:]) as bus:
+    print("ready", flush=True)
+    print(len(wire.ask(bus, "robot/late", None, timeout_s=30.0, source="test")), flush=True)
 """
 
 
@@ -144,6 +154,35 @@ def test_who_asks_from_another_machine_and_does_not_listen_holds_up_nobody(endpo
         states.take()
         worst_s = max(json.loads(raw.payload)["worst_s"] for raw in until(states.take, what="what the leaf publishes"))
     assert worst_s < 2.0
+
+
+def test_a_client_of_this_machine_that_is_held_up_for_a_second_still_gets_its_answer(tmp_path: Path) -> None:
+    endpoint = f"unixsock-stream/{tmp_path / 'bus.sock'}"
+    router = session.Router(listen=(endpoint,), lease_ms=session.HELD_MS)
+    with session.open_router(router), session.open_client([endpoint]) as bus:
+        requests: list[wire.Request] = []
+        server = wire.QueryServer(bus, "robot/late", lambda: requests.extend(server.take()), source="test")
+        with program(PATIENT, endpoint) as client:
+            until(lambda: requests, what="a question")
+            client.send_signal(signal.SIGSTOP)
+            held_s = time.monotonic() + 3 * session.LINK_LEASE_MS / 1000
+            until(lambda: time.monotonic() > held_s)
+            client.send_signal(signal.SIGCONT)
+            requests[0].reply({"text": "late"}, "test")
+            assert client.stdout.readline() == b"1\n"  # type: ignore[union-attr]
+        server.close()
+
+
+@pytest.mark.parametrize(
+    ("endpoints", "lease_ms"),
+    [
+        (["unixsock-stream//run/a.sock", "unixsock-stream//run/b.sock"], session.LOCAL_LEASE_MS),
+        (["tls/robot.local:7447"], session.LINK_LEASE_MS),
+        (["unixsock-stream//run/a.sock", "tcp/robot.local:7447"], session.LINK_LEASE_MS),
+    ],
+)
+def test_a_link_over_a_network_is_lost_soon_after_its_last_sign_of_life(endpoints: list[str], lease_ms: int) -> None:
+    assert session.client_settings(endpoints)["transport"]["link"]["tx"]["lease"] == lease_ms
 
 
 DOORS = """

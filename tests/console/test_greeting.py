@@ -8,6 +8,7 @@ from lbr.executive.service import greeting
 from lbr.messages.system import CapabilityStatus, EstopState, Event, Status
 from tests.support.clients.terminal import OnTerminal
 from tests.support.robot import LBR, prepare
+from tests.support.waiting import HANG_S
 
 PAGE = "http://127.0.0.1:50001/"
 UP = Status(
@@ -97,15 +98,15 @@ def test_without_a_page_it_says_why_and_offers_no_phone(wording) -> None:
 def test_a_person_who_starts_a_robot_sees_its_page_and_by_one_word_a_code_to_scan(tmp_path, verbose) -> None:
     console = OnTerminal(prepare(tmp_path / "h", "web"), [*LBR, "run", *["--verbose"] * verbose])
     try:
-        console.wait_for(b"type phone, or p", limit_s=20.0)
+        console.wait_for(b"type phone, or p")
         assert b"http://127.0.0.1:" in console.said
         assert (b"motors: ready" in console.said) is verbose
         assert (b"all up after" in console.said) is verbose
         console.type(b"p\r")
-        console.wait_for("▀▀▀▀▀▀▀▀▀▀".encode(), limit_s=20.0)
+        console.wait_for("▀▀▀▀▀▀▀▀▀▀".encode())
         assert b"'close' takes it back" in console.said
         assert b"asked for a code" not in console.said
         console.type(b"Shutdown\r")
-        assert console.popen.wait(20) == 0
+        assert console.popen.wait(HANG_S) == 0
     finally:
         console.end()

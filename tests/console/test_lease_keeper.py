@@ -5,7 +5,7 @@ import pytest
 from lbr.console.ear import Ear
 from lbr.console.lease_keeper import LeaseKeeper, describe
 from lbr.messages.drive import GoalResult
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 @pytest.fixture
@@ -61,7 +61,7 @@ def test_a_refused_renewal_ends_the_hold_with_the_robots_reason(robot, hold, end
     holder = hold(robot.hold("L1"))
     until(lambda: robot.renewed)
     robot.dead["L1"] = "stopped by web"
-    assert holder.wait(3).text == "stopped by web"
+    assert holder.wait(HANG_S).text == "stopped by web"
     assert [ending.good for ending in ended] == [False]
 
 
@@ -70,7 +70,7 @@ def test_the_result_of_a_bounded_move_ends_its_hold(robot, hold):
     until(lambda: robot.renewed)
     robot.finish("another")
     robot.finish("g7", reason="forward is at 40 cm")
-    ending = holder.wait(3)
+    ending = holder.wait(HANG_S)
     assert ending.good
     assert ending.text == "range reached at 40 cm after 1.5 s"
 
@@ -78,13 +78,13 @@ def test_the_result_of_a_bounded_move_ends_its_hold(robot, hold):
 def test_a_result_that_came_before_anybody_listened_is_found(robot, hold):
     robot.finish("g7", "fault", "the sensor is frozen")
     robot.dead["L1"] = "no such lease"
-    ending = hold(robot.hold("L1", goal="g7")).wait(3)
+    ending = hold(robot.hold("L1", goal="g7")).wait(HANG_S)
     assert not ending.good
     assert ending.text == "fault at 40 cm after 1.5 s: the sensor is frozen"
 
 
 def test_a_hold_ends_at_its_longest_time_with_a_stop(robot, hold):
-    ending = hold(robot.hold("L1", max_run_s=0.3)).wait(3)
+    ending = hold(robot.hold("L1", max_run_s=0.3)).wait(HANG_S)
     assert "longest" in ending.text
     assert len(robot.stopped) == 1
 
@@ -93,7 +93,7 @@ def test_a_robot_that_falls_silent_ends_the_hold(robot, hold):
     holder = hold(robot.hold("L1"))
     until(lambda: robot.renewed)
     robot.mute = True
-    ending = holder.wait(4)
+    ending = holder.wait(HANG_S)
     assert not ending.good
     assert "does not answer" in ending.text
 
@@ -101,7 +101,7 @@ def test_a_robot_that_falls_silent_ends_the_hold(robot, hold):
 def test_what_nobody_would_hear_a_stop_of_is_stopped(robot, hold, ended, wording):
     holder = hold(robot.hold("L1"), Ear())
     until(lambda: robot.renewed)
-    wording(holder.wait(3).text)
+    wording(holder.wait(HANG_S).text)
     until(lambda: robot.stopped)
     before = len(robot.renewed)
     holder.join()
@@ -113,7 +113,7 @@ def test_what_else_speaks_against_going_on_stops_it_too(robot, hold):
     holder = hold(robot.hold("L1"), ear)
     until(lambda: len(robot.renewed) > 2)
     ear.also = lambda: "the terminal is gone"
-    assert holder.wait(3).text == "stopped: the terminal is gone"
+    assert holder.wait(HANG_S).text == "stopped: the terminal is gone"
     until(lambda: robot.stopped == ["the terminal is gone"])
 
 
@@ -121,7 +121,7 @@ def test_closing_the_session_ends_the_hold(robot, client, hold, ended):
     holder = hold(robot.hold("L1"))
     until(lambda: robot.renewed)
     client.close()
-    assert not holder.wait(4).good
+    assert not holder.wait(HANG_S).good
 
 
 def test_the_end_is_told_once_however_many_end_it(robot, hold, ended):

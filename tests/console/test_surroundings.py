@@ -14,6 +14,7 @@ from lbr.bus import session
 from lbr.errors import BusError, InputError
 from tests.support import programs
 from tests.support import robot as robots
+from tests.support.waiting import HANG_S
 
 LBR = f"{sys.executable} -m lbr.start"
 
@@ -163,7 +164,7 @@ def test_a_robot_with_nowhere_to_print_runs_and_tells_of_it(tmp_path):
         robots.until(lambda: "cannot be printed" in robots.lbr(home, "send", "/report/events").stdout)
     finally:
         popen.terminate()
-        assert popen.wait(6) == 0
+        assert popen.wait(HANG_S) == 0
 
 
 def test_commands_that_talk_to_a_robot_say_that_they_cannot_print(tmp_path):

@@ -12,7 +12,7 @@ import pytest
 from tests.support import programs
 
 ROOT = Path(__file__).parents[2]
-COMPONENTS = ("apps", "robots", "simulation", "testing", "gym.py")
+COMPONENTS = ("apps", "robots", "simulation", "testing", "gym")
 PROFILE = 'robot = "tiny"\ndescription = "two rows"\nsimulate = false\n'
 ROWS = """
 PRAGMA foreign_keys = ON;

@@ -20,7 +20,7 @@ from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.reap import Silence, Thread
 from lbr.executive.processes.reaper import Reaper
 from tests.support import programs
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 EXECUTIVE = """
 import os, signal, sys
@@ -206,7 +206,7 @@ def test_a_reaper_that_is_replaced_spares_the_guard_of_a_driver_that_has_ended(t
         assert second.poll() is None
     finally:
         os.kill(guard, signal.SIGKILL)
-        second.wait(2.0)
+        second.wait(HANG_S)
 
 
 def frozen(pid: int) -> bool:
@@ -325,7 +325,7 @@ def test_a_reaper_that_dies_is_replaced_and_knows_what_runs(tmp_path):
         first = reaper._popen.pid
         os.kill(first, signal.SIGKILL)
         until(lambda: reaper.step() == "" and reaper._popen.pid != first)
-    assert started.wait(2.0) == -signal.SIGKILL
+    assert started.wait(HANG_S) == -signal.SIGKILL
 
 
 def test_what_a_process_has_left_behind_ends_with_it_while_the_run_goes_on(tmp_path, monkeypatch):
@@ -346,7 +346,7 @@ def test_what_a_process_has_left_behind_ends_with_it_while_the_run_goes_on(tmp_p
         first, second = pids(tmp_path)
         until(lambda: not lives(first))
         assert lives(second)
-    assert running[1].wait(2.0) == -signal.SIGKILL
+    assert running[1].wait(HANG_S) == -signal.SIGKILL
     until(lambda: not lives(second))
 
 

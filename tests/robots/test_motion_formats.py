@@ -2,7 +2,7 @@
 
 import pytest
 
-from lbr.database import motion_files
+from lbr.apps.motions.commands import motion_files
 from lbr.errors import InputError
 from lbr.robot import registry
 from tests.support.packages import DECLARED, imported_from, robot_package

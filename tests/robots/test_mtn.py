@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.database import motion_files, store
+from lbr.apps.motions.commands import motion_files
+from lbr.database import store
 from lbr.errors import InputError
 from lbr.messages.joints import KeyFrame, Motion
 from lbr.robots.bioloid import motion_file, mtn

@@ -12,6 +12,7 @@ from tests.scenarios import clients, estop, freezes, kills, load, resets, roles
 from tests.scenarios.promises import PROMISES
 from tests.support.bench import VICTIMS, Bench, bench, processes_of
 from tests.support.figures import Results
+from tests.support.waiting import HANG_S
 
 SOON_S = 1.5
 
@@ -167,5 +168,5 @@ def test_a_process_that_is_left_behind_is_found_out(results: Results):
         reaper.kill()
         fault_ns = under_test.kill(executive.pid)
         left = kills.wait_until_gone(under_test, fault_ns, 2.0)
-        under_test.robot.popen.wait(2.0)
+        under_test.robot.popen.wait(HANG_S)
     assert any("sleep" in name for name in left), left

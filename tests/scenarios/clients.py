@@ -13,6 +13,7 @@ from tests.support.clients.terminal import OnTerminal
 from tests.support.figures import Results
 from tests.support.mover import POWER
 from tests.support.robot import LBR, environment
+from tests.support.waiting import HANG_S
 
 AFTERMATH_S = 0.3
 
@@ -34,21 +35,21 @@ def plain_client_leaves(under_test: Bench) -> None:
         return at_ns
 
     _gone(under_test, "S8", leave)
-    popen.wait(5.0)
+    popen.wait(HANG_S)
 
 
 def send_killed(under_test: Bench) -> None:
     """Kill `lbr send` while it holds a motion."""
     popen = _send(under_test)
     _gone(under_test, "S8", lambda: under_test.kill(popen.pid))
-    popen.wait(5.0)
+    popen.wait(HANG_S)
 
 
 def send_interrupted(under_test: Bench) -> None:
     """Ctrl-C on `lbr send`: it stops what it moves."""
     popen = _send(under_test)
     _gone(under_test, "S8 clean", lambda: under_test.kill(popen.pid, signal.SIGINT))
-    popen.wait(5.0)
+    popen.wait(HANG_S)
 
 
 def console_killed(under_test: Bench) -> None:
@@ -68,7 +69,7 @@ def console_hung_up(under_test: Bench) -> None:
         return at_ns
 
     _gone(under_test, "S8", hang_up)
-    console.popen.wait(5.0)
+    console.popen.wait(HANG_S)
     console.end()
 
 
@@ -82,7 +83,7 @@ def console_left(under_test: Bench) -> None:
         return at_ns
 
     _gone(under_test, "S8 clean", leave)
-    console.popen.wait(5.0)
+    console.popen.wait(HANG_S)
     console.end()
 
 

@@ -10,6 +10,7 @@ import psutil
 from lbr.bus import wire
 from tests.support.bench import ANGLES, Bench, bench
 from tests.support.figures import Results
+from tests.support.waiting import HANG_S
 
 CRASHES = (
     *("exception", "callback", "thread", "exit", "recursion", "memory"),
@@ -71,7 +72,7 @@ def _fails(under_test: Bench, name: str, how: str, figure: str) -> None:
     stop = figure if figure == "S13" else "P5 stop"
     zero = under_test.stopped_after(stop, fault_ns)
     _until_gone(under_test, pid, fault_ns, f"{figure} gone")
-    under_test.ready_again(name, pid, fault_ns, f"{figure} ready", limit_s=8.0)
+    under_test.ready_again(name, pid, fault_ns, f"{figure} ready", limit_s=HANG_S)
     under_test.pass_time(AFTERMATH_S)
     under_test.stays_at_rest(zero)
     under_test.results.check(figure if figure == "S13" else "P5 stop", _told_differently(under_test, name))

@@ -7,6 +7,7 @@ import psutil
 
 from tests.support.bench import Bench, bench, processes_of
 from tests.support.figures import Results
+from tests.support.waiting import HANG_S
 
 DEATHS_BEFORE_FORGETTING = 3
 AFTERMATH_S = 0.25
@@ -86,7 +87,7 @@ def executive_killed(under_test: Bench) -> None:
         under_test.results.sample("S6 gone", (time.monotonic_ns() - fault_ns) * 1e-6)
     mover.cease()
     under_test.stays_at_rest(zero)
-    under_test.robot.popen.wait(2.0)
+    under_test.robot.popen.wait(HANG_S)
 
 
 def wait_until_gone(under_test: Bench, fault_ns: int, limit_s: float) -> list[str]:

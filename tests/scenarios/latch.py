@@ -18,6 +18,7 @@ from tests.support.bench import Bench, bench, let_go
 from tests.support.figures import Results
 from tests.support.mover import RENEW_S
 from tests.support.robot import start
+from tests.support.waiting import HANG_S
 
 COMMAND = msgspec.json.encode({"power": 0.4, "angle_deg": 90.0})
 MOVERS = ("motors", "drive")
@@ -85,7 +86,7 @@ def without_executive(results: Results) -> None:
         zero = under_test.stopped_after("E6 dead", fault_ns)
         mover.cease()
         under_test.stays_at_rest(zero)
-        under_test.robot.popen.wait(2.0)
+        under_test.robot.popen.wait(HANG_S)
 
 
 def last_stops(results: Results, n: int) -> None:

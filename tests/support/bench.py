@@ -26,6 +26,7 @@ from tests.support.mover import RENEW_S, Mover
 from tests.support.robot import Robot, start
 from tests.support.robot import prepare as prepare_base
 from tests.support.trace import Output, Trace, limit_violations
+from tests.support.waiting import HANG_S
 
 VICTIMS = Path(__file__).parent / "victims"
 ALMOST = 0.39
@@ -87,7 +88,7 @@ class Bench:
         self.wait_for_motion()
         return mover
 
-    def wait_for_motion(self, limit_s: float = 3.0) -> None:
+    def wait_for_motion(self, limit_s: float = HANG_S) -> None:
         """Wait until both motors turn at 40 %, and then for a random phase."""
         try:
             self.until(lambda: self.trace.now().least >= ALMOST, limit_s, "motion")
@@ -133,7 +134,7 @@ class Bench:
 
     def release(self) -> None:
         """Reset the emergency stop once every device has acknowledged it."""
-        self.until(lambda: not self.answer("@estop")["waiting"], 6.0, "the emergency stop acknowledged")
+        self.until(lambda: not self.answer("@estop")["waiting"], HANG_S, "the emergency stop acknowledged")
         reset = self.answer("@estop/reset", {})
         assert reset["accepted"], reset
 
@@ -192,7 +193,7 @@ class Bench:
             text = f"the first command of a new life was {commands[0].text}, {after_ms:.0f} ms after the fault"
             self.results.check("S14", [text])
 
-    def ready_again(self, name: str, gone: int, fault_ns: int, figure: str = "", *, limit_s: float = 6.0) -> None:
+    def ready_again(self, name: str, gone: int, fault_ns: int, figure: str = "", *, limit_s: float = HANG_S) -> None:
         """Wait for another process of that name to be ready, and measure how long that took."""
 
         def other() -> bool:

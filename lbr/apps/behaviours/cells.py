@@ -6,7 +6,7 @@ not, whether anything ever could, and whether another cell lets pass all that th
 
 import re
 from collections.abc import Iterator
-from math import inf, isfinite, nextafter
+from math import inf, isfinite, isnan, nextafter
 from typing import NamedTuple
 
 Value = float | str
@@ -91,7 +91,7 @@ class Fits(NamedTuple):
             least = min(least, low - value if value < low else value - high)
             if turning:
                 least = min(least, (low - value) % FULL_TURN, (value - high) % FULL_TURN)
-        return least if least == least else inf  # noqa: PLR0124 - NaN fits nothing
+        return inf if isnan(least) else least  # what is not a number fits nothing
 
     def either(self, other: "Fits") -> "Fits":
         """Return what fits one of both."""

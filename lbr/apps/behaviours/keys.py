@@ -3,6 +3,7 @@
 import types
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache, lru_cache
+from math import isnan
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import msgspec
@@ -96,7 +97,7 @@ class Key(NamedTuple):
             return float(message)
         if isinstance(message, int | float):
             value = float(message) * self.times
-            return value if value == value else None  # noqa: PLR0124 - NaN is no value
+            return None if isnan(value) else value
         return message if isinstance(message, str) else None
 
 

@@ -14,6 +14,12 @@ _HOST = re.compile(
 EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104 - compared, not bound
 
 
+def origin(host: str, port: int, *, tls: bool = True) -> str:
+    """Return the address for browsers: the machine's name stands for all of its addresses."""
+    name = socket.gethostname() if host in EVERYWHERE else host
+    return f"{'https' if tls else 'http'}://{f'[{name}]' if ':' in name else name}:{port}"
+
+
 def parsed(host: str) -> tuple[str, int | None] | None:
     """Return name and port of a Host header, in small letters and without brackets; None for what is no host."""
     found = _HOST.fullmatch(host)

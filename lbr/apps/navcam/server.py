@@ -14,7 +14,7 @@ from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp
 
 from lbr import home
-from lbr.apps.http import listening, serving
+from lbr.apps.http import listening, names, serving
 from lbr.apps.http.pages import Pages
 from lbr.apps.http.rates import Rates
 from lbr.apps.navcam.access import NAME, TokenAccess, token
@@ -55,7 +55,7 @@ def serve(robot: Robot, host: str, port: int, own_names: Iterable[str]) -> None:
         login = Login(sessions, f"lbr_navcam_{port}", tls=tls)
         server = Server(_app(face, login, secret, own_names), tls=tls)
         server.face = face
-        page = f"{_origin(host, port, tls=tls)}/index.html#token={secret}"
+        page = f"{names.origin(host, port, tls=tls)}/index.html#token={secret}"
         told = home.directory("run") / f"{robot.name}-navcam.url"
         home.write_private(told, f"{page}\n".encode())
         _say(f"navcam is at {page}", f"this address is in {told} too")
@@ -96,12 +96,6 @@ def _listen(host: str, port: int) -> list[socket.socket]:
         return listening.listen(host, port)
     except InputError as err:
         raise InputError(f"{err}; choose another by --port, or by --host in its row") from err
-
-
-def _origin(host: str, port: int, *, tls: bool) -> str:
-    """Return by what a browser gets here: the machine's name stands for all of its addresses."""
-    name = socket.gethostname() if host in {"0.0.0.0", "::"} else host  # noqa: S104 - compared, not bound
-    return f"{'https' if tls else 'http'}://{f'[{name}]' if ':' in name else name}:{port}"
 
 
 def _fingerprint(certificate: Path) -> str:

@@ -2,7 +2,6 @@
 
 import asyncio
 import signal
-import socket
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
@@ -81,19 +80,13 @@ def serve(host: str, port: int, say: Callable[[str], None]) -> None:
         sockets = [stack.enter_context(one) for one in listening.listen(host, port)]
         server = serving.Server(Service(guests, Book()).application(), tls=True)
         signal.signal(signal.SIGTERM, _interrupt)
-        say(f"the registry is at {_origin(host, sockets[0])}")
+        say(f"the registry is at {names.origin(host, sockets[0].getsockname()[1])}")
         with suppress(KeyboardInterrupt):
             asyncio.run(server.serve(sockets=sockets))
 
 
 def _interrupt(_number: int, _frame: object) -> None:
     raise KeyboardInterrupt
-
-
-def _origin(host: str, listens: socket.socket) -> str:
-    """Return by what it is reached: the machine's name stands for all of its addresses."""
-    name = socket.gethostname() if host in {"0.0.0.0", "::"} else host  # noqa: S104 - compared, not bound
-    return f"https://{f'[{name}]' if ':' in name else name}:{listens.getsockname()[1]}"
 
 
 def _shown(request: Request) -> str:

@@ -5,7 +5,7 @@ import os
 import select
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 from lbr.capability.context import Device
@@ -31,16 +31,15 @@ class V4l2Source:
         self._says = f"device '{device.name}' at {device.address}"
         self._camera = video.Device(device.address)
         self._capture: Any = None
-        try:
+        with ExitStack() as failed:
+            failed.callback(self.close)
             with self._telling("cannot be opened"):
                 self._camera.open()
             self._capture = video.VideoCapture(self._camera, size=BUFFERS)
             with self._telling("cannot be set up"):
                 self._set_up(settings)
                 self._capture.open()
-        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-            self.close()
-            raise
+            failed.pop_all()
 
     def fileno(self) -> int:
         """Return the device."""

@@ -1,6 +1,7 @@
 """A gamepad as an open file: an input event device of the kernel's, or an emulated one that sends the same records."""
 
 import struct
+from contextlib import ExitStack
 
 from lbr.capability.context import Device
 from lbr.drivers.gamepad.nodes import ANYWHERE, path_of
@@ -41,16 +42,15 @@ class Receiver:
                 "`input:` and a name: `lbr devices` shows what is there"
             )
         self._node = InputNode(device, path_of(device.address), RecordParser(EVENT.size, read_event))
-        try:
+        with ExitStack() as failed:
+            failed.callback(self.close)
             self._node.claim()
             self.name = (self._node.ask(EVIOCGNAME, NAME_BYTES) or b"").split(b"\0")[0].decode(errors="replace")
             self.link: Link = self._link()
             self._codes = self._axes()
             self._pad = Pad(self._spans())
             self._ask_what_is_held()
-        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-            self.close()
-            raise
+            failed.pop_all()
 
     def poll(self) -> list[Held]:
         """Return what was held at the end of each packet that has come in since the last call."""

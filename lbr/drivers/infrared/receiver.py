@@ -2,6 +2,7 @@
 
 import errno
 import struct
+from contextlib import ExitStack
 from pathlib import Path
 
 from lbr.capability.context import Device
@@ -23,12 +24,11 @@ class Receiver:
             raise DeviceError(f"device '{device.name}' at {device.address} {what}")
         events = _sends_events(device.address, settings)
         self._node = InputNode(device, device.address, records.parser(events=events))
-        try:
+        with ExitStack() as failed:
+            failed.callback(self.close)
             self._node.claim() if events else self._prepare_scancodes()
             self._refuse_without_decoder(settings)
-        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-            self.close()
-            raise
+            failed.pop_all()
 
     def poll(self) -> list[Scancode]:
         """Return what has come in since the last call."""

@@ -26,6 +26,7 @@ from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.sharing import LAN
 from lbr.executive.planning.wiring import EXECUTIVE, by_themselves, check_channels, check_verbs
+from lbr.messages.unreadable import UNREADABLE
 
 Find = Callable[[str, Path], Kind]
 """Returns the kind of a name in a home, or raises KindError."""
@@ -149,7 +150,7 @@ def _understand(
         return kind, None, _more(row, kind, label)
     try:
         return kind, kind.parse(row.settings), []
-    except Exception as err:  # noqa: BLE001 - a user's own kind may check its settings in any way
+    except UNREADABLE as err:
         told = _more(row, kind, label)
         return kind, None, told or [Problem("capability", label, "settings", f"{err} (kind '{row.kind}')")]
 
@@ -158,7 +159,7 @@ def _more(row: CapabilityRow, kind: Kind, label: str) -> list[Problem]:
     """Return all that fields of settings have against them, as far as the settings are JSON at all."""
     try:
         found = faults(kind.settings, json_strictly(row.settings))
-    except Exception:  # noqa: BLE001 - see above
+    except (ValueError, *UNREADABLE):
         return []
     return [Problem("capability", label, "settings", f"{fault} (kind '{row.kind}')") for fault in found]
 

@@ -157,7 +157,8 @@ class Doors:
                 lease_ms=session.HELD_MS,
             )
         )
-        try:
+        with contextlib.ExitStack() as failed:
+            failed.callback(local.close)
             core = self._open(
                 self._router(
                     self._core,
@@ -166,9 +167,7 @@ class Doors:
                     connect=(local_endpoint(self._robot),),
                 )
             )
-        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-            local.close()
-            raise
+            failed.pop_all()
         self._core_router = core
         self._local = Hung(local, lambda opened: opened.crossing(self._core.router_id, self._robot, self._notify))
         self._worker = threading.Thread(target=self._work, name="doors", daemon=True)

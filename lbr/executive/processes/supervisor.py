@@ -35,8 +35,7 @@ HEARTBEATS_S = 0.08
 """The reports of ready processes that move nothing are read together, so often; an end is noticed at once. A beat that is
 read so late is no suspicious silence yet."""
 LOAD_S, BUSY_SHARE = 3.0, 0.4
-"""Whose main thread has waited for so much of three seconds is late with everything; a start makes others wait for
-less."""
+"""A process whose main thread waited for this share of the time is late with everything; a start costs others less."""
 SETTLING_S = 2.5
 """Until then after its first word, what a capability still waits for is no trouble: it is told if it lasts."""
 RUNNING = frozenset({"ready", "degraded"})

@@ -47,6 +47,7 @@ from lbr.messages.manage import (
     Touched,
 )
 from lbr.messages.rows import Row, shown
+from lbr.messages.unreadable import UNREADABLE
 
 LETS_IN = (
     "decides who comes in, and a page changes none of that: say 'open' or 'close' at the console, or edit the row there"
@@ -241,7 +242,7 @@ def _deciding(kind: Kind, row: CapabilityRow | None) -> dict[str, Any] | None:
     """Return what of a row decides who comes in; without a row what a new one has, and None if that says nothing."""
     try:
         settings = kind.parse(row.settings if row is not None else "{}")
-    except Exception:  # noqa: BLE001 - a user's own kind may check its settings in any way, and that is told as such
+    except UNREADABLE:  # told as such
         return None
     columns = {"enabled": row is not None and row.enabled}
     return {name: columns[name] if name in columns else getattr(settings, name) for name in kind.rights.lets_in}

@@ -7,7 +7,7 @@ import pytest
 from lbr import cli
 from lbr.database import store
 from lbr.messages.joints import MotionRow
-from tests.database.test_motion_files import NOD, content
+from tests.apps.motions.test_motion_files import NOD, content
 from tests.support import databases
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from tests.support import programs
 from tests.support.robot import environment
+from tests.support.waiting import HANG_S
 
 WHERE_IS_THE_CURSOR, CURSOR_IS_HERE = b"\x1b[6n", b"\x1b[1;1R"
 TAKE_TERMINAL = "import fcntl,os,sys,termios; fcntl.ioctl(0,termios.TIOCSCTTY,0); os.execv(sys.argv[1],sys.argv[1:])"
@@ -41,7 +42,7 @@ class OnTerminal:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
-    def wait_for(self, text: bytes, limit_s: float = 8.0, *, start: int = 0) -> None:
+    def wait_for(self, text: bytes, limit_s: float = HANG_S, *, start: int = 0) -> None:
         """Wait until the program has shown this, beyond its first `start` bytes."""
         end = time.monotonic() + limit_s
         while self.said.find(text, start) < 0:

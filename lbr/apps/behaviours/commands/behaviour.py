@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from lbr import home
-from lbr.apps.behaviours import files, texts
+from lbr.apps.behaviours import drawing, files, keys, outputs, texts
 from lbr.apps.behaviours.commands import trials as behaviour_trials
 from lbr.apps.behaviours.files import Read
 from lbr.apps.behaviours.keys import EVERY
@@ -164,8 +164,6 @@ def export(table: str, form: str, semicolons: bool, path: Path | None, robot: st
 @database_option
 def show(table: str, svg: bool, path: Path | None, robot: str | None, database: Path | None) -> int:
     """Draw the states of a TABLE, and what leads from one to the next."""
-    from lbr.apps.behaviours import drawing, texts  # noqa: PLC0415 - kept out of its `--help`
-
     of_table, rows = _found(table, robot, database)
     drawn = drawing.svg(of_table, rows) if svg else texts.graph(of_table, rows) + "\n"
     if path is None:
@@ -189,8 +187,6 @@ def list_(robot: str | None, database: Path | None) -> int:
 @command.command("columns")
 def columns() -> int:
     """List the columns that a condition may have: names of the telemetry, and of the run itself."""
-    from lbr.apps.behaviours import keys, outputs  # noqa: PLC0415 - kept out of its `--help`
-
     click.echo("as tables have always had them, distances in centimetres:\n  " + ", ".join(keys.COLUMNS))
     click.echo("any of the telemetry, by its last name where only one has it:")
     for name in keys.all_names():

@@ -9,12 +9,13 @@ import click
 from msgspec.structs import replace
 
 from lbr import home
+from lbr.apps.motions.commands import motion_files
+from lbr.apps.motions.commands.motion_files import Summary
 from lbr.commands.completing import complete_motion
 from lbr.commands.new_file import write_new
 from lbr.commands.options import FileName, database_option, json_option, print_json
 from lbr.commands.rows import opened, problems_of
-from lbr.database import edits, given_files, motion_files
-from lbr.database.motion_files import Summary
+from lbr.database import edits, given_files
 from lbr.database.rows import RobotRows
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
@@ -41,16 +42,16 @@ def command() -> None:
 def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
     """List the motions: how long they are, how many joints they move, and the part that keeps them."""
     with opened(database) as rows:
-        found = [(name, motion) for name in rows.robots(robot) for motion in _motions(rows.load(name))]
+        motions = [(name, motion) for name in rows.robots(robot) for motion in _motions(rows.load(name))]
     if as_json:
         keys = ("robot", "name", "help", "slot", "builtin", "duration_s", "frames", "joints")
-        print_json([dict(zip(keys, (name, *_figures(motion)), strict=True)) for name, motion in found])
+        print_json([dict(zip(keys, (name, *_figures(motion)), strict=True)) for name, motion in motions])
         return 0
-    for name, motion in found:
+    for name, motion in motions:
         _, text, slot, _, seconds, frames, joints = _figures(motion)
         kept = f"in slot {slot}" if slot is not None else f"{frames} key frames, {joints} joints"
         click.echo(one_line(f"{name} {motion.name}: {seconds:g} s, {kept}" + (f". {text}" if text else "")))
-    if not found:
+    if not motions:
         click.echo("there are no motions")
     return 0
 
@@ -65,20 +66,20 @@ def list_(robot: str | None, database: Path | None, as_json: bool) -> int:
 def export(name: str, robot: str | None, path: Path | None, database: Path | None) -> int:
     """Write the motion NAME to a file, for others: as JSON, or in a maker's form; 'lbr motion import' takes it."""
     with opened(database) as rows:
-        found = [
-            (one, motion, of_robot)
-            for one in rows.robots(robot)
-            for of_robot in (rows.load(one),)
+        motions = [
+            (whose, motion, of_robot)
+            for whose in rows.robots(robot)
+            for of_robot in (rows.load(whose),)
             for motion in _motions(of_robot)
             if motion.name == name
         ]
-    if not found:
+    if not motions:
         raise InputError(f"there is no motion '{name}'; 'lbr motion list' shows them", "unknown_name")
-    if len(found) > 1:
+    if len(motions) > 1:
         raise InputError(
-            f"{' and '.join(one for one, *_ in found)} have a motion '{name}'; say which with --robot NAME"
+            f"{' and '.join(whose for whose, *_ in motions)} have a motion '{name}'; say which with --robot NAME"
         )
-    content, notes = motion_files.exported(*found[0], suffix=path.suffix if path is not None else "")
+    content, notes = motion_files.exported(*motions[0], suffix=path.suffix if path is not None else "")
     for note in notes:
         click.echo(one_line(f"note: {note}"), err=True)
     if path is None:
@@ -195,14 +196,14 @@ def _understood(
     content = given_files.read(file, LARGEST_BYTES)
     notes: list[Note] = []
     try:
-        found = motion_files.read(content, file.suffix)
-        if isinstance(found, motion_files.MotionFile):
-            meant = robot or (found.robot if found.robot in opened.robots() else None)
+        read = motion_files.read(content, file.suffix)
+        if isinstance(read, motion_files.MotionFile):
+            meant = robot or (read.robot if read.robot in opened.robots() else None)
             whose, rows = _robot_for(opened, meant, lambda rows: bool(rows.of(Joint)))
-            motion = replace(found.motion, builtin=False)
+            motion = replace(read.motion, builtin=False)
         else:
-            whose, rows = _robot_for(opened, robot, found.fits)
-            motions, notes = found.motions(rows)
+            whose, rows = _robot_for(opened, robot, read.fits)
+            motions, notes = read.motions(rows)
             motion = _only(motions)
     except InputError as err:
         raise InputError(f"{file}: {err}") from err

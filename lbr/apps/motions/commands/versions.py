@@ -24,24 +24,24 @@ def versions(now: Motion | None, revisions: Iterable[RevisionRow], robot: str, n
     """Return the versions of a motion, newest first, the one of `now` among them; those without key frames are left
     out.
 
-    A change that only takes back the one before makes no version of its own.
+    A change that only takes back the version before makes no version of its own.
     """
-    found: list[MotionVersion] = []
-    for one in islice(_backwards(now, revisions, robot, name), 4 * MOST):
-        if one.motion.frames and (not found or found[-1].motion != one.motion):
-            found.append(one)
-    return tuple(found[:MOST])
+    known: list[MotionVersion] = []
+    for version in islice(_backwards(now, revisions, robot, name), 4 * MOST):
+        if version.motion.frames and (not known or known[-1].motion != version.motion):
+            known.append(version)
+    return tuple(known[:MOST])
 
 
 def _backwards(now: Motion | None, revisions: Iterable[RevisionRow], robot: str, name: str) -> Iterator[MotionVersion]:
-    mine = [one for one in revisions if one.table in TABLES and one.row_key[:2] == (robot, name)]
+    mine = [revision for revision in revisions if revision.table in TABLES and revision.row_key[:2] == (robot, name)]
     values = {(row.TABLE, *map(str, row.key)): msgspec.to_builtins(row) for row in (now.rows if now else ())}
     while mine:
         edit = _last_edit(mine)
         if (motion := _motion(values, name)) is not None:
             yield MotionVersion(revision=edit[-1].id, since=edit[-1].changed_at, motion=motion)
-        for one in reversed(edit):
-            _undo(values, one)
+        for revision in reversed(edit):
+            _undo(values, revision)
         del mine[-len(edit) :]
     if (motion := _motion(values, name)) is not None:
         yield MotionVersion(revision=0, since="", motion=motion)
@@ -55,19 +55,21 @@ def _last_edit(revisions: list[RevisionRow]) -> list[RevisionRow]:
     return revisions[first:]
 
 
-def _apart_s(one: RevisionRow, next_: RevisionRow) -> float:
+def _apart_s(revision: RevisionRow, next_: RevisionRow) -> float:
     """Return how much later the next was; not a number where that is not known, so that they count as apart."""
     try:
-        return abs((datetime.fromisoformat(next_.changed_at) - datetime.fromisoformat(one.changed_at)).total_seconds())
+        return abs(
+            (datetime.fromisoformat(next_.changed_at) - datetime.fromisoformat(revision.changed_at)).total_seconds()
+        )
     except (ValueError, TypeError):
         return float("nan")
 
 
-def _undo(values: Values, one: RevisionRow) -> None:
-    key = one.row_key[1:]
-    values.pop((one.table, *key), None)
-    if one.old is not None:
-        values[(one.table, *key)] = one.old
+def _undo(values: Values, revision: RevisionRow) -> None:
+    key = revision.row_key[1:]
+    values.pop((revision.table, *key), None)
+    if revision.old is not None:
+        values[(revision.table, *key)] = revision.old
 
 
 def _motion(values: Mapping[tuple[str, ...], dict[str, Any]], name: str) -> Motion | None:

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec.structs import replace
 
-from lbr.database import motion_files
+from lbr.apps.motions.commands import motion_files
 from lbr.errors import InputError, LbrError
 from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionRow, MotionStep, motions_of
@@ -163,25 +163,25 @@ def _settings_of_package(robot: str) -> Iterator[str]:
 
 def _read(job: ReadJob) -> ReadMotions:
     rows = _Rows(job.joints, job.motors)
-    found = motion_files.read(job.content, job.suffix)
+    read = motion_files.read(job.content, job.suffix)
     notes: list[Any] = []
-    if isinstance(found, motion_files.MotionFile):
-        motions: tuple[Motion, ...] = (replace(found.motion, builtin=False),)
+    if isinstance(read, motion_files.MotionFile):
+        motions: tuple[Motion, ...] = (replace(read.motion, builtin=False),)
     else:
-        motions, notes = found.motions(rows)
-    good, cut, told = [], 0, [str(note) for note in notes]
+        motions, notes = read.motions(rows)
+    good, cut, texts = [], 0, [str(note) for note in notes]
     for motion in motions:
         try:
             within, count = motion_files.within_limits(motion, job.joints, clip=job.clip)
             motion_files.summary(within, job.joints)
         except InputError as err:
-            told.append(f"{motion.name} is left out: {err}")
+            texts.append(f"{motion.name} is left out: {err}")
             continue
         good.append(within)
         cut += count
     if not good:
-        raise InputError("; ".join(told[-3:]) or "there is no motion in it", "bad_value")
-    return ReadMotions(motions=tuple(good), notes=tuple(told), cut=cut)
+        raise InputError("; ".join(texts[-3:]) or "there is no motion in it", "bad_value")
+    return ReadMotions(motions=tuple(good), notes=tuple(texts), cut=cut)
 
 
 def _written(job: WriteJob) -> Written:

@@ -8,7 +8,7 @@ import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
-from lbr.database import motion_files
+from lbr.apps.motions.commands import motion_files
 from lbr.database.columns import WrongError, columns, json_strictly, raw
 from lbr.database.reading import ROBOT, Problem, RawRow, RawTables, Tables
 from lbr.database.rows import CapabilityRow, DeviceRow, ExternalCommandRow, RobotRow, RobotRows
@@ -37,7 +37,7 @@ class Here(Struct, frozen=True):
         return [row for row in self.tables.get(table, ()) if row.get(column, self.robot) == self.robot]
 
 
-class Taken(Struct, frozen=True, kw_only=True):
+class Imported(Struct, frozen=True, kw_only=True):
     """Rows to write, what became of everything, and what a person has set that would be written over."""
 
     rows: tuple[Row, ...] = ()
@@ -45,18 +45,18 @@ class Taken(Struct, frozen=True, kw_only=True):
     kept: tuple[str, ...] = ()
 
 
-def without(taken: Taken, robot: str, problems: Iterable[Problem]) -> Taken:
+def without(imported: Imported, robot: str, problems: Iterable[Problem]) -> Imported:
     """Return what is left without the rows that problems are of, each with the parts of its whole; those have no
     place."""
-    why = {(one.table, one.row): one for one in problems}
+    why = {(problem.table, problem.row): problem for problem in problems}
     refused: dict[tuple[str, str], Problem] = {}
-    for row in taken.rows:
-        if found := why.get((row.TABLE, _told((robot, *row.key)))):
-            refused.setdefault(_whole(row), found)
-    notes = [one for one in taken.notes if (one.table, one.row) not in refused]
-    notes += [Note("no_place", *whole, one.column, _without_advice(one)) for whole, one in refused.items()]
-    rows = tuple(row for row in taken.rows if _whole(row) not in refused)
-    return Taken(rows=rows, notes=tuple(notes), kept=taken.kept)
+    for row in imported.rows:
+        if problem := why.get((row.TABLE, _row_name((robot, *row.key)))):
+            refused.setdefault(_whole(row), problem)
+    notes = [note for note in imported.notes if (note.table, note.row) not in refused]
+    notes += [Note("no_place", *whole, problem.column, _without_advice(problem)) for whole, problem in refused.items()]
+    rows = tuple(row for row in imported.rows if _whole(row) not in refused)
+    return Imported(rows=rows, notes=tuple(notes), kept=imported.kept)
 
 
 def _without_advice(problem: Problem) -> str:
@@ -65,7 +65,7 @@ def _without_advice(problem: Problem) -> str:
 
 
 def _whole(row: Row) -> tuple[str, str]:
-    return (row.PART_OF, _told(row.key[:1])) if row.PART_OF else (row.TABLE, _told(row.key))
+    return (row.PART_OF, _row_name(row.key[:1])) if row.PART_OF else (row.TABLE, _row_name(row.key))
 
 
 class _State(Struct):
@@ -76,7 +76,7 @@ class _State(Struct):
     shipped: dict[str, Any] | None
 
 
-def take(wants: Iterable[Want], here: Here, shipped: RawTables, *, replacing: bool) -> Taken:
+def take(wants: Iterable[Want], here: Here, shipped: RawTables, *, replacing: bool) -> Imported:
     """Return what these wants make of a robot's rows. Without `replacing` what differs from what was shipped is
     kept."""
     taking = _Taking(here, Here(shipped, here.robot), replacing=replacing)
@@ -100,45 +100,47 @@ class _Taking:
     def add(self, want: Want) -> None:
         """Apply a want, and note what became of it."""
         key = tuple(want.key[name] for name in TABLES[want.table].KEY)
-        told = _told(key)
+        row_name = _row_name(key)
         state = self._state(want, key)
         if state.before is None and not want.create:
-            self._notes.append(Note("no_place", want.table, told, "", f"{want.source}: there is no such row here"))
+            self._notes.append(Note("no_place", want.table, row_name, "", f"{want.source}: there is no such row here"))
             return
-        changed = [column for column, value in want.columns.items() if self._column(want, state, told, column, value)]
+        changed = [
+            column for column, value in want.columns.items() if self._column(want, state, row_name, column, value)
+        ]
         if not changed:
             return
         if state.before is None:
             state.after |= want.made
-            self._notes.append(Note("added", want.table, told, "", want.source))
+            self._notes.append(Note("added", want.table, row_name, "", want.source))
         if want.text:
-            self._notes.append(Note("changed", want.table, told, "", f"{want.source}: {want.text}"))
+            self._notes.append(Note("changed", want.table, row_name, "", f"{want.source}: {want.text}"))
 
-    def done(self) -> Taken:
+    def done(self) -> Imported:
         """Return the rows; broken ones are reported, and left out."""
         rows: list[Row] = []
-        for (table, told), state in self._states.items():
+        for (table, row_name), state in self._states.items():
             kind = TABLES[table]
             if state.after == state.before or set(state.after) <= set(kind.KEY):
                 continue
             try:
                 rows.append(_row(kind, state.after))
             except (WrongError, msgspec.ValidationError) as err:
-                self._notes = [one for one in self._notes if (one.table, one.row) != (table, told)]
-                self._notes.append(Note("no_place", table, told, "", _plain(str(err))))
-        return Taken(rows=tuple(rows), notes=tuple(self._notes), kept=tuple(self._kept))
+                self._notes = [one for one in self._notes if (one.table, one.row) != (table, row_name)]
+                self._notes.append(Note("no_place", table, row_name, "", _plain(str(err))))
+        return Imported(rows=tuple(rows), notes=tuple(self._notes), kept=tuple(self._kept))
 
     def _state(self, want: Want, key: tuple[Any, ...]) -> _State:
-        if (want.table, _told(key)) not in self._states:
+        if (want.table, _row_name(key)) not in self._states:
             kind = TABLES[want.table]
-            before = _there(kind, key, self._here)
-            state = _State(before, {**want.key, **(before or {})}, _there(kind, key, self._shipped))
-            self._states[want.table, _told(key)] = state
-        return self._states[want.table, _told(key)]
+            before = _existing(kind, key, self._here)
+            state = _State(before, {**want.key, **(before or {})}, _existing(kind, key, self._shipped))
+            self._states[want.table, _row_name(key)] = state
+        return self._states[want.table, _row_name(key)]
 
-    def _column(self, want: Want, state: _State, told: str, column: str, value: Any) -> bool:
+    def _column(self, want: Want, state: _State, row_name: str, column: str, value: Any) -> bool:
         """Apply a column, and say whether that changes it; of two that contradict each other the first counts."""
-        place = want.table, told, column
+        place = want.table, row_name, column
         if place in self._wanted:
             if (first := self._wanted[place]) != value:
                 text = f"{want.source}: {shown(value)}, and before that {shown(first)}, which counts"
@@ -147,22 +149,22 @@ class _Taking:
         self._wanted[place] = value
         old = _get(state.after, column)
         if state.before is not None and old == value:
-            self._notes.append(Note("same", want.table, told, column, want.source))
+            self._notes.append(Note("same", want.table, row_name, column, want.source))
             return False
         if state.before is not None and not self._replacing and old != _get(state.shipped or {}, column):
-            self._kept.append(f"{want.table} '{told}', {column} is {shown(old)} here, and {shown(value)} there")
+            self._kept.append(f"{want.table} '{row_name}', {column} is {shown(old)} here, and {shown(value)} there")
             return False
         _set(state.after, column.split("."), value)
         if state.before is not None:
             text = f"{want.source}: {'nothing' if old is None or old == '' else shown(old)} -> {shown(value)}"
-            self._notes.append(Note("changed", want.table, told, column, text))
+            self._notes.append(Note("changed", want.table, row_name, column, text))
         return True
 
 
-def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables, *, replacing: bool) -> Taken:
+def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables, *, replacing: bool) -> Imported:
     """Return the rows of motions within the joints' limits, and what was brought within them; `take` says which are
     kept."""
-    known = {one.name: one for one in motions_of(rows.of(MotionRow), rows.of(MotionStep))}
+    known = {motion.name: motion for motion in motions_of(rows.of(MotionRow), rows.of(MotionStep))}
     first = Tables(shipped, rows.robot.name, {})
     as_shipped = motions_of(first.good(MotionRow), first.good(MotionStep))
     joints = rows.of(Joint)
@@ -173,20 +175,20 @@ def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables,
         motion, _ = motion_files.within_limits(replace(asked, builtin=False), joints, clip=True)
         motion_files.summary(motion, joints)
         notes += _clamped(asked, motion)
-        there = known.get(motion.name)
-        if there == motion:
+        before = known.get(motion.name)
+        if before == motion:
             notes.append(Note("same", "motion", motion.name, "", "its key frames are there"))
             continue
-        if there is not None and not replacing and there not in as_shipped:
+        if before is not None and not replacing and before not in as_shipped:
             kept.append(f"motion '{motion.name}' is there already")
         count = len(motion.frames)
         text = f"{count} key frame{'s' if count != 1 else ''}, {sum(frame.duration_s for frame in motion.frames):.2f} s"
-        notes.append(Note("changed" if there is not None else "added", "motion", motion.name, "", text))
+        notes.append(Note("changed" if before is not None else "added", "motion", motion.name, "", text))
         written += motion.rows
-    return Taken(rows=tuple(written), notes=tuple(notes), kept=tuple(kept))
+    return Imported(rows=tuple(written), notes=tuple(notes), kept=tuple(kept))
 
 
-def _told(key: Iterable[Any]) -> str:
+def _row_name(key: Iterable[Any]) -> str:
     return "/".join(map(shown, key))
 
 
@@ -196,20 +198,20 @@ def _plain(text: str) -> str:
 
 
 def _clamped(asked: Motion, motion: Motion) -> Iterator[Note]:
-    found: dict[str, tuple[int, float, float]] = {}
+    clamped: dict[str, tuple[int, float, float]] = {}
     for wanted, had in zip(asked.frames, motion.frames, strict=True):
         for name, angle in wanted.positions.items():
             now = had.positions[name]
             if now != angle:
-                count, worst, limit = found.get(name, (0, angle, now))
+                count, worst, limit = clamped.get(name, (0, angle, now))
                 further = (angle, now) if abs(angle - now) >= abs(worst - limit) else (worst, limit)
-                found[name] = (count + 1, *further)
-    for name, (count, angle, limit) in found.items():
+                clamped[name] = (count + 1, *further)
+    for name, (count, angle, limit) in clamped.items():
         text = f"{count} of {len(asked.frames)} angles brought within the joint's limits, as {angle:.3f} to {limit:.3f} rad"
         yield Note("clamped", "motion_step", motion.name, f"positions.{name}", text)
 
 
-def _there(kind: type[Row], key: tuple[Any, ...], here: Here) -> dict[str, Any] | None:
+def _existing(kind: type[Row], key: tuple[Any, ...], here: Here) -> dict[str, Any] | None:
     for values in here.rows(kind.TABLE):
         if tuple(values.get(name) for name in kind.KEY) == key:
             return _read(kind, values)
@@ -217,37 +219,37 @@ def _there(kind: type[Row], key: tuple[Any, ...], here: Here) -> dict[str, Any] 
 
 
 def _read(kind: type[Row], values: RawRow) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    columns_of: dict[str, Any] = {}
     for name, column in columns(kind).items():
         try:
-            found[name] = msgspec.json.decode(msgspec.json.encode(column.read(values.get(name))))
+            columns_of[name] = msgspec.json.decode(msgspec.json.encode(column.read(values.get(name))))
         except WrongError as err:
             raise InputError(
                 f"{kind.TABLE} '{shown(values.get('name'))}', {name}: {err}; 'lbr db check' tells all"
             ) from err
-    return found
+    return columns_of
 
 
 def _row(kind: type[Row], after: Mapping[str, Any]) -> Row:
     """Return a row of columns; WrongError or ValidationError says what it cannot have."""
-    found = msgspec.convert(dict(after), kind)
-    for name, value in raw(found).items():
+    row = msgspec.convert(dict(after), kind)
+    for name, value in raw(row).items():
         try:
             columns(kind)[name].read(value)
         except WrongError as err:
             raise WrongError(f"{name}: {err}") from err
-    return found
+    return row
 
 
 def _get(row: Mapping[str, Any], column: str) -> Any:
     """Return a column, or an entry of one that is a JSON object; None if it is not there."""
     name, *path = column.split(".")
-    found = row.get(name)
-    if path and isinstance(found, str):
-        found = json_strictly(found)
+    value = row.get(name)
+    if path and isinstance(value, str):
+        value = json_strictly(value)
     for part in path:
-        found = found.get(part) if isinstance(found, dict) else None
-    return found
+        value = value.get(part) if isinstance(value, dict) else None
+    return value
 
 
 def _set(row: dict[str, Any], path: Sequence[str], value: Any) -> None:

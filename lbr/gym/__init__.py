@@ -130,7 +130,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         self._against = False
         self._rounds(WARM_S)
         self._began_s = board.now
-        return self._observed(), self._told()
+        return self._observed(), self._info()
 
     def step(self, action: NDArray[np.float32]) -> tuple[Seen, float, bool, bool, dict[str, Any]]:
         """Drive by a twist for STEP_S. A NaN is a stop."""
@@ -149,7 +149,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         contacts = self._rounds(STEP_S)
         docked = self._instruments.pose.charging
         reward = TIME + CONTACT * contacts + (DOCKED if docked else 0.0)
-        return self._observed(), reward, docked, board.now - self._began_s >= self._max_s, self._told()
+        return self._observed(), reward, docked, board.now - self._began_s >= self._max_s, self._info()
 
     def close(self) -> None:
         """Let go of the world."""
@@ -163,11 +163,11 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         if unknown := ", ".join(map(repr, options.keys() - {"start"})):
             raise InputError(f"there is no option {unknown}: 'start' is the only one", "bad_value")
         if "start" not in options:
-            if len(found := starts(self._world, 2, random.randrange(1 << 30))) < 2:
+            if len(places := starts(self._world, 2, random.randrange(1 << 30))) < 2:
                 raise InputError(
                     "there is no room for the robot to turn anywhere: see the walls of its world", "bad_value"
                 )
-            return found[1]
+            return places[1]
         try:
             x_m, y_m, yaw_rad = (float(one) for one in options["start"])
         except (TypeError, ValueError) as err:
@@ -212,7 +212,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         self._refusal = "" if reply is None or reply.accepted else reply.why.code
 
     def _observed(self) -> Seen:
-        """Return what the sensors told last; before they tell, nothing is near and nothing is known."""
+        """Return the newest readings; before the first, nothing is near and nothing is known."""
         ranges, attitude = self._seen.get("ranges"), self._seen.get("attitude")
         dock, battery = self._seen.get("dock"), self._seen.get("battery")
         metres = [ranges.metres(name) if ranges is not None else None for name in SENSORS]
@@ -225,7 +225,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
             "battery": np.array([charge, float(battery is not None and battery.charging is True)], np.float32),
         }
 
-    def _told(self) -> dict[str, Any]:
+    def _info(self) -> dict[str, Any]:
         """Return the truth, for judging: no robot knows it."""
         pose = self._instruments.pose
         return {

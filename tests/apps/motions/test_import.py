@@ -17,7 +17,7 @@ from lbr.messages.calibration import CalibrationValue
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import MotionRow, MotionStep, motions_of
 from lbr.robots.bioloid.mtn import Page
-from tests.database.test_motion_files import content as factory_file
+from tests.apps.motions.test_motion_files import content as factory_file
 from tests.support import databases
 from tests.support.old_data import BOW, motion_file, old_database, old_sql, step
 

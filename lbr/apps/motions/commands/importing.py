@@ -6,15 +6,16 @@ from pathlib import Path
 import click
 from click.shell_completion import CompletionItem
 
+from lbr.apps.motions.commands import old_files, wanted_rows
+from lbr.apps.motions.commands.motion_files import MotionFile
+from lbr.apps.motions.commands.old_files import Given
+from lbr.apps.motions.commands.wanted_rows import Here, Imported
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.rows import opened, problems_of
-from lbr.database import edits, given_files, old_files, taking
-from lbr.database.motion_files import MotionFile
-from lbr.database.old_files import Given
+from lbr.database import edits, given_files
 from lbr.database.rows import RobotRows
 from lbr.database.shipped import shipped
 from lbr.database.store import Database
-from lbr.database.taking import Here, Taken
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, Motion
 from lbr.messages.plain import one_line
@@ -90,12 +91,12 @@ def _given(path: Path, wanted: str | None) -> tuple[list[Given], list[Note]]:
             raise InputError(f"{path}: {found.why}")
         return [found], []
     files, others = given_files.listed(path)
-    every = [old_files.understood(one, wanted) for one in files]
-    notes = [Note("no_place", "file", one.path.name, "", one.why) for one in every if one.why]
+    every = [old_files.understood(file, wanted) for file in files]
+    notes = [Note("no_place", "file", file.path.name, "", file.why) for file in every if file.why]
     notes += [
-        Note("no_place", "file", one.name, "", "only files that lie in the folder itself are read") for one in others
+        Note("no_place", "file", file.name, "", "only files that lie in the folder itself are read") for file in others
     ]
-    if not (known := [one for one in every if not one.why]):
+    if not (known := [file for file in every if not file.why]):
         raise InputError(f"{path} has no file of a format that is known: {', '.join(old_files.formats())}")
     return known, notes
 
@@ -132,51 +133,51 @@ def _planned(
     choice: Choice,
     *,
     replacing: bool,
-) -> Taken:
+) -> Imported:
     """Return what all files together would write; InputError names what of a person's is in the way."""
     tables, _ = rows.tables()
-    here = taking.Here(tables, robot)
+    here = wanted_rows.Here(tables, robot)
     wants: list[Want] = []
     motions: list[Motion] = []
     notes: list[Note] = []
-    for one in given:
+    for file in given:
         try:
-            if isinstance(one.motions, MotionFile):
-                motions.append(one.motions.motion)
-            elif one.motions is not None:
-                some, more = one.motions.motions(of_robot)
+            if isinstance(file.motions, MotionFile):
+                motions.append(file.motions.motion)
+            elif file.motions is not None:
+                some, more = file.motions.motions(of_robot)
                 motions += some
                 notes += more
-            elif one.old is not None:
-                wanted, why = one.old.wants(here, choice)
+            elif file.old is not None:
+                wanted, why = file.old.wants(here, choice)
                 wants += wanted
                 notes += why
         except InputError as err:
-            raise InputError(f"{one.path}: {err}") from err
+            raise InputError(f"{file.path}: {err}") from err
     first, _ = shipped()
-    taken = (
-        taking.take(wants, here, first, replacing=replacing),
-        taking.take_motions(motions, of_robot, first, replacing=replacing),
+    imported = (
+        wanted_rows.take(wants, here, first, replacing=replacing),
+        wanted_rows.take_motions(motions, of_robot, first, replacing=replacing),
     )
-    if kept := [text for one in taken for text in one.kept]:
+    if kept := [text for part in imported for text in part.kept]:
         more_of = f", and {len(kept) - 10} more" if len(kept) > 10 else ""
         raise InputError(
             f"what a person has set would be written over: {'; '.join(kept[:10])}{more_of}. Nothing is written; "
             "--replace takes what the file says"
         )
-    return taking.Taken(
-        rows=tuple(row for one in taken for row in one.rows),
-        notes=(*(note for one in taken for note in one.notes), *notes),
+    return wanted_rows.Imported(
+        rows=tuple(row for part in imported for row in part.rows),
+        notes=(*(note for part in imported for note in part.notes), *notes),
     )
 
 
-def _write(rows: Database, robot: str, plan: Taken, revision: int, *, dry_run: bool) -> Taken:
+def _write(rows: Database, robot: str, plan: Imported, revision: int, *, dry_run: bool) -> Imported:
     """Write the rows of a plan that a start accepts, and return the plan without the others."""
     while plan.rows:
         proposed = edits.write_rows(
             rows, robot, plan.rows, problems_of, create=None, revision=revision, dry_run=dry_run
         )
-        accepted = taking.without(plan, robot, proposed.problems)
+        accepted = wanted_rows.without(plan, robot, proposed.problems)
         if accepted.rows == plan.rows:
             proposed.good()  # raises where the problem is in other rows
             break
@@ -184,7 +185,7 @@ def _write(rows: Database, robot: str, plan: Taken, revision: int, *, dry_run: b
     return plan
 
 
-def _tell(robot: str, given: Sequence[Given], plan: Taken, notes: Sequence[Note], *, dry_run: bool) -> None:
+def _tell(robot: str, given: Sequence[Given], plan: Imported, notes: Sequence[Note], *, dry_run: bool) -> None:
     names = ", ".join(f"{one.path.name} ({one.format})" for one in given[:10])
     took = "would take" if dry_run else "took"
     count = f"{len(plan.rows)} row{'s' if len(plan.rows) != 1 else ''}"

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.database import foreign_tables, given_files, taking
+from lbr.apps.motions.commands import wanted_rows
+from lbr.database import foreign_tables, given_files
 from lbr.database.columns import columns, raw
 from lbr.database.shipped import shipped
 from lbr.errors import InputError
@@ -29,9 +30,9 @@ def shipped_rows():
 def taken(robot, data):
     """What becomes of old data; the rows are such as their tables take."""
     rows = shipped_rows()
-    here = taking.Here(rows, robot)
+    here = wanted_rows.Here(rows, robot)
     wants, notes = data.wants(here, Choice("lbr6"))
-    found = taking.take(wants, here, rows, replacing=False)
+    found = wanted_rows.take(wants, here, rows, replacing=False)
     for row in found.rows:
         for name, value in raw(row).items():
             columns(type(row))[name].read(value)

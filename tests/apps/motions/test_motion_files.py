@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from lbr.database import motion_files, store
+from lbr.apps.motions.commands import motion_files
+from lbr.database import store
 from lbr.database.checks import check
 from lbr.database.shipped import shipped
 from lbr.errors import InputError

@@ -86,11 +86,11 @@ def within_limits(motion: Motion, joints: Iterable[Joint], *, clip: bool) -> tup
     ]
     if beyond and not clip:
         worst = {row.name: (row, angle) for row, angle in sorted(beyond, key=_excess)}
-        said = "; ".join(
+        angles = "; ".join(
             f"{name}: {angle:.3f} is outside {row.lower_rad:g} to {row.upper_rad:g}"
             for name, (row, angle) in worst.items()
         )
-        raise InputError(f"joints would go beyond their limits: {said}. --clip brings them within")
+        raise InputError(f"joints would go beyond their limits: {angles}. --clip brings them within")
     frames = tuple(_within(frame, rows) for frame in motion.frames)
     return replace(motion, frames=frames), len(beyond)
 
