@@ -128,10 +128,13 @@ class Mcp(Capability[McpSettings]):
 
     def command(self, call: Call) -> None:
         """Let an agent do what it must ask a person for."""
-        if isinstance(call.message, AllowAgent):
-            self._allowed = (*self._allowed, call.message.agent)[-AGENTS:]
-            self._tell(listening_=self._serving is not None)
-            call.reply(CommandReply(accepted=True, reason=f"'{call.message.agent}' may move the robot"))
+        message = call.message
+        if not isinstance(message, AllowAgent):
+            call.refuse(f"{call.name} is not understood here", "unknown_command")
+            return
+        self._allowed = (*self._allowed, message.agent)[-AGENTS:]
+        self._tell(listening_=self._serving is not None)
+        call.reply(CommandReply(accepted=True, reason=f"'{message.agent}' may move the robot"))
 
     def degraded(self, reason: str) -> None:
         """Say that nobody is served."""
