@@ -57,10 +57,11 @@ export default function Motions() {
     />
   );
   if (what === "build" && model) {
-    return <div class="motions-both">{tabs}<Held capability={owner} /><Playing state={state} part={part} onStop={end} /><Builder model={model} motions={all} player={owner} /></div>;
+    return <div class="motions-both"><h2 class="sr">{t("view.motions")}</h2>{tabs}<Held capability={owner} /><Playing state={state} part={part} onStop={end} /><Builder model={model} motions={all} player={owner} /></div>;
   }
   return (
     <div class="motions-both">
+    <h2 class="sr">{t("view.motions")}</h2>
     {tabs}
     <div class="motions" data-remote={keys.length > 0 || undefined}>
       <div class="motions-main">
