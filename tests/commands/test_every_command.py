@@ -49,8 +49,9 @@ NEED_A_ROBOT = {
     ("topic", "pub"): ("drive/state", "{}"),
 }  # fmt: skip
 """The commands that talk to a robot, with arguments that are good."""
-SETTLE = {("run",), ("agent",), ("service", "install"), ("service", "remove"), ("doctor",)}
-"""What starts a robot, writes into the system or looks at this machine: rubbish goes only into what they read first."""
+SETTLE = {("run",), ("agent",), ("mcp",), ("service", "install"), ("service", "remove"), ("doctor",)}
+"""What starts a robot, serves its input, writes into the system or looks at this machine: rubbish goes only into what they
+read first."""
 
 
 def named(path: tuple[str, ...]) -> str:
