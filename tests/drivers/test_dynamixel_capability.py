@@ -320,6 +320,8 @@ def test_a_servo_that_hears_again_after_a_motion_has_ended_does_not_catch_up_wit
     else:
         rig.send(**end)
     rig.until(lambda: rig.servo(2).goal_rad is None)
+    ended = rig.ctx.state.sweep
+    rig.until(lambda: rig.ctx.state.sweep > ended + 1)  # all that was written before has been read by the chain
     chain.dead.clear()
     rig.until(lambda: rig.servo(2).raw == 600 and rig.servo(2).goal_rad is not None)
     rig.until(lambda: len(chain.log) > 20)
