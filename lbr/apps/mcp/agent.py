@@ -56,11 +56,11 @@ DO = {
     "unknown_command": "`words` lists what may be said",
     "unreachable": "`why` says what is gone",
 }
-"""What an agent can do about a code."""
+"""The cure of a code, for an agent."""
 
 
 class Outcome(Struct, frozen=True, kw_only=True):
-    """What a tool answers: `code` is one of docs/reference/codes.md; `do` is what can be done about it."""
+    """The answer of a tool: `code` is one of docs/reference/codes.md, `do` the cure."""
 
     code: str
     text: str
@@ -80,7 +80,7 @@ class Outcome(Struct, frozen=True, kw_only=True):
 
 
 def refused(err: LbrError) -> Outcome:
-    """Return what a refusal says, by its code."""
+    """Return the outcome of a refusal, by its code."""
     code = getattr(err, "code", "") or ("unreachable" if isinstance(err, BusError) else "refused")
     return Outcome(code=code, text=str(err), do=DO.get(code, ""))
 
@@ -90,8 +90,8 @@ def clean_name(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_.-]+", "-", name).strip("-.")[:30] or "agent"
 
 
-class Asking(Exception):  # noqa: N818 - it is no error
-    """A person must be asked before; raised by who cannot wait for the answer."""
+class MustAskError(Exception):
+    """A person must be asked first, and the call cannot wait for the answer."""
 
 
 class Way(Struct, frozen=True, kw_only=True):
@@ -102,7 +102,7 @@ class Way(Struct, frozen=True, kw_only=True):
 
 
 class Plan(NamedTuple):
-    """What `preview` has planned, and until when it may be done."""
+    """A planned motion, and until when it may be done."""
 
     tool: Tool
     arguments: Mapping[str, Any]
@@ -218,7 +218,7 @@ class Agent:
         return Outcome(code="done", text=answer.ending or answer.text)
 
     async def _ask(self, tool: Tool, given: Mapping[str, Any], known: Known, line: str, way: Way) -> None:
-        """Have a person asked, where the row says so; raise InputError if they do not let it."""
+        """Ask a person where the row requires it; raise InputError if the person does not agree."""
         wanted = set(known.rules.ask) & _asked_before(tool, given, known, line) - self._confirmed
         if not wanted or self.name in (await self._rules(await self._connected())).allowed:
             return
@@ -342,7 +342,7 @@ class Agent:
         return properties
 
     async def _note(self, tool: str, arguments: Mapping[str, Any], outcome: Outcome) -> None:
-        """Tell everybody what was asked for and what became of it; the robot writes it into its audit trail."""
+        """Publish the call and its outcome as an event; the robot writes it into its audit trail."""
         asked = ", ".join(f"{name}={bounds.brief(value)}" for name, value in list(arguments.items())[:8])
         text = f"{self.name} asked for {bounds.brief(tool)}({asked}): {outcome.code}: {one_line(outcome.text)}"
         robot = self._robot
@@ -364,7 +364,7 @@ class Agent:
 
 
 def _asked_before(tool: Tool, given: Mapping[str, Any], known: Known, line: str) -> set[str]:
-    """Return what a person may have to be asked before, of a motion."""
+    """Return the questions of a motion that a row may require."""
     if tool.name == "say":
         word = line.strip("/").split("/")[0]
         targets = {str(entry["target"]) for entry in known.words if entry["word"] == word}

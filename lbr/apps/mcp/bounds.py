@@ -20,8 +20,7 @@ def fields(pattern: str) -> list[str]:
 
 
 def of_field(described: Mapping[str, Any], choices: list[Any], most: float | None = None) -> Schema:
-    """Return the schema of one field: what its message says, the names that the rows have, and a limit of the agents'
-    own."""
+    """Return the schema of one field: bounds of its message, names of the rows, and a limit for agents."""
     schema = {name: described[name] for name in KEPT if name in described}
     if TYPED_MINIMUM in described:
         schema["minimum"] = described[TYPED_MINIMUM]

@@ -16,6 +16,7 @@ from lbr.apps.mcp.agent import Agent, rules_of
 from lbr.apps.mcp.kind import McpSettings
 from lbr.apps.mcp.messages import AllowAgent, McpState
 from lbr.apps.mcp.pulses import pulse_of_http
+from lbr.apps.mcp.roster import Roster
 from lbr.apps.mcp.server import Context as AgentContext
 from lbr.apps.mcp.server import McpServer
 from lbr.apps.web.access import Access
@@ -79,7 +80,7 @@ class Mcp(Capability[McpSettings]):
         self._counts = Counts()
         self._address = AdvertisedAddress(cast("Any", ctx.settings), ctx.settings.port, here=tuple)
         self._serving: Serving | None = None
-        self._agents: dict[tuple[str, str], Agent] = {}
+        self._roster = Roster(AGENTS)
         self._allowed: tuple[str, ...] = ()
         self._tell_at = 0.0
 
@@ -98,10 +99,11 @@ class Mcp(Capability[McpSettings]):
             server.sdk, max_request_body_size=LARGEST_BODY, max_sessions=SESSIONS, session_idle_timeout=IDLE_S
         )
         pages = Pages(())
+        gate = Gate(Access((), self.ctx.rows(LanUser)), pages)
         app = application(
             (),
-            Door(Gate(Access((), self.ctx.rows(LanUser)), pages), manager),
-            gate=Gate(Access((), self.ctx.rows(LanUser)), pages),
+            Door(gate, manager),
+            gate=gate,
             pages=pages,
             rates=Rates(REQUESTS_HZ),
             own_names=frozenset(name.lower() for name in (*settings.names, *self._address.names)),
@@ -116,7 +118,7 @@ class Mcp(Capability[McpSettings]):
             self.ctx.event("exposed", text, level="warning")
 
     def step(self) -> None:
-        """Let those drive whom a person allows, and tell how it is."""
+        """Publish the rules, and the agents that a person allowed."""
         now = self.ctx.clock()
         self._bridge.serve()
         while self._counts.news:
@@ -153,21 +155,19 @@ class Mcp(Capability[McpSettings]):
                 await asyncio.Event().wait()
         finally:
             await server.close()
-            for agent in self._agents.values():
-                await agent.close()
+            await self._roster.close()
 
     def _agent(self, ctx: AgentContext) -> Agent:
-        """Return the agent of a request, by who asks and what its program is called."""
+        """Return the agent of a request, by its client, its program and its role."""
         client: Client = cast("HTTPConnection", ctx.request).scope[CLIENT]
         params = ctx.session.client_params
         name = params.client_info.name if params is not None else ""
-        key = (who(client), name)
-        if key not in self._agents:
-            if len(self._agents) >= AGENTS:
-                raise InputError(f"{AGENTS} agents have been here; the server knows no more", "busy")
-            role, robot = client.role or "view", self.ctx.robot
-            self._agents[key] = Agent(name, lambda source: aio.connect(robot, name=source, role=role), rules_of)
-        return self._agents[key]
+        role, robot = client.role or "view", self.ctx.robot
+
+        def made() -> Agent:
+            return Agent(name, lambda source: aio.connect(robot, name=source, role=role), rules_of)
+
+        return self._roster.agent((who(client), name, role), made)
 
     def _urls(self) -> tuple[str, ...]:
         return tuple(f"{url.rstrip('/')}{PATH}" for url in self._address.urls)

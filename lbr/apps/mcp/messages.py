@@ -28,7 +28,7 @@ AgentName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_.-]{1,30}$(?!\n)")]
 
 
 class Rules(Struct, frozen=True, kw_only=True):
-    """What agents may do. A person is asked before what `ask` names: the first motion of an agent (`first`), a motion of
+    """The rules for agents. A person is asked before what `ask` names: the first motion of an agent (`first`), a motion of
     a humanoid (`play`), and more power than `fast_power` (`fast`)."""
 
     words: tuple[str, ...] = WORDS

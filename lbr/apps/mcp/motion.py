@@ -23,14 +23,14 @@ class Pulse(Protocol):
     patience_s: float
 
     def why_not(self) -> str:
-        """Return why nothing can tell whether the client lives; empty if something can."""
+        """Return why the life of the client cannot be observed; empty if it can."""
 
     async def follow(self, beat: Callable[[], None]) -> None:
         """Call `beat` at each sign of life, until cancelled."""
 
 
 class Motion:
-    """A line that is said, and what it moves: kept only while `beat` is called; `end` stops it for a reason."""
+    """A console line and its motion, which goes on only while `beat` is called; `end` stops it for a reason."""
 
     def __init__(
         self, robot: AsyncRobot, line: str, hold_s: float, clock: Callable[[], float] = time.monotonic

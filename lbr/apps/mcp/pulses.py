@@ -1,4 +1,4 @@
-"""Signs of life of a client over HTTP, whose connection says nothing of a program that is frozen."""
+"""Signs of life of a client over HTTP: its connection stays open while its program is frozen."""
 
 import asyncio
 from collections.abc import Callable
@@ -22,7 +22,7 @@ class Pings:
         self._ctx = ctx
 
     def why_not(self) -> str:
-        """Return nothing: each client answers pings."""
+        """Return an empty text: each client answers pings."""
         return ""
 
     async def follow(self, beat: Callable[[], None]) -> None:
@@ -44,11 +44,11 @@ class Rounds:
         self.beat: Callable[[], None] = lambda: None
 
     def why_not(self) -> str:
-        """Return nothing: each client asks again."""
+        """Return an empty text: each client asks again."""
         return ""
 
     async def follow(self, beat: Callable[[], None]) -> None:
-        """Have `beat` called by who sees the client ask."""
+        """Leave `beat` to the server, which receives the next request of the client."""
         self.beat = beat
         await asyncio.Event().wait()
 

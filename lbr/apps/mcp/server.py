@@ -14,7 +14,7 @@ from mcp.server.lowlevel import Server
 from mcp.shared.exceptions import MCPError
 from mcp_types.version import MODERN_PROTOCOL_VERSIONS
 
-from lbr.apps.mcp.agent import Agent, Asking, Outcome, Way, encoded, refused
+from lbr.apps.mcp.agent import Agent, MustAskError, Outcome, Way, encoded, refused
 from lbr.apps.mcp.motion import Motion, Pulse
 from lbr.apps.mcp.tools import TOOLS, Known, Tool
 from lbr.client import InputError, LbrError, Said
@@ -148,7 +148,7 @@ class McpServer:
             if capabilities is None or capabilities.elicitation is None:
                 return False
             if modern:
-                raise Asking(text)
+                raise MustAskError(text)
             answer = await ctx.session.elicit_form(text, YES, related_request_id=ctx.request_id)
             return bool(answer.action == "accept")
 
@@ -158,17 +158,15 @@ class McpServer:
                 return result(await work)
             call = Round(work)
             return await self._next_round(secrets.token_urlsafe(24), call)
-        except Asking as asking:
+        except MustAskError as asking:
             return self._question(str(asking), params)
 
     async def _next_round(self, state: str, call: Round) -> Answer:
         try:
             outcome = await call.answer()
-        except BaseException:
+        finally:
             self._rounds.pop(state, None)
-            raise
         if outcome is not None:
-            self._rounds.pop(state, None)
             return result(outcome)
         self._rounds[state] = call
         call.task.add_done_callback(lambda task: task.cancelled() or task.exception())
@@ -209,7 +207,7 @@ async def beside(work: Awaitable[Said], other: Awaitable[None]) -> Said:
 
 
 def described(tool: Tool, known: Known) -> types.Tool:
-    """Return a tool as agents are told of it."""
+    """Return the description of a tool in the protocol."""
     return types.Tool(
         name=tool.name,
         title=tool.title,

@@ -1,4 +1,4 @@
-"""The server for agents, or the sentence that says what it lacks."""
+"""The server for agents, or an error that names the missing extra."""
 
 try:
     from lbr.apps.mcp.capability import Mcp

@@ -21,7 +21,7 @@ from lbr.client.aio import AsyncRobot
 
 BLANK = b" "
 """JSON may begin with blanks, so that a message reads the same after them."""
-UNSEEN = "nothing tells whether the client of this agent lives: start it with a pipe or a socket as standard output"
+UNSEEN = "the life of this agent's client cannot be observed: start it with a pipe or a socket as standard output"
 
 
 class Pipe:
@@ -44,7 +44,7 @@ class Pipe:
         """Nothing is kept back."""
 
     def why_not(self) -> str:
-        """Return why nothing tells whether the client lives; empty if the pipe does."""
+        """Return why the life of the client cannot be observed; empty if the pipe shows it."""
         return "" if self._question else UNSEEN
 
     async def follow(self, beat: Callable[[], None]) -> None:
@@ -85,7 +85,7 @@ class Pipe:
 
 
 def serve(connect: Callable[[str], AsyncRobot]) -> None:
-    """Serve the client at standard input and output until it closes them, or this process is told to end."""
+    """Serve the client at standard input and output until it closes them, or a signal ends this process."""
     pipe = Pipe(os.dup(1))
     os.dup2(2, 1)  # what else is printed here is no message
     asyncio.run(_served(pipe, connect))

@@ -1,4 +1,4 @@
-"""The tools that agents have: few, fixed, each with its bounds and the line that it says. Pure.
+"""The tools of agents: few, fixed, each with its bounds and its console line. Pure.
 
 A tool that moves stands for a word of the robot, and is there if the robot has that word. What has no tool and no word
 that the row allows cannot be asked for: no reset, no torque, no rows, no tokens, no key of the bus.
@@ -22,7 +22,7 @@ STOPS = frozenset({"s", "S", "stop"})
 
 
 class Known(Struct, frozen=True, kw_only=True):
-    """What is known of a robot: its words, as `help` lists them, and the fields of their messages."""
+    """The words of a robot, as `help` lists them, and the fields of their messages."""
 
     words: tuple[dict[str, Any], ...] = ()
     described: dict[str, Mapping[str, Any]] = {}
@@ -44,7 +44,7 @@ class Known(Struct, frozen=True, kw_only=True):
         return [one for one in self.words if self.allows(one)]
 
     def allows(self, entry: Mapping[str, Any]) -> bool:
-        """Say whether agents may say a word: the row names it, it starts no program, and needs no administrator."""
+        """Return whether agents may use a word: the row names it, it starts no program, and needs no administrator."""
         stops = entry["word"] in STOPS and entry.get("role") == "view"
         named = entry["word"] in self.rules.words
         return stops or (named and entry.get("role") != "admin" and entry.get("target") != "external")
@@ -62,7 +62,7 @@ class Tool(Struct, frozen=True, kw_only=True):
     repeats: bool = False
     patterns: tuple[str, ...] = ()
     seconds: tuple[float, float] | None = None
-    """For how long it moves at most, and if nothing else is said."""
+    """The longest motion, and the default."""
     own: Callable[[Known], dict[str, Schema]] = lambda _known: {}
     required: tuple[str, ...] = ()
 
@@ -231,7 +231,7 @@ NAMED = {tool.name: tool for tool in TOOLS}
 
 
 def named(name: str) -> Tool:
-    """Return a tool by its name; raise InputError if there is none."""
+    """Return a tool by its name; raise InputError for an unknown one."""
     if name not in NAMED:
         names = ", ".join(NAMED)
         raise InputError(f"there is no tool '{bounds.brief(name)}'; there are {names}", "unknown_command")
@@ -239,7 +239,7 @@ def named(name: str) -> Tool:
 
 
 def allowed_line(line: str, known: Known) -> str:
-    """Return a line that an agent may say; raise InputError for every other."""
+    """Return a line that an agent may send; raise InputError for every other."""
     text = line.strip()
     if not text or not text.isprintable():
         raise InputError("a line has one or more printable characters, and no line breaks")

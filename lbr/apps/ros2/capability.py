@@ -82,7 +82,7 @@ class Ros2(Capability[Ros2Settings]):
         self._link.start()
 
     def step(self) -> None:
-        """Do one round: who is there, what came, what moves, what is shown."""
+        """Do one round: entities, messages, motion, publishing."""
         now = self.ctx.clock()
         self._look_after_link()
         self._look_who_is_there()
@@ -163,7 +163,7 @@ class Ros2(Capability[Ros2Settings]):
         self._driving.leave(driver if unknown and gid != driver else gid, why)
 
     def _complain_once(self, text: str, code: str) -> None:
-        """Tell once what is wrong with what somebody publishes."""
+        """Report each fault of a publisher once."""
         if text and text not in self._reported and len(self._reported) < MOST_REPORTED:
             self._reported.add(text)
             self._tell_refusal(text, code)
@@ -177,7 +177,7 @@ class Ros2(Capability[Ros2Settings]):
         type_ = wire.type_in(sample.key)
         try:
             if wire.hash_in(sample.key) not in (codec.type_hash(type_), wire.HUMBLE_HASH):
-                return  # of another type by that name, which its token told
+                return  # another type of that name, reported by its token already
             twist = codec.twist(type_, sample.payload)
         except InputError as err:
             self._driving.malformed(by.gid, str(err))

@@ -1,4 +1,4 @@
-"""Which twist the robot is to follow, by what publishers in ROS say, and why it is to stand. Pure.
+"""The twist that the robot follows, by the publishers in ROS, or why it stands. Pure.
 
 One publisher drives at a time. It is the first with a twist other than zero, until it rests, falls silent or leaves.
 After any interruption that publisher must send a twist of zero before it moves the robot again. So nothing resumes by
@@ -67,7 +67,7 @@ class Publisher:
         self.reported: set[Code] = set()
 
     def lose(self) -> None:
-        """Have it say zero before anything moves by it again."""
+        """Require a twist of zero before it moves the robot again."""
         self.twist, self.rested = None, False
 
 
@@ -144,7 +144,7 @@ class Driving:
             publisher.lose()
 
     def end_all(self, why: Reason) -> None:
-        """Have every publisher that is there rest before anything moves."""
+        """Require a twist of zero of every publisher."""
         self.end(why)
         for publisher in self._publishers.values():
             publisher.lose()

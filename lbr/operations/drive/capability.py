@@ -33,7 +33,7 @@ from lbr.operations.lender import Answers, LeasingCapability, new_goal, said_by
 
 STATE_PERIOD_S = 0.1
 RESTING_PERIOD_S = 0.5
-"""Half as long as who drives by the state believes it."""
+"""Half of the age at which readers call the state too old."""
 MOTIONS = frozenset({"command", "turn", "heading", "twist"})
 NO_ANSWERS: Mapping[str, Any] = {}
 UNANSWERED: Mapping[str, Any] = {"(none in time)": None}

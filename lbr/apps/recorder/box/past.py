@@ -28,7 +28,7 @@ class Past:
         self._asked: list[tuple[Call, Future[Struct]]] = []
 
     def ask(self, call: Call, read: Callable[[Shelf, Any], Struct]) -> None:
-        """Have a question answered."""
+        """Read the answer of a question on the thread."""
         if len(self._asked) >= MOST_WAITING:
             call.refuse("other questions about the past are being answered; ask again", "busy")
             return
@@ -45,6 +45,8 @@ class Past:
                 call.reply(reading.result())
             except InputError as err:
                 call.refuse(str(err), err.code)
+            except OSError as err:  # a file went while it was read, as the oldest do
+                call.refuse(f"the box cannot be read: {err}", "unreachable")
 
     def close(self) -> None:
         """Answer nothing more."""
