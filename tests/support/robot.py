@@ -81,8 +81,10 @@ class Robot(robots.Robot):
     line = robots.Robot.say
 
     def status(self) -> dict[str, Any]:
-        """Return its status; on a busy machine an answer may come only when it is asked for again."""
-        return dict(until(lambda: self.ask("@status"), what="the robot's status"))
+        """Return its status, asked for once."""
+        status = self.ask("@status", timeout_s=HANG_S)
+        assert status is not None, "the executive does not answer"
+        return dict(status)
 
     def capability(self, name: str) -> dict[str, Any]:
         absent = {"name": name, "phase": "absent", "pid": None, "reason": "", "restarts": 0}
