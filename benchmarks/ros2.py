@@ -33,7 +33,7 @@ from tests.support.trace import Line, Trace
 from tests.support.waiting import STOPS_S, until
 
 SMOKE = "--n 10 --kills 1"
-FASTEST_RPS, STEP_RPS, STEPS = 1.2, 0.02, 40
+FASTEST_RPS, STEP_RPS, STEPS, TURN_RPS = 1.2, 0.02, 40, 0.6
 SETTLE_S, PERIOD_S, GIVE_UP_S, STAYS_S = 0.8, 0.06, 0.5, 1.0
 SIDES = os.environ.get("LBR_ROS_SIDES", "")
 PROMISES = {
@@ -192,7 +192,11 @@ def _death(results: Results, figure: str, node: "subprocess.Popen[str]", trace: 
     """Have a node drive, end what it drives by, and see the motors stand and stay so."""
 
     def drives() -> bool:
-        _publish(node, 0.2, 0.0)
+        _publish(node, 0.0, 0.0)  # for one that a busy machine held up, and that has lost the robot by that
+        _publish(node, 0.0, TURN_RPS)
+        end = time.monotonic() + GIVE_UP_S
+        while trace.now().zero and time.monotonic() < end:
+            select.select([], [], [], 0.01)
         return not trace.now().zero
 
     until(drives, "turning wheels")

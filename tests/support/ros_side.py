@@ -1,6 +1,7 @@
 """A node of ROS 2 as rmw_zenoh has it on the wire, by zenoh alone: a drive of teleop, a subscriber, a client of services.
 
-ros_side.py ENDPOINT      publishes a twist on /cmd_vel 20 times a second, until it is killed
+ros_side.py ENDPOINT                                 publishes a twist on /cmd_vel 20 times a second, until it is killed
+ros_side.py ENDPOINT --once TOPIC TYPE HASH HEX      publishes a message once, and stays
 """
 
 import json
@@ -127,5 +128,11 @@ def main(endpoint: str, *, lines: bool) -> None:
 if __name__ == "__main__":
     if "--router" in sys.argv:
         with opened(sys.argv[1], router=True):
+            signal.pause()
+    if "--once" in sys.argv:
+        topic, dds, hash_, payload = sys.argv[3:]
+        with opened(sys.argv[1]) as session:
+            node = Node(session)
+            node.publisher(topic, (dds, hash_)).put(bytes.fromhex(payload))
             signal.pause()
     main(sys.argv[1], lines="--lines" in sys.argv)

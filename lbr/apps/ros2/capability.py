@@ -15,6 +15,7 @@ from lbr.apps.ros2.kind import STOP, Ros2Settings
 from lbr.apps.ros2.link import Link, Place, Request, Sample
 from lbr.apps.ros2.messages import Ros2State
 from lbr.apps.ros2.showing import Showing
+from lbr.apps.ros2.trajectory import TRAJECTORY, trajectory
 from lbr.apps.ros2.wire import Endpoint
 from lbr.apps.ros2.words import Reply, Words
 from lbr.bus.door import TokenRight
@@ -22,15 +23,18 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Context
 from lbr.errors import InputError
 from lbr.leases.client import LeaseTarget
-from lbr.leases.holder import FINAL, GONE, Holder
+from lbr.leases.holder import FINAL, GONE, RESULT_S, Holder
 from lbr.messages.codes import Reason
-from lbr.messages.drive import GoalResult
-from lbr.messages.joints import Joint
+from lbr.messages.drive import GoalResult, TwistCommand
+from lbr.messages.joints import Joint, JointsCommand
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.system import RANKS
 
-DRIVE = LeaseTarget("twist", "halt", "drive", f"the drive: {GONE}")
+LENDERS = {
+    TwistCommand: LeaseTarget("twist", "halt", "drive", f"the drive: {GONE}"),
+    JointsCommand: LeaseTarget("joints_move", "joints_halt", "joints", f"the joints: {GONE}", result_s=RESULT_S),
+}
 ACTIVE_HZ, RESTING_HZ = 50.0, 4.0
 TELL_S, TELL_NEWS_S = 2.0, 0.25
 ROUTER_GONE = Reason("unreachable", "the router of ROS is gone, and with it who could stop this")
@@ -49,7 +53,8 @@ class Ros2(Capability[Ros2Settings]):
         denied = self._denied()
         sensors = ctx.rows(RangeSensor)
         self._ports = topics.ports(settings, ctx.sources, sensors)
-        self._accepted = topics.accepted(settings) if ctx.targets("twist") else {}
+        self._accepted = topics.accepted(settings, ctx.sources)
+        self._joints = frozenset(one.name for one in ctx.rows(Joint))
         self._graph = Graph()
         limits = Limits(
             speed_mps=settings.speed_mps,
@@ -90,8 +95,9 @@ class Ros2(Capability[Ros2Settings]):
             self._receive(sample)
         for request in self._link.requests():
             self._call(request)
-        self._drive(now)
-        self._words.step([one.message for one in self.ctx.take("results") if isinstance(one.message, GoalResult)])
+        results = [one.message for one in self.ctx.take("results") if isinstance(one.message, GoalResult)]
+        self._drive(now, results)
+        self._words.step(results)
         self._report_losses()
         if self._link.connected:
             self._showing.step(now)
@@ -178,11 +184,13 @@ class Ros2(Capability[Ros2Settings]):
         try:
             if wire.hash_in(sample.key) not in (codec.type_hash(type_), wire.HUMBLE_HASH):
                 return  # another type of that name, reported by its token already
-            twist = codec.twist(type_, sample.payload)
+            motion = (
+                trajectory(sample.payload, self._joints) if type_ == TRAJECTORY else codec.twist(type_, sample.payload)
+            )
         except InputError as err:
             self._driving.malformed(by.gid, str(err))
             return
-        self._driving.receive(Asked(twist, by, sample.arrived_s, sample.wall_ns))
+        self._driving.receive(Asked(motion, by, sample.arrived_s, sample.wall_ns))
 
     def _call(self, request: Request) -> None:
         if request.service == STOP:
@@ -196,25 +204,29 @@ class Ros2(Capability[Ros2Settings]):
 
         return reply
 
-    def _drive(self, now: float) -> None:
-        """Follow the twist under a lease; whoever loses it begins anew only after rest."""
+    def _drive(self, now: float, results: list[GoalResult]) -> None:
+        """Follow what is asked for under a lease; whoever loses it begins anew only after rest."""
         command = self._driving.command(now, self.ctx.settings.ttl_s)
         rests = self._driving.stands if command is None else None
-        ended = self._holder.step(gone=rests)
+        # What a trajectory supersedes is one of ROS before it.
+        ended = self._holder.step([one for one in results if one.result != "superseded"], gone=rests)
         if ended is not None and ended is not rests:
-            end = self._driving.end_all if ended.code in FINAL else self._driving.end
-            end(ended)
-        elif command is not None and self._holder.asks:
+            if self._holder.good:
+                self._driving.finish()
+            else:
+                end = self._driving.end_all if ended.code in FINAL else self._driving.end
+                end(ended)
+        elif command is not None and self._holder.asks and isinstance(self._holder.motion, type(command)):
             self._holder.change(command)
         elif command is not None:
-            self._words.halt("cmd_vel is used")
-            self._holder.begin(DRIVE, command)
+            self._words.halt("a topic is used")
+            self._holder.begin(LENDERS[type(command)], command)
 
     def _report_losses(self) -> None:
         """Tell each refusal and end once."""
         losses, self._driving.lost = self._driving.lost, []
         for gid, why in losses:
-            self._tell_refusal(f"{self._graph.name(gid)} on {topics.CMD_VEL}: {why}", why.code)
+            self._tell_refusal(f"{self._graph.name(gid)}{self._graph.place(gid)}: {why}", why.code)
 
     def _tell_refusal(self, text: str, code: str) -> None:
         self._refused += 1

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cache
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from lbr.apps.ros2.wire import HUMBLE_HASH
 from lbr.errors import InputError
+from lbr.messages.codes import Reason
 
 TWIST, TWIST_STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 TRIGGER = "std_srvs/srv/Trigger"
@@ -30,6 +32,16 @@ class Stamped(NamedTuple):
     vy_mps: float
     wz_rps: float
     made_ns: int | None
+
+    @property
+    def rests(self) -> bool:
+        """Return whether it asks for no motion."""
+        return not any(self[:3])
+
+    @property
+    def trouble(self) -> Reason | None:
+        """Return why it cannot be followed."""
+        return None if all(map(isfinite, self[:3])) else Reason("bad_value", "its twist is not a number")
 
 
 @cache
@@ -65,7 +77,7 @@ def twist(type_: str, data: bytes) -> Stamped:
     message = decode(type_, data)
     made_ns = None
     if type_ == TWIST_STAMPED:
-        made_ns = message.header.stamp.sec * S_NS + message.header.stamp.nanosec or None
+        made_ns = nanoseconds(message.header.stamp) or None
         message = message.twist
     return Stamped(message.linear.x, message.linear.y, message.angular.z, made_ns)
 
@@ -74,6 +86,11 @@ def answer(text: str, *, success: bool) -> bytes:
     """Return the response of a Trigger."""
     message = text.encode() + b"\x00"
     return HEAD + bytes([success, 0, 0, 0]) + len(message).to_bytes(4, "little") + message
+
+
+def nanoseconds(time: Any) -> int:
+    """Return a time of a header, or a duration, in nanoseconds."""
+    return int(time.sec) * S_NS + int(time.nanosec)
 
 
 def stamp(at_ns: int) -> dict[str, int]:

@@ -1,20 +1,22 @@
-"""The twist that the robot follows, by the publishers in ROS, or why it stands. Pure.
+"""The twist or the trajectory that the robot follows, by the publishers in ROS, or why it stands. Pure.
 
-One publisher drives at a time. It is the first with a twist other than zero, until it rests, falls silent or leaves.
-After any interruption that publisher must send a twist of zero before it moves the robot again. So nothing resumes by
-itself. Another publisher may begin at once.
+One publisher drives at a time. It is the first that asks for motion, until it rests or leaves, its twists fall silent, or
+its trajectory is over. After any interruption that publisher must send a twist of zero, or an empty trajectory, before
+it moves the robot again. So nothing resumes by itself. Another publisher may begin at once.
 """
 
 from collections import OrderedDict
-from math import hypot, isfinite
+from math import hypot
 from typing import NamedTuple
 
 from msgspec import Struct
 
 from lbr.apps.ros2.codec import S_NS, Stamped
+from lbr.apps.ros2.trajectory import Way
 from lbr.apps.ros2.wire import Attachment
 from lbr.messages.codes import Code, Reason
 from lbr.messages.drive import TwistCommand
+from lbr.messages.joints import JointsCommand
 
 MOST_PUBLISHERS = 64
 WINDOW_S = 30.0
@@ -32,9 +34,9 @@ class Limits(Struct, frozen=True, kw_only=True):
 
 
 class Asked(NamedTuple):
-    """A twist, what came with it, and when it came by the monotonic and by the wall clock here."""
+    """A twist or a trajectory, what came with it, and when it came by the monotonic and by the wall clock here."""
 
-    twist: Stamped
+    motion: Stamped | Way
     by: Attachment
     arrived_s: float
     wall_ns: int
@@ -56,23 +58,28 @@ class Clock:
 
 
 class Publisher:
-    """A publisher of twists. It may begin once it `rested`, or if it never drove."""
+    """A publisher of motion. It may begin once it `rested`, or if it never drove."""
 
     def __init__(self) -> None:
         self.clock = Clock()
         self.sequence: int | None = None
-        self.twist: Stamped | None = None
+        self.motion: Stamped | Way | None = None
         self.heard_s = 0.0
         self.rested = True
         self.reported: set[Code] = set()
 
+    def rest(self) -> None:
+        """Let it begin anew."""
+        self.motion, self.rested = None, True
+        self.reported.clear()
+
     def lose(self) -> None:
-        """Require a twist of zero before it moves the robot again."""
-        self.twist, self.rested = None, False
+        """Require that it rests before it moves the robot again."""
+        self.motion, self.rested = None, False
 
 
 class Driving:
-    """`receive` twists, and ask for the `command` to follow; `lost` are refusals and ends that are still to be reported.
+    """`receive` motion, and ask for the `command` to follow; `lost` are refusals and ends that are still to be reported.
 
     With a reason why it is `denied`, nobody in ROS drives.
     """
@@ -91,7 +98,7 @@ class Driving:
         return self._driver
 
     def receive(self, asked: Asked) -> None:
-        """Receive a twist of a publisher."""
+        """Receive a twist or a trajectory of a publisher."""
         publisher = self._publisher(asked.by.gid)
         refusal = self._unfit(publisher, asked)
         if refusal is not None and refusal.code == "repeated":
@@ -100,34 +107,44 @@ class Driving:
             self._refuse(asked.by.gid, publisher, refusal)
             return
         publisher.heard_s = asked.arrived_s
-        if not any(asked.twist[:3]):
-            publisher.twist, publisher.rested = None, True
-            publisher.reported.clear()
+        if asked.motion.rests:
+            publisher.rest()
             if self._driver == asked.by.gid:
                 self._driver, self._stands = b"", AT_REST
         elif self._denied is not None:
             self._report(asked.by.gid, publisher, self._denied)
         elif not publisher.rested:
-            self._report(asked.by.gid, publisher, Reason("rest_first", "it goes on: a twist of zero must come first"))
+            self._report(asked.by.gid, publisher, Reason("rest_first", f"it goes on: {_rest(asked)} must come first"))
         elif self._driver not in {b"", asked.by.gid}:
             self._report(asked.by.gid, publisher, Reason("held", "another publisher in ROS drives the robot"))
         else:
-            self._driver, publisher.twist = asked.by.gid, asked.twist
+            self._driver, publisher.motion = asked.by.gid, asked.motion
 
-    def command(self, now: float, ttl_s: float) -> TwistCommand | None:
-        """Return the twist to follow; None: the robot is to stand, for the reason `stands`."""
+    def command(self, now: float, ttl_s: float) -> TwistCommand | JointsCommand | None:
+        """Return the motion to follow; None: the robot is to stand, for the reason `stands`.
+
+        A trajectory is sent once, so that the silence of its publisher means nothing.
+        """
         driver = self._publishers.get(self._driver)
-        if driver is None or driver.twist is None:
+        if driver is None or driver.motion is None:
             return None
+        if isinstance(driver.motion, Way):
+            return JointsCommand(frames=driver.motion.frames, ttl_s=ttl_s)
         if not now - driver.heard_s <= self._limits.silent_s:  # this way round, NaN is silence
             self.end(Reason("holder_gone", f"it said nothing for {self._limits.silent_s:g} s"))
             return None
-        return self._limited(driver.twist, ttl_s)
+        return self._limited(driver.motion, ttl_s)
 
     @property
     def stands(self) -> Reason:
         """Return why the robot is to stand."""
         return self._stands
+
+    def finish(self) -> None:
+        """What goes on has come to its end as planned."""
+        gid, self._driver, self._stands = self._driver, b"", AT_REST
+        if (publisher := self._publishers.get(gid)) is not None:
+            publisher.rest()
 
     def end(self, why: Reason) -> None:
         """End what goes on: who drove must rest before it moves the robot again."""
@@ -144,7 +161,7 @@ class Driving:
             publisher.lose()
 
     def end_all(self, why: Reason) -> None:
-        """Require a twist of zero of every publisher."""
+        """Require of every publisher that it rests."""
         self.end(why)
         for publisher in self._publishers.values():
             publisher.lose()
@@ -170,13 +187,11 @@ class Driving:
         late_s = publisher.clock.late_s((asked.wall_ns - asked.by.sent_ns) / S_NS, asked.arrived_s)
         if not late_s <= self._limits.late_s:
             return Reason("late", f"it came {late_s:.1f} s late")
-        made_ns = asked.twist.made_ns
+        made_ns = asked.motion.made_ns
         if made_ns is not None and not abs(old_s := (asked.by.sent_ns - made_ns) / S_NS) <= self._limits.late_s:
             when = "in the past" if old_s > 0 else "in the future"
             return Reason("late", f"its header's stamp is {abs(old_s):.1f} s {when}")
-        if not all(map(isfinite, asked.twist[:3])):
-            return Reason("bad_value", "its twist is not a number")
-        return None
+        return asked.motion.trouble
 
     def _refuse(self, gid: bytes, publisher: Publisher, why: Reason) -> None:
         if gid == self._driver:
@@ -198,3 +213,7 @@ class Driving:
         return TwistCommand(
             vx_mps=twist.vx_mps * share, vy_mps=twist.vy_mps * share, wz_rps=twist.wz_rps * share, ttl_s=ttl_s
         )
+
+
+def _rest(asked: Asked) -> str:
+    return "an empty trajectory" if isinstance(asked.motion, Way) else "a twist of zero"

@@ -16,7 +16,7 @@ class Graph:
     def __init__(self) -> None:
         self._entities: dict[str, Node | Endpoint] = {}
         self._gids: set[bytes] = set()
-        self._names: dict[bytes, str] = {}
+        self._named: dict[bytes, Endpoint] = {}
         self._subscribed: frozenset[tuple[str, str]] | None = None
 
     def come(self, token: str) -> Endpoint | Node | None:
@@ -31,9 +31,9 @@ class Graph:
         self._subscribed = None
         if isinstance(entity, Endpoint):
             self._gids.add(gid := wire.gid(token))
-            self._names[gid] = entity.node.path
-            if len(self._names) > 2 * MOST:
-                self._names.pop(next(iter(self._names)))
+            self._named[gid] = entity
+            if len(self._named) > 2 * MOST:
+                self._named.pop(next(iter(self._named)))
         return entity
 
     def go(self, token: str) -> Endpoint | Node | None:
@@ -65,7 +65,11 @@ class Graph:
 
     def name(self, gid: bytes) -> str:
         """Return the node of an endpoint, for people; also of one that is gone."""
-        return self._names.get(gid, "somebody without a token")
+        return found.node.path if (found := self._named.get(gid)) is not None else "somebody without a token"
+
+    def place(self, gid: bytes) -> str:
+        """Return the topic of an endpoint, for people, after its node."""
+        return f" on {found.topic}" if (found := self._named.get(gid)) is not None else ""
 
     def knows(self, gid: bytes) -> bool:
         """Return whether an endpoint has a token."""

@@ -15,7 +15,7 @@ from lbr.messages.beacon import SeekCommand
 from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import DriveCommand, DriveState, GoalResult, HeadingCommand, TurnCommand, TwistCommand
 from lbr.messages.imu import ImuSample
-from lbr.messages.joints import Joint, JointsState, PlayCommand
+from lbr.messages.joints import Joint, JointsCommand, JointsState, PlayCommand
 from lbr.messages.kinematics import Wheel
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.odometry import OdometryState
@@ -93,6 +93,8 @@ _ASKED = {
     "turn": Wire("drive.turn"),
     "heading": Wire("drive.heading"),
     "halt": Wire("drive.stop"),
+    "joints_move": Wire("joints.command"),
+    "joints_halt": Wire("joints.stop"),
     "play": Wire("motions.play"),
     "play_halt": Wire("motions.stop"),
     "seek": Wire("beacon.seek"),
@@ -109,7 +111,7 @@ _STREAMS: dict[str, type[Struct]] = {
 
 KIND = Kind(
     name="ros2",
-    summary="joins ROS 2 by the wire of rmw_zenoh: sensors out, cmd_vel and services in",
+    summary="joins ROS 2 by the wire of rmw_zenoh: sensors out, motion and services in",
     family="app",
     rights=Rights(
         serves=True,
@@ -126,6 +128,8 @@ KIND = Kind(
         "turn": TurnCommand,
         "heading": HeadingCommand,
         "halt": StopCommand,
+        "joints_move": JointsCommand,
+        "joints_halt": StopCommand,
         "play": PlayCommand,
         "play_halt": StopCommand,
         "seek": SeekCommand,

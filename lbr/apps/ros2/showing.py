@@ -39,6 +39,10 @@ class Showing:
         self._model = model
         self._sensors = {one.name: one for one in sensors}
         self._scans = topics.scan_topics(ctx.sources, sensors)
+        self._of_cameras = [
+            of(one) for one in ctx.sources("frames") for of in (topics.picture_topic, topics.info_topic)
+        ]
+        self._eyes = {shown.CAMERA + one.name: one for one in model.sensors if one.kind == "camera"}
         self._publish = publish
         self._wall_ns = wall_ns
         self._next: dict[str, float] = {}
@@ -76,7 +80,7 @@ class Showing:
             self._diagnosed_s = now
             states = {one: self._state(one, now) for one in PARTS if self._ctx.sources(one)}
             yield DIAGNOSTICS, shown.diagnostics(self._ctx.robot, states, self._wall_ns())
-        if any(topics.picture_topic(camera) in self.wanted for camera in self._ctx.sources("frames")):
+        if not self.wanted.isdisjoint(self._of_cameras):
             yield from self._pictures(now)
 
     @property
@@ -134,9 +138,10 @@ class Showing:
 
     def _pictures(self, now: float) -> Iterator[tuple[str, Fields]]:
         for received in self._ctx.take("frames"):
-            topic = topics.picture_topic(received.source)
-            if topic in self.wanted and self._due(topic, now):
-                yield topic, shown.picture(received.message.data, received.source, self._at_ns(received.arrived))
+            camera, data, at_ns = received.source, received.message.data, self._at_ns(received.arrived)
+            if self._due(topics.picture_topic(camera), now):
+                yield topics.picture_topic(camera), shown.picture(data, camera, at_ns)
+                yield topics.info_topic(camera), shown.camera_info(data, camera, self._eyes.get(camera), at_ns)
 
     def _state(self, port: str, now: float) -> Any:
         """Return the newest state of a part; None: nothing came, or it is old."""

@@ -1,13 +1,14 @@
 """The robot's streams as messages of ROS (REP 103, 105, 117): fields by name; those left out are zero. Pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import inf, nan, pi
+from math import inf, nan, pi, tan
 from typing import Any
 
 from lbr.apps.bodies import turning
-from lbr.apps.bodies.parts import Link, RobotModel
+from lbr.apps.bodies.parts import Link, RobotModel, Sensor
 from lbr.apps.bodies.turning import Place
 from lbr.apps.ros2.codec import header, stamp
+from lbr.bus.pictures import size_px
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.drive import DriveState
@@ -19,6 +20,10 @@ from lbr.messages.sensing import Ranges, RangeSensor, Scan
 ODOM, BASE = "odom", "base_link"
 UNKNOWN = (-1.0, *(0.0,) * 8)
 """The covariance of a value that is not measured."""
+CAMERA = "camera_"
+"""A camera of the body has this before its name as a capability."""
+LENS = Place(turn=(0.5, -0.5, 0.5, -0.5))
+"""ROS has a camera look along its z, with x to the right and y down."""
 ULTRASOUND, INFRARED = 0, 1
 CHARGING, DISCHARGING, NOT_CHARGING = 1, 2, 3
 OK, WARN, ERROR, STALE = range(4)
@@ -61,7 +66,14 @@ def fixed(model: RobotModel, sensors: Iterable[RangeSensor], at_ns: int) -> list
         for link in model.links
         if not moves(link, model) and link.name != BASE
     ]
-    return [*links, *(transform(BASE, frame(one), _seat(one), at_ns) for one in sensors)]
+    eyes = [
+        transform(
+            one.link or BASE, CAMERA + one.name, Place(one.xyz, turning.by_euler(one.rpy, "XYZ")).then(LENS), at_ns
+        )
+        for one in model.sensors
+        if one.kind == "camera"
+    ]
+    return [*links, *eyes, *(transform(BASE, frame(one), _seat(one), at_ns) for one in sensors)]
 
 
 def moves(link: Link, model: RobotModel) -> bool:
@@ -188,6 +200,25 @@ def battery(state: BatteryState, at_ns: int) -> Fields:
 def picture(data: bytes, camera: str, at_ns: int) -> Fields:
     """Return a CompressedImage."""
     return {"header": header(at_ns, camera), "format": "jpeg", "data": data}
+
+
+def camera_info(data: bytes, camera: str, body: Sensor | None, at_ns: int) -> Fields:
+    """Return a CameraInfo of a picture; without a known field of view it is that of a camera not calibrated.
+
+    The lens is taken for one without distortion, and its centre for that of the picture.
+    """
+    width, height = size_px(data) or (0, 0)
+    fields: Fields = {"header": header(at_ns, camera), "width": width, "height": height}
+    if body is None or not body.fov_rad or not height:
+        return fields
+    f, x, y = height / 2 / tan(body.fov_rad / 2), width / 2, height / 2
+    return fields | {
+        "distortion_model": "plumb_bob",
+        "d": [0.0] * 5,
+        "k": [f, 0.0, x, 0.0, f, y, 0.0, 0.0, 1.0],
+        "r": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        "p": [f, 0.0, x, 0.0, 0.0, f, y, 0.0, 0.0, 0.0, 1.0, 0.0],
+    }
 
 
 def diagnostics(robot: str, states: Mapping[str, Any], at_ns: int) -> Fields:

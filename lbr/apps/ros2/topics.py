@@ -4,11 +4,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from lbr.apps.ros2 import codec
 from lbr.apps.ros2.kind import ESTOP, STOP, Ros2Settings
+from lbr.apps.ros2.trajectory import TRAJECTORY
 from lbr.apps.ros2.wire import HUMBLE_HASH, EndpointKind, Port, Qos, topic_key
 from lbr.messages.sensing import RangeSensor
 
-CMD_VEL = "cmd_vel"
-ACCEPTED = (codec.TWIST, codec.TWIST_STAMPED)
+ACCEPTED = {"drive": ("cmd_vel", (codec.TWIST, codec.TWIST_STAMPED)), "joints": ("joint_trajectory", (TRAJECTORY,))}
+"""By the input that tells of what is moved, the topic that moves it and its types."""
 ODOM, TF, TF_STATIC, JOINT_STATES, IMU = "odom", "tf", "tf_static", "joint_states", "imu/data"
 BATTERY, DIAGNOSTICS, DESCRIPTION = "battery_state", "diagnostics", "robot_description"
 SENSED, KEPT = Qos(reliable=False, depth=5), Qos(transient_local=True, depth=1)
@@ -28,11 +29,16 @@ def ports(
     shown = [*_always(), *_measured(sources, tuple(sensors))]
     shown += [(topic, type_, Qos()) for port, (topic, type_) in STREAMS.items() if sources(port)]
     made = {topic: _port(settings, "MP", topic, type_, qos) for topic, type_, qos in shown}
-    for type_ in ACCEPTED if sources("drive") else ():
-        made[type_] = _port(settings, "MS", CMD_VEL, type_, Qos())
+    for topic, types in received(sources).items():
+        made |= {type_: _port(settings, "MS", topic, type_, Qos()) for type_ in types}
     for service in (STOP, ESTOP, *settings.services):
         made[service] = _port(settings, "SS", service, codec.TRIGGER, Qos())
     return made
+
+
+def received(sources: Callable[[str], Sequence[str]]) -> dict[str, tuple[str, ...]]:
+    """Return the topics that move this robot, with their types."""
+    return {topic: types for port, (topic, types) in ACCEPTED.items() if sources(port)}
 
 
 def scan_topics(sources: Callable[[str], Sequence[str]], sensors: Iterable[RangeSensor]) -> dict[str, str]:
@@ -51,9 +57,17 @@ def picture_topic(camera: str) -> str:
     return f"{camera}/image_raw/compressed"
 
 
-def accepted(settings: Ros2Settings) -> dict[str, dict[str, tuple[str, str]]]:
+def info_topic(camera: str) -> str:
+    """Return the topic of what is known of a camera."""
+    return f"{camera}/camera_info"
+
+
+def accepted(settings: Ros2Settings, sources: Callable[[str], Sequence[str]]) -> dict[str, dict[str, tuple[str, str]]]:
     """Return the topics that are received, with their types and the hashes that those may have."""
-    return {f"{settings.namespace}/{CMD_VEL}": {one: (codec.type_hash(one), HUMBLE_HASH) for one in ACCEPTED}}
+    return {
+        f"{settings.namespace}/{topic}": {one: (codec.type_hash(one), HUMBLE_HASH) for one in types}
+        for topic, types in received(sources).items()
+    }
 
 
 def _always() -> Iterator[tuple[str, str, Qos]]:
@@ -73,6 +87,7 @@ def _measured(
             yield range_topic(sensor.name), "sensor_msgs/msg/Range", SENSED
     for camera in sources("frames"):
         yield picture_topic(camera), "sensor_msgs/msg/CompressedImage", SENSED
+        yield info_topic(camera), "sensor_msgs/msg/CameraInfo", SENSED
 
 
 def _port(settings: Ros2Settings, kind: EndpointKind, topic: str, type_: str, qos: Qos) -> Port:

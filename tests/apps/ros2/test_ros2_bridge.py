@@ -6,6 +6,8 @@ import time
 import pytest
 
 from lbr.bus.door import TokenRight
+from lbr.messages.drive import GoalResult
+from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
 from lbr.messages.odometry import OdometryState
 from lbr.messages.system import ConsoleResult
@@ -17,24 +19,28 @@ from tests.support.waiting import until
 
 needs.modules("rosbags")
 needs.modules("xxhash")
-from lbr.apps.ros2.kind import KIND  # noqa: E402 - it needs both
+from lbr.apps.ros2 import codec  # noqa: E402 - it needs both
+from lbr.apps.ros2.kind import KIND  # noqa: E402
+from lbr.apps.ros2.trajectory import TRAJECTORY  # noqa: E402
 from tests.support import ros_side  # noqa: E402
 from tests.support.ros_side import TWIST, twist  # noqa: E402
 
 TICK_S = 0.02
+KNEE = Joint(name="left_knee", device_id=5, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0)
+JOINT_TRAJECTORY = "trajectory_msgs::msg::dds_::JointTrajectory_", codec.type_hash(TRAJECTORY)
 
 
 class World(FakeContext):
     """A drive and a console on the other side of the bus."""
 
-    def __init__(self, **settings):
-        rights = (TokenRight(name="ros", role="operate"),)
+    def __init__(self, *joints, **settings):
+        rights = (TokenRight(name="ros", role="operate"), *joints)
         given = {"token": "ros", "services": {"hello": "/s/hello"}, "late_s": 5.0, **settings}
         super().__init__(KIND, KIND.settings(**given), robot="lbr", name="ros2", given=rights)
-        self.wired = {"scans": (), "frames": (), "joints": ()}
+        self.wired = {"scans": (), "frames": (), "joints": ("joints",) if joints else ()}
         self.lease = ""
-        self.over = False
         self.twists: list[tuple[float, float]] = []
+        self.frames: list[tuple] = []
         self.stops = 0
         self.result = ConsoleResult(code=0, text="hello is said")
 
@@ -47,6 +53,16 @@ class World(FakeContext):
         self.lease = self.lease or f"lease-{len(self.asked)}"
         self.twists.append((message.vx_mps, message.wz_rps))
         return CommandReply(accepted=True, lease=self.lease, ttl_s=message.ttl_s)
+
+    def _joints_move(self, message):
+        if message.lease and message.lease != self.lease:
+            return dead("", "stopped")
+        self.lease = self.lease or f"lease-{len(self.asked)}"
+        self.frames.append(message.frames)
+        return CommandReply(accepted=True, lease=self.lease, goal="goal", ttl_s=message.ttl_s)
+
+    def _joints_halt(self, message):
+        return self._halt(message)
 
     def _halt(self, _message):
         self.lease = ""
@@ -273,3 +289,57 @@ def test_a_stamp_of_the_past_stops_and_is_told(bridge, late_s):
     publisher.put(ros_side.stamped(0.2, time.time() - late_s))
     bridge.until(lambda: bridge.world.lease == "", "its stop")
     assert bridge.told() == ["late"]
+
+
+def bent(*angles, name="left_knee"):
+    """Return a trajectory of a joint, by a point each second."""
+    points = [{"positions": [one], "time_from_start": {"sec": at}} for at, one in enumerate(angles, 1)]
+    return codec.encode(TRAJECTORY, {"joint_names": [name] if angles else [], "points": points})
+
+
+@pytest.fixture
+def humanoid(place):
+    bridge = Bridge(World(KNEE, listen=place), place)
+    yield bridge
+    bridge.close()
+
+
+def bend(bridge, publisher):
+    """Have a publisher move the joints."""
+    publisher.put(bent(0.5, 0.2))
+    bridge.until(lambda: bridge.world.lease, "motion")
+    assert [frame.positions for frame in bridge.world.frames[-1]] == [{"left_knee": 0.5}, {"left_knee": 0.2}]
+
+
+def test_a_trajectory_moves_joints_under_a_lease_until_it_is_over(humanoid):
+    publisher = humanoid.node.publisher("joint_trajectory", JOINT_TRAJECTORY)
+    bend(humanoid, publisher)
+    humanoid.run(5.0)
+    assert len(humanoid.world.frames) > 10, "its silence means nothing, and its lease is renewed"
+    humanoid.world.lease = ""
+    humanoid.world.arrive("results", GoalResult(goal="goal", result="reached", reason="", code="done", elapsed_s=2.0))
+    humanoid.run(1.0)
+    assert humanoid.told() == []
+    bend(humanoid, publisher)
+
+
+def test_a_node_that_is_gone_ends_its_trajectory_and_another_begins(humanoid):
+    with ros_side.opened(humanoid.world.settings.listen) as session:
+        one = ros_side.Node(session, "one")
+        bend(humanoid, one.publisher("joint_trajectory", JOINT_TRAJECTORY))
+        other = humanoid.node.publisher("joint_trajectory", JOINT_TRAJECTORY)
+        other.put(bent(0.1))
+        humanoid.until(lambda: humanoid.told() == ["held"], "the refusal of the other")
+    humanoid.until(lambda: humanoid.world.lease == "", "its stop")
+    assert humanoid.told() == ["held", "holder_gone"]
+    bend(humanoid, other)
+
+
+def test_a_trajectory_of_what_is_not_there_moves_nothing_and_is_told_once(humanoid):
+    publisher = humanoid.node.publisher("joint_trajectory", JOINT_TRAJECTORY)
+    for _ in range(3):
+        publisher.put(bent(0.5, name="tail"))
+    humanoid.until(humanoid.told, "the refusal")
+    humanoid.run(1.0)
+    assert humanoid.world.told("ros2_refused") == ["/teleop on /joint_trajectory: there is no joint 'tail'"]
+    assert humanoid.world.frames == []

@@ -9,14 +9,29 @@ from tests.support import needs
 
 needs.modules("rosbags")
 needs.modules("xxhash")
-from lbr.apps.ros2.codec import Stamped  # noqa: E402 - it needs both
+from lbr.apps.ros2 import codec  # noqa: E402 - it needs both
+from lbr.apps.ros2.codec import Stamped  # noqa: E402
 from lbr.apps.ros2.driving import MOST_PUBLISHERS, Asked, Driving, Limits  # noqa: E402
+from lbr.apps.ros2.trajectory import TRAJECTORY, trajectory  # noqa: E402
 from lbr.apps.ros2.wire import Attachment  # noqa: E402
 
 LIMITS = Limits(speed_mps=0.5, turn_rps=1.0, silent_s=0.25, late_s=0.4)
 ONE, OTHER = b"1" * 16, b"2" * 16
 WALL_S = 1_700_000_000.0
 AHEAD, REST = (0.2, 0.0, 0.1), (0.0, 0.0, 0.0)
+JOINTS = ("left_knee", "right_knee")
+
+
+def way(points=(), names=JOINTS, **fields):
+    """Return a trajectory as it is received: of seconds and angles, with anything else that a point may have."""
+    made = [
+        {"positions": list(angles), "time_from_start": codec.stamp(round(at_s * 1e9)), **fields}
+        for at_s, angles in points
+    ]
+    return trajectory(codec.encode(TRAJECTORY, {"joint_names": list(names), "points": made}), JOINTS)
+
+
+THERE, EMPTY = way([(0.0, (0.0, 0.0)), (1.0, (0.5, 0.1)), (1.5, (0.2, 0.3))]), way(names=())
 
 
 class Side:
@@ -27,12 +42,13 @@ class Side:
         self.now = 100.0
         self.sequence = 0
 
-    def say(self, twist=AHEAD, gid=ONE, *, late_s=0.0, clock_s=0.0, made_s=None, sequence=None):
+    def say(self, twist=AHEAD, gid=ONE, *, motion=None, late_s=0.0, clock_s=0.0, made_s=None, sequence=None):
         self.sequence += 1
         sent_ns = round((WALL_S + self.now - late_s + clock_s) * 1e9)
         made_ns = None if made_s is None else sent_ns + round(made_s * 1e9)
         by = Attachment(self.sequence if sequence is None else sequence, sent_ns, gid)
-        self.driving.receive(Asked(Stamped(*twist, made_ns), by, self.now, round((WALL_S + self.now) * 1e9)))
+        motion = Stamped(*twist, made_ns) if motion is None else motion._replace(made_ns=made_ns)
+        self.driving.receive(Asked(motion, by, self.now, round((WALL_S + self.now) * 1e9)))
 
     def run(self, seconds, twist=AHEAD, gid=ONE, **how):
         for _ in range(round(seconds / 0.05)):
@@ -191,3 +207,67 @@ def test_any_number_of_publishers_is_bounded(side):
         side.say(gid=number.to_bytes(16, "little"))
         side.now += 0.01
     assert len(side.codes) <= 10 * MOST_PUBLISHERS
+
+
+def test_a_trajectory_is_key_frames_from_its_first_point_after_the_start(side):
+    side.say(motion=THERE)
+    command = side.driving.command(side.now, 0.3)
+    assert [frame.duration_s for frame in command.frames] == [1.0, 0.5]
+    assert command.frames[1].positions == {"left_knee": 0.2, "right_knee": 0.3}
+
+
+def test_a_trajectory_goes_on_in_silence_and_when_it_is_over_the_next_may_begin(side):
+    side.say(motion=THERE)
+    side.now += 100.0
+    assert side.driving.command(side.now, 0.3).frames == THERE.frames
+    side.say(gid=OTHER)
+    side.driving.finish()
+    assert side.driving.command(side.now, 0.3) is None
+    side.say(motion=THERE)
+    assert side.driving.driver == ONE
+    assert side.codes == ["held"]
+
+
+def test_an_empty_trajectory_ends_one_and_lets_its_publisher_begin_after_an_interruption(side):
+    side.say(motion=THERE)
+    side.say(motion=EMPTY)
+    assert side.driving.stands.code == "idle"
+    side.say(motion=THERE)
+    side.driving.end_all(Reason("stopped", "stopped by console"))
+    side.say(motion=THERE)
+    assert side.driving.command(side.now, 0.3) is None
+    assert side.codes == ["stopped", "rest_first"]
+    side.say(motion=EMPTY)
+    side.say(motion=THERE)
+    assert side.driving.driver == ONE
+
+
+@pytest.mark.parametrize(
+    ("motion", "code"),
+    [
+        (way([(1.0, (0.5, 0.1))], names=("left_knee", "tail")), "unknown_name"),
+        (way([(1.0, (0.5, 0.1))], names=("left_knee", "left_knee")), "bad_value"),
+        (way(), "bad_value"),
+        (way([(1.0, ())], names=()), "bad_value"),
+        (way([(1.0, (0.5,))]), "bad_value"),
+        (way([(1.0, (0.5, nan))]), "bad_value"),
+        (way([(1.0, (0.5, 0.1))], velocities=[inf]), "bad_value"),
+        (way([(0.0, (0.5, 0.1))]), "bad_value"),
+        (way([(1.0, (0.5, 0.1)), (1.0, (0.2, 0.3))]), "bad_value"),
+        (way([(-1.0, (0.5, 0.1)), (1.0, (0.2, 0.3))]), "bad_value"),
+        (way([(at, (0.5, 0.1)) for at in range(1, 1500)]), "bad_value"),
+    ],
+)
+def test_a_trajectory_that_cannot_be_meant_stops_at_once_and_is_told_once(side, motion, code):
+    side.say(motion=THERE)
+    side.say(motion=motion)
+    side.say(motion=motion)
+    side.say(motion=THERE)
+    assert side.driving.command(side.now, 0.3) is None
+    assert side.codes == [code, "rest_first"]
+
+
+def test_a_trajectory_with_a_stamp_of_the_past_is_refused(side):
+    side.say(motion=THERE, made_s=-0.5)
+    assert side.driving.command(side.now, 0.3) is None
+    assert side.codes == ["late"]

@@ -1,12 +1,13 @@
 """What is published in ROS: messages of each stream with the time of its measurement, transforms that fit the body, URDF."""
 
-from math import inf, isfinite, isnan, pi
+from math import inf, isfinite, isnan, pi, radians, tan
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 
 from lbr.apps.bodies.model import body_file, model
+from lbr.apps.bodies.turning import rotated
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.camera import JpegFrame
@@ -25,6 +26,8 @@ from lbr.apps.ros2.kind import KIND  # noqa: E402
 from lbr.apps.ros2.showing import Showing  # noqa: E402
 from lbr.apps.ros2.urdf import urdf  # noqa: E402
 
+PICTURE = b"\xff\xd8\xff\xc0\x00\x11\x08\x01\xe0\x02\x80\x03picture\xff\xd9"
+"""As far as anybody here reads it: of 640 x 480."""
 WALL_NS = 1_700_000_000_000_000_000
 LIDAR = RangeSensor(name="lidar", kind="lidar", x_m=0.1, z_m=0.3, yaw_rad=pi, fov_rad=6.2832, rays=4, max_m=12.0)
 SENSORS = (*ring(0.43, 0.30), LIDAR)
@@ -37,9 +40,9 @@ JOINTS = (
 class Ros:
     """What is published to whom subscribes to everything; times are seconds before now."""
 
-    def __init__(self, robot="lbr", joints=(), **settings):
+    def __init__(self, robot="lbr", joints=(), camera="camera_front", **settings):
         self.ctx = FakeContext(KIND, KIND.settings(**settings), robot=robot, name="ros2", given=(*SENSORS, *joints))
-        self.ctx.wired = {"frames": ("camera_front",)}
+        self.ctx.wired = {"frames": (camera,)}
         self.ports = topics.ports(self.ctx.settings, self.ctx.sources, SENSORS)
         self.body = model(robot, body_file(robot, Path("/nonexistent")), joints, (), SENSORS)
         self.messages: dict[str, list] = {}
@@ -148,11 +151,26 @@ def test_a_scan_is_shown_by_its_first_ray(ros):
 
 def test_a_picture_is_shown_as_it_is(ros):
     ros.step()
-    ros.ctx.arrive("frames", JpegFrame(b"\xff\xd8picture\xff\xd9"), source="camera_front")
+    ros.ctx.arrive("frames", JpegFrame(PICTURE), source="camera_front")
     ros.step()
-    picture = ros.only("camera_front/image_raw/compressed")
-    assert (picture.format, bytes(picture.data)) == ("jpeg", b"\xff\xd8picture\xff\xd9")
+    picture, info = ros.only("camera_front/image_raw/compressed"), ros.only("camera_front/camera_info")
+    assert (picture.format, bytes(picture.data)) == ("jpeg", PICTURE)
     assert picture.header.frame_id == "camera_front"
+    assert (info.header, info.width, info.height) == (picture.header, 640, 480)
+    assert not any((*info.k, *info.p, *info.d, info.distortion_model)), "its lens is not known"
+
+
+def test_a_camera_of_the_body_has_its_field_of_view_and_a_frame():
+    ros = Ros("uxa90", camera="camera_head")
+    ros.ctx.arrive("frames", JpegFrame(PICTURE), source="camera_head")
+    ros.step()
+    info = ros.only("camera_head/camera_info")
+    assert (info.k[0], info.k[2], info.k[5]) == pytest.approx((240 / tan(radians(46.8) / 2), 320.0, 240.0))
+    ros.showing.begin()
+    (seat,) = (one.transform for one in ros.only("tf_static").transforms if one.child_frame_id == "camera_head")
+    assert rotated((seat.rotation.w, seat.rotation.x, seat.rotation.y, seat.rotation.z), (0, 0, 1)) == pytest.approx(
+        (1, 0, 0)
+    )
 
 
 def test_diagnostics_name_each_part_its_reason_and_code_and_what_is_silent(ros):
