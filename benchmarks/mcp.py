@@ -1,7 +1,8 @@
 """Measures how soon the wheels stand when an agent's program is gone, and counts unsafe calls of agents that were obeyed.
 
-`python -m benchmarks mcp --n 50`. The agent is the official client of MCP, by a pipe and over HTTP, in its newest protocol and in the
-one before. It is killed, frozen, or cancels its call. To a server a frozen client and a network that is cut look the same.
+`python -m benchmarks mcp --n 50`. One robot serves agents that are the official client of MCP, by a pipe and over HTTP with TLS
+and a token, in the newest protocol and in the one before. They are killed, frozen and thawed, or cancel their call; as root
+also the cable between them and the robot is pulled and plugged in again. Whatever turns later without a new call has resumed.
 """
 
 import argparse
@@ -10,10 +11,13 @@ import json
 import math
 import os
 import random
+import select
 import signal
+import subprocess
 import sys
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Any
 
@@ -21,28 +25,31 @@ from benchmarks import Measured
 from tests.scenarios import promises
 from tests.support import programs, robot
 from tests.support.bench import Bench, NoMotionError, bench
+from tests.support.door import add_token
 from tests.support.figures import Promise, Results
+from tests.support.netns import Network, network, why_not
 from tests.support.waiting import until
 
-SMOKE = "--n 1 --calls 30 --ends killed"
-ENDS = ("killed", "frozen", "cancelled")
+SMOKE = "--n 1 --calls 30 --ends cancelled killed"
+ENDS = ("frozen", "cancelled", "cut", "killed")
 WAYS = ("pipe", "http")
 MODES = {"auto": "2026-07-28", "legacy": "2025-11-25"}
 PROMISES = {
     **{
-        f"{end} {way} {mode}": Promise(
-            what=f"agent {end}, {way}, {version}: wheels zero", target=400.0, statistic="p99"
+        f"M {end} {way} {version[:4]}": Promise(
+            what=f"agent {end}, by {way}, protocol {version}: motors at zero", target=400.0, statistic="p99"
         )
         for end in ENDS
         for way in WAYS
-        for mode, version in MODES.items()
+        for version in MODES.values()
     },
-    "obeyed": Promise(what="unsafe calls of tools, obeyed", unit="", hard=0.0),
-    **{name: promises.PROMISES[name] for name in ("F6", "S14")},
+    "M resumed": Promise(what="agents that were gone, and came back: motion that resumed"),
+    "M unsafe": Promise(what="unsafe calls of tools, obeyed", unit="", hard=0.0),
+    "F6": promises.PROMISES["F6"],
 }
 AGENT = Path(robot.__file__).parent / "clients" / "agent.py"
 SPIN = {"power": 0.4, "angle_deg": 90, "seconds": 5}
-ATTEMPTS, REST_S = 4, 0.4
+BEGINS_S, GIVES_UP_S, REST_S = 1.5, 20.0, 0.4
 UNSAFE_POWER: tuple[Any, ...] = (0.51, 1.0, 1e9, -0.3, math.nan, math.inf, "0.4", None, True, [0.3], {"power": 0.3})
 UNSAFE_LINES = (
     *("reset", "Shutdown", "/r/0.4/90", "/torque/on", "enable", "!print(1)", "/restart/motors", "/pair/admin", "open"),
@@ -57,58 +64,147 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--n", type=int, default=10, help="of each way to be gone (default %(default)s)")
     parser.add_argument("--calls", type=int, default=1000, help="unsafe calls (default %(default)s)")
     parser.add_argument("--ends", nargs="+", choices=ENDS, default=ENDS, help="which (default: all)")
+    parser.add_argument("--ways", nargs="+", choices=WAYS, default=WAYS, help="which (default: both)")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
     """Run agents and end them, then have one ask for what it must not."""
-    results, port = Results(PROMISES), robot.free_port()
-    settings = json.dumps({"port": port, "ask": []})
-    row = f"INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'agents', 'mcp', '{settings}')"
-    with bench(results, edits=(row,)) as under_test:
-        until(lambda: (under_test.robot.ask("agents/state") or {}).get("urls"), what="the server for agents")
-        for number in range(given.n):
-            for end in given.ends:
-                for way in WAYS:
-                    for mode in MODES:
-                        _try(under_test, end, way, mode, port)
-            print(f"{number + 1} of {given.n}", file=sys.stderr, flush=True)
-        answers = _unsafe(under_test, given.calls, random.Random(given.seed))
+    results, dice = Results(PROMISES), random.Random(given.seed)
+    if reason := why_not():
+        print(f"no cable is pulled: {reason}", file=sys.stderr)
+    begun = os.getloadavg()[0]
+    with nullcontext() if reason else network() as net:
+        address, port = net.address if net else "127.0.0.1", robot.free_port()
+        settings = json.dumps({"host": address, "port": port, "ask": [], "tls": True})
+        row = f"INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'agents', 'mcp', '{settings}')"
+        with bench(results, edits=(row,), prefix=net.robot if net else ()) as under_test:
+            until(lambda: (under_test.robot.ask("agents/state") or {}).get("urls"), what="the server for agents")
+            with _agents(under_test, given.ways, f"https://{address}:{port}/mcp", net) as agents:
+                for number in range(given.n):
+                    for agent in agents:
+                        for end in sorted(given.ends, key=ENDS.index):
+                            agent.go(end)
+                    print(f"{number + 1} of {given.n}", file=sys.stderr, flush=True)
+            answers = _unsafe(under_test, given.calls, dice)
     return Measured(
-        results=results.ordered(),
+        results=[found for found in results.ordered() if found.figure != "F6" or found.violations],
         text=f"unsafe calls by what they were answered: {answers}",
+        load=f"beside other programs: load average {begun:.1f} at its beginning, {os.getloadavg()[0]:.1f} at its end",
         disturbed=results.disturbed,
     )
 
 
-def _try(under_test: Bench, end: str, way: str, mode: str, port: int) -> None:
-    for _ in range(ATTEMPTS):
-        with suppress(NoMotionError):
-            _end(under_test, end, way, mode, port)
+class Agent:
+    """An agent's program, which is ended again and again, and started anew once it was killed."""
+
+    def __init__(
+        self, under_test: Bench, way: str, mode: str, argv: list[str], net: Network | None, **more: str
+    ) -> None:
+        self._bench = under_test
+        self._way, self._mode, self._net = way, mode, net
+        self._argv = [sys.executable, str(AGENT), mode, "status", "{}", *argv]
+        if net is not None and way == "http":
+            self._argv = [*net.client, *self._argv]
+        self._environment = robot.environment(under_test.robot.home) | more
+        self._start()
+
+    def go(self, end: str) -> None:
+        """Have it drive, and end that; measure until the motors are at zero, and look whether they stay there."""
+        if end == "cut" and (self._net is None or self._way == "pipe"):
             return
-    under_test.results.disturbed.append(f"{end} {way} {mode}: the motors did not come to 40 %")
-
-
-def _end(under_test: Bench, end: str, way: str, mode: str, port: int) -> None:
-    under_test.robot.line("stop")
-    where = [*robot.LBR, "mcp"] if way == "pipe" else [f"http://127.0.0.1:{port}/mcp"]
-    argv = [sys.executable, str(AGENT), mode, "drive", json.dumps(SPIN), *where]
-    popen = programs.start(argv, env=robot.environment(under_test.robot.home), stdin=-1, stdout=-3, stderr=-3)
-    try:
-        under_test.wait_for_motion(20.0)
+        figure = f"M {end} {self._way} {MODES[self._mode][:4]}"
+        if not self._drives():
+            self._bench.results.disturbed.append(f"{figure}: the motors did not come to 40 %")
+            return
         at_ns = time.monotonic_ns()
-        if end == "cancelled":
-            assert popen.stdin is not None
-            os.write(popen.stdin.fileno(), b"\n")
+        self._end(end)
+        zero = self._bench.stopped_after(figure, at_ns, limit_s=4.5)
+        self._bench.pass_time(REST_S)
+        self._come_back(end)
+        self._bench.pass_time(REST_S)
+        self._bench.stays_at_rest(zero, "M resumed")
+
+    def close(self) -> None:
+        """End its program."""
+        self._popen.kill()
+        self._popen.communicate()
+
+    def _end(self, end: str) -> None:
+        if end == "cut":
+            assert self._net is not None
+            self._net.cut()
+        elif end == "cancelled":
+            self._say("")
         else:
-            popen.send_signal(signal.SIGKILL if end == "killed" else signal.SIGSTOP)
-        zero = under_test.stopped_after(f"{end} {way} {mode}", at_ns, limit_s=4.5)
-        under_test.pass_time(REST_S)
-        under_test.stays_at_rest(zero)
+            self._popen.send_signal(signal.SIGKILL if end == "killed" else signal.SIGSTOP)
+
+    def _come_back(self, end: str) -> None:
+        if end == "frozen":
+            self._popen.send_signal(signal.SIGCONT)
+        elif end == "cut":
+            assert self._net is not None
+            self._net.heal()
+        elif end == "killed":
+            self.close()
+            self._start()
+
+    def _start(self) -> None:
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+        self._popen = programs.start(self._argv, env=self._environment, bufsize=0, **pipes)
+        self._calls, self._rest = True, b""
+
+    def _drives(self) -> bool:
+        """Have it call `drive` until the motors turn at 40 %: the base is not armed at once after each end."""
+        until_s = time.monotonic() + GIVES_UP_S
+        while time.monotonic() < until_s:
+            if self._calls and not self._answered(until_s - time.monotonic()):
+                self.close()
+                self._start()
+                continue
+            self._say(f"drive {json.dumps(SPIN)}")
+            self._calls = True
+            with suppress(NoMotionError):
+                self._bench.wait_for_motion(BEGINS_S)
+                return True
+        return False
+
+    def _answered(self, limit_s: float) -> bool:
+        """Wait for the answer to its last call; false if none comes, or its program has ended."""
+        assert self._popen.stdout is not None
+        until_s = time.monotonic() + limit_s
+        while select.select([self._popen.stdout], [], [], max(0.0, until_s - time.monotonic()))[0]:
+            told = os.read(self._popen.stdout.fileno(), 65536)
+            if not told:
+                return False
+            *lines, self._rest = (self._rest + told).split(b"\n")
+            if any(line != b"calls" for line in lines):
+                self._calls = False
+                return True
+        return False
+
+    def _say(self, line: str) -> None:
+        assert self._popen.stdin is not None
+        with suppress(BrokenPipeError):  # it has ended, and so gives no answer
+            os.write(self._popen.stdin.fileno(), f"{line}\n".encode())
+
+
+@contextmanager
+def _agents(under_test: Bench, ways: list[str], url: str, net: Network | None) -> Iterator[list[Agent]]:
+    """Run an agent for each way and protocol; those over HTTP have a token, and trust the robot's certificate alone."""
+    home = under_test.robot.home
+    token = add_token(home, "agent", "operate", good_for="web")
+    pinned = {"LBR_TOKEN": str(token), "LBR_CA": str(home / "credentials" / "bus.crt")}
+    agents = []
+    try:
+        for way in ways:
+            for mode in MODES:
+                where, more = ([*robot.LBR, "mcp"], {}) if way == "pipe" else ([url], pinned)
+                agents.append(Agent(under_test, way, mode, where, net, **more))
+        yield agents
     finally:
-        popen.send_signal(signal.SIGCONT)
-        popen.kill()
-        popen.wait()
+        for agent in agents:
+            agent.close()
 
 
 def _unsafe(under_test: Bench, count: int, dice: random.Random) -> dict[str, int]:
@@ -117,9 +213,9 @@ def _unsafe(under_test: Bench, count: int, dice: random.Random) -> dict[str, int
     codes, obeyed = asyncio.run(_calls(robot.environment(under_test.robot.home), count, dice))
     under_test.trace.read()
     moved = [entry for entry in under_test.trace.outputs(began_ns) if not entry.zero]
-    under_test.results.sample("obeyed", float(len(obeyed) + bool(moved)))
+    under_test.results.sample("M unsafe", float(len(obeyed) + bool(moved)))
     under_test.results.check(
-        "obeyed", obeyed[:3] + [f"the motors were at {one.left:g} {one.right:g}" for one in moved[:1]]
+        "M unsafe", obeyed[:3] + [f"the motors were at {one.left:g} {one.right:g}" for one in moved[:1]]
     )
     return codes
 

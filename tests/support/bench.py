@@ -253,10 +253,16 @@ class Bench:
 
 
 @contextmanager
-def bench(results: Results, *victims: str, edits: tuple[str, ...] = (), profile: str = "lbr-sim") -> Iterator[Bench]:
+def bench(
+    results: Results,
+    *victims: str,
+    edits: tuple[str, ...] = (),
+    profile: str = "lbr-sim",
+    prefix: tuple[str, ...] = (),
+) -> Iterator[Bench]:
     """Run a robot to be measured, or what a scenario put in its place; check its outputs' limits, let no process be left."""
     with temporary_home(*victims, edits=edits, whole=results.whole) as home:
-        under_test = Bench(start(home, profile=profile), results)
+        under_test = Bench(start(home, profile=profile, prefix=prefix), results)
         try:
             yield under_test
         finally:

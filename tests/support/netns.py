@@ -1,15 +1,22 @@
 """Two machines on one: network namespaces joined by a cable that can be pulled. Needs root."""
 
+import ctypes
+import fcntl
 import os
 import shutil
+import socket
+import struct
 import subprocess
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 
 from tests.support import programs, sweep
 
+CLONE_NEWNET = 0x40000000
+SIOCGIFFLAGS, SIOCSIFFLAGS, IFF_UP = 0x8913, 0x8914, 1
 OTHER_BOOT = "0badb007"
 _numbers = count()
 
@@ -23,6 +30,8 @@ class Network:
         self.cable, self._other = f"lbr{mark}a", f"lbr{mark}b"
         self.robot = ("ip", "netns", "exec", self._robot)
         self.client = ("ip", "netns", "exec", self._client)
+        self._hand: socket.socket | None = None
+        """It was made in the robot's namespace, and stays there: the cable is pulled at once, by no program."""
 
     def open(self) -> None:
         """Make it."""
@@ -41,20 +50,38 @@ class Network:
         ):
             done = _ip(*arguments)
             assert done.returncode == 0, f"ip {' '.join(arguments)}: {done.stderr}"
+        with ThreadPoolExecutor(1) as thread:  # which enters the namespace alone
+            self._hand = thread.submit(_socket_in, self._robot).result()
         self.heal()
 
     def cut(self) -> None:
         """Pull the cable."""
-        assert _ip("-n", self._robot, "link", "set", self.cable, "down").returncode == 0
+        self._plug(plugged=False)
 
     def heal(self) -> None:
         """Plug it in."""
-        assert _ip("-n", self._robot, "link", "set", self.cable, "up").returncode == 0
+        self._plug(plugged=True)
 
     def close(self) -> None:
         """Take it away, as far as it is there."""
+        if self._hand is not None:
+            self._hand.close()
         for space in (self._robot, self._client):
             _ip("netns", "delete", space)
+
+    def _plug(self, *, plugged: bool) -> None:
+        assert self._hand is not None
+        asked = struct.pack("16sh14x", self.cable.encode(), 0)
+        (flags,) = struct.unpack("16xh14x", fcntl.ioctl(self._hand, SIOCGIFFLAGS, asked))
+        flags = flags | IFF_UP if plugged else flags & ~IFF_UP
+        fcntl.ioctl(self._hand, SIOCSIFFLAGS, struct.pack("16sh14x", self.cable.encode(), flags))
+
+
+def _socket_in(space: str) -> socket.socket:
+    """Return a socket of a namespace, which this thread enters for it."""
+    with Path("/run/netns", space).open() as entered:
+        assert ctypes.CDLL(None, use_errno=True).setns(entered.fileno(), CLONE_NEWNET) == 0, ctypes.get_errno()
+    return socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
 
 def why_not() -> str:
