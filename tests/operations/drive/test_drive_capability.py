@@ -2,13 +2,18 @@
 
 import msgspec
 import pytest
+from msgspec.structs import replace
 
+from lbr.bus import keys
+from lbr.bus.wire import MAX_WAITING_COMMANDS
+from lbr.capability.stage import Stage, alone
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.drive import CheckVerdict
+from lbr.messages.drive import CheckVerdict, DriveCommand
 from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import KIND
 from lbr.operations.drive.capability import Drive
-from tests.operations.drive.drive_bench import motors
+from lbr.operations.lender import mark
+from tests.operations.drive.drive_bench import motors, ranges
 from tests.operations.drive.drive_context import DriveContext
 
 
@@ -177,6 +182,27 @@ def test_the_death_of_a_capability_that_drives_ends_its_motion(robot):
     robot.drive.step()
     assert robot.wheels == (0.0, 0.0)
     assert ("lapsed", "console: the process of console is gone") in robot.ctx.events
+
+
+def test_a_flood_by_others_does_not_take_the_lease_of_the_one_who_holds_it():
+    stage = Stage()
+    config = alone(KIND, name="drive")
+    stage.add(replace(config, requests={request: {} for request in config.requests}))
+    key, setpoints = keys.port(stage.robot, "drive", "command"), stage.hear("drive", "setpoint")
+
+    def feed():
+        stage.arrive("drive", "motors", motors())
+        stage.arrive("drive", "ranges", ranges())
+
+    stage.run(0.3, (feed,))
+    lease = stage.answer("drive", "command", DriveCommand(power=0.5), "console").lease
+    for _ in range(10):
+        for other in range(2 * MAX_WAITING_COMMANDS):
+            stage.put(key, DriveCommand(power=0.5), f"other{other % 15}")
+        stage.command("drive", "command", DriveCommand(power=0.5, lease=lease), "console")
+        stage.run(0.1, (feed,))
+    assert setpoints[-1].lease == mark(lease)
+    assert setpoints[-1].left > 0.0
 
 
 def test_a_computer_that_slept_has_ended_every_motion_and_begins_none_from_before(robot):
