@@ -14,6 +14,9 @@ OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
 }  # fmt: skip
 CALLS = {"min": "max", "max": "min", "any": "all", "all": "any"}
 
+OF_RECORDS = {"frozen", "kw_only", "slots"}
+"""Options of records: they keep programmers from mistakes, and change nothing else."""
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class Mutant:
@@ -27,11 +30,13 @@ class Mutant:
     operator: str
     before: str
     after: str
+    within: str = ""
+    """The classes and the function around it."""
 
     @property
     def name(self) -> str:
         """The fault for a reader, and for the list of those that change nothing."""
-        return f"{self.path}: {' '.join(self.before.split())} -> {self.after}"
+        return f"{':'.join(filter(None, (self.path, self.within)))}: {' '.join(self.before.split())} -> {self.after}"
 
     def put_into(self, source: str) -> str:
         """Return the source with this fault in it."""
@@ -50,24 +55,36 @@ def mutants(root: Path, path: str) -> list[Mutant]:
     tree = ast.parse(source)
     skipped = {id(part) for node in ast.walk(tree) for part in _not_run(node)}
     faults = []
-    for node in ast.walk(tree):
+    for node, within in _named(tree, ""):
         if id(node) in skipped or not isinstance(node, ast.expr | ast.stmt):
             continue
         for target, operator, after in _faults(node):
             before = ast.get_source_segment(source, target)
             if before is not None and target.end_lineno is not None and target.end_col_offset is not None:
                 ends = target.end_lineno, target.end_col_offset
-                faults.append(Mutant(path, target.lineno, target.col_offset, *ends, operator, before, after))
+                faults.append(Mutant(path, target.lineno, target.col_offset, *ends, operator, before, after, within))
     return sorted(set(faults))
 
 
+def _named(node: ast.AST, within: str) -> Iterator[tuple[ast.AST, str]]:
+    """Yield a node and all in it, each with the names of what it stands in."""
+    yield node, within
+    if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+        within = f"{within}.{node.name}" if within else node.name
+    for part in ast.iter_child_nodes(node):
+        yield from _named(part, within)
+
+
 def _not_run(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the parts of a node that no test can reach: annotations, and the branch of type checkers."""
+    """Yield the parts of a node that no test can reach: annotations, the branch of type checkers, and options of records."""
     annotations = [getattr(node, "annotation", None), getattr(node, "returns", None)]
     if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
         annotations.append(node)
     if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("Meta"):
         annotations += [word.value for word in node.keywords if word.arg == "description"]
+    if isinstance(node, ast.ClassDef):
+        calls = [one.keywords for one in node.decorator_list if isinstance(one, ast.Call)]
+        annotations += [word for words in (node.keywords, *calls) for word in words if word.arg in OF_RECORDS]
     for part in annotations:
         if part is not None:
             yield from ast.walk(part)

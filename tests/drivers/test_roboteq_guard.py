@@ -113,7 +113,8 @@ def test_a_driver_that_stands_still_at_rest_is_left_alone(peer):
     motors.close()
 
 
-def test_the_guard_says_why_before_it_kills():
+@pytest.mark.parametrize("acknowledged", [ACKNOWLEDGED.hex(), "-"])
+def test_the_guard_says_why_before_it_kills(acknowledged):
     tty, line = os.openpty()
     setraw(line)
     beats, alive = os.pipe()
@@ -121,7 +122,7 @@ def test_the_guard_says_why_before_it_kills():
     victim = programs.start(["/bin/sleep", "60"])
     driver = os.pidfd_open(victim.pid)
     numbers = [str(line), str(beats), str(driver), "60"]
-    program = [sys.executable, "-I", "-S", str(PROGRAM), *numbers, STOP.hex(), ACKNOWLEDGED.hex()]
+    program = [sys.executable, "-I", "-S", str(PROGRAM), *numbers, STOP.hex(), acknowledged]
     guard = programs.start([*program, str(words), b"why".hex()], pass_fds=(line, beats, driver, words))
     os.write(alive, b"m")
     assert victim.wait(2.0) == -signal.SIGKILL
