@@ -1,5 +1,6 @@
 """Messages of ROS as bytes: their types, hashes and CDR, of which rosbags knows all but services. Pure."""
 
+import struct
 from collections.abc import Mapping, Sequence
 from functools import cache
 from math import isfinite
@@ -19,7 +20,7 @@ TRIGGER = "std_srvs/srv/Trigger"
 SERVICE_HASHES = {TRIGGER: "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f"}
 HEAD = b"\x00\x01\x00\x00"
 """Of CDR in the order of small computers."""
-PADDING = 4
+ENDIANNESS = {b"\x00\x00": "deserialize_cdr_be", b"\x00\x01": "deserialize_cdr_le"}
 LARGEST_BYTES = 1 << 16
 """Of a message that is read: those that are taken are small."""
 S_NS = 1_000_000_000
@@ -68,7 +69,7 @@ def decode(type_: str, data: bytes) -> Any:
         raise InputError(f"it has {len(data)} bytes, and {LARGEST_BYTES} are the most", "malformed")
     try:
         return _decoded(type_, data)
-    except (SerdeError, ValueError, IndexError, MemoryError) as err:
+    except (SerdeError, struct.error, ValueError, IndexError, MemoryError) as err:
         raise InputError(f"it is not a {type_}: {str(err)[:120]}", "malformed") from err
 
 
@@ -104,13 +105,13 @@ def header(at_ns: int, frame: str) -> dict[str, Any]:
 
 
 def _decoded(type_: str, data: bytes) -> Any:
-    """Return a message; what rclpy leaves behind its end, up to 7 bytes of an alignment, is not looked at."""
-    try:
-        return _store().deserialize_cdr(data, type_)
-    except SerdeError as err:
-        if "size mismatch" not in str(err):
-            raise
-        return _store().deserialize_cdr(data[:-PADDING], type_)
+    """Return a message; what rclpy leaves behind its end, such as 16 bytes for each point of a trajectory, is not
+    looked at."""
+    if data[:2] not in ENDIANNESS:
+        raise SerdeError("its head is not one of CDR")
+    described = _store().get_msgdef(type_)
+    read = getattr(described, ENDIANNESS[data[:2]])
+    return read(data[4:], 0, described.cls, _store())[0]
 
 
 def _made(type_: str, fields: Mapping[str, Any]) -> Any:
