@@ -15,7 +15,7 @@ OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
 CALLS = {"min": "max", "max": "min", "any": "all", "all": "any"}
 
 OF_RECORDS = {"frozen", "kw_only", "slots"}
-"""Options of records: they keep programmers from mistakes, and change nothing else."""
+"""Options of records: they keep programmers from mistakes, and change nothing else; as `strict` of a zip does."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -76,12 +76,14 @@ def _named(node: ast.AST, within: str) -> Iterator[tuple[ast.AST, str]]:
 
 
 def _not_run(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the parts of a node that no test can reach: annotations, the branch of type checkers, and options of records."""
+    """Yield what no test can reach: annotations, the branch of type checkers, and options against programmers' mistakes."""
     annotations = [getattr(node, "annotation", None), getattr(node, "returns", None)]
     if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
         annotations.append(node)
     if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("Meta"):
         annotations += [word.value for word in node.keywords if word.arg == "description"]
+    if isinstance(node, ast.Call) and ast.unparse(node.func) == "zip":
+        annotations += [word for word in node.keywords if word.arg == "strict"]
     if isinstance(node, ast.ClassDef):
         calls = [one.keywords for one in node.decorator_list if isinstance(one, ast.Call)]
         annotations += [word for words in (node.keywords, *calls) for word in words if word.arg in OF_RECORDS]

@@ -130,6 +130,15 @@ def rests(way, left_m, readings, *, stands=True):
     return way
 
 
+@pytest.mark.parametrize(
+    ("measured_s", "gone_m"), [(10.0, 0.0), (10.05, 0.02), (10.1, 0.04), (10.15, 0.045), (10.2, 0.05)]
+)
+def test_a_reading_counts_from_where_the_base_was_as_it_was_measured(measured_s, gone_m):
+    braked = RangeGoal(whole_m=0.5, marks=((10.0, 0.0), (10.1, 0.04), (10.2, 0.05)))
+    seen = read(braked, 0.5 - gone_m, measured_s, 0.0, stands=False)
+    assert seen.whole_m == pytest.approx(0.5)
+
+
 def test_a_base_that_rests_short_of_the_range_goes_on_after_three_readings_and_no_sooner():
     assert rests(HALTING, 0.03, 2).halts
     again = rests(HALTING, 0.03, 3)

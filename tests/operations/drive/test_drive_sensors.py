@@ -379,6 +379,13 @@ def test_a_scan_is_remembered_for_arcs_until_it_looks_past():
     assert base.state.memory.spots == ()
 
 
+def test_of_a_scan_what_stands_in_each_direction_is_remembered():
+    places = [(0.3, 0.22), (-0.3, 0.22), (0.6, -0.22)]
+    base = Base(*RING, LIDAR, scan=room(places))
+    found = [(round(spot.x_m, 1), round(spot.y_m, 1)) for spot in base.state.memory.spots]
+    assert sorted(found) == sorted((round(x_m, 1), round(y_m, 1)) for x_m, y_m in places)
+
+
 def test_a_sensor_at_another_height_does_not_clear_what_the_lidar_saw():
     base = Base(*RING, LIDAR, scan=room([(0.5, 0.0)]))
     assert base.state.memory.spots

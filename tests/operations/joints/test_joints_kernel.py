@@ -534,6 +534,25 @@ def test_torque_comes_on_where_the_joints_are(bench):
     assert set(bench.goals) == set(NAMES)
 
 
+@pytest.mark.parametrize(("at_rad", "code", "goal_rad"), [(0.18, "", 0.1), (0.25, "limit", None)])
+def test_torque_comes_on_at_the_limit_that_a_joint_is_just_beyond_and_not_far_beyond(bench, at_rad, code, goal_rad):
+    bench.torque("left_knee", on=False)
+    bench.push("left_knee", at_rad)
+    bench.run(0.05)
+    assert bench.torque("left_knee", on=True).code == code
+    assert bench.goals.get("left_knee") == goal_rad
+
+
+def test_who_switches_the_torque_of_one_joint_off_leaves_the_others_held(bench):
+    reply = bench.command(SLOW, duration_s=2.0)
+    assert bench.torque("head_yaw", on=False, lease=reply.lease).accepted
+    assert not bench.setpoint.lost
+    bench.run(1.0)
+    assert bench.setpoint.lost
+    assert bench.torque("left_knee", on=False).accepted
+    assert not bench.setpoint.lost
+
+
 def test_all_torque_off_is_refused_unless_it_is_meant(bench):
     assert not bench.torque(on=False).accepted
     assert not bench.torque(*NAMES, on=False).accepted
