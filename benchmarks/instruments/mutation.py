@@ -76,8 +76,10 @@ def _named(node: ast.AST, within: str) -> Iterator[tuple[ast.AST, str]]:
 
 
 def _not_run(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield what no test can reach: annotations, the branch of type checkers, and options against programmers' mistakes."""
+    """Yield what no test can reach: annotations, protocols, what type checkers alone read, and options against programmers' mistakes."""
     annotations = [getattr(node, "annotation", None), getattr(node, "returns", None)]
+    if isinstance(node, ast.ClassDef) and any(ast.unparse(base).startswith("Protocol") for base in node.bases):
+        annotations += node.body
     if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
         annotations.append(node)
     if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("Meta"):

@@ -58,6 +58,18 @@ def test_a_question_waits_until_it_is_answered_and_is_answered_once(client, serv
     assert not request.answerable
 
 
+def test_what_was_closed_is_neither_asked_nor_told_any_more(client, router):
+    server = wire.QueryServer(router, "r/closed/go", lambda: None, source="motors")
+    server.close()
+    assert wire.ask(client, server.key, {}, source="test", timeout_s=0.3) == []
+    wire.put(client, server.key, {}, source="test", urgent=True)
+    other = wire.QueryServer(router, "r/closed/other", lambda: None, source="motors")
+    wire.put(client, other.key, {}, source="test", urgent=True)
+    until(other.take)
+    other.close()
+    assert server.take() == []
+
+
 def test_commands_queue_in_order_and_no_more_than_fit(client, served):
     asked = [
         wire.PendingQuery(client, served.key, str(n).encode(), timeout_s=5.0, source="test")

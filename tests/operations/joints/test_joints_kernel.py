@@ -138,11 +138,11 @@ def test_another_command_under_the_same_lease_goes_on_from_where_the_joint_was_t
     assert bench.goals["left_knee"] == pytest.approx(told, abs=0.02)
 
 
-def test_the_same_command_again_is_a_renewal_and_so_is_the_lease_alone(bench):
+def test_the_same_command_again_is_a_renewal_for_any_time_and_so_is_the_lease_alone(bench):
     first = bench.command(SLOW, duration_s=1.0)
     for again in ({}, SLOW, {}):
         bench.run(0.2)
-        more = {"duration_s": 1.0} if again else {}
+        more = {"duration_s": 1.0, "ttl_s": 0.5} if again else {}
         assert bench.command(again, lease=first.lease, **more).goal == first.goal
     bench.run(0.42, first.lease)
     assert last(bench)[0] == "reached"
