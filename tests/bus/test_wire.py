@@ -58,6 +58,21 @@ def test_a_question_waits_until_it_is_answered_and_is_answered_once(client, serv
     assert not request.answerable
 
 
+def test_what_is_only_asked_is_not_told_by_a_put(client, router):
+    asked = wire.QueryServer(router, "r/asked/go", lambda: None, puts=False, source="motors")
+    told = wire.QueryServer(router, "r/asked/told", lambda: None, source="motors")
+    for server in (asked, told):
+        wire.put(client, server.key, {}, source="test", urgent=True)
+    until(told.take)
+    question = wire.PendingQuery(client, asked.key, b'{"n": 1}', timeout_s=5.0, source="test")
+    (request,) = until(asked.take)
+    assert json.loads(request.payload) == {"n": 1}
+    request.reply({"accepted": True}, "motors")
+    until(lambda: question.done)
+    asked.close()
+    told.close()
+
+
 def test_what_was_closed_is_neither_asked_nor_told_any_more(client, router):
     server = wire.QueryServer(router, "r/closed/go", lambda: None, source="motors")
     server.close()
