@@ -80,6 +80,7 @@ ROOMS = {
     "lbr.apps.bodies": "bodies",
     "lbr.apps.recorder.recording": "recording",
     "lbr.apps.recorder.rerun": "rerun",
+    "lbr.apps.ros2.commands": "commands",
     "lbr.apps.ros2": "ros2",
     "lbr.robots.lbr.beacon": "operations",
     "lbr.robots.lbr.original": "apps",

@@ -9,5 +9,6 @@ from lbr.component import Component
 
 COMPONENT = Component(
     kinds={"ros2": "lbr.apps.ros2.kind:KIND"},
+    checks={"ros2": "lbr.apps.ros2.commands.checks:router"},
     messages=("lbr.apps.ros2.messages",),
 )

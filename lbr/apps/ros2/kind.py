@@ -79,6 +79,12 @@ class Ros2Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
             raise ValueError(f"services: '{taken[0]}' is there always, and is no line")
 
 
+def address(endpoint: str) -> tuple[str, int]:
+    """Return host and port of an address as Zenoh writes it."""
+    host, _, port = endpoint.partition("/")[2].rpartition(":")
+    return host.strip("[]"), int(port)
+
+
 def is_here(host: str) -> bool:
     """Say whether a host is this machine."""
     try:

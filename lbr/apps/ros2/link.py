@@ -21,6 +21,7 @@ import zenoh
 from msgspec import Struct
 
 from lbr.apps.retry import wait_s
+from lbr.apps.ros2.kind import address
 from lbr.apps.ros2.wire import ADMIN, CDR, Attachment, Endpoint, Node, Port
 from lbr.bus.session import LINK_LEASE_MS
 from lbr.bus.wire import direct, plain
@@ -270,9 +271,8 @@ def _drained(inbox: deque[Any]) -> list[Any]:
 
 def _knock(endpoint: str) -> None:
     """Raise OSError if nothing listens there: a session costs much more to try."""
-    host, _, port = endpoint.partition("/")[2].rpartition(":")
     try:
-        socket.create_connection((host.strip("[]"), int(port)), CONNECT_S).close()
+        socket.create_connection(address(endpoint), CONNECT_S).close()
     except OSError as err:
         raise BusError(f"nothing answers there ({err.strerror or err})") from err
 

@@ -17,6 +17,7 @@ from tests.support.waiting import STOPS_S, until
 needs.modules("rosbags")
 needs.modules("xxhash")
 from lbr.apps.ros2 import codec  # noqa: E402 - it needs both
+from tests.apps.ros2.test_ros2_page import steps  # noqa: E402
 
 pytestmark = pytest.mark.slow_start
 FOLDER = Path(ros_judges.__file__).parent
@@ -115,11 +116,11 @@ def test_rclpy_reads_and_writes_both_sides_of_a_service_alike(rclpy):
     assert rclpy(type=codec.TRIGGER, part="Request", hex=asked)["hex"].startswith(asked)
 
 
-class Pyzeros:
-    """A node by pyzeros."""
+class Side:
+    """A node by software of others."""
 
-    def __init__(self, endpoint):
-        argv = [SIDES, FOLDER / "pyzeros_node.py", endpoint]
+    def __init__(self, program, endpoint):
+        argv = [SIDES, FOLDER / program, endpoint]
         self.popen = programs.start(argv, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def ask(self, **asked):
@@ -138,21 +139,19 @@ class Pyzeros:
         self.popen.communicate()
 
 
-@pytest.fixture
-def pair(tmp_path):
-    """Return a robot that is the router of ROS, and a node by pyzeros."""
+@pytest.fixture(params=["pyzeros_node.py", "sdk_node.py"])
+def pair(tmp_path, request):
+    """Return a robot that is the router of ROS, and a node by pyzeros or by zenoh-ros2-sdk."""
     if not SIDES:
-        pytest.skip("LBR_ROS_SIDES names no Python with pyzeros")
+        pytest.skip("LBR_ROS_SIDES names no Python with pyzeros and zenoh-ros2-sdk")
     endpoint = f"tcp/127.0.0.1:{free_port()}"
-    settings = {"token": "ros", "listen": endpoint, "services": {"hello": "/report/version"}}
-    edit = (
-        f"UPDATE capability SET enabled = 1, settings = '{json.dumps(settings)}' WHERE robot = 'lbr' AND name = 'ros2'"
-    )
-    home = prepare(tmp_path / "h", "ros2", "odometry", "imu", "attitude", edits=(edit,))
-    assert lbr(home, "token", "add", "ros", "--role", "operate").returncode == 0
+    listen = f"UPDATE capability SET settings = json_set(settings, '$.listen', '{endpoint}') WHERE name = 'ros2'"
+    token, switch_on = steps()
+    home = prepare(tmp_path / "h", "ros2", "odometry", "imu", "attitude", edits=(switch_on, listen))
+    assert lbr(home, *token).returncode == 0
     with running(home) as robot:
         until(lambda: robot.capability("ros2")["phase"] == "ready", what="the router")
-        node = Pyzeros(endpoint)
+        node = Side(request.param, endpoint)
         try:
             node.read("ready")
             yield robot, node
@@ -161,11 +160,12 @@ def pair(tmp_path):
 
 
 @pytest.mark.timeout(900)
-def test_pyzeros_drives_sees_the_way_stops_by_a_service_and_its_death_stops_the_robot(pair):
+def test_a_node_of_others_drives_round_a_corner_stops_by_a_service_and_its_death_stops_the_robot(pair):
     robot, node = pair
     trace = Trace(robot.trace)
-    node.ask(twist=[0.2, 0.3])
+    node.ask(twist=[0.2, 0.5])
     until(lambda: not trace.now().zero, what="turning wheels")
+    until(lambda: robot.ask("odometry/state")["yaw_rad"] > 1.5, what="the corner")
     far = node.read("odom")
     while not far["odom"][0] > 0.05:
         far = node.read("odom")

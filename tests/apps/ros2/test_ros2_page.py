@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -34,11 +35,16 @@ def ports():
     return topics.ports(Ros2Settings(), lambda _port: ("somebody",), (*ring(0.4, 0.3), LIDAR))
 
 
+def steps():
+    """Return its first commands after the installation: the words for `lbr`, and the edit of the rows."""
+    _pip, token, edit = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)[0].splitlines()
+    return shlex.split(token)[1:], shlex.split(edit)[-1]
+
+
 def test_its_command_switches_the_row_on_with_a_token(tmp_path):
-    (edit,) = re.findall(r'robot\.db "(UPDATE .*)"', PAGE)
     databases.fresh(tmp_path / "robot.db")
     with closing(sqlite3.connect(tmp_path / "robot.db")) as database:
-        database.execute(edit)
+        database.execute(steps()[1])
         query = "SELECT enabled, settings FROM capability WHERE robot = 'lbr' AND kind = 'ros2'"
         enabled, settings = database.execute(query).fetchone()
     assert enabled == 1

@@ -6,8 +6,12 @@
 
 import asyncio
 import json
+import os
 import sys
 import time
+from pathlib import Path
+
+os.environ.setdefault("CYDR_CACHE_DIR", str(Path(sys.prefix) / "cydr_cache"))  # else in each folder anew, for minutes
 
 import pyzeros
 import zenoh

@@ -1,0 +1,1 @@
+"""The part of the bridge to ROS in `lbr doctor`."""
