@@ -49,7 +49,7 @@ PROMISES = {
 }
 AGENT = Path(robot.__file__).parent / "clients" / "agent.py"
 SPIN = {"power": 0.4, "angle_deg": 90, "seconds": 5}
-BEGINS_S, GIVES_UP_S, REST_S = 1.5, 20.0, 0.4
+ATTEMPTS, BEGINS_S, GIVES_UP_S, REST_S = 4, 1.5, 20.0, 0.4
 UNSAFE_POWER: tuple[Any, ...] = (0.51, 1.0, 1e9, -0.3, math.nan, math.inf, "0.4", None, True, [0.3], {"power": 0.3})
 UNSAFE_LINES = (
     *("reset", "Shutdown", "/r/0.4/90", "/torque/on", "enable", "!print(1)", "/restart/motors", "/pair/admin", "open"),
@@ -84,7 +84,7 @@ def measure(given: argparse.Namespace) -> Measured:
                 for number in range(given.n):
                     for agent in agents:
                         for end in sorted(given.ends, key=ENDS.index):
-                            agent.go(end)
+                            any(agent.go(end) for _ in range(ATTEMPTS))
                     print(f"{number + 1} of {given.n}", file=sys.stderr, flush=True)
             answers = _unsafe(under_test, given.calls, dice)
     return Measured(
@@ -109,14 +109,16 @@ class Agent:
         self._environment = robot.environment(under_test.robot.home) | more
         self._start()
 
-    def go(self, end: str) -> None:
-        """Have it drive, and end that; measure until the motors are at zero, and look whether they stay there."""
+    def go(self, end: str) -> bool:
+        """Have it drive, and end that; measure until the motors are at zero, and whether they stay there. False if the
+        machine had stopped them before."""
         if end == "cut" and (self._net is None or self._way == "pipe"):
-            return
+            return True
         figure = f"M {end} {self._way} {MODES[self._mode][:4]}"
         if not self._drives():
             self._bench.results.disturbed.append(f"{figure}: the motors did not come to 40 %")
-            return
+            return False
+        disturbed = len(self._bench.results.disturbed)
         at_ns = time.monotonic_ns()
         self._end(end)
         zero = self._bench.stopped_after(figure, at_ns, limit_s=4.5)
@@ -124,6 +126,7 @@ class Agent:
         self._come_back(end)
         self._bench.pass_time(REST_S)
         self._bench.stays_at_rest(zero, "M resumed")
+        return len(self._bench.results.disturbed) == disturbed
 
     def close(self) -> None:
         """End its program."""

@@ -127,7 +127,7 @@ OWNERS = {
     "IPython": {"client"},
     "matplotlib": {"client"},
     "ifaddr": {"apps", "client"},
-    "PIL": {"simulation"},
+    "PIL": {"apps", "simulation"},
     "mcp": {"apps"},
     "mcp_types": {"apps"},
     "paho": {"apps"},

@@ -7,6 +7,7 @@ import time
 from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
+from io import BytesIO
 from typing import Any, NamedTuple
 
 import msgspec
@@ -29,6 +30,8 @@ MOTIONS, MOTIONS_S = 20, 10.0
 KNOWN_S = 5.0
 PLAN_S, MOST_PLANS = 60.0, 8
 LONGEST_TEXT, LONGEST_EVENT = 600, 500
+LARGEST_SIDE = 640
+"""Of a picture, in pixels: more is scaled down."""
 STOPPED = "the agent stopped it"
 STREAMS = (
     "drive/state",
@@ -189,24 +192,25 @@ class Agent:
         if not tool.fits(known):
             raise InputError(f"this robot has nothing that can {tool.name}", "not_possible")
         given: Mapping[str, Any] = bounds.checked(tool.schema(known), arguments)
+        if tool.name == "do":
+            plan = self._planned(given["plan"])
+            return await self._moved(plan.tool, plan.arguments, known, way, given["plan"])
         if tool.moves:
-            if tool.name == "do":
-                tool, given = self._planned(given["plan"])
             return await self._moved(tool, given, known, way)
         doing = getattr(self, f"_{tool.name}")
         outcome: Outcome = await doing(given, known)
         return outcome
 
-    async def _moved(self, tool: Tool, given: Mapping[str, Any], known: Known, way: Way) -> Outcome:
+    async def _moved(self, tool: Tool, given: Mapping[str, Any], known: Known, way: Way, plan_id: str = "") -> Outcome:
         line = allowed_line(given["line"], known) if tool.name == "say" else tool.line(given)
-        if self.motion is not None:
-            raise InputError(f"'{self.motion.line}' is under way", "busy")
-        now = time.monotonic()
-        if len(self._begun) == MOTIONS and now - self._begun[0] < MOTIONS_S:
-            raise InputError(f"{MOTIONS} motions in {MOTIONS_S:g} s are the most; wait a little", "busy")
+        self._refuse_more()
         robot = await self._connected()
         await self._ask(tool, given, known, line, way)
-        self._begun.append(now)
+        self._refuse_more()  # a person may think for long
+        if plan_id:
+            self._planned(plan_id)
+            del self._plans[plan_id]
+        self._begun.append(time.monotonic())
         sort = BehaviourMotion if tool.name == "behaviour_run" else Motion
         self.motion = motion = sort(robot, line, given.get(SECONDS, SAY_S))
         try:
@@ -216,6 +220,12 @@ class Agent:
         if motion.ended:
             return Outcome(code="stopped", text=motion.ended)
         return Outcome(code="done", text=answer.ending or answer.text)
+
+    def _refuse_more(self) -> None:
+        if self.motion is not None:
+            raise InputError(f"'{self.motion.line}' is under way", "busy")
+        if len(self._begun) == MOTIONS and time.monotonic() - self._begun[0] < MOTIONS_S:
+            raise InputError(f"{MOTIONS} motions in {MOTIONS_S:g} s are the most; wait a little", "busy")
 
     async def _ask(self, tool: Tool, given: Mapping[str, Any], known: Known, line: str, way: Way) -> None:
         """Ask a person where the row requires it; raise InputError if the person does not agree."""
@@ -227,11 +237,11 @@ class Agent:
             raise InputError(f"a person must let '{self.name}' do that first ({', '.join(sorted(wanted))})", "confirm")
         self._confirmed |= wanted
 
-    def _planned(self, plan_id: str) -> tuple[Tool, Mapping[str, Any]]:
-        plan = self._plans.pop(plan_id, None)
+    def _planned(self, plan_id: str) -> Plan:
+        plan = self._plans.get(plan_id)
         if plan is None or not time.monotonic() <= plan.until:
             raise InputError("there is no such plan, or it was done, or is older than a minute", "late")
-        return plan.tool, plan.arguments
+        return plan
 
     async def _preview(self, given: Mapping[str, Any], known: Known) -> Outcome:
         tool = named(given["tool"])
@@ -246,7 +256,7 @@ class Agent:
             "holds_it": chain.get("text", ""),
             "do": chain.get("do", ""),
         }
-        data["would_be_refused"] = chain.get("state") not in {"ok", None}
+        data["would_be_refused"] = chain.get("state") == "held"
         data["a_person_is_asked"] = bool(
             set(known.rules.ask) & _asked_before(tool, arguments, known, "") - self._confirmed
         )
@@ -296,7 +306,8 @@ class Agent:
 
     async def _look(self, given: Mapping[str, Any], _known: Known) -> Outcome:
         picture = await (await self._connected()).picture(given["camera"])
-        return Outcome(code="done", text=f"what {given['camera']} sees now", picture=bytes(picture))
+        small = await asyncio.to_thread(scaled, bytes(picture))
+        return Outcome(code="done", text=f"what {given['camera']} sees now", picture=small)
 
     async def _status(self, _given: Mapping[str, Any], _known: Known) -> Outcome:
         robot = await self._connected()
@@ -384,8 +395,26 @@ def _side(tool: Tool, arguments: Mapping[str, Any]) -> str:
 
 
 def _brief(message: dict[str, Any]) -> dict[str, Any]:
-    """Return a message without what programs alone read."""
-    return {name: value for name, value in message.items() if name not in {"loop", "rows", "variables"}}
+    """Return a message without what programs alone read; of joints their angles, and what is wrong with them."""
+    brief = {name: value for name, value in message.items() if name not in {"loop", "rows", "variables"}}
+    if isinstance(joints := brief.get("joints"), dict):
+        brief["joints"] = {name: joint["position_rad"] for name, joint in joints.items()}
+        brief["wrong"] = {
+            name: text for name, joint in joints.items() if (text := joint["reason"] or ", ".join(joint["faults"]))
+        }
+    return brief
+
+
+def scaled(picture: bytes) -> bytes:
+    """Return a JPEG picture with no side above LARGEST_SIDE, and other data unchanged."""
+    from PIL import Image  # noqa: PLC0415 - most agents never look
+
+    with suppress(OSError), Image.open(BytesIO(picture)) as image:
+        if max(image.size) > LARGEST_SIDE:
+            image.thumbnail((LARGEST_SIDE, LARGEST_SIDE))
+            image.save(small := BytesIO(), "JPEG")
+            return small.getvalue()
+    return picture
 
 
 def encoded(value: Any) -> str:

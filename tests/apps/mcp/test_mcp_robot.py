@@ -1,17 +1,13 @@
 """An agent at a whole robot: what its tools do, in its own name, and what becomes of its motion when it is gone."""
 
 import asyncio
-import json
-import signal
 import sqlite3
-import subprocess
-import sys
-from contextlib import closing, contextmanager
-from pathlib import Path
+from contextlib import closing
 
 import pytest
 
-from tests.support import needs, programs
+from tests.apps.mcp.conftest import SPIN, agent, turning
+from tests.support import needs
 from tests.support import robot as robots
 from tests.support.waiting import until
 
@@ -27,8 +23,6 @@ from lbr.client import aio  # noqa: E402
 
 NAMED = Implementation(name="a test", version="1")
 pytestmark = pytest.mark.slow_start
-AGENT = Path(robots.__file__).parent / "clients" / "agent.py"
-SPIN = {"power": 0.15, "angle_deg": 90, "seconds": 5}
 
 
 class Present:
@@ -62,10 +56,6 @@ def home(running, monkeypatch):
 def wheels(robot):
     state = robot.ask("motors/state") or {"left": None, "right": None}
     return state["left"], state["right"]
-
-
-def turning(robot):
-    return wheels(robot) not in {(0.0, 0.0), (None, None)}
 
 
 def audit(home):
@@ -106,22 +96,6 @@ async def driven(call, **how):
     raise AssertionError(answer)
 
 
-@contextmanager
-def program(home, *, mode="auto", arguments=SPIN):
-    """An agent's program, which drives by `lbr mcp` at its pipe."""
-    argv = [sys.executable, AGENT, mode, "drive", json.dumps(arguments), *robots.LBR, "mcp"]
-    with programs.start(
-        argv, env=robots.environment(home), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as popen:
-        try:
-            assert popen.stdout.readline() == "calls\n"
-            yield popen
-        finally:
-            if popen.poll() is None:
-                popen.send_signal(signal.SIGCONT)
-                popen.kill()
-
-
 def test_tools_look_drive_and_are_written_down_by_name(running, home):
     async def work(program_of_agent, call):
         tools = {tool.name: tool for tool in (await program_of_agent.list_tools()).tools}
@@ -129,6 +103,9 @@ def test_tools_look_drive_and_are_written_down_by_name(running, home):
         assert tools["stop"].annotations.idempotent_hint
         assert not tools["stop"].annotations.destructive_hint
         assert tools["status"].annotations.read_only_hint
+        prompts = (await program_of_agent.list_prompts()).prompts
+        text = (await program_of_agent.get_prompt(prompts[0].name)).messages[0].content.text
+        assert "`preview`" in text
         status = await call("status")
         assert status["data"]["ready"]
         assert "ranges/readings" in status["data"]["measured"]
@@ -183,7 +160,10 @@ def test_a_client_that_cannot_ask_a_person_is_refused(running, home):
     with_tools(work, Rules(ask=("first",)))
 
 
-def test_a_plan_moves_nothing_and_is_good_once(running, home):
+def test_a_plan_moves_nothing_and_is_good_once_a_person_lets_it(running, home):
+    async def elicited(_context, _params):
+        return ElicitResult(action="accept", content={})
+
     async def work(_client, call):
         plan = await call("preview", tool="drive", arguments={"power": 0.15, "angle_deg": 90, "seconds": 0.1})
         assert plan["data"]["line"] == "/r/0.15/90"
@@ -195,7 +175,7 @@ def test_a_plan_moves_nothing_and_is_good_once(running, home):
         over = await call("preview", tool="drive", arguments={"power": 0.9, "angle_deg": 0})
         assert over["code"] == "bad_value"
 
-    with_tools(work)
+    with_tools(work, Rules(ask=("first",)), elicitation_callback=elicited)
 
 
 def test_a_person_stops_an_agent_and_it_is_told_by_whom(running, home):
@@ -216,7 +196,7 @@ def test_a_person_stops_an_agent_and_it_is_told_by_whom(running, home):
 
 @pytest.mark.parametrize("mode", ["auto", "legacy"])
 def test_an_agent_that_is_killed_moves_nothing(mode, running, home):
-    with program(home, mode=mode) as popen:
+    with agent(running, mode, [*robots.LBR, "mcp"]) as popen:
         until(lambda: turning(running))
         popen.kill()
         until(lambda: wheels(running) == (0.0, 0.0))

@@ -1,7 +1,11 @@
 """The tools that agents have: few and fixed, made from the robot's words, and nothing that people alone may do."""
 
-import pytest
+from io import BytesIO
 
+import pytest
+from PIL import Image
+
+from lbr.apps.mcp.agent import LARGEST_SIDE, scaled
 from lbr.apps.mcp.messages import NEVER, WORDS, Rules
 from lbr.apps.mcp.tools import TOOLS, Known, allowed_line, named
 from lbr.errors import InputError
@@ -76,3 +80,14 @@ def test_an_agent_says_stops_and_what_the_row_allows(line):
 def test_an_agent_says_nothing_else(line):
     with pytest.raises(InputError):
         allowed_line(line, KNOWN)
+
+
+@pytest.mark.parametrize(("size", "expected"), [((1280, 960), (LARGEST_SIDE, 480)), ((320, 240), (320, 240))])
+def test_a_picture_is_no_larger_than_an_agents_context_has_room_for(size, expected):
+    Image.new("RGB", size).save(taken := BytesIO(), "JPEG")
+    with Image.open(BytesIO(scaled(taken.getvalue()))) as picture:
+        assert picture.size == expected
+
+
+def test_what_is_no_picture_is_handed_on_as_it_is():
+    assert scaled(b"rubbish") == b"rubbish"

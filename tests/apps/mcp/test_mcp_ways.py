@@ -2,14 +2,13 @@
 
 import json
 import signal
-import subprocess
 import sys
-from contextlib import contextmanager
-from pathlib import Path
 
+import certifi
 import httpx
 import pytest
 
+from tests.apps.mcp.conftest import AGENT, SPIN, agent, turning
 from tests.support import needs, programs
 from tests.support import robot as robots
 from tests.support.waiting import until
@@ -17,47 +16,8 @@ from tests.support.waiting import until
 needs.modules("mcp")
 pytestmark = pytest.mark.slow_start
 
-AGENT = Path(robots.__file__).parent / "clients" / "agent.py"
-SPIN = {"power": 0.15, "angle_deg": 90, "seconds": 5}
 SILENT = "no sign of life"
 ENDS = (SILENT, "called it off", "not renewed")
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory):
-    settings = json.dumps({"port": robots.free_port(), "ask": []})
-    row = f"INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'agents', 'mcp', '{settings}')"
-    home = robots.prepare(tmp_path_factory.mktemp("mcp"), edits=(row,))
-    assert robots.lbr(home, "token", "add", "looker", "--role", "view", "--for", "web").returncode == 0
-    with robots.running(home) as robot:
-        yield robot
-
-
-@pytest.fixture(scope="module")
-def url(robot):
-    return until(lambda: (robot.ask("agents/state") or {}).get("urls"))[0]
-
-
-def turning(robot):
-    state = robot.ask("motors/state") or {}
-    return bool(state.get("left") or state.get("right"))
-
-
-@contextmanager
-def agent(robot, mode, where, tool="drive", arguments=SPIN):
-    """Run an agent's program that calls a tool, once the base is ready for it."""
-    argv = [sys.executable, AGENT, mode, tool, json.dumps(arguments), *where]
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    robot.line("reset")
-    robot.line("stop")
-    until(lambda: not turning(robot))
-    with programs.start(argv, env=robots.environment(robot.home), text=True, **pipes) as popen:
-        try:
-            assert popen.stdout.readline() == "calls\n"
-            yield popen
-        finally:
-            popen.send_signal(signal.SIGCONT)
-            popen.kill()
 
 
 @pytest.mark.parametrize("mode", ["auto", "legacy"])
@@ -90,6 +50,32 @@ def test_one_call_of_the_newest_protocol_ends_when_its_client_may_ask_no_more(ro
         until(lambda: not turning(robot))
         reason = robot.ask("drive/state")["reason"]
     assert "call again" in reason or SILENT in reason, reason
+
+
+@pytest.mark.parametrize("mode", ["auto", "legacy"])
+def test_elsewhere_a_token_may_what_its_role_may_and_the_pinned_certificate_is_trusted(mode, robot, far, tokens):
+    pinned = {"LBR_CA": str(robot.home / "credentials" / "bus.crt")}
+    for role, code in (("operate", "done"), ("view", "role")):
+        spin = SPIN | {"seconds": 0.2}
+        with agent(robot, mode, [far], arguments=spin, LBR_TOKEN=tokens[role], **pinned) as popen:
+            assert json.loads(popen.stdout.readline())["code"] == code
+
+
+@pytest.mark.parametrize("mode", ["auto", "legacy"])
+@pytest.mark.parametrize("wrong", ["token", "certificate"])
+def test_a_wrong_token_and_another_certificate_come_to_nothing(wrong, mode, robot, far, tokens):
+    token = tokens["operate"].replace(".", ".0", 1) if wrong == "token" else tokens["operate"]
+    authority = robot.home / "credentials" / "bus.crt" if wrong == "token" else certifi.where()
+    done = programs.run(
+        [sys.executable, AGENT, mode, "status", "{}", far],
+        env=robots.environment(robot.home) | {"LBR_TOKEN": token, "LBR_CA": str(authority)},
+        input="",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert {"token": "an error response", "certificate": "CERTIFICATE_VERIFY_FAILED"}[wrong] in done.stderr
 
 
 def test_strangers_and_wrong_tokens_are_refused(robot, url):
