@@ -80,6 +80,13 @@ def test_the_same_rows_are_copied_once(path):
     assert copies.keep(path, digest(path)) is not None
 
 
+def test_a_copy_that_was_damaged_is_not_taken_for_the_rows_that_run(path):
+    newest = copies.keep(path, digest(path))
+    newest.write_bytes(newest.read_bytes()[:2048])
+    assert copies.keep(path, digest(path)) == newest
+    assert copies.kept(path)[0].fault == ""
+
+
 def test_only_a_few_generations_are_kept(path):
     for n in range(6):
         edit(path, str(n))

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec import to_builtins
 
 from lbr.database import changes, edits, past
 from lbr.database.past import ChangeRow
@@ -95,6 +96,16 @@ def test_an_edit_on_request_is_told_with_who_asked(database):
     edits.write_rows(database, "lbr", [phrase], lambda _rows: (), create=True, by="web for 192.168.1.2")
     (change,) = database.changes()
     assert (change.source, change.first) == ("web for 192.168.1.2", 1)
+
+
+def test_who_changed_nothing_does_not_stand_beside_the_next_revision(database, client):
+    phrase = Phrase(name="ouch", language="en", text="Ouch.")
+    known: dict = {}
+    for source in ("speech", "ears"):
+        edits.learn(database, "lbr", [phrase], known, by=source)
+        known = {("phrase", ("ouch", "en")): to_builtins(phrase)}
+    client.execute("UPDATE phrase SET text = 'Hm.' WHERE name = 'ouch'")
+    assert [(one.source, one.first, one.last) for one in database.changes()] == [("speech", 1, 1), ("", 2, 2)]
 
 
 def test_rows_that_were_changed_since_they_were_looked_at_are_refused(edited):

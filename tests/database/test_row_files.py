@@ -70,6 +70,15 @@ def test_any_rows_come_back_as_they_were(tmp_path_factory, capabilities, phrases
     assert changes.between(tables, row_files.taken(read, TABLES, SCHEMA), SCHEMA) == ()
 
 
+def test_what_else_lies_in_a_folder_of_rows_is_left_out(tmp_path):
+    files = row_files.written(TABLES, SCHEMA)
+    row_files.write(tmp_path, files)
+    (tmp_path / "README.md").write_text("Our robot.")
+    (tmp_path / ".git").mkdir()
+    (tmp_path / ".git" / "robot.json").write_text("{}")
+    assert {file.name for file in row_files.read(tmp_path)} == {file.name for file in files}
+
+
 def test_files_of_an_editor_that_marks_utf_8_and_ends_lines_its_own_way_are_read(tmp_path):
     files = row_files.written(TABLES, SCHEMA)
     row_files.write(tmp_path, files)

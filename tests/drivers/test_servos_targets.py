@@ -206,7 +206,7 @@ def test_torque_that_was_found_is_left_before_any_setpoint_came_and_taken_once_o
     bench.bus.torque = True
     for _ in range(200):
         bench.step(follows=False)
-    assert bench.bus.torque
+    assert (bench.bus.torque, bench.bus.goals, bench.bus.placed) == (True, [], [])
     bench.gate = receive(bench.gate, ServoSetpoint(goals=(), lease="a"), bench.now + 0.01, bench.now + 0.01, VALID_S)
     bench.step(follows=False)
     assert not bench.bus.torque
@@ -446,6 +446,11 @@ def test_a_servo_that_falls_silent_and_comes_back_is_told_once_each_and_is_looke
     run(3.0)
     assert told == ["servo_silent", "servo_back"]
     assert not poller.snapshot.servos[2].reason
+
+
+def test_before_the_first_round_nothing_was_read_at_any_rate():
+    snapshot = Poller([1, 2], lambda: 5.0).snapshot
+    assert (snapshot.sweep, snapshot.sweeps_hz, snapshot.states_hz, snapshot.sweep_s) == (0, 0.0, 0.0, 0.0)
 
 
 def test_what_never_answers_is_asked_less_and_less():

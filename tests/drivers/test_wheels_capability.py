@@ -263,6 +263,18 @@ def test_a_driver_that_paused_for_as_long_as_a_setpoint_lives_needs_a_new_zero(p
         assert f" {pause_s:.2f} s" in bench.state.reason
 
 
+def test_a_driver_that_paused_at_rest_says_so_and_needs_a_new_zero_too(bench):
+    bench.steps(2 * STEP_S, 0.0)
+    assert bench.state.armed
+    bench.ctx.now += 5 * VALID_S
+    bench.give(0.0)
+    bench.step()
+    assert (bench.state.armed, bench.state.trips) == (False, 0)
+    assert "the driver was held up" in bench.state.reason
+    bench.steps(2 * STEP_S, 0.0)
+    assert bench.state.armed
+
+
 @pytest.mark.parametrize(("fed_s_ago", "stops"), [(0.09, False), (VALID_S, True)])
 def test_what_a_ramp_came_to_while_the_controller_took_nothing_needs_a_new_zero(bench, monkeypatch, fed_s_ago, stops):
     bench.steps(2 * STEP_S, 0.0)
