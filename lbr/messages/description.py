@@ -33,13 +33,15 @@ class CapabilityDescription(Struct, frozen=True, kw_only=True):
 
 
 class BaseDescription(Struct, frozen=True, kw_only=True):
-    """The twists of a base: which capability takes them, whether it goes sideways too, and its greatest speeds."""
+    """The twists of a base: which capability takes them, whether it goes sideways too, and its greatest speeds with
+    `max_power`."""
 
     capability: str
     kind: BaseKind
     sideways: bool
     max_speed_mps: float
     max_turn_rps: float
+    max_power: float = 1.0
 
 
 class RobotDescription(Struct, frozen=True, kw_only=True):

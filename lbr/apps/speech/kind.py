@@ -29,10 +29,12 @@ class SpeechSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """
 
     device: Name
-    language: LanguageTag = "en"
-    words_per_min: Annotated[int, Meta(ge=80, le=450)] = 150
+    language: Annotated[LanguageTag, Meta(title="Language", extra_json_schema={"x-basic": "voice"})] = "en"
+    words_per_min: Annotated[
+        int, Meta(ge=80, le=450, title="Words a minute", extra_json_schema={"x-basic": "voice"})
+    ] = 150
     pitch: Annotated[int, Meta(ge=0, le=99, description="of espeak-ng's voices; 50 is the voice's own")] = 50
-    volume: Fraction = 1.0
+    volume: Annotated[Fraction, Meta(title="Volume", extra_json_schema={"x-basic": "voice"})] = 1.0
     voices: dict[LanguageTag, Voice] = {}
     greets: bool = True
     queue: Annotated[int, Meta(ge=1, le=64, description="how many texts may wait")] = 16

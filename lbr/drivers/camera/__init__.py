@@ -21,10 +21,26 @@ class CameraSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """
 
     device: Name
-    on: Annotated[bool, Meta(description="whether it is switched on when the robot starts")] = False
+    on: Annotated[
+        bool,
+        Meta(
+            title="On from the start",
+            description="whether it is switched on when the robot starts",
+            extra_json_schema={"x-basic": "cameras"},
+        ),
+    ] = False
     width_px: Pixels = 640
     height_px: Pixels = 360
-    fps: Annotated[int, Meta(ge=1, le=120, description="pictures a second")] = 15
+    fps: Annotated[
+        int,
+        Meta(
+            ge=1,
+            le=120,
+            title="Pictures a second",
+            description="pictures a second",
+            extra_json_schema={"x-basic": "cameras"},
+        ),
+    ] = 15
     controls: dict[ControlName, int | float] = {}
     rotation_deg: Annotated[Literal[0, 180], Meta(description="for a camera at csi:N that hangs upside down")] = 0
 

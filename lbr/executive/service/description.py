@@ -54,6 +54,7 @@ def _base(plan: Plan) -> BaseDescription | None:
             sideways=base.holonomic,
             max_speed_mps=round(most_mps, 4),
             max_turn_rps=round(2 * most_mps / base.track_m, 4),
+            max_power=settings.max_power,
         )
     return None
 

@@ -57,7 +57,7 @@ def page(request, browser, robot):
 
 def row(page: Page, table: str, name: str) -> None:
     """Open a row's form."""
-    page.get_by_role("radio", name="Rows").click()
+    page.get_by_role("radio", name="Settings").click()
     page.get_by_label("Table").select_option(table)
     page.locator(".row", has=page.get_by_text(name, exact=True)).first.click()
 
@@ -71,11 +71,12 @@ def setting(robot: Robot, column: str) -> str:
 def test_a_limit_is_changed_in_a_form_that_says_what_is_wrong_and_what_restarts(page, robot):
     row(page, "capability", "drive")
     form = page.get_by_role("dialog")
-    power = form.get_by_label("max power")
+    power = form.get_by_label("Top speed")
     power.fill("7")
     expect(form.get_by_text("At most 1")).to_be_visible()
     expect(form.get_by_role("button", name="Save")).to_be_disabled()
     power.fill("")
+    form.get_by_text("Name, kind and start").click()
     form.get_by_label("kind").fill("No Such")
     expect(form.get_by_text("'No Such' is not a name")).to_be_visible(timeout=SLOWLY_MS)
     expect(form.get_by_text("Something below is not right yet")).to_be_visible()
@@ -92,7 +93,8 @@ def test_a_limit_is_changed_in_a_form_that_says_what_is_wrong_and_what_restarts(
 def test_what_is_typed_key_by_key_is_what_is_meant(page, robot):
     row(page, "capability", "drive")
     form = page.get_by_role("dialog")
-    power, joined = form.get_by_label("max power"), form.get_by_label("needs")
+    form.get_by_text("Name, kind and start").click()
+    power, joined = form.get_by_label("Top speed"), form.get_by_label("needs")
     wanted = "0.05" if page.viewport_size["width"] < 500 else "0.06"
     power.fill("")
     power.press_sequentially(wanted)
@@ -115,6 +117,7 @@ def test_a_row_that_changed_under_an_open_form_is_told_and_either_is_kept(page, 
     form = page.get_by_role("dialog")
     width = page.viewport_size["width"]
     robot.edit("UPDATE capability SET help = ? WHERE robot = 'lbr' AND name = 'drive'", f"by another, {width}")
+    form.get_by_text("Name, kind and start").click()
     form.get_by_label("help").fill("mine")
     expect(form.get_by_text("was changed meanwhile")).to_be_visible(timeout=SLOWLY_MS)
     form.get_by_role("button", name="Show the new row").click()
@@ -123,6 +126,21 @@ def test_a_row_that_changed_under_an_open_form_is_told_and_either_is_kept(page, 
     form.get_by_role("button", name="Save").click()
     expect(form).to_have_count(0, timeout=SLOWLY_MS)
     assert setting(robot, "help") == f"mine after all, {width}"
+
+
+def test_what_people_ask_for_first_is_saved_with_what_restarts_and_taken_back(page, robot):
+    page.get_by_role("radio", name="Settings").click()
+    before = setting(robot, "settings")
+    kept = page.get_by_label("Distance kept, left")
+    kept.fill("0.37")
+    expect(page.get_by_text("Restarts drive.")).to_be_visible(timeout=SLOWLY_MS)
+    page.get_by_role("button", name="Save").click()
+    expect(page.get_by_text("Distance kept, left is saved")).to_be_visible(timeout=SLOWLY_MS)
+    assert '"stop_m": 0.37' in setting(robot, "settings")
+    page.get_by_role("button", name="Undo").click()
+    expect(page.get_by_text("Taken back")).to_be_visible(timeout=SLOWLY_MS)
+    assert json.loads(setting(robot, "settings")) == json.loads(before)
+    until(lambda: robot.capability("drive")["phase"] == "ready")
 
 
 def test_what_was_typed_outlives_a_row_that_is_deleted_and_a_robot_that_does_not_answer(page, robot):

@@ -7,6 +7,9 @@ declare const __BUILD__: string;
 export const BUILD = typeof __BUILD__ === "string" && !import.meta.env?.DEV ? __BUILD__ : "";
 /** The robot has another page than this one, and loading it again did not help. */
 export const outdated = signal(false);
+let forms = 0;
+/** How many forms are open that were not saved: the page is not loaded again under them. */
+export const unsaved = { add: (count: number): void => { forms += count; } };
 /** What a refusal to move is told by. */
 export const OLD = { code: "old_page", reason: (): string => t("build.old") };
 
@@ -20,7 +23,7 @@ export function compare(own: string, told: string, tried: string): "same" | "loa
 
 /** Notes the robot's build; another one is loaded once, and where that does not help this page only looks. */
 export function noteBuild(told: string, own = BUILD): void {
-  const what = compare(own, told, sessionStorage.getItem(TRIED) ?? "");
+  const what = compare(own, told, forms > 0 ? told : sessionStorage.getItem(TRIED) ?? "");
   outdated.value = what !== "same";
   if (what !== "load") return;
   sessionStorage.setItem(TRIED, told);

@@ -1,7 +1,7 @@
 import { doc, kept, now, pass, reloads, Socket, win } from "./stage";
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { compare, noteBuild, outdated } from "../src/build";
+import { compare, noteBuild, outdated, unsaved } from "../src/build";
 import { holding } from "../src/holding";
 import { connect, disconnect, link, status } from "../src/live";
 
@@ -153,6 +153,10 @@ test("a page of another build loads itself once, then moves nothing", () => {
   assert.equal(compare("a", "b", ""), "load");
   assert.equal(compare("a", "b", "b"), "old");
   assert.equal(compare("a", "c", "b"), "load");
+  unsaved.add(1);
+  noteBuild("b", "a");
+  assert.deepEqual([reloads, outdated.value], [0, true], "what was typed is not lost");
+  unsaved.add(-1);
   noteBuild("b", "a");
   assert.equal(reloads, 1);
   noteBuild("b", "a");

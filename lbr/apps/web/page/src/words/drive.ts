@@ -7,7 +7,7 @@ export const drive = {
   "drive.tilt.how": ["Hold the stick, tilt the phone", "Stick halten, Gerät neigen"],
   "drive.tilt.denied": ["This browser was not allowed to tell how the phone is tilted.", "Dieser Browser darf nicht sagen, wie das Gerät geneigt ist."],
   "drive.tilt.silent": ["This device does not tell how it is tilted.", "Dieses Gerät sagt nicht, wie es geneigt ist."],
-  "drive.power": ["Top power", "Höchste Kraft"],
+  "drive.power": ["Top speed", "Höchstes Tempo"],
   "drive.speed": ["Speed", "Tempo"],
   "drive.heading": ["Heading", "Richtung"],
   "drive.battery": ["Battery", "Akku"],

@@ -1,7 +1,7 @@
 // Drive: the robot's eyes, the stick, and why it does not move.
 import { useEffect } from "preact/hooks";
 import { Badge, Slider, Toggle } from "../../parts";
-import { percent } from "../../format";
+import { number, percent } from "../../format";
 import { may, robot, streamOfType } from "../../robot";
 import { t } from "../../words";
 import { CompassCard } from "./CompassCard";
@@ -9,7 +9,7 @@ import { Gauges } from "./Gauges";
 import { gather } from "./MapView";
 import { Distances } from "./Distances";
 import { Moves } from "./Moves";
-import { gamepad, listenToHands, sideways, top } from "./pilot";
+import { base, gamepad, listenToHands, sideways, top } from "./pilot";
 import { Songs } from "./Songs";
 import { Speak } from "./Speak";
 import { Stage } from "./Stage";
@@ -36,7 +36,7 @@ export default function Drive() {
           <div class="drive-hand">
             <Stick />
             {sideways() && <Turner />}
-            <Slider label={t("drive.power")} min={0.1} max={1} step={0.05} value={top.value} show={percent} disabled={!may("operate")} onInput={(value) => { top.value = value; }} />
+            <Slider label={t("drive.power")} min={0.1} max={1} step={0.05} value={top.value} show={speed} disabled={!may("operate")} onInput={(value) => { top.value = value; }} />
             {canTilt() && <Toggle label={t("drive.tilt")} checked={tilts.value} disabled={!may("operate")} onChange={(on) => void tilt(on)} />}
           </div>
         </div>
@@ -51,6 +51,12 @@ export default function Drive() {
       </div>
     </div>
   );
+}
+
+/** A share of what the settings allow, as the speed that it is. */
+function speed(share: number): string {
+  const most = base()?.max_speed_mps;
+  return most ? `${number(share * most, 2)} m/s` : percent(share);
 }
 
 /** Has the screen stay on while one drives, where the browser can. */

@@ -2,11 +2,12 @@
 import { effect, signal } from "@preact/signals";
 import { holding } from "../../holding";
 import { remember, remembered } from "../../kept";
+import type { Robot } from "../../messages";
 import { may, robot } from "../../robot";
 import { aim, alike, ofKeys, together, twist, type Aim, type Push, type Twist } from "../../stick";
 import { stop } from "../../stopping";
 
-/** The most power that is given; chosen by the slider, kept by the browser. */
+/** How much of what the robot's settings allow is given at most; chosen by the slider, kept by the browser. */
 export const top = signal<number>(remembered("top", 0.4));
 /** Where the stick is, for the picture of it. */
 export const hand = signal<Push>({ x: 0, y: 0, turn: 0 });
@@ -52,12 +53,14 @@ function update(): void {
   last = wanted;
 }
 
+/** What is driven, where the robot tells of it. */
+export const base = (): Robot["base"] => (robot.value?.base?.capability === driver.value ? robot.value.base : null);
 /** Whether the base goes sideways: then the stick does so, and turning has a control of its own. */
-export const sideways = (): boolean => robot.value?.base?.sideways === true && robot.value.base.capability === driver.value;
+export const sideways = (): boolean => base()?.sideways === true;
 
 function wish(push: Push, most: number): Aim | Twist | null {
-  const base = robot.value?.base;
-  return base && sideways() ? twist(push, base, most) : aim(push.x, push.y, most);
+  const driven = base();
+  return driven?.sideways ? twist(push, driven, most) : aim(push.x, push.y, most * (driven?.max_power ?? 1));
 }
 
 /** Notes where a source's stick is; at rest it counts no more. */

@@ -9,7 +9,8 @@ import { Badge, Button, Dialog, Empty, Field, type BadgeTone, type IconName } fr
 import { capabilities, consoleLine, knows, may, robot } from "../../robot";
 import { maybe, t } from "../../words";
 import { Log } from "./Log";
-import { change, table } from "./manage";
+import { changeAll, table } from "./manage";
+import { noteMade } from "./undo";
 
 const TONES: Record<string, [BadgeTone, IconName]> = {
   ready: ["good", "check"], starting: ["calm", "restart"], waiting: ["calm", "pause"], stopping: ["calm", "pause"], stopped: ["calm", "pause"], degraded: ["warn", "warn"], failed: ["bad", "warn"],
@@ -29,8 +30,11 @@ export function Parts() {
   const enable = async (name: string, on: boolean): Promise<void> => {
     const row = (await table("capability")).data?.data?.rows.find((one) => one["name"] === name);
     if (!row) return;
-    const answer = await change({ table: "capability", before: row, after: { enabled: on } }, true);
-    if (answer.ok) notice(t(on ? "system.enabled" : "system.disabled", { name: plain(name) }), "good");
+    const one = { table: "capability", before: row, after: { enabled: on } };
+    const answer = await changeAll([one], true, true);
+    const said = t(on ? "system.enabled" : "system.disabled", { name: plain(name) });
+    if (answer.ok) noteMade(said, [one], [["name"]]);
+    if (answer.ok) notice(said, "good");
     else notice(told_(answer), "warn");
   };
   const told = status.value;

@@ -11,13 +11,13 @@ import { Devices } from "./Devices";
 import { Events } from "./Events";
 import { History } from "./History";
 import { Parts } from "./Parts";
-import { Rows } from "./Rows";
+import { Settings } from "./Settings";
 import { Tokens } from "./Tokens";
 import "./System.css";
 
-type Page = "parts" | "history" | "events" | "chart" | "cameras" | "rows" | "devices" | "tokens";
+type Page = "parts" | "history" | "events" | "chart" | "cameras" | "settings" | "devices" | "tokens";
 const page = signal<Page>(remembered<Page>("system", "parts"));
-const VIEWS: Record<Page, () => preact.JSX.Element> = { parts: Parts, history: History, events: Events, chart: Chart, cameras: Cameras, rows: Rows, devices: Devices, tokens: Tokens };
+const VIEWS: Record<Page, () => preact.JSX.Element> = { parts: Parts, history: History, events: Events, chart: Chart, cameras: Cameras, settings: Settings, devices: Devices, tokens: Tokens };
 
 export default function System() {
   const pages: { value: Page; icon: IconName; there: boolean }[] = [
@@ -26,7 +26,7 @@ export default function System() {
     { value: "events", icon: "events", there: true },
     { value: "chart", icon: "chart", there: true },
     { value: "cameras", icon: "camera", there: capabilities("camera").length > 0 },
-    { value: "rows", icon: "rows", there: may("operate") },
+    { value: "settings", icon: "settings", there: may("operate") },
     { value: "devices", icon: "plus", there: may("admin") },
     { value: "tokens", icon: "lock", there: may("admin") },
   ];

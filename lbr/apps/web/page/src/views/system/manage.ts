@@ -14,14 +14,12 @@ export interface RowChange { table: string; before: Row | null; after: Row | nul
 
 export const tables = (): Promise<Answer<Reply<{ tables: TableOf[] }>>> => fetchJson("api/rows", { timeoutMs: 12_000 });
 export const table = (name: string): Promise<Answer<Reply<Table>>> => fetchJson(`api/rows/${encodeURIComponent(name)}`, { timeoutMs: 12_000 });
-export const change = (one: RowChange, write: boolean): Promise<Answer<Reply<null>>> =>
-  fetchJson("api/rows", { method: "POST", body: { changes: [one], write }, quiet: true, timeoutMs: 12_000 });
 export interface Device { place: string; address: string; name: string; serial: string; type: string; what: string; row: string; text: string }
 export interface Offer { address: string; text: string; changes: RowChange[]; differences: string[]; problems: string[] }
 export interface Looked { devices: Device[]; proposals: Offer[]; hints: string[] }
 export const devices = (): Promise<Answer<Reply<Looked>>> => fetchJson("api/devices", { method: "POST", timeoutMs: 12_000 });
-export const changeAll = (changes: RowChange[], write: boolean): Promise<Answer<Reply<null>>> =>
-  fetchJson("api/rows", { method: "POST", body: { changes, write }, timeoutMs: 12_000 });
+export const changeAll = (changes: RowChange[], write: boolean, quiet = false): Promise<Answer<Reply<null>>> =>
+  fetchJson("api/rows", { method: "POST", body: { changes, write }, quiet, timeoutMs: 12_000 });
 export const tokens = (): Promise<Answer<Reply<{ tokens: Token[] }>>> => fetchJson("api/tokens", { timeoutMs: 12_000 });
 export const revoke = (name: string): Promise<Answer<Reply<null>>> => fetchJson("api/tokens/revoke", { method: "POST", body: { name }, timeoutMs: 12_000 });
 export const log = (name: string): Promise<Answer<Reply<{ name: string; text: string }>>> => fetchJson(`api/logs/${encodeURIComponent(name)}`, { timeoutMs: 12_000 });

@@ -1,12 +1,18 @@
 // What a form needs to know of a table's columns and of settings, from their JSON schemas. Pure.
+import { plain } from "../../format";
+
 export interface Schema {
   $ref?: string; $defs?: Record<string, Schema>; type?: string | string[]; title?: string; description?: string; properties?: Record<string, Schema>; required?: string[];
-  enum?: unknown[]; const?: unknown; anyOf?: Schema[]; minimum?: number; maximum?: number; exclusiveMinimum?: number; exclusiveMaximum?: number; pattern?: string; maxLength?: number; minLength?: number; default?: unknown;
+  enum?: unknown[]; const?: unknown; anyOf?: Schema[]; minimum?: number; maximum?: number; exclusiveMinimum?: number; exclusiveMaximum?: number; pattern?: string; maxLength?: number; minLength?: number; default?: unknown; items?: Schema;
+  /** The group of settings for people that it is one of, such as `speed`. */
+  "x-basic"?: string;
 }
-export type FieldKind = "text" | "number" | "integer" | "flag" | "choice" | "object" | "json";
+export type FieldKind = "text" | "number" | "integer" | "flag" | "choice" | "object" | "list" | "json";
 export interface FieldOf {
-  name: string; kind: FieldKind; help: string; needed: boolean; nullable: boolean; fallback: unknown; choices: string[];
-  least: number | null; most: number | null; above: number | null; below: number | null; longest: number | null; pattern: string; fields: FieldOf[];
+  name: string; title: string; basic: string; kind: FieldKind; help: string; needed: boolean; nullable: boolean; fallback: unknown; choices: string[];
+  least: number | null; most: number | null; above: number | null; below: number | null; longest: number | null; pattern: string;
+  /** Of an object, or of each thing in a list. */
+  fields: FieldOf[];
 }
 export type Problem = { key: "form.needed" | "form.number" | "form.whole" | "form.least" | "form.most" | "form.above" | "form.below" | "form.longest" | "form.json"; value?: number };
 
@@ -20,6 +26,16 @@ export function unitOf(field: Pick<FieldOf, "name" | "kind">): { stem: string; u
   const [, stem = "", per = "", unit = ""] = /^(.+?)(_per)?_([a-z0-9]+)$/.exec(field.name) ?? [];
   const known = (field.kind === "number" || field.kind === "integer") && UNITS[unit];
   return known ? { stem, unit: per ? `/ ${known}` : known } : { stem: field.name, unit: "" };
+}
+
+/** What people call a field: as it is declared, or else its name without its unit. */
+export const titleOf = (field: FieldOf): string => field.title || capital(plain(unitOf(field).stem));
+const capital = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
+
+/** What people call one thing of a list: by the first of its own names, such as the direction of a rule. */
+export function itemTitle(fields: FieldOf[], item: Record<string, unknown>, number: number): string {
+  const said = fields.filter((one) => one.kind === "choice" || one.kind === "text").map((one) => item[one.name]).find((one) => typeof one === "string" && one !== "");
+  return said === undefined ? String(number + 1) : plain(String(said));
 }
 
 function resolved(schema: Schema, defs: Record<string, Schema>, depth = 0): Schema {
@@ -39,11 +55,13 @@ function fieldOf(name: string, given: Schema, defs: Record<string, Schema>, need
   const options = (whole.anyOf ?? [whole]).map((one) => resolved(one, defs));
   const some = options.filter((one) => one.type !== "null");
   const bare: Schema = some.length === 1 ? some[0]! : {};
-  const fields = bare.type === "object" && bare.properties && depth < 3 ? fieldsOf(bare, defs, depth + 1) : [];
+  const inner = bare.type === "array" && bare.items ? resolved(bare.items, defs) : bare;
+  const fields = inner.type === "object" && inner.properties && depth < 3 ? fieldsOf(inner, defs, depth + 1) : [];
+  const help = given.description ?? whole.description ?? bare.description ?? "";
   const choices = bare.enum ?? (bare.const !== undefined ? [bare.const] : []);
   return {
-    name, kind: fields.length > 0 ? "object" : kindOf(bare, choices), needed, nullable: some.length < options.length,
-    help: given.description ?? whole.description ?? bare.description ?? "", fallback: given.default ?? whole.default ?? null, choices: choices.map(String),
+    name, title: given.title ?? "", basic: given["x-basic"] ?? "", kind: fields.length > 0 ? (inner === bare ? "object" : "list") : kindOf(bare, choices), needed, nullable: some.length < options.length,
+    help: help.toLowerCase() === given.title?.toLowerCase() ? "" : help, fallback: given.default ?? whole.default ?? null, choices: choices.map(String),
     least: bare.minimum ?? null, most: bare.maximum ?? null, above: bare.exclusiveMinimum ?? null, below: bare.exclusiveMaximum ?? null,
     longest: bare.maxLength ?? null, pattern: bare.pattern ?? "", fields,
   };
@@ -80,7 +98,7 @@ export function read(field: FieldOf, typed: string): unknown {
 /** A value as a person types it. */
 export function shown(field: FieldOf, value: unknown): string {
   if (value === undefined || value === null) return "";
-  return field.kind === "json" && typeof value !== "string" ? JSON.stringify(value) : String(value);
+  return (field.kind === "json" || field.kind === "list") && typeof value !== "string" ? JSON.stringify(value) : String(value);
 }
 
 /** What is wrong with a value as far as its schema says; null if nothing is. */
@@ -105,6 +123,10 @@ export function problems(fields: FieldOf[], value: Record<string, unknown>, path
     const at = path + field.name, one = value[field.name];
     if (field.kind === "object") {
       for (const [key, problem] of problems(field.fields, (one ?? {}) as Record<string, unknown>, `${at}.`)) if (one !== undefined || problem.key !== "form.needed") found.set(key, problem);
+      continue;
+    }
+    if (field.kind === "list" && Array.isArray(one)) {
+      one.forEach((each, number) => problems(field.fields, (each ?? {}) as Record<string, unknown>, `${at}.${number}.`).forEach((problem, key) => found.set(key, problem)));
       continue;
     }
     const problem = wrong(field, one);
