@@ -1,1 +1,0 @@
-import{Ct as e,Dt as t}from"./parts-pBIPFoDe.js";import{l as n}from"./index-DdppZgW8.js";function r(r){let[i,a]=t(``);return e(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
