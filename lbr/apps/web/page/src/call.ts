@@ -2,7 +2,10 @@
 import { signal } from "@preact/signals";
 import { canConnect, connect, type Connection, type Hears, type Phase } from "./connection";
 import { capabilities } from "./robot";
-import { t } from "./words";
+import { learn, t } from "./words";
+import { call as callWords } from "./words/call";
+
+learn(callWords);
 
 export type Stage = "idle" | "asking" | Phase;
 export interface Now {

@@ -1,18 +1,24 @@
-// All text of the page: one table, English and German side by side. A view's own words stand in `words/`.
+// All text of the page, English and German side by side. A view's own words stand in `words/`, and come with the view.
 import { signal } from "@preact/signals";
-import { behaviours } from "./words/behaviours";
-import { call } from "./words/call";
+import type { behaviours } from "./words/behaviours";
+import type { call } from "./words/call";
 import { codes } from "./words/codes";
 import { drive } from "./words/drive";
-import { joints } from "./words/joints";
-import { motions } from "./words/motions";
+import type { joints } from "./words/joints";
+import type { motions } from "./words/motions";
 import { shell } from "./words/shell";
-import { system } from "./words/system";
+import type { system } from "./words/system";
 import { plain } from "./format";
 import { remembered } from "./kept";
 
-export const TABLE = { ...shell, ...behaviours, ...call, ...codes, ...drive, ...joints, ...motions, ...system } as const;
-export type WordKey = keyof typeof TABLE;
+type Text = readonly [english: string, german: string];
+export type WordKey = keyof (typeof shell & typeof behaviours & typeof call & typeof codes & typeof drive & typeof joints & typeof motions & typeof system);
+/** What can be said so far. */
+export const TABLE: Partial<Record<WordKey, Text>> = { ...shell, ...codes, ...drive };
+
+/** Adds the words of a view, by the module that says them. */
+export const learn = (words: Partial<Record<WordKey, Text>>): void => { Object.assign(TABLE, words); };
+
 export type Language = "en" | "de";
 const PLACE: Record<Language, 0 | 1> = { en: 0, de: 1 };
 
@@ -21,7 +27,7 @@ export const language = signal<Language>(remembered<Language>("language", naviga
 
 /** The text for a key, `{name}` in it replaced. */
 export function t(key: WordKey, values: Record<string, string | number> = {}): string {
-  const text: string = TABLE[key][PLACE[language.value]];
+  const text = TABLE[key]?.[PLACE[language.value]] ?? key;
   return text.replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));
 }
 

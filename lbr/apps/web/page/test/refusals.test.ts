@@ -15,7 +15,7 @@ test("a code with a sentence of the page's own is told by it alone, others with 
   assert.equal(told({ code: "no_torque", reason: "18 joints have no torque: /torque/on first" }), "Joints are off.");
   assert.equal(told({ code: "estop", reason: "latched: reset releases it" }), "Emergency stop is pressed.");
   assert.equal(told({ code: "obstacle", reason: "forward reads 18 cm" }), "Something is in the way: forward reads 18 cm");
-  for (const key of Object.keys(TABLE).filter((one) => one.startsWith("refused."))) assert.doesNotMatch(TABLE[key as keyof typeof TABLE].join(), /\//, key);
+  for (const key of Object.keys(TABLE).filter((one) => one.startsWith("refused."))) assert.doesNotMatch(TABLE[key as keyof typeof TABLE]!.join(), /\//, key);
 });
 
 test("a refusal has a button where this robot, and this person, can mend it so", () => {

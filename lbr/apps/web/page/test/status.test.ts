@@ -6,8 +6,11 @@ import { connect, disconnect } from "../src/live";
 import { first } from "../src/views/drive/line";
 import { keyName } from "../src/views/motions/data";
 import { toneOf, torques } from "../src/views/joints/tone";
+import { learn } from "../src/words";
+import { motions } from "../src/words/motions";
 
 void kept;
+learn(motions);
 const REST = { moving: false, holds: false, code: "" };
 const MOVING = { moving: true, limited_by: "" };
 

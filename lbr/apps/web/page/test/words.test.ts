@@ -1,10 +1,18 @@
 import "./stage";
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
-import { join } from "node:path";
+import { dirname, join, relative } from "node:path";
 import { test } from "node:test";
-import { language, maybe, TABLE, t } from "../src/words";
+import { language, learn, maybe, TABLE, t } from "../src/words";
+import { behaviours } from "../src/words/behaviours";
+import { call } from "../src/words/call";
+import { joints } from "../src/words/joints";
+import { motions } from "../src/words/motions";
+import { system } from "../src/words/system";
 
+const OF_VIEWS: Record<string, object> = { behaviours, call, joints, motions, system };
+const FIRST = { ...TABLE };
+Object.values(OF_VIEWS).forEach(learn);
 const SOURCES = join(process.cwd(), "src");
 const names = (text: string): string[] => [...text.matchAll(/\{(\w+)\}/g)].map((found) => found[1]!).sort();
 const files = readdirSync(SOURCES, { recursive: true, encoding: "utf8" }).filter((name) => /\.tsx?$/.test(name));
@@ -39,4 +47,29 @@ test("a text is filled, and a key that the table lacks is nothing", () => {
   assert.equal(t("age.stale", { age: "2 s" }), "2 s alt");
   assert.equal(maybe("code.of_tomorrow"), "");
 
+});
+
+/** A module and all that it imports at once, by their names. */
+function closure(name: string, found = new Set<string>()): Set<string> {
+  if (found.has(name)) return found;
+  found.add(name);
+  for (const [, path] of texts[files.indexOf(name)]!.matchAll(/^import (?!type).*?from "(\.[^"]+)"/gm)) {
+    const wanted = relative(SOURCES, join(SOURCES, dirname(name), path!));
+    const there = [`${wanted}.ts`, `${wanted}.tsx`, `${wanted}/index.tsx`].find((one) => files.includes(one));
+    if (there) closure(there, found);
+  }
+  return found;
+}
+
+test("a view brings the words that it says, and the first load none of the others'", () => {
+  const main = closure("main.tsx");
+  const views = [...said.matchAll(/import\("\.\/(views\/[^"]+)"\)/g)].map((found) => `${found[1]}.tsx`);
+  assert.ok(views.length > 5);
+  for (const view of views) {
+    const all = closure(view, new Set(main));
+    const brought: object = Object.assign({ ...FIRST }, ...[...all].filter((name) => name.startsWith("words/")).map((name) => OF_VIEWS[name.slice(6, -3)]));
+    const lacking = [...all].filter((name) => !name.startsWith("words")).flatMap((name) => [...texts[files.indexOf(name)]!.matchAll(/"([a-z0-9_]+(?:\.[a-z0-9_]+)+)"/g)].map((found) => found[1]!).filter((key) => key in TABLE && !(key in brought)).map((key) => `${name}: ${key}`));
+    assert.deepEqual(lacking, [], view);
+  }
+  assert.deepEqual([...main].filter((name) => Object.keys(OF_VIEWS).some((one) => name === `words/${one}.ts`)), []);
 });

@@ -1,6 +1,5 @@
 // Words of the view Behaviours: English, German.
 export const behaviours = {
-  "view.behaviours": ["Behaviours", "Verhalten"],
   "behaviours.tables": ["Tables", "Tabellen"],
   "behaviours.none": ["This robot has no tables yet", "Dieser Roboter hat noch keine Tabellen"],
   "behaviours.none.text": ["Write one in a spreadsheet and import it, or begin a new one here.", "Schreib eine in einer Tabellenkalkulation und importiere sie, oder beginne hier eine neue."],

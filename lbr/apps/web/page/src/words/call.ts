@@ -1,5 +1,4 @@
 export const call = {
-  "view.call": ["Call", "Anruf"],
   "call.call": ["Call", "Anrufen"],
   "call.again": ["Call again", "Noch einmal anrufen"],
   "call.watch": ["Only watch", "Nur zusehen"],

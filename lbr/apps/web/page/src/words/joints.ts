@@ -1,6 +1,5 @@
 // Words of the views Joints and Motions: English, German.
 export const joints = {
-  "view.joints": ["Joints", "Gelenke"],
   "joints.deeds": ["What it can do", "Was er kann"],
   "joints.deeds.all": ["All motions", "Alle Bewegungen"],
   "joints.none": ["This robot has no joints", "Dieser Roboter hat keine Gelenke"],
@@ -39,7 +38,6 @@ export const joints = {
   "joints.some.limp": ["{count} of {of} are off", "{count} von {of} sind aus"],
   "joints.some.unknown": ["On or off unknown: {count} of {of}", "An oder aus unbekannt: {count} von {of}"],
   "joints.some.bad": ["{count} overloaded", "{count} überlastet"],
-  "joints.recover": ["Recover", "Zurücksetzen"],
   "joints.recover.all": ["Recover all", "Alle zurücksetzen"],
   "joints.tone.near": ["at its goal", "am Ziel"],
   "joints.tone.held": ["on", "an"],

@@ -1,6 +1,5 @@
 // Words of the view Motions: English, German.
 export const motions = {
-  "view.motions": ["Motions", "Bewegungen"],
   "motions.none": ["This robot has no motions", "Dieser Roboter hat keine Bewegungen"],
   "motions.speed": ["Speed", "Tempo"],
   "motions.mirror": ["Mirrored", "Gespiegelt"],

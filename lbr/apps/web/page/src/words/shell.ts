@@ -1,5 +1,9 @@
 export const shell = {
   "view.drive": ["Drive", "Fahren"],
+  "view.behaviours": ["Behaviours", "Verhalten"],
+  "view.call": ["Call", "Anruf"],
+  "view.joints": ["Joints", "Gelenke"],
+  "view.motions": ["Motions", "Bewegungen"],
   "view.system": ["System", "System"],
   "shell.skip": ["Skip to the controls", "Zu den Bedienelementen springen"],
   "shell.views": ["Views", "Ansichten"],
@@ -83,5 +87,6 @@ export const shell = {
   "refused.estop": ["Emergency stop is pressed.", "Notstopp ist gedrückt."],
   "refused.rest_first": ["Release first, then move again.", "Erst loslassen, dann neu bewegen."],
   "mend.on": ["Switch on", "Einschalten"],
+  "joints.recover": ["Recover", "Zurücksetzen"],
   "refused.unreachable": ["The robot does not answer", "Der Roboter antwortet nicht"],
 } as const;

@@ -5,11 +5,14 @@ import { remember, remembered } from "../../kept";
 import { useStream } from "../../live";
 import { Badge, Card, Empty, Icon } from "../../parts";
 import { may, streamOfType } from "../../robot";
-import { t } from "../../words";
+import { learn, t } from "../../words";
+import { behaviours as behavioursWords } from "../../words/behaviours";
 import type { Run, Summary, Tables } from "./data";
 import { Import, New } from "./Files";
 import { Opened } from "./Opened";
 import "./Behaviours.css";
+
+learn(behavioursWords);
 
 const going = (run: Run | null): boolean => run !== null && (run.phase === "running" || run.phase === "paused");
 

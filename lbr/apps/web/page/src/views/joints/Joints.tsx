@@ -9,7 +9,9 @@ import { Mend } from "../../mend";
 import { useNews } from "../../news";
 import { command, may, robot } from "../../robot";
 import { estop } from "../../stopping";
-import { t } from "../../words";
+import { learn, t } from "../../words";
+import { joints as jointsWords } from "../../words/joints";
+import { motions as motionsWords } from "../../words/motions";
 import { Body3d } from "./Body3d";
 import { Boxes } from "./boxes";
 import { Deeds } from "./Deeds";
@@ -20,6 +22,9 @@ import { aims, Movers, speed, SPEEDS, type Speed } from "./mover";
 import { Row } from "./Row";
 import { positions } from "./state";
 import { BAD, toneOf, torques } from "./tone";
+
+learn(jointsWords);
+learn(motionsWords);
 
 const SIDES: Side[] = ["right", "left", "centre"];
 

@@ -8,7 +8,9 @@ import { holding } from "../../holding";
 import { Badge, Button, Card, Empty, Field, Icon, Segments, Slider, Toggle } from "../../parts";
 import { capabilities, command, may, robot, streamOfType } from "../../robot";
 import { estop } from "../../stopping";
-import { t } from "../../words";
+import { learn, t } from "../../words";
+import { motions as motionsWords } from "../../words/motions";
+import { joints as jointsWords } from "../../words/joints";
 import { ownerOf, useCalm } from "../joints/hooks";
 import { body, loadBody, type BodyModel } from "../joints/model";
 import { Builder } from "./Builder";
@@ -17,6 +19,9 @@ import { Figure } from "./Figure";
 import { Playing } from "./Playing";
 import "../joints/Joints.css";
 import "./Motions.css";
+
+learn(motionsWords);
+learn(jointsWords);
 
 const speed = signal(1);
 const mirror = signal(false);

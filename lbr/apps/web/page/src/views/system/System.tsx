@@ -3,7 +3,8 @@ import { signal } from "@preact/signals";
 import { remember, remembered } from "../../kept";
 import { Segments, type IconName } from "../../parts";
 import { capabilities, may } from "../../robot";
-import { t } from "../../words";
+import { learn, t } from "../../words";
+import { system as systemWords } from "../../words/system";
 import { Box } from "./Box";
 import { Cameras } from "./Cameras";
 import { Chart } from "./Chart";
@@ -14,6 +15,8 @@ import { Parts } from "./Parts";
 import { Settings } from "./Settings";
 import { Tokens } from "./Tokens";
 import "./System.css";
+
+learn(systemWords);
 
 type Page = "parts" | "history" | "events" | "chart" | "cameras" | "settings" | "devices" | "tokens";
 const page = signal<Page>(remembered<Page>("system", "parts"));
