@@ -33,8 +33,7 @@ class CapabilityDescription(Struct, frozen=True, kw_only=True):
 
 
 class BaseDescription(Struct, frozen=True, kw_only=True):
-    """The twists of a base: which capability takes them, whether it goes sideways too, and its greatest speeds with
-    `max_power`."""
+    """The twists of a base: which capability takes them, whether it goes sideways too, its greatest speeds and power."""
 
     capability: str
     kind: BaseKind

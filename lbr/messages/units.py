@@ -1,10 +1,16 @@
 """Number types with their unit, range and meaning; decoding refuses what is out of range, NaN and infinity."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from msgspec import Meta
 
 from lbr.messages.shapes import NAME, NAME_OR_NONE
+
+
+def basic(group: str, title: str, **more: Any) -> Meta:
+    """Return what a setting is that people ask for first: in which group of the page, and by which name."""
+    return Meta(title=title, extra_json_schema={"x-basic": group}, **more)
+
 
 Power = Annotated[float, Meta(ge=0.0, le=1.0, description="fraction of full power, 0 to 1")]
 SignedPower = Annotated[float, Meta(ge=-1.0, le=1.0, description="fraction of full power, forward positive, -1 to 1")]
@@ -35,12 +41,8 @@ TurnDeg = Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees to tur
 HeadingDeg = Annotated[float, Meta(ge=0.0, le=360.0, description="degrees clockwise from true north")]
 DistanceCm = Annotated[
     float,
-    Meta(
-        ge=0.0,
-        le=10000.0,
-        description="centimetres to travel; 0 sets no distance",
-        extra_json_schema={"x-typed-minimum": 1.0},  # a distance that is typed is never 0
-    ),
+    Meta(ge=0.0, le=10000.0, description="centimetres to travel; 0 sets no distance"),
+    Meta(extra_json_schema={"x-typed-minimum": 1.0}),  # a distance that is typed is never 0
 ]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
 SpeedMps = Annotated[float, Meta(ge=-10.0, le=10.0, description="metres a second")]

@@ -8,7 +8,7 @@ from lbr.capability.kind import Command, Kind, OnDevice, names
 from lbr.capability.word import Word
 from lbr.messages.leases import CommandReply
 from lbr.messages.speech import HushCommand, Phrase, PlayReply, SayCommand, SongCommand, SpeechState
-from lbr.messages.units import Fraction, Name
+from lbr.messages.units import Fraction, Name, basic
 
 Voice = Annotated[
     str,
@@ -29,12 +29,10 @@ class SpeechSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """
 
     device: Name
-    language: Annotated[LanguageTag, Meta(title="Language", extra_json_schema={"x-basic": "voice"})] = "en"
-    words_per_min: Annotated[
-        int, Meta(ge=80, le=450, title="Words a minute", extra_json_schema={"x-basic": "voice"})
-    ] = 150
+    language: Annotated[LanguageTag, basic("voice", "Language")] = "en"
+    words_per_min: Annotated[int, basic("voice", "Words a minute", ge=80, le=450)] = 150
     pitch: Annotated[int, Meta(ge=0, le=99, description="of espeak-ng's voices; 50 is the voice's own")] = 50
-    volume: Annotated[Fraction, Meta(title="Volume", extra_json_schema={"x-basic": "voice"})] = 1.0
+    volume: Annotated[Fraction, basic("voice", "Volume")] = 1.0
     voices: dict[LanguageTag, Voice] = {}
     greets: bool = True
     queue: Annotated[int, Meta(ge=1, le=64, description="how many texts may wait")] = 16

@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 from lbr.capability.kind import Kind, OnDevice
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
 from lbr.messages.leases import CommandReply
-from lbr.messages.units import Name
+from lbr.messages.units import Name, basic
 
 Pixels = Annotated[int, Meta(ge=16, le=4096)]
 ControlName = Annotated[str, Meta(min_length=1, max_length=80)]
@@ -21,26 +21,10 @@ class CameraSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """
 
     device: Name
-    on: Annotated[
-        bool,
-        Meta(
-            title="On from the start",
-            description="whether it is switched on when the robot starts",
-            extra_json_schema={"x-basic": "cameras"},
-        ),
-    ] = False
+    on: Annotated[bool, basic("cameras", "On from the start", description="on when the robot starts")] = False
     width_px: Pixels = 640
     height_px: Pixels = 360
-    fps: Annotated[
-        int,
-        Meta(
-            ge=1,
-            le=120,
-            title="Pictures a second",
-            description="pictures a second",
-            extra_json_schema={"x-basic": "cameras"},
-        ),
-    ] = 15
+    fps: Annotated[int, basic("cameras", "Pictures a second", ge=1, le=120, description="pictures a second")] = 15
     controls: dict[ControlName, int | float] = {}
     rotation_deg: Annotated[Literal[0, 180], Meta(description="for a camera at csi:N that hangs upside down")] = 0
 

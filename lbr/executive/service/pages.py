@@ -173,13 +173,9 @@ class Pages:
         """Return the refusal of a change of a row that has changed meanwhile: with the author and the time."""
         at, by = database.last_change(self._plan().robot, err.table, err.key) or ("", "")
         reason = f"{err} (by {by})" if by else str(err)
+        revision = database.revision()
         return ManageReply(
-            accepted=False,
-            reason=reason,
-            code=err.code,
-            revision=database.revision(),
-            changed_by=by,
-            changed_at=at,
+            accepted=False, reason=reason, code=err.code, revision=revision, changed_by=by, changed_at=at
         )
 
     def _events(self, command: LookAtEvents) -> ManageReply:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.messages.drive import Direction
-from lbr.messages.units import Name
+from lbr.messages.units import Name, basic
 
 Metres = Annotated[float, Meta(gt=0.0, le=10.0)]
 Seconds = Annotated[float, Meta(gt=0.0, le=10.0)]
@@ -22,10 +22,7 @@ class Rule(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
 
     direction: Direction
     sensor: Name
-    stop_m: Annotated[
-        Metres,
-        Meta(title="Distance kept", description="left free when it stops", extra_json_schema={"x-basic": "distances"}),
-    ] = 0.25
+    stop_m: Annotated[Metres, basic("distances", "Distance kept", description="left free when it stops")] = 0.25
     margin_m: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.05
     max_age_s: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3
     frozen_after_m: Metres = 0.10
@@ -49,16 +46,7 @@ class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     """
 
     rate_hz: Annotated[float, Meta(ge=50.0, le=100.0)] = 50.0
-    max_power: Annotated[
-        float,
-        Meta(
-            gt=0.0,
-            le=1.0,
-            title="Top speed",
-            description="share of full power; no hand and no program drives faster",
-            extra_json_schema={"x-basic": "speed"},
-        ),
-    ] = 1.0
+    max_power: Annotated[float, basic("speed", "Top speed", gt=0.0, le=1.0, description="share of full power")] = 1.0
     accel_per_s: Annotated[float, Meta(gt=0.0, le=50.0, description="growth of each wheel's power")] = 2.0
     ttl_s: Annotated[float, Meta(gt=0.0, le=1.0, description="life of a lease between renewals")] = 0.3
     max_run_s: Annotated[float, Meta(gt=0.0, le=3600.0, description="longest motion without a changed command")] = 30.0
@@ -102,14 +90,7 @@ class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         float, Meta(gt=0.0, le=1000.0, description="rate of a spin at full power, degrees a second")
     ] = 400.0
     turn_power: Annotated[
-        float,
-        Meta(
-            gt=0.0,
-            le=1.0,
-            title="Speed of turns",
-            description="greatest power of a turn",
-            extra_json_schema={"x-basic": "speed"},
-        ),
+        float, basic("speed", "Speed of turns", gt=0.0, le=1.0, description="greatest power of a turn")
     ] = 0.2
     turn_min_power: Annotated[
         float, Meta(gt=0.0, le=1.0, description="least power that turns the base, and greatest of a correction")
