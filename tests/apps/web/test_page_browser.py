@@ -468,6 +468,7 @@ def test_each_view_fits_each_screen_and_all_in_it_has_a_name(opened, robot, view
 def test_system_tells_of_parts_events_and_numbers(opened, robot):
     page = opened.page(path="/#system")
     expect(page.get_by_text("no loudspeaker").first).to_be_visible()
+    page.get_by_role("button", name="drive", exact=True).click()
     page.get_by_role("button", name="Restart: drive").click()
     page.get_by_role("dialog").get_by_role("button", name="Restart").click()
     assert within(page, lambda: ("console", {"line": "/restart/drive"}) in robot.asked)

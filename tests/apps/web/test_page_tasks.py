@@ -262,6 +262,7 @@ def test_find_the_part_that_is_not_well(at):
 
 def test_restart_a_part(at):
     page, robot = at("lbr", "system")
+    page.get_by_role("button", name="drive", exact=True).click()
     press(page, "Restart: drive")
     asked(page).get_by_role("button", name="Restart").click()
     assert within(page, lambda: ("console", {"line": "/restart/drive"}) in robot.asked)

@@ -191,6 +191,7 @@ def test_one_button_connects_a_phone_and_closes_the_robot_again(page, robot):
 
 def test_a_log_is_read_and_stop_stays_within_reach(page, robot):
     (robot.home / "logs" / "lbr-base.log").write_text("what it has written\n")
+    page.get_by_role("button", name="drive", exact=True).click()
     page.get_by_role("button", name="Log: drive").click()
     expect(page.get_by_role("dialog").get_by_text("what it has written")).to_be_visible(timeout=SLOWLY_MS)
     stop = page.locator("#stop")
@@ -238,7 +239,7 @@ def test_what_is_plugged_in_is_shown_with_a_preview_and_written_on_a_yes(page, r
     page.get_by_role("button", name="Look what is plugged in").click()
     device = page.get_by_role("listitem").filter(has_text="RIOX inertial unit")
     expect(device.get_by_text(at)).to_be_visible()
-    device.get_by_role("button", name="Preview").click()
+    device.get_by_role("button", name="Add").click()
     preview = page.get_by_role("dialog")
     expect(preview.get_by_text("added").or_(preview.get_by_text("changed")).first).to_be_visible()
     assert at not in addresses(robot)

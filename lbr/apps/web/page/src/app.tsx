@@ -1,12 +1,12 @@
 // The shell: what is above, beside and below every view.
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { Component, type ComponentType, type Ref } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { unknown } from "./access";
 import { loadAgain, outdated } from "./build";
 import { Fallen } from "./fallen";
 import { Asked } from "./handover";
-import { link } from "./live";
+import { link, status } from "./live";
 import { Mend } from "./mend";
 import { dismiss, notices, type Tone } from "./notices";
 import { Badge, Button, Dialog, Empty, Icon, type IconName } from "./parts";
@@ -16,7 +16,7 @@ import { Settings } from "./settings";
 import { SignIn } from "./sign-in";
 import { StopButton } from "./stop-button";
 import { asksReset, estop, resetEstop, stop } from "./stopping";
-import { VIEWS, type View } from "./views";
+import { LACKING, VIEWS, type View } from "./views";
 import { t } from "./words";
 
 /** Which view the address names. */
@@ -24,8 +24,12 @@ export const place = signal(location.hash.slice(1).split("/")[0] ?? "");
 window.addEventListener("hashchange", () => { place.value = location.hash.slice(1).split("/")[0] ?? ""; });
 
 const TONES: Record<Tone, IconName> = { info: "info", good: "check", warn: "warn", bad: "warn" };
+const SETTLED_S = 8;
 const TYPED = "input:not([type=range]):not([type=checkbox]), textarea, select";
 const PRESSED = "button, a, input, textarea, select, [role=radio], [role=tab], [role=slider], summary";
+
+/** Parts are not well, and the robot has had the time to start them. */
+const unwell = computed(() => (status.value?.uptime_s ?? 0) > SETTLED_S && status.value!.capabilities.some((one) => one.phase === "failed" || one.phase === "degraded"));
 
 function useStopKeys(): void {
   useEffect(() => {
@@ -71,6 +75,7 @@ export function App() {
           ))}
         </nav>
         <main class="main" id="main" tabIndex={-1} data-view={view?.id}>
+          {known && view === views[0] && unwell.value && <Shown view={LACKING} quiet />}
           {known && view ? <Shown key={view.id} view={view} /> : unknown.value && !known ? <SignIn /> : <Waiting />}
         </main>
       </div>
@@ -160,7 +165,7 @@ function Notices() {
 }
 
 /** A view, loaded when it is first looked at; one that breaks leaves stop and navigation alone. */
-class Shown extends Component<{ view: View }, { Made?: ComponentType; broken?: string }> {
+class Shown extends Component<{ view: Pick<View, "load">; quiet?: boolean }, { Made?: ComponentType; broken?: string }> {
   override state: { Made?: ComponentType; broken?: string } = {};
 
   override componentDidMount(): void {
@@ -181,6 +186,7 @@ class Shown extends Component<{ view: View }, { Made?: ComponentType; broken?: s
 
   override render() {
     const { Made, broken } = this.state;
+    if (this.props.quiet && !Made) return null;
     if (broken) return <Empty icon="warn" title={t("shell.broken")}><p>{broken}</p><Button onClick={() => location.reload()}>{t("shell.again")}</Button></Empty>;
     return Made ? <Made /> : <Waiting />;
   }

@@ -23,7 +23,7 @@ export interface CallState {
 }
 export interface DanceState { phase: "resting" | "dancing" | "ended"; song: string; dance: string; beat: number; beats: number; reason: string }
 export interface BoxState { recording: string; recording_s: number; recording_mb: number; kept: number; trouble: string }
-export interface CameraState { on: boolean; phase: string; width_px?: number | null; height_px?: number | null; fps?: number | null; reason?: string }
+export interface CameraState { on: boolean; phase: string; width_px?: number | null; height_px?: number | null; fps?: number | null; frames?: number; reason?: string }
 export interface RangeSensor { name: string; kind: string; x_m?: number; y_m?: number; z_m?: number; yaw_rad?: number; pitch_rad?: number; fov_rad?: number; min_m?: number; max_m?: number; rays?: number; stop_m?: number | null }
 export interface Event { kind: string; subject: string; text: string; level?: "info" | "warning" | "error"; wall_ns?: number; code?: string; about?: string; data?: Record<string, unknown> }
 export interface CapabilityStatus {

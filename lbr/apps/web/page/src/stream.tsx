@@ -1,6 +1,8 @@
 // The robot's picture, by whichever way there is: that of a call, or MJPEG.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { call, theirs } from "./call";
+import { clock, type Sample } from "./live";
+import type { CameraState } from "./messages";
 import { Icon } from "./parts";
 import { t } from "./words";
 
@@ -26,6 +28,16 @@ export function Film({ stream, label, muted, mirrored = false, class: more = "",
     return () => { video.srcObject = null; };
   }, [stream, muted]);
   return <video ref={film} class={more} aria-label={label} autoplay playsInline muted={muted} data-there={there || undefined} data-mirrored={mirrored || undefined} onPlaying={() => come(true)} />;
+}
+
+/** How old the newest picture of a camera is: since its count went on. A camera that is stuck goes on telling of itself. */
+export function usePictureAge(state: Sample<CameraState> | null): number | null {
+  const seen = useRef({ frames: -1, at: 0 });
+  void clock.value;
+  if (!state || state.message.frames === 0) return null;
+  const { frames = state.at } = state.message;
+  if (frames !== seen.current.frames) seen.current = { frames, at: state.at };
+  return performance.now() - seen.current.at;
 }
 
 /** The camera's picture: of the call where there is one, otherwise the newest ones of a camera by MJPEG. */

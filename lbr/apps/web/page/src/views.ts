@@ -13,6 +13,9 @@ export interface View {
   load: () => Promise<{ default: ComponentType }>;
 }
 
+/** What is above the first view of a robot that is not well. */
+export const LACKING: Pick<View, "load"> = { load: () => import("./views/system/Lacking") };
+
 export const VIEWS: View[] = [
   { id: "drive", word: "view.drive", icon: "drive", shows: () => streamOfType("DriveState") !== "", load: () => import("./views/drive/Drive") },
   { id: "joints", word: "view.joints", icon: "joints", shows: (robot) => robot.joints.length > 0, load: () => import("./views/joints/Joints") },

@@ -1,6 +1,7 @@
 import "./stage";
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { gathered, lineOf } from "../src/views/system/minute";
 import { dayOf, matches, merged } from "../src/views/system/listing";
 import type { Event } from "../src/messages";
 
@@ -27,4 +28,13 @@ test("of today only the time is said", () => {
   assert.equal(dayOf(now.getTime() * 1e6, now, "en"), "");
   assert.match(dayOf(new Date(2026, 10, 21, 12).getTime() * 1e6, now, "en"), /21/);
   assert.equal(dayOf(0, now, "en"), "");
+});
+
+test("a minute of what a part takes is kept, and forgotten with the part", () => {
+  let known = {};
+  for (let second = 0; second < 70; second++) known = gathered(known, [{ name: "drive", cpu_percent: second }, { name: "box", cpu_percent: null }]);
+  assert.deepEqual(known, { drive: Array.from({ length: 60 }, (_, at) => at + 10), box: [] });
+  assert.deepEqual(gathered(known, [{ name: "box", cpu_percent: 2 }]), { box: [2] });
+  assert.equal(lineOf([]), "");
+  assert.equal(lineOf([0, 5, 10]), "M57 20.0L58 10.5L59 1.0");
 });

@@ -1,18 +1,21 @@
 // What the robot sees: a camera, the map, or its surroundings, behind the heading.
 import { useState } from "preact/hooks";
 import { useSignal } from "@preact/signals";
+import { age as ageText } from "../../format";
 import { remember, remembered } from "../../kept";
 import { useStream } from "../../live";
 import type { AttitudeState, CameraState, OdometryState } from "../../messages";
-import { Button, Choice, Empty, Icon, Segments, Stale, type IconName } from "../../parts";
+import { Badge, Button, Choice, Empty, Icon, Segments, type IconName } from "../../parts";
 import { capabilities, command, may, streamOfType } from "../../robot";
 import { call, caller, hangUp, ring } from "../../call";
-import { Picture as Shown, PREFIX } from "../../stream";
+import { Picture as Shown, PREFIX, usePictureAge } from "../../stream";
 import { named, t } from "../../words";
 import { Compass } from "./Compass";
 import { MapView } from "./MapView";
 import { Radar, RangesInWords } from "./Radar";
 
+/** The state of a camera comes once a second. */
+const OLD_MS = 4000;
 type Picture = "camera" | "map" | "radar";
 
 export function Stage() {
@@ -68,6 +71,7 @@ function Camera({ names }: { names: string[] }) {
     const chooser = capabilities("cameras")[0];
     if (chooser && may("operate")) void command(chooser.name, "select", { name: next.replace(PREFIX, "") });
   };
+  const age = usePictureAge(state);
   const on = state === null || state.message.on;
   return (
     <>
@@ -77,7 +81,7 @@ function Camera({ names }: { names: string[] }) {
           <Choice label={t("drive.camera")} value={name} options={names.map((one) => ({ value: one, text: named(one.replace(PREFIX, "")) }))} onChange={pick} />
         </div>
       )}
-      {state && <div class="drive-camera-age"><Stale sample={state} after={4000} /></div>}
+      {on && age !== null && age > OLD_MS && <div class="drive-camera-age"><Badge icon="warn" tone="warn">{t("age.stale", { age: ageText(age) })}</Badge></div>}
     </>
   );
 }

@@ -5,6 +5,7 @@ import { Badge, Button, Dialog, Empty } from "../../parts";
 import { may } from "../../robot";
 import { t } from "../../words";
 import { changeAll, devices, type Looked, type Offer } from "./manage";
+import { noteMade } from "./undo";
 
 export function Devices() {
   const [found, tell] = useState<Looked | null>(null);
@@ -21,6 +22,7 @@ export function Devices() {
     ask(null);
     const answer = await changeAll(offer.changes, true);
     if (answer.ok) notice(t("devices.written"), "good");
+    if (answer.ok) noteMade(t("devices.written"), offer.changes, offer.changes.map((one) => Object.keys(one.before ?? {})));
     await look();
   };
   const offered = (address: string): Offer | undefined => found?.proposals.find((one) => one.address === address);

@@ -1,26 +1,30 @@
-// The robot's parts: state, reason, load and rates; restarted by an admin.
+// The robot's parts, a line each: state, reason and load; opened: rates, events, log, and what an admin does to it.
 import { useEffect, useState } from "preact/hooks";
 import { told as told_ } from "../../access";
 import { age, number, plain } from "../../format";
 import { status } from "../../live";
 import type { CapabilityStatus } from "../../messages";
 import { notice } from "../../notices";
-import { Badge, Button, Dialog, Empty, Field, type BadgeTone, type IconName } from "../../parts";
+import { Badge, Button, Dialog, Empty, Field, useOwnId, type BadgeTone, type IconName } from "../../parts";
 import { capabilities, consoleLine, knows, may, robot } from "../../robot";
 import { maybe, t } from "../../words";
+import { EventList, useEvents } from "./Events";
 import { Log } from "./Log";
 import { changeAll, table } from "./manage";
+import { lineOf, minute } from "./minute";
 import { noteMade } from "./undo";
 
 const TONES: Record<string, [BadgeTone, IconName]> = {
   ready: ["good", "check"], starting: ["calm", "restart"], waiting: ["calm", "pause"], stopping: ["calm", "pause"], stopped: ["calm", "pause"], degraded: ["warn", "warn"], failed: ["bad", "warn"],
 };
+const EVENTS = 6;
 const ORDER = ["failed", "degraded", "starting", "waiting", "stopping", "ready", "stopped"];
 
 export function Parts() {
   const [wanted, find] = useState("");
   const [restarts, ask] = useState("");
   const [log, read] = useState("");
+  const [opened, open] = useState<ReadonlySet<string>>(new Set());
   const [leaving, part] = useState("");
   const [off, setOff] = useState<string[]>([]);
   const disabled = may("operate") ? off : [];
@@ -54,7 +58,7 @@ export function Parts() {
         <div class="system-find"><Field label={t("system.filter")} type="search" value={wanted} onInput={(event) => find(event.currentTarget.value)} /></div>
       </div>
       {told?.problems?.map((one) => <p key={one} class="system-problem">{one}</p>)}
-      {shown.length === 0 ? <Empty icon="search" title={t("system.nothing")} /> : <ul class="system-parts">{shown.map((one) => <Part key={one.name} part={one} onRestart={knows("restart") ? () => ask(one.name) : undefined} onLog={may("operate") ? () => read(one.name) : undefined} onDisable={may("admin") ? () => part(one.name) : undefined} />)}</ul>}
+      {shown.length === 0 ? <Empty icon="search" title={t("system.nothing")} /> : <ul class="parts">{shown.map((one) => <Part key={one.name} part={one} open={opened.has(one.name)} onOpen={(on) => open(new Set(on ? [...opened, one.name] : [...opened].filter((name) => name !== one.name)))} onRestart={knows("restart") ? () => ask(one.name) : undefined} onLog={may("operate") ? () => read(one.name) : undefined} onDisable={may("admin") ? () => part(one.name) : undefined} />)}</ul>}
       {disabled.length > 0 && (
         <section class="system-off" aria-label={t("system.off")}>
           <h3>{t("system.off")}</h3>
@@ -74,30 +78,52 @@ export function Parts() {
   );
 }
 
-function Part({ part, onRestart, onLog, onDisable }: { part: CapabilityStatus; onRestart?: () => void; onLog?: () => void; onDisable?: () => void }) {
+interface PartProps { part: CapabilityStatus; open: boolean; onOpen: (open: boolean) => void; onRestart?: () => void; onLog?: () => void; onDisable?: () => void }
+
+/** One part as a line; opened, all that is known of it. */
+function Part({ part, open, onOpen, onRestart, onLog, onDisable }: PartProps) {
   const [tone, icon] = TONES[part.phase] ?? ["calm", "info"];
   const summary = capabilities(part.kind).find((one) => one.name === part.name)?.summary ?? "";
-  const rates = Object.entries(part.rates_hz).filter(([, rate]) => rate > 0.05);
+  const id = useOwnId();
   return (
-    <li class="system-part" data-tone={tone}>
-      <div class="system-part-head">
-        <h3 class="cut">{plain(part.name)}</h3>
+    <li class="part" data-tone={tone}>
+      <div class="part-line">
+        <h3 class="cut"><button type="button" aria-expanded={open} aria-controls={id} onClick={() => onOpen(!open)}>{plain(part.name)}</button></h3>
+        <p class="part-said">{part.reason || summary || part.kind}</p>
+        <span class="part-load num"><Spark name={part.name} />{part.cpu_percent == null ? "" : `${number(part.cpu_percent)} %`}</span>
         <Badge tone={tone} icon={icon}>{maybe(`phase.${part.phase}`) || part.phase}</Badge>
       </div>
-      <p class="system-part-reason">{part.reason || summary || part.kind}</p>
-      {part.last_end && <p class="system-part-reason muted">{part.last_end}</p>}
-      <dl class="system-part-facts num">
-        {part.cpu_percent != null && <div><dt>{t("system.cpu")}</dt><dd>{number(part.cpu_percent, 1)} %</dd></div>}
+      <div id={id} class="part-more" hidden={!open}>{open && <More part={part} summary={summary} onRestart={onRestart} onLog={onLog} onDisable={onDisable} />}</div>
+    </li>
+  );
+}
+
+function Spark({ name }: { name: string }) {
+  return <svg class="part-spark" viewBox="0 0 60 20" preserveAspectRatio="none" aria-hidden="true"><path d={lineOf(minute.value[name] ?? [])} /></svg>;
+}
+
+function More({ part, summary, onRestart, onLog, onDisable }: Omit<PartProps, "open" | "onOpen"> & { summary: string }) {
+  const { shown } = useEvents(part.name, "info", EVENTS);
+  const rates = Object.entries(part.rates_hz).filter(([, rate]) => rate > 0.05);
+  const load = minute.value[part.name] ?? [];
+  return (
+    <>
+      {part.reason && <p class="muted">{summary}</p>}
+      {part.last_end && <p class="part-end">{part.last_end}</p>}
+      <dl class="part-facts num">
+        {load.length > 0 && <div><dt>{t("system.minute")}</dt><dd><Spark name={part.name} />{t("system.most", { value: number(Math.max(...load)) })}</dd></div>}
         {part.memory_mb != null && <div><dt>{t("system.memory")}</dt><dd>{number(part.memory_mb)} MB</dd></div>}
+        {part.uptime_s != null && <div><dt>{t("system.up")}</dt><dd>{age(part.uptime_s * 1000)}</dd></div>}
         {part.process && <div><dt>{t("system.process")}</dt><dd>{plain(part.process)}</dd></div>}
         {part.restarts > 0 && <div><dt>{t("system.restarts")}</dt><dd>{part.restarts}</dd></div>}
         {rates.map(([name, rate]) => <div key={name}><dt>{plain(name)}</dt><dd>{number(rate, rate < 10 ? 1 : 0)} Hz</dd></div>)}
       </dl>
-      <div class="system-part-actions">
-        {onRestart && <Button kind="quiet" icon="restart" label={`${t("system.restart")}: ${part.name}`} onClick={onRestart} />}
-        {onLog && <Button kind="quiet" icon="log" label={`${t("system.log")}: ${part.name}`} onClick={onLog} />}
-        {onDisable && <Button kind="quiet" icon="pause" label={`${t("system.disable")}: ${part.name}`} onClick={onDisable} />}
+      <div class="system-tools">
+        {onLog && <Button icon="log" label={`${t("system.log")}: ${part.name}`} onClick={onLog}>{t("system.log")}</Button>}
+        {onRestart && <Button icon="restart" label={`${t("system.restart")}: ${part.name}`} onClick={onRestart}>{t("system.restart")}</Button>}
+        {onDisable && <Button icon="pause" label={`${t("system.disable")}: ${part.name}`} onClick={onDisable}>{t("system.disable")}</Button>}
       </div>
-    </li>
+      {shown.length > 0 && <EventList shown={shown} />}
+    </>
   );
 }

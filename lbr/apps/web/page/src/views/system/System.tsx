@@ -1,5 +1,6 @@
 // System: which parts there are and how they are, what happened, any number as a chart, the rows, who may come in.
 import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { remember, remembered } from "../../kept";
 import { Segments, type IconName } from "../../parts";
 import { capabilities, may } from "../../robot";
@@ -33,6 +34,12 @@ export default function System() {
     { value: "devices", icon: "plus", there: may("admin") },
     { value: "tokens", icon: "lock", there: may("admin") },
   ];
+  useEffect(() => {
+    const turn = (): void => { const asked = location.hash.split("/")[1]; if (asked && asked in VIEWS) page.value = asked as Page; };
+    turn();
+    window.addEventListener("hashchange", turn);
+    return () => window.removeEventListener("hashchange", turn);
+  }, []);
   const there = pages.filter((one) => one.there);
   const now = there.some((one) => one.value === page.value) ? page.value : "parts";
   const Shown = VIEWS[now];
