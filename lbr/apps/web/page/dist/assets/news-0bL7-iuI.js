@@ -1,1 +1,0 @@
-import{Ot as e,wt as t}from"./parts-CiVZn0lF.js";import{l as n}from"./index-DQmbFqqe.js";function r(r){let[i,a]=e(``);return t(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
