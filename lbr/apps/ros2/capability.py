@@ -11,7 +11,7 @@ from lbr.apps.bodies.model import body_file, model
 from lbr.apps.ros2 import codec, topics, wire
 from lbr.apps.ros2.driving import Asked, Driving, Limits
 from lbr.apps.ros2.graph import Graph, refusal_of
-from lbr.apps.ros2.kind import STOP, Ros2Settings
+from lbr.apps.ros2.kind import SHOWN, STOP, Ros2Settings
 from lbr.apps.ros2.link import Link, Place, Request, Sample
 from lbr.apps.ros2.messages import Ros2State
 from lbr.apps.ros2.showing import Showing
@@ -46,6 +46,7 @@ class Ros2(Capability[Ros2Settings]):
 
     rate_hz = RESTING_HZ
     woken_by_streams = False
+    received_while_read = SHOWN
 
     def __init__(self, ctx: Context[Ros2Settings]) -> None:
         super().__init__(ctx)

@@ -115,6 +115,9 @@ _STREAMS: dict[str, type[Struct]] = {
     "drive": DriveState,
 }
 
+SHOWN = frozenset({*_STREAMS, "ranges", "scans", "imu", "frames"})
+"""The inputs that are read while somebody in ROS subscribes."""
+
 KIND = Kind(
     name="ros2",
     summary="joins ROS 2 by the wire of rmw_zenoh: sensors out, motion and services in",

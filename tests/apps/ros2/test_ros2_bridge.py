@@ -237,6 +237,19 @@ def test_a_type_that_is_not_taken_is_told_once_by_its_token_alone(bridge):
     ]
 
 
+def test_who_was_there_before_the_bridge_and_who_has_another_twist_are_told_too(place):
+    with ros_side.opened(place, router=True) as router:
+        early = ros_side.Node(router, "early")
+        early.endpoint("MP", "cmd_vel", ros_side.STRING)
+        bridge = Bridge(World(connect=place), place)
+        bridge.node.endpoint("MP", "cmd_vel", (TWIST[0], "RIHS01_" + "0" * 64))
+        bridge.until(lambda: len(bridge.told()) == 2, "both complaints")
+        bridge.close()
+    told = " ".join(bridge.world.told("ros2_refused"))
+    assert "/early publishes String" in told
+    assert "/teleop publishes another geometry_msgs/msg/Twist" in told
+
+
 def test_a_router_that_is_replaced_ends_motion_all_is_declared_anew_and_nothing_resumes(place):
     router = ros_side.opened(place, router=True)
     bridge = Bridge(World(connect=place), place)
