@@ -20,7 +20,7 @@ BEGIN;
 
 -- The robots of this database; `lbr` runs one of them. Its name is the first part of every key on the bus.
 CREATE TABLE robot (
-    name          TEXT    NOT NULL PRIMARY KEY  -- by which a launch profile and every other table know it
+    name          TEXT    NOT NULL PRIMARY KEY  -- by which profiles and tables know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     model         TEXT    NOT NULL DEFAULT '',  -- what it is built as
     description   TEXT    NOT NULL DEFAULT '',  -- for people
@@ -35,20 +35,20 @@ CREATE TABLE robot (
 -- The capabilities: one process for each enabled row, unless rows share one.
 CREATE TABLE capability (
     robot    TEXT    NOT NULL,  -- whose it is
-    name     TEXT    NOT NULL  -- the second part of its keys on the bus; `executive` is lbr itself
+    name     TEXT    NOT NULL  -- the second part of its keys; `executive` is lbr itself
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40 AND name <> 'executive'),
-    kind     TEXT    NOT NULL  -- which capability class: a registered one, or a file in $LBR_HOME/capabilities
+    kind     TEXT    NOT NULL  -- a registered kind, or a file in $LBR_HOME/capabilities
         CHECK (kind GLOB '[a-z]*' AND kind NOT GLOB '*[^a-z0-9_]*' AND length(kind) <= 40),
     enabled  INTEGER NOT NULL DEFAULT 1  -- whether it is started
         CHECK (enabled IN (0, 1)),
     settings TEXT    NOT NULL DEFAULT '{}'  -- JSON object: what the kind may set; unknown keys are refused
         CHECK (json_valid(settings) AND json_type(settings) = 'object'),
-    restart  TEXT    NOT NULL DEFAULT 'on-failure'  -- when it ends: leave it, start it again after a failure, always
+    restart  TEXT    NOT NULL DEFAULT 'on-failure'  -- whether to start it again after its end
         CHECK (restart IN ('never', 'on-failure', 'always')),
     needs    TEXT    NOT NULL DEFAULT '[]'  -- JSON list: the capabilities that start before it
         CHECK (json_valid(needs) AND json_type(needs) = 'array'),
     help     TEXT    NOT NULL DEFAULT '',  -- for people
-    process  TEXT    NOT NULL DEFAULT ''  -- the process that it shares with all that say so; empty: its own
+    process  TEXT    NOT NULL DEFAULT ''  -- the process that it shares; empty: its own
         CHECK (process = '' OR (process GLOB '[a-z]*' AND process NOT GLOB '*[^a-z0-9_]*' AND length(process) <= 40)),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
@@ -61,9 +61,9 @@ CREATE TABLE channel (
         CHECK (source GLOB '[a-z]*.[a-z]*' AND source NOT GLOB '*[^a-z0-9_.]*' AND source NOT GLOB '*.*.*'),
     target  TEXT    NOT NULL  -- capability.input
         CHECK (target GLOB '[a-z]*.[a-z]*' AND target NOT GLOB '*[^a-z0-9_.]*' AND target NOT GLOB '*.*.*'),
-    rate_hz REAL  -- at most this many messages a second; NULL: every one
+    rate_hz REAL  -- most messages a second; NULL: all
         CHECK (rate_hz IS NULL OR (rate_hz > 0 AND rate_hz <= 1000000)),
-    history INTEGER NOT NULL DEFAULT 1  -- how many of the newest messages wait for the reader
+    history INTEGER NOT NULL DEFAULT 1  -- newest messages that wait for the reader
         CHECK (history BETWEEN 1 AND 64),
     enabled INTEGER NOT NULL DEFAULT 1  -- whether it is wired
         CHECK (enabled IN (0, 1)),
@@ -80,24 +80,23 @@ CREATE TABLE device (
         CHECK (type GLOB '[a-z]*' AND type NOT GLOB '*[^a-z0-9_]*' AND length(type) <= 40),
     address  TEXT NOT NULL  -- a path, usb:VID:PID[:SERIAL], by-id:GLOB, i2c:BUS:ADDRESS, unix:PATH
         CHECK (length(address) BETWEEN 1 AND 500),
-    settings TEXT NOT NULL DEFAULT '{}'  -- JSON object: what its type may set, such as the faults of its emulated twin
+    settings TEXT NOT NULL DEFAULT '{}'  -- JSON object: what its type may set, such as its twin's faults
         CHECK (json_valid(settings) AND json_type(settings) = 'object'),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- The console's vocabulary. A word may have several patterns. `/r/{power}/{angle_deg}` binds the parts of a line to
--- fields of the target command's message, `{text...}` takes the rest of the line with its slashes, and a pattern
--- without a slash is an alias, to be typed as it stands.
+-- The console's vocabulary. A word may have several patterns. `/r/{power}/{angle_deg}` binds parts of a line to fields
+-- of the target's message, `{text...}` the rest of the line with its slashes; a pattern without a slash is an alias.
 CREATE TABLE verb (
     robot   TEXT NOT NULL,  -- whose it is
     word    TEXT NOT NULL  -- the first part of the pattern; capital letters count
         CHECK (word GLOB '[A-Za-z]*' AND word NOT GLOB '*[^A-Za-z0-9_]*' AND length(word) <= 40),
     pattern TEXT NOT NULL  -- a line's form, see above
         CHECK (pattern = word OR pattern = '/' || word OR substr(pattern, 1, length(word) + 2) = '/' || word || '/'),
-    target  TEXT NOT NULL  -- capability.command, or executive.NAME for what lbr does by itself
+    target  TEXT NOT NULL  -- capability.command, or lbr's own executive.NAME
         CHECK (target GLOB '[a-z]*.[a-z]*' AND target NOT GLOB '*[^a-z0-9_.]*' AND target NOT GLOB '*.*.*'),
-    payload TEXT  -- JSON object: fields of the message that the pattern does not bind; NULL: none
+    payload TEXT  -- JSON object: fields that the pattern does not bind
         CHECK (payload IS NULL OR (json_valid(payload) AND json_type(payload) = 'object')),
     role    TEXT NOT NULL DEFAULT 'operate'  -- the least role that may say it
         CHECK (role IN ('view', 'operate', 'admin')),
@@ -106,22 +105,21 @@ CREATE TABLE verb (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Programs started at the console by name, without a shell. The words after the name are added to the arguments, as far
--- as the row allows it: `arguments` has an entry for each argument, in their order, and the last ones may be left out.
--- An entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of the
--- argument must fit, such as "[0-9]{1,3}". Nothing that begins with '-' is taken unless it stands in a list.
+-- Programs started at the console by name, without a shell. `arguments` has an entry for each word after the name, in
+-- order; the last may be left out. An entry is a list of words, such as ["left", "right"], or a regular expression for
+-- all of it, such as "[0-9]{1,3}". A word with '-' at its beginning must be in a list.
 CREATE TABLE external_command (
     robot     TEXT    NOT NULL,  -- whose it is
     name      TEXT    NOT NULL  -- what to type
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     argv      TEXT    NOT NULL  -- JSON list: the program's path, then its arguments
         CHECK (json_valid(argv) AND json_type(argv) = 'array' AND json_array_length(argv) >= 1),
-    blocking  INTEGER NOT NULL DEFAULT 0  -- whether the console waits for its end; otherwise it runs until it ends or `stop NAME`
+    blocking  INTEGER NOT NULL DEFAULT 0  -- the console waits; 0: it runs on, until `stop NAME`
         CHECK (blocking IN (0, 1)),
     enabled   INTEGER NOT NULL DEFAULT 1  -- whether it is offered
         CHECK (enabled IN (0, 1)),
     help      TEXT    NOT NULL DEFAULT '',  -- one line for people
-    arguments TEXT  -- JSON list: what may follow the name, see above; NULL: nothing
+    arguments TEXT  -- JSON list: what may follow the name, see above
         CHECK (arguments IS NULL OR (json_valid(arguments) AND json_type(arguments) = 'array')),
     role      TEXT    NOT NULL DEFAULT 'operate'  -- the least role that may start and end it
         CHECK (role IN ('view', 'operate', 'admin')),
@@ -135,7 +133,7 @@ CREATE TABLE behaviour (
     name  TEXT NOT NULL  -- by which it is run
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     help  TEXT NOT NULL DEFAULT '',  -- one line for people
-    max_s REAL NOT NULL DEFAULT 600  -- the longest it may run; 0: until it ends or is stopped
+    max_s REAL NOT NULL DEFAULT 600  -- longest run; 0: until its end or a stop
         CHECK (max_s BETWEEN 0 AND 86400),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
@@ -146,12 +144,12 @@ CREATE TABLE button (
     robot   TEXT    NOT NULL,  -- whose it is
     id      INTEGER NOT NULL  -- the number
         CHECK (id BETWEEN 0 AND 9999),
-    name    TEXT    NOT NULL  -- the name there; of several with the same, the lowest number is meant
+    name    TEXT    NOT NULL  -- the name there; of several alike, the lowest number's
         CHECK (length(name) BETWEEN 1 AND 40),
-    button  TEXT    NOT NULL DEFAULT '',  -- what is written on the remote control's key
-    motion  TEXT    NOT NULL DEFAULT ''  -- which motion is played; empty: none, only the controller is taken over
+    button  TEXT    NOT NULL DEFAULT '',  -- the remote control's key
+    motion  TEXT    NOT NULL DEFAULT ''  -- the motion; empty: only the controller is taken over
         CHECK (motion = '' OR (motion GLOB '[a-z]*' AND motion NOT GLOB '*[^a-z0-9_]*' AND length(motion) <= 40)),
-    builtin INTEGER NOT NULL DEFAULT 0  -- whether it is changed here only, not from the network
+    builtin INTEGER NOT NULL DEFAULT 0  -- changed here only, not from the network
         CHECK (builtin IN (0, 1)),
     PRIMARY KEY (robot, id),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
@@ -162,11 +160,11 @@ CREATE TABLE choreography (
     robot     TEXT    NOT NULL,  -- whose it is
     dance     TEXT    NOT NULL  -- by which settings and commands know it
         CHECK (dance GLOB '[a-z]*' AND dance NOT GLOB '*[^a-z0-9_]*' AND length(dance) <= 40),
-    step      INTEGER NOT NULL  -- the order, from 1; after the last comes the first
+    step      INTEGER NOT NULL  -- the order, from 1, in a circle
         CHECK (step BETWEEN 1 AND 10000),
-    power     REAL    NOT NULL  -- fraction of full power, 0 to 1
+    power     REAL    NOT NULL  -- fraction of full power
         CHECK (power BETWEEN 0 AND 1),
-    angle_deg REAL    NOT NULL  -- degrees clockwise: 0 ahead, 90 right, 180 back, 270 left
+    angle_deg REAL    NOT NULL  -- degrees clockwise from ahead
         CHECK (angle_deg BETWEEN -360 AND 360),
     beats     INTEGER NOT NULL DEFAULT 1  -- for how many beats
         CHECK (beats BETWEEN 1 AND 64),
@@ -183,7 +181,7 @@ CREATE TABLE joint (
         CHECK (device_id BETWEEN 0 AND 253),
     side      TEXT    NOT NULL DEFAULT 'centre'  -- which half of the body it belongs to
         CHECK (side IN ('left', 'right', 'centre')),
-    sign      INTEGER NOT NULL DEFAULT 1  -- 1 or -1: whether the servo turns the way the joint counts
+    sign      INTEGER NOT NULL DEFAULT 1  -- -1: the servo turns against the joint
         CHECK (sign IN (1, -1)),
     zero_rad  REAL    NOT NULL DEFAULT 0  -- the servo's angle where the joint is at 0
         CHECK (zero_rad BETWEEN -10 AND 10),
@@ -193,7 +191,7 @@ CREATE TABLE joint (
         CHECK (upper_rad BETWEEN -10 AND 10),
     speed_rps REAL    NOT NULL  -- the fastest it may move, radians a second
         CHECK (speed_rps > 0 AND speed_rps <= 100),
-    bus       TEXT    NOT NULL DEFAULT ''  -- the device row of the line that its servo is on; empty: the robot has one
+    bus       TEXT    NOT NULL DEFAULT ''  -- its servo's device row; empty: the only line
         CHECK (bus = '' OR (bus GLOB '[a-z]*' AND bus NOT GLOB '*[^a-z0-9_]*' AND length(bus) <= 40)),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
@@ -204,33 +202,33 @@ CREATE TABLE joint (
 -- left and right.
 CREATE TABLE kinematics (
     robot        TEXT NOT NULL,  -- whose it is
-    name         TEXT NOT NULL  -- what the base is called; a robot has one
+    name         TEXT NOT NULL  -- the base's; a robot has one
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    kind         TEXT NOT NULL  -- what its wheels let it do: mecanum and omni move sideways
+    kind         TEXT NOT NULL  -- mecanum and omni move sideways
         CHECK (kind IN ('differential', 'skid', 'mecanum', 'omni')),
-    track_factor REAL NOT NULL DEFAULT 1  -- a turn takes the wheels this many times as far as their places say: more than 1 where they slip
+    track_factor REAL NOT NULL DEFAULT 1  -- times the way of the wheels in a turn; above 1 where they slip
         CHECK (track_factor BETWEEN 0.5 AND 5),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Humanoids: the named motions. One with a slot is kept and played by the robot's own controller.
+-- Humanoids: the named motions. The robot's own controller keeps and plays one with a slot.
 CREATE TABLE motion (
     robot    TEXT    NOT NULL,  -- whose it is
     name     TEXT    NOT NULL  -- by which it is played
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     help     TEXT    NOT NULL DEFAULT '',  -- one line for people
-    lead_in  TEXT    NOT NULL DEFAULT ''  -- the motion that is played once before it; empty: none
+    lead_in  TEXT    NOT NULL DEFAULT ''  -- the motion played once before it; empty: none
         CHECK (lead_in = '' OR (lead_in GLOB '[a-z]*' AND lead_in NOT GLOB '*[^a-z0-9_]*' AND length(lead_in) <= 40)),
-    lead_out TEXT    NOT NULL DEFAULT ''  -- the motion that is played once after it, unless it was stopped; empty: none
+    lead_out TEXT    NOT NULL DEFAULT ''  -- the motion played once after it, unless stopped; empty: none
         CHECK (lead_out = '' OR (lead_out GLOB '[a-z]*' AND lead_out NOT GLOB '*[^a-z0-9_]*' AND length(lead_out) <= 40)),
-    slot     INTEGER  -- the number under which the robot's own controller keeps and plays it; or NULL
+    slot     INTEGER  -- its number in the robot's own controller
         CHECK (slot IS NULL OR (slot BETWEEN 1 AND 255)),
     slot_s   REAL  -- how long the controller takes for it
         CHECK (slot_s IS NULL OR (slot_s > 0 AND slot_s <= 600)),
-    limp     INTEGER NOT NULL DEFAULT 0  -- whether the controller lets the joints go at its end
+    limp     INTEGER NOT NULL DEFAULT 0  -- the controller releases the joints at its end
         CHECK (limp IN (0, 1)),
-    builtin  INTEGER NOT NULL DEFAULT 0  -- whether it is changed here only, not from the network
+    builtin  INTEGER NOT NULL DEFAULT 0  -- changed here only, not from the network
         CHECK (builtin IN (0, 1)),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
@@ -248,17 +246,17 @@ CREATE TABLE motor (
     name        TEXT    NOT NULL  -- for people
         CHECK (length(name) BETWEEN 1 AND 40),
     description TEXT    NOT NULL DEFAULT '',  -- for people
-    initial     INTEGER NOT NULL  -- which position a face tells before it was moved
+    initial     INTEGER NOT NULL  -- a face's position before the first move
         CHECK (initial BETWEEN 0 AND 16383),
-    lowest      INTEGER NOT NULL  -- which positions are taken; what is beyond is brought within
+    lowest      INTEGER NOT NULL  -- positions beyond are brought within
         CHECK (lowest BETWEEN 0 AND 16383),
     highest     INTEGER NOT NULL  -- see lowest
         CHECK (highest BETWEEN 0 AND 16383),
     rest        INTEGER NOT NULL  -- where it belongs
         CHECK (rest BETWEEN 0 AND 16383),
-    inverted    INTEGER NOT NULL DEFAULT 0  -- whether a percentage counts from its highest position down
+    inverted    INTEGER NOT NULL DEFAULT 0  -- percentages count from its highest position
         CHECK (inverted IN (0, 1)),
-    builtin     INTEGER NOT NULL DEFAULT 0  -- whether it is changed here only, not from the network
+    builtin     INTEGER NOT NULL DEFAULT 0  -- changed here only, not from the network
         CHECK (builtin IN (0, 1)),
     PRIMARY KEY (robot, layer, id),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
@@ -277,33 +275,32 @@ CREATE TABLE phrase (
 ) STRICT;
 
 -- Sensors of distance: where each one sits on the base, where it looks, how wide and how far. Axes are REP 103's: x
--- ahead, y left, from the middle between the wheels; angles are anticlockwise. The name is the one that messages tell
--- it by.
+-- ahead, y left, from the middle between the wheels; angles are anticlockwise.
 CREATE TABLE range_sensor (
     robot     TEXT    NOT NULL,  -- whose it is
-    name      TEXT    NOT NULL  -- by which readings, scans, rules and the console know it
+    name      TEXT    NOT NULL  -- by which readings, scans and rules know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     kind      TEXT    NOT NULL  -- by what it measures
         CHECK (kind IN ('ultrasonic', 'infrared', 'time_of_flight', 'lidar')),
-    x_m       REAL    NOT NULL DEFAULT 0  -- how far ahead of the middle between the wheels it sits
+    x_m       REAL    NOT NULL DEFAULT 0  -- ahead of the middle between the wheels
         CHECK (x_m BETWEEN -5 AND 5),
-    y_m       REAL    NOT NULL DEFAULT 0  -- how far to the left of it
+    y_m       REAL    NOT NULL DEFAULT 0  -- to the left of it
         CHECK (y_m BETWEEN -5 AND 5),
     z_m       REAL    NOT NULL DEFAULT 0.2  -- how far above the floor
         CHECK (z_m BETWEEN 0 AND 5),
-    yaw_rad   REAL    NOT NULL DEFAULT 0  -- where it looks: 0 ahead, 1.5708 left, -1.5708 right
+    yaw_rad   REAL    NOT NULL DEFAULT 0  -- its direction: 0 ahead, 1.5708 left
         CHECK (yaw_rad BETWEEN -7 AND 7),
-    pitch_rad REAL    NOT NULL DEFAULT 0  -- how far down it looks; beyond 0.5 it sees nothing that stands in the way
+    pitch_rad REAL    NOT NULL DEFAULT 0  -- downwards; beyond 0.5 it sees no obstacles
         CHECK (pitch_rad BETWEEN -2 AND 2),
-    fov_rad   REAL    NOT NULL DEFAULT 0.4  -- how wide it sees, from one side to the other; 6.2832: all around
+    fov_rad   REAL    NOT NULL DEFAULT 0.4  -- its whole width; 6.2832: all around
         CHECK (fov_rad > 0 AND fov_rad <= 6.2832),
     min_m     REAL    NOT NULL DEFAULT 0.02  -- what is nearer it cannot measure
         CHECK (min_m BETWEEN 0 AND 100),
     max_m     REAL    NOT NULL DEFAULT 4  -- a number above this is a fault
         CHECK (max_m > 0 AND max_m <= 100),
-    rays      INTEGER NOT NULL DEFAULT 1  -- 1: it tells one distance; more: a scan of this many
+    rays      INTEGER NOT NULL DEFAULT 1  -- 1: one distance; more: a scan of so many
         CHECK (rays BETWEEN 1 AND 4096),
-    stop_m    REAL    DEFAULT 0.25  -- the base stops so far before what it sees; NULL: only rules of the drive that name it count
+    stop_m    REAL    DEFAULT 0.25  -- the base stops so far before a sight; NULL: only by rules that name it
         CHECK (stop_m IS NULL OR (stop_m > 0 AND stop_m <= 10)),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
@@ -315,15 +312,15 @@ CREATE TABLE wheel (
     robot      TEXT NOT NULL,  -- whose it is
     name       TEXT NOT NULL  -- by which people know it
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    motor      TEXT NOT NULL  -- which motor drives it; several wheels may be on one
+    motor      TEXT NOT NULL  -- its motor, which may drive several
         CHECK (motor GLOB '[a-z]*' AND motor NOT GLOB '*[^a-z0-9_]*' AND length(motor) <= 40),
-    x_m        REAL NOT NULL DEFAULT 0  -- how far ahead of the middle of the base it touches the floor
+    x_m        REAL NOT NULL DEFAULT 0  -- ahead of the middle of the base
         CHECK (x_m BETWEEN -5 AND 5),
-    y_m        REAL NOT NULL DEFAULT 0  -- how far to the left of it
+    y_m        REAL NOT NULL DEFAULT 0  -- to the left of it
         CHECK (y_m BETWEEN -5 AND 5),
-    yaw_rad    REAL NOT NULL DEFAULT 0  -- where it rolls to when its motor turns forward: 0 ahead, 1.5708 left
+    yaw_rad    REAL NOT NULL DEFAULT 0  -- its direction, motor forward: 0 ahead, 1.5708 left
         CHECK (yaw_rad BETWEEN -7 AND 7),
-    roller_rad REAL NOT NULL DEFAULT 0  -- from its axle to that of the rollers that touch the floor, anticlockwise; mecanum: 0.7854 or -0.7854
+    roller_rad REAL NOT NULL DEFAULT 0  -- from its axle to its rollers', anticlockwise; mecanum: ±0.7854
         CHECK (roller_rad BETWEEN -1.4 AND 1.4),
     diameter_m REAL NOT NULL  -- of the wheel, rollers included
         CHECK (diameter_m > 0 AND diameter_m <= 2),
@@ -331,14 +328,14 @@ CREATE TABLE wheel (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is taken. A
--- bad cell keeps the behaviour from being run, and nothing else.
+-- The rows of a behaviour: of a state, the first whose conditions all hold is taken. A bad cell stops only its
+-- behaviour.
 CREATE TABLE behaviour_row (
     robot      TEXT    NOT NULL,  -- whose it is
     behaviour  TEXT    NOT NULL,  -- which behaviour it belongs to
     step       INTEGER NOT NULL  -- the order, from 1
         CHECK (step BETWEEN 1 AND 10000),
-    type       TEXT    NOT NULL DEFAULT ''  -- start: the first state; end and fail: ends, good and bad; entry: done on entering; #: a comment
+    type       TEXT    NOT NULL DEFAULT ''  -- start: the first state; end, fail: good and bad ends; entry: done on entering; #: comment
         CHECK (type IN ('', 'start', 'end', 'fail', 'entry', '#')),
     state      TEXT    NOT NULL DEFAULT ''  -- the state that it is a row of
         CHECK (length(state) <= 80),
@@ -348,13 +345,13 @@ CREATE TABLE behaviour_row (
         CHECK (json_valid(outputs) AND json_type(outputs) = 'object'),
     next_state TEXT    NOT NULL DEFAULT ''  -- where it leads
         CHECK (length(next_state) <= 80),
-    deadline_s REAL  -- the longest that its state may last, then the behaviour fails; NULL: no such time
+    deadline_s REAL  -- longest time in its state, then the behaviour fails
         CHECK (deadline_s IS NULL OR (deadline_s > 0 AND deadline_s <= 86400)),
     PRIMARY KEY (robot, behaviour, step),
     FOREIGN KEY (robot, behaviour) REFERENCES behaviour (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Numbers measured on one device, written back by calibration runs; its driver gets them at its start.
+-- Numbers measured on a device by calibration, for its driver's next start.
 CREATE TABLE calibration (
     robot       TEXT NOT NULL,  -- whose it is
     device      TEXT NOT NULL,  -- which device was measured
@@ -367,17 +364,17 @@ CREATE TABLE calibration (
     FOREIGN KEY (robot, device) REFERENCES device (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Humanoids: the key frames of a motion, in their order. Those of a motion in a slot say where it leads.
+-- Humanoids: the key frames of a motion, in order; of one in a slot, where it leads.
 CREATE TABLE motion_step (
     robot      TEXT    NOT NULL,  -- whose it is
     motion     TEXT    NOT NULL,  -- which motion it belongs to
     step       INTEGER NOT NULL  -- the order, from 1
         CHECK (step BETWEEN 1 AND 10000),
-    duration_s REAL    NOT NULL  -- the time to get there from the step before
+    duration_s REAL    NOT NULL  -- from the step before
         CHECK (duration_s > 0 AND duration_s <= 60),
     positions  TEXT    NOT NULL  -- JSON object: joint name to angle in radians; joints left out stay
         CHECK (json_valid(positions) AND json_type(positions) = 'object'),
-    stable     INTEGER NOT NULL DEFAULT 0  -- whether it stands here by itself; what is stopped on its way goes on to here
+    stable     INTEGER NOT NULL DEFAULT 0  -- it stands here; a stopped motion goes on to here
         CHECK (stable IN (0, 1)),
     PRIMARY KEY (robot, motion, step),
     FOREIGN KEY (robot, motion) REFERENCES motion (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
@@ -399,13 +396,13 @@ CREATE TABLE user_token (
     created_at  TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
     revoked_at  TEXT,  -- NULL: valid
     expires_at  TEXT,  -- NULL: never
-    good_for    TEXT NOT NULL DEFAULT 'both'  -- where it lets in: the bus, the web server, or both
+    good_for    TEXT NOT NULL DEFAULT 'both'  -- where it lets in
         CHECK (good_for IN ('bus', 'web', 'both')),
-    paired_from TEXT  -- the address that was given it for a code; NULL: made by hand
+    paired_from TEXT  -- the address that paired; NULL: made by hand
         CHECK (paired_from IS NULL OR (length(paired_from) BETWEEN 1 AND 64))
 ) STRICT;
 
--- Every change of the rows above that make the robot, kept by the triggers at the end of this file.
+-- Every change of rows that make the robot, kept by the triggers at the end of this file.
 CREATE TABLE revision (
     id         INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up, and is never used again
     table_name TEXT    NOT NULL,  -- which table
@@ -421,18 +418,18 @@ CREATE TABLE revision (
 ) STRICT;
 
 -- The author of a change, and the program: written by lbr's own programs in the transaction of the change. A revision
--- that none of these has in it was made by another SQLite client.
+-- outside all of these is another SQLite client's.
 CREATE TABLE change (
     first_revision INTEGER NOT NULL PRIMARY KEY,  -- its first revision
     last_revision  INTEGER NOT NULL  -- its last one
         CHECK (last_revision >= first_revision),
-    source         TEXT    NOT NULL,  -- who: an account here, a capability, or who asked at a page
+    source         TEXT    NOT NULL,  -- an account here, a capability, or a page's user
     program        TEXT    NOT NULL,  -- by what: lbr db rollback, executive ...
     text           TEXT    NOT NULL DEFAULT ''  -- what for, in one sentence
 ) STRICT;
 
--- Changes of rows on trial (`lbr db apply --within`): the robot goes back to the revision before, unless all that they
--- touch is ready in time. The newest row alone counts. Written by lbr.
+-- Changes of rows on trial (`lbr db apply --within`): the robot goes back unless all that they touch is ready in time.
+-- The newest row alone counts. Written by lbr.
 CREATE TABLE trial (
     revision INTEGER NOT NULL PRIMARY KEY,  -- the last revision that is on trial
     back     INTEGER NOT NULL  -- the revision to go back to
@@ -459,8 +456,8 @@ CREATE TABLE event (
         CHECK (json_valid(data) AND json_type(data) = 'object')
 ) STRICT;
 
--- The audit trail: who did what to the robot. Each row's hash covers the hash before it, so that `lbr db check` finds a
--- row that was changed or taken out; the oldest go when there are very many. Written by lbr, and never changed.
+-- The audit trail: who did what to the robot. Each row's hash covers the hash before it: `lbr db check` finds a changed
+-- or missing row; the oldest of very many go. Written by lbr, and never changed.
 CREATE TABLE audit (
     id       INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up without a gap
     wall_ns  INTEGER NOT NULL  -- nanoseconds since 1970 by the wall clock

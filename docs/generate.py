@@ -27,7 +27,7 @@ from lbr import plugins
 from lbr.bus import keys
 from lbr.capability import registry, twins
 from lbr.capability.kind import Kind
-from lbr.console.fields import Message
+from lbr.capability.word import Word
 from lbr.console.verbs import Vocabulary
 from lbr.database import builtin, migrate, schema
 from lbr.database.arguments import told
@@ -232,26 +232,57 @@ def rows_page() -> str:
         "# The rows\n",
         (
             "You find here every table of a robot database, as `robot.db.sql` makes them; `lbr db tables` prints those of a "
-            "robot. How to edit them: [the rows](../rows.md). A *name* has small letters, digits and underscores, at most 40.\n"
+            "robot. How to edit them: [the rows](../rows.md). A *name* has small letters, digits and underscores, at most 40. "
+            "`?`: or NULL.\n"
         ),
     ]
-    return "\n".join(parts + [_table_section(table) for table in tables().tables.values()])
+    shapes = [_column(column) for table in tables().tables.values() for column in table.columns]
+    common = {shape for shape, times in Counter(shapes).items() if times > 3}
+    parts += [
+        "The key is `robot` and `name`, unless a table has another. These columns are only named in the tables:\n",
+        _table(COLUMN_HEAD, sorted(common)),
+    ]
+    return "\n".join(parts + [_table_section(table, common) for table in tables().tables.values()])
 
 
-def _table_section(table: Table) -> str:
+COLUMN_HEAD = ("column", "default", "meaning", "allowed")
+
+
+def _column(column: Column[Any]) -> tuple[str, ...]:
+    named = f"`{column.name}` {str(column.type).lower()}"
+    return named, _default(column), re.sub(r"^JSON (object|list): ", "", schema.comment(column)), _rule(column)
+
+
+def _table_section(table: Table, common: set[tuple[str, ...]]) -> str:
     columns = [
-        (f"`{column.name}` {str(column.type).lower()}", _default(column), schema.comment(column), _rule(column))
+        (shape[0].partition(" ")[0] + " ", "", "", "") if (shape := _column(column)) in common else shape
         for column in table.columns
     ]
-    head = ("column", "default", "meaning", "allowed")
-    key = ", ".join(f"`{column.name}`" for column in table.primary_key)
-    return f"## {table.name}\n\n{table.comment} Key: {key}.\n\n{_table(head, columns)}{_users(table.name)}"
+    head = COLUMN_HEAD
+    names = [column.name for column in table.primary_key]
+    key = "" if names == ["robot", "name"] else f" Key: {', '.join(f'`{name}`' for name in names)}."
+    return f"## {table.name}\n\n{table.comment}{key}\n\n{_table(head, columns)}{_users(table.name)}"
+
+
+_RULES = {
+    r"a JSON object like {.*?}": "JSON object",
+    r"a JSON list like \[.*?\]": "JSON list",
+    r"name, or empty for none": "name or empty",
+    r"one of |of the form ": "",
+    r"above (\S+) and at most (\S+\b)": r">\1≤\2",
+    r"(?:from )?(\S+) to (\S+)(?= characters|$|,)": r"\1…\2",
+    r"at least (?=\d)": "≥",
+    r"at most (?=\d)": "≤",
+    r", or NULL": "?",
+}
 
 
 def _rule(column: Column[Any]) -> str:
     """Return what a column may hold: the table that it refers to, or the words of its check."""
     refers = [f"a row of `{key.column.table.name}`" for key in column.foreign_keys]
     allowed = str(column.info.get("allowed", "")).replace(NAME_RULE, "name")
+    for longer, shorter in _RULES.items():
+        allowed = re.sub(longer, shorter, allowed)
     return "; ".join(filter(None, [*refers, allowed]))
 
 
@@ -285,15 +316,13 @@ def codes_page() -> str:
     return (
         "# Codes\n\n"
         "You find here why something is refused, ended or lost. Every refusal, result, loss and event has a `code` beside its "
-        "sentence; the result of a console line has it as `reason_code`, because its `code` is the exit code. A `cause` is a "
-        "second code: of `dead_lease`, how that lease ended.\n\n"
-        "A program reads the code, a person the sentence. A code keeps its meaning for ever, and new ones are added: treat "
-        "an unknown one like `refused`, or like `failed` at an end.\n\n"
+        "sentence; the result of a console line calls it `reason_code`, its `code` is the exit code. A `cause` is a second code: "
+        "how the lease of a `dead_lease` ended. Codes keep their meaning, and new ones are added: treat an unknown one like "
+        "`refused`, or like `failed` at an end.\n\n"
         + _table(("code", "meaning"), rows)
         + "\n## Events of the executive\n\n"
         "Those of a process (`degraded`, `crashed`, `hung`, `failed`, `need_lost`) have the code of the process, or `failed`, "
-        "`timeout` and `unreachable`. In the status, each capability has the `code` of its `reason` and the `end_code` of its "
-        "`last_end`; `problem_codes` are those of the `problems`.\n\n"
+        "`timeout` and `unreachable`. In the status, `end_code` belongs to `last_end`, and `problem_codes` to `problems`.\n\n"
         + _table(
             ("event", "code"),
             [(f"`{kind}`", f"`{code}`" if code else "none") for kind, code in CODES.items()],
@@ -307,45 +336,60 @@ _UNITS = re.compile(r"_(m|cm|deg|rad|s|ms|us|v|a|c|hz|px|mps|rps|dps|mps2|nm|kg|
 UNITS = {"metres", "degrees", "seconds", "microseconds", "volts", "microtesla", "amperes", "kilograms", "per cent"}
 """Names with a unit are numbers: the type says no more."""
 NAME = "^[a-z][a-z0-9_]*$"
+_CODES = {"why, from the list of codes; empty: nothing to tell": "a [code](codes.md)"}
 
 
 def inline_fields(struct: type[Struct], common: Iterable[str] = ()) -> str:
     """Return a struct's fields as a line: name and default in one, then what neither of them says."""
     own = [field for field in _fields_of(struct) if _shape(field) not in common]
     shared = [f"`{field.encode_name}`" for field in _fields_of(struct) if _shape(field) in common]
-    lines = [", ".join(map(_inline, own))] if own else []
-    lines += [f"Common: {', '.join(shared)}."] if shared else []
-    return "\n\n".join(lines or ["No fields."]) + "\n"
+    shown = [_inline(field, before) for field, before in zip(own, [None, *own], strict=False)]
+    return ", ".join([*shown, *shared]) + "\n" if own or shared else ""
 
 
-def _inline(field: inspect.Field) -> str:
+def _inline(field: inspect.Field, before: inspect.Field | None) -> str:
     default = "" if field.required or _field_default(field) == "…" else f"={_field_default(field)}"
-    return " ".join(filter(None, [f"`{field.encode_name}{default}`", _allowed(field), _meaning(field)]))
-
-
-def _meaning(field: inspect.Field) -> str:
-    return f"({meaning})" if (meaning := _effect(field)) else ""
+    allowed = _allowed(field).removeprefix("text") if _allowed(field) in {"text", "text?"} else _allowed(field)
+    meaning = _effect(field)
+    told = f"({meaning})" if meaning and (before is None or meaning != _effect(before)) else ""
+    return " ".join(
+        filter(
+            None,
+            [
+                f"`{field.encode_name}{default}`{allowed if allowed == '?' else ''}",
+                allowed.strip("?") and allowed,
+                told,
+            ],
+        )
+    )
 
 
 def _effect(field: inspect.Field) -> str:
     """Return what a field does, without the unit that its name ends with."""
     meaning = type_words(field.type)[1]
-    return "" if meaning in UNITS and _UNITS.search(field.encode_name) else meaning
+    if not _UNITS.search(field.encode_name):
+        return _CODES.get(meaning, meaning)
+    plain = re.sub(
+        r"^(?:metres a second|radians a second|degrees|seconds|metres|centimetres)(?:$|, |; | (?=clockwise))",
+        "",
+        meaning,
+    )
+    return "" if meaning in UNITS else plain
 
 
 def _allowed(field: inspect.Field) -> str:
     """Return the type and bounds of a field, without what its default or its unit says already."""
     words, _ = type_words(field.type)
-    said = {"true or false"} if not field.required else set()
+    said = {"boolean"} if not field.required else set()
     if not field.required and _field_default(field) != "null":
-        said |= {"number", "whole number", "text"}
-    if _UNITS.search(field.encode_name):
-        said |= {"number", "whole number", "number or null"}
-        words = re.sub(r"^(whole )?number ", "", words)
-    elif not field.required and _field_default(field) != "null":
-        words = re.sub(r"^(whole )?number (?=[≥>≤<0-9-])", "", words)
+        said |= {"number", "integer", "text"}
     if _field_default(field) == "null":
-        words = words.removesuffix("or null").rstrip()
+        words = words.removesuffix("?")
+    if _UNITS.search(field.encode_name):
+        said |= {"number", "integer"}
+        words = re.sub(r"^(number|integer)(?= |\?$)", "", words).strip()
+    elif not field.required and _field_default(field) != "null":
+        words = re.sub(r"^(number|integer) (?=[≥>≤<0-9-])", "", words)
     return "" if words in said else words
 
 
@@ -371,8 +415,17 @@ def settings_table(struct: type[Struct], common: Iterable[str] = ()) -> str:
     head = ("setting", "default", "allowed", "effect")
     own = [field for field in _fields_of(struct) if _shape(field) not in common]
     shared = [f"`{field.encode_name}`" for field in _fields_of(struct) if _shape(field) in common]
-    table = _table(head, map(_setting, own)) if own else ""
+    table = _table(head, _without_repeats(map(_setting, own))) if own else ""
     return table + (f"\nCommon: {', '.join(shared)}.\n" if shared else "" if own else "No settings.\n")
+
+
+def _without_repeats(rows: Iterable[tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of a table; a longer last cell is not repeated from one row to the next."""
+    before = ""
+    for *cells, last in rows:
+        repeated = last == before and last.count(" ") > 1
+        yield (*cells, "as above" if repeated else last)
+        before = last
 
 
 def _setting(field: inspect.Field) -> tuple[str, ...]:
@@ -387,35 +440,49 @@ def type_words(kind: inspect.Type) -> tuple[str, str]:
         return words, str((kind.extra_json_schema or {}).get("description", ""))
     if isinstance(kind, inspect.UnionType):
         parts = [type_words(each) for each in kind.types]
-        return " or ".join(words for words, _ in parts), " ".join(text for _, text in parts if text)
+        words = " or ".join(words for words, _ in parts if words != "null")
+        null = "?" if "null" in {words for words, _ in parts} else ""
+        return words + null, " ".join(dict.fromkeys(text for _, text in parts if text))
     return _plain_words(kind), ""
 
 
 def _plain_words(kind: inspect.Type) -> str:  # noqa: C901, PLR0911 - a table of cases
     match kind:
         case inspect.FloatType() | inspect.IntType():
-            return " ".join(["whole number" if isinstance(kind, inspect.IntType) else "number", *_bounds(kind)])
-        case inspect.StrType(pattern=str(pattern)) if _escape(pattern) == NAME:
-            return "name"
+            return " ".join(["integer" if isinstance(kind, inspect.IntType) else "number", *_bounds(kind)])
+        case inspect.StrType(pattern=str(pattern)) if (named := _escape(pattern)) in {NAME, f"^$|{NAME}"}:
+            return "name" if named == NAME else "name or empty"
         case inspect.StrType():
-            longest = f" ≤{kind.max_length}" if kind.max_length else ""
+            longest = f"≤{kind.max_length}" if kind.max_length else ""
             return f"text{longest}" + (f" like `{_escape(kind.pattern)}`" if kind.pattern else "")
         case inspect.LiteralType():
             return "`" + ",".join(msgspec.json.encode(value).decode() for value in kind.values) + "`"
         case inspect.VarTupleType() | inspect.ListType():
-            return f"list of {type_words(kind.item_type)[0]}"
+            return _list_of(type_words(kind.item_type)[0])
         case inspect.TupleType():
-            return "list of " + ", ".join(type_words(each)[0] for each in kind.item_types)
+            items = [type_words(each)[0] for each in kind.item_types]
+            return f"{len(items)}*{items[0]}" if len(set(items)) == 1 else "list of " + ", ".join(items)
         case inspect.DictType():
-            return f"object: {type_words(kind.key_type)[0]} to {type_words(kind.value_type)[0]}"
+            return f"{type_words(kind.key_type)[0]}→{type_words(kind.value_type)[0]}"
         case inspect.StructType():
             return f"[{kind.cls.__name__}](#{kind.cls.__name__.lower()})"
         case inspect.BoolType():
-            return "true or false"
+            return "boolean"
         case inspect.NoneType():
             return "null"
         case _:
             return "anything"
+
+
+def _list_of(item: str) -> str:
+    """Return the words for a list: the plural of a plain type, with its bounds."""
+    word, *bounds = item.split(" ")
+    plain = all(re.match(r"[≥>≤<0-9-]", bound) for bound in bounds) and not item.endswith("?")
+    return (
+        " ".join([f"{word}s", *bounds])
+        if plain and word in {"text", "number", "integer", "name"}
+        else f"list of {item}"
+    )
 
 
 def _bounds(kind: inspect.FloatType | inspect.IntType) -> list[str]:
@@ -476,6 +543,9 @@ _SYSTEM = (
 
 
 _COMMON = {
+    "halted_s": "commands typed or written before it begin nothing, but for the sender `halted_by`",
+    "heard": "whether anything came since the line was opened; if not, the rest is what was sent",
+    "stopped_s": "commands sent before it (monotonic) begin nothing; `stopped_by` is the sender of that stop, if it was one",
     "accepted": "whether the robot does what was asked",
     "age_s": "how old it is",
     "cause": "a second [code](codes.md): of `dead_lease`, how that lease ended",
@@ -492,7 +562,7 @@ _COMMON = {
 def topics_page(known: list[Kind]) -> str:
     """Return the reference of keys and messages."""
     messages = _messages(known)
-    common = {shape: field for shape, field in common_fields(messages, 4).items() if field.encode_name in _COMMON}
+    common = {shape: field for shape, field in common_fields(messages, 2).items() if field.encode_name in _COMMON}
     parts = [
         "# Topics and messages\n",
         (
@@ -513,11 +583,19 @@ def topics_page(known: list[Kind]) -> str:
         "## By kind\n",
         "A command is answered by a [CommandReply](#commandreply), unless `→` names another message.\n",
     ]
-    parts += [_kind_ports(kind) for kind in known]
+    usual = _usual_ports(known)
+    parts += [
+        "Ports of these names have the same message everywhere: "
+        + ", ".join(f"`{name}` {link}" for name, link in usual.items())
+        + ".\n"
+    ]
+    parts += [_kind_ports(kind, usual) for kind in known]
     parts.append("## Messages\n")
     parts.append(
-        "A field is shown with its default; a field without default is required. The type is named where neither default nor "
-        "unit shows it. *name*: small letters, digits and underscores, at most 40. Common fields are explained once:\n"
+        "A field is shown with its default; a field without default is required. A type is named where neither default nor "
+        "unit shows it; without any of these it is a text. `?`: or null. `A→B`: an object, `A` its keys. *name*: small "
+        "letters, digits and underscores, at most 40. Several fields in a row share the explanation of the first. These are "
+        "explained once:\n"
     )
     shown = {field.encode_name: _allowed(field) for field in common.values()}
     parts.append(
@@ -527,13 +605,29 @@ def topics_page(known: list[Kind]) -> str:
     return "\n".join(parts)
 
 
-def _kind_ports(kind: Kind) -> str:
-    lines = []
+def _ports(kind: Kind) -> Iterator[tuple[str, str, str]]:
+    """Yield the ports of a kind: what it does there, the name, and the link to its message."""
     for does, group in _PORTS:
         ports: Mapping[str, type[Struct]] = getattr(kind, group)
-        named = [f"`{name}` {_link(message)}{_reply(kind, name)}" for name, message in ports.items()]
-        lines += [f"- {does} {', '.join(named)}"] if named else []
-    return f"### Kind `{kind.name}`\n\n" + "\n".join(lines or ["Its settings name its ports."]) + "\n"
+        yield from ((does, name, f"{_link(message)}{_reply(kind, name)}") for name, message in ports.items())
+
+
+def _usual_ports(known: list[Kind]) -> dict[str, str]:
+    """Return the ports that several kinds have, all with the same message."""
+    ports = [(name, link) for kind in known for _, name, link in _ports(kind)]
+    links = {name: {link for other, link in ports if other == name} for name, _ in ports}
+    times = Counter(name for name, _ in ports)
+    return {name: link for name, link in sorted(set(ports)) if times[name] > 1 and len(links[name]) == 1}
+
+
+def _kind_ports(kind: Kind, usual: Mapping[str, str]) -> str:
+    lines = []
+    for does, _ in _PORTS:
+        named = [
+            f"`{name}`{'' if name in usual else f' {link}'}" for doing, name, link in _ports(kind) if doing == does
+        ]
+        lines += [f"*{does}* {', '.join(named)}"] if named else []
+    return f"### `{kind.name}`\n\n" + "\\\n".join(lines or ["Its settings name its ports."]) + "\n"
 
 
 def _reply(kind: Kind, name: str) -> str:
@@ -577,10 +671,10 @@ def settings_page(known: list[Kind]) -> str:
         "# Settings\n",
         (
             "You find here what the column `settings` of a `capability` row may hold, by the row's kind. Unknown keys are "
-            "refused. `lbr get NAME` prints the settings of a running robot's part, `lbr set NAME KEY=VALUE` changes one.\n"
+            "refused. `lbr get PART` prints the settings of a part, `lbr set PART.SETTING VALUE` changes one.\n"
         ),
         (
-            "*name*: small letters, digits and underscores, at most 40. A setting `device` names a row of the table "
+            "*name*: small letters, digits and underscores, at most 40. `?`: or null. `A→B`: an object, `A` its keys. A setting `device` names a row of the table "
             "`device`, whose type is that of the kind. These settings mean the same in every kind:\n"
         ),
         _table(("setting", "default", "allowed", "effect"), sorted(map(_common_setting, common.values()))),
@@ -593,15 +687,19 @@ def settings_page(known: list[Kind]) -> str:
         parts.append(_distinct("\n".join(section), kind.name, new, shown))
         shown += new
     parts.append(
-        "## Faults of emulated devices\n\nUnder a simulating profile the column `settings` of a `device` row says how "
-        "its twin is built, and what is wrong with it. The command `fault` of the simulated world changes the faults while "
-        "it runs. `unplug` takes a device away; a number 0…1 is how often a fault happens; a list has the ids of servos.\n"
+        "## Faults of emulated devices\n\nUnder a simulating profile the column `settings` of a `device` row describes its "
+        "twin, and its faults. The simulated world's command `fault` changes them while it runs. A number 0…1 is how often a "
+        "fault happens. Unless a device says otherwise, `unplug`: the cable is out, the device goes on; `silent`: it obeys "
+        "without answers; `frozen`: the same values for ever; `garbage`: noise before an answer; `half`: an early end; "
+        "`bit_flip`: a wrong bit; `stop_reading`: bytes pile up; `brown_out`: no supply, then a restart.\n"
     )
     twin = {device: row.row for device in own("twins") if (row := twins.find(device)) is not None}
+    several = _faults_of_several(each for row in twin.values() for each in nested(row))
+    parts += [" ".join(_doc(base).split()) + "\n" for base in several]
     for device, row in twin.items():
         new = [each for each in nested(row) if each not in shown]
-        section = [f"### Type `{device}`\n\n{_doc(row)}\n\n{_faults(row)}"]
-        section += [f"#### {each.__name__}\n\n{_doc_with_bases(each)}\n\n{_faults(each)}" for each in new]
+        section = [f"### `{device}`\n\n{_doc(row)}\n\n{_faults(row)}"]
+        section += [f"#### {each.__name__}\n\n{_doc_with_bases(each, several)}\n\n{_faults(each)}" for each in new]
         parts.append(_distinct("\n".join(section), device, new, shown))
         shown += new
     parts.append(f"## Launch profiles\n\nA TOML file. {_doc(Profile)}\n\n{settings_table(Profile)}")
@@ -619,7 +717,7 @@ def _common_setting(field: inspect.Field) -> tuple[str, ...]:
 
 def _about(settings: type[Struct]) -> str:
     """Return what a settings class says beyond that it is one."""
-    text = re.sub(r"^Settings of a row of kind `\w+`[.;] ?", "", _doc(settings))
+    text = re.sub(r"^Settings of (a row of kind `\w+`|how [\w' ]+|a program)([.;:]) ?", "", _doc(settings))
     return text if text.startswith("\n") or not text else f" {text[:1].upper()}{text[1:]}"
 
 
@@ -639,8 +737,12 @@ def _distinct(text: str, of: str, new: Iterable[type[Struct]], shown: Iterable[t
 
 
 def _faults(struct: type[Struct]) -> str:
-    text = inline_fields(struct).replace(" (how often it happens, 0 never, 1 always)", "")
-    return text.replace("=[]` list of whole number 0…253", "=[]`").replace("=0.0` 0…1", "=0.0`")
+    """Return a twin's fields: its faults have a section of their own, where numbers and lists need no bounds."""
+    text = re.sub(r"^`faults` \[\w+\]\(#\w+\),? ?", "", inline_fields(struct)).replace(
+        " (how often it happens, 0 never, 1 always)", ""
+    )
+    text = re.sub(r"=0\.0` 0…1(?=,|\n)", "=0.0`", text.replace("=[]` integers 0…253", "=[]`"))
+    return text if text.strip() else ""
 
 
 # -- console ----------------------------------------------------------------------------------------------------------
@@ -651,8 +753,8 @@ def console_page() -> str:
     parts = [
         "# Words of the console\n",
         (
-            "You find here the lines that the robots of lbr understand at the console: those that their capabilities' kinds "
-            "bring, and the rows of the tables `verb` and `external_command`. `help` at the console lists those of a robot.\n"
+            "You find here the lines that the robots of lbr understand, by their capabilities' kinds and their rows. `help` at "
+            "the console lists those of a robot.\n"
         ),
         (
             "A line that starts with a slash is split at its slashes; doubled slashes count once. Bare words without an exact "
@@ -670,21 +772,24 @@ def console_page() -> str:
         _words([words.as_row(EXECUTIVE, word) for word in words.OF_EVERY_ROBOT], least_roles({})),
         "## By kind\n",
         (
-            "Every robot with a capability of the kind understands these; they ask for a command of that capability. A row "
-            "with the same pattern replaces one.\n"
+            "Every robot with a capability of the kind understands these; they ask for a command of that capability, whose "
+            "[message](topics.md#messages) bounds the fields. A row with the same pattern replaces one.\n"
         ),
     ]
-    for kind in kinds():
-        if kind.words:
-            rows = [words.as_row(kind.name, word) for word in kind.words]
-            parts += [f"### Kind `{kind.name}`\n", _words(rows, least_roles({kind.name: kind}))]
-            parts += _fields(rows, _messages_of({kind.name: kind}))
+    for named, rows in _words_by_kinds().items():
+        parts += [f"### {' and '.join(f'`{name}`' for name in named)}\n"]
+        parts += [
+            _words(
+                [words.as_row(named[0], word) for word in rows],
+                least_roles({named[0]: registry.find(named[0], NOWHERE)}),
+                asks=len(named) == 1,
+            )
+        ]
     for name in ROBOTS:
         rows = check(shipped()[0], name)
         named = {row.name: registry.find(row.kind, NOWHERE) for row in rows.capabilities}
         Vocabulary(words.words(rows, named), rows.external_commands, _messages_of(named))  # refuses what cannot be said
-        parts += [f"## Robot `{name}`\n", "Besides what its kinds bring:\n", _words(rows.verbs, least_roles(named))]
-        parts += _fields(rows.verbs, _messages_of(named))
+        parts += [f"## Robot `{name}`\n", _words(rows.verbs, least_roles(named))] if rows.verbs else []
         commands = [
             (f"`{row.name}`", row.help, _arguments(row), f"`{' '.join(row.argv)}`", row.role, _waits(row))
             for row in rows.external_commands
@@ -694,29 +799,30 @@ def console_page() -> str:
     return "\n".join(parts)
 
 
-def _words(rows: Iterable[VerbRow], needed: Mapping[str, Role]) -> str:
-    said = [
-        (
-            f"`{row.pattern}`",
-            row.help,
-            f"`{row.target}{_payload(row)}`",
-            higher(row.role, needed.get(row.target, "view")),
-        )
-        for row in rows
-    ]
-    return _table(("say", "what it does", "asks", "least role"), said) if said else "Nothing.\n"
+def _words_by_kinds() -> dict[tuple[str, ...], list[Word]]:
+    """Return the words by the kinds that bring them; those that several kinds bring alike stand once."""
+    bring: dict[str, list[tuple[str, Word]]] = {}
+    for kind in kinds():
+        for word in kind.words:
+            bring.setdefault(repr(word), []).append((kind.name, word))
+    found: dict[tuple[str, ...], list[Word]] = {}
+    for several in bring.values():
+        found.setdefault(tuple(name for name, _ in several), []).append(several[0][1])
+    return found
+
+
+def _words(rows: Iterable[VerbRow], needed: Mapping[str, Role], *, asks: bool = True) -> str:
+    patterns: dict[tuple[str, str, str], list[str]] = {}
+    for row in rows:
+        target = f"`{row.target if asks else row.target.partition('.')[2]}{_payload(row)}`"
+        what = (row.help.removeprefix("Simulation: "), target, higher(row.role, needed.get(row.target, "view")))
+        patterns.setdefault(what, []).append(f"`{row.pattern}`")
+    said = [(", ".join(several), *what) for what, several in patterns.items()]
+    return _table(("say", "what it does", "asks", "least role"), said)
 
 
 def _messages_of(known: Mapping[str, Kind]) -> dict[str, type[Struct]]:
     return {f"{name}.{command}": message for name, kind in known.items() for command, message in kind.messages.items()}
-
-
-def _fields(rows: Iterable[VerbRow], targets: Mapping[str, type[Struct]]) -> list[str]:
-    allowed: dict[str, str] = {}
-    for row in rows:
-        for name in re.findall(r"\{([a-z_]+)", row.pattern):
-            allowed[name] = Message(targets.get(row.target)).field(name).allowed
-    return [f"Fields: {'; '.join(f'`{name}` {words}' for name, words in allowed.items())}.\n"] if allowed else []
 
 
 def _payload(row: VerbRow) -> str:
@@ -736,17 +842,17 @@ def _waits(row: ExternalCommandRow) -> str:
 
 def cli_page() -> str:
     """Return every command: what it is for, and its own options."""
-    common = (f"|`{option}`|{meaning}|" for option, meaning in COMMON_OPTIONS.items())
+    common = ((f"`{option}`", meaning) for option, meaning in COMMON_OPTIONS.items())
     parts = [
         "# The command line\n",
         (
-            "You find here every command and its options. `lbr COMMAND --help` and `man lbr` say more of each. "
-            "Many commands have these options, named below without explanation:\n"
+            "You find here every command and its options. `lbr COMMAND --help` and `man lbr` explain each option, its "
+            "default and its bounds. The help shows, too, which of these a command has:\n"
         ),
-        "|option|meaning|\n|---|---|\n" + "\n".join(common) + "\n",
+        _table(("option", "meaning"), common),
     ]
     parts += map(_command_section, _commands(the_command_line(), "lbr", None))
-    return "\n".join(parts)
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(parts))
 
 
 COMMON_OPTIONS = {
@@ -759,18 +865,38 @@ COMMON_OPTIONS = {
 
 
 def _command_section(context: click.Context) -> str:
-    """Return a command's line, the first sentence of its help, and its options, of which some are only named."""
+    """Return a command with its options, and the first sentence of its help; one below another as an item."""
+    path = context.command_path
     usage = " ".join(context.command.collect_usage_pieces(context)).removeprefix("[OPTIONS]").strip()
-    first = _one_line((context.command.help or "").split("\n\n")[0])
-    options = [option for option in context.command.params if isinstance(option, click.Option) and not option.hidden]
-    common = [option.opts[0] for option in options if option.opts[0] in COMMON_OPTIONS]
-    own = [option.get_help_record(context) for option in options if option.opts[0] not in {*common, "--help", "-h"}]
-    parts = [f"## `{context.command_path}`\n", f"`{usage}` {first}".removeprefix("`` ") + "\n"]
-    parts += (
-        ["\n".join(f"- `{option}` {_one_line(text)}" for option, text in filter(None, own)) + "\n"] if any(own) else []
-    )
-    parts += [f"Common: {', '.join(f'`{name}`' for name in common)}.\n"] if common else []
-    return "\n".join(parts)
+    first = _first_sentence(_one_line((context.command.help or "").split("\n\n")[0]))
+    options = " ".join(f"`{option}`" for option in _options(context))
+    line = path if isinstance(context.command, click.Group) else f"{path} {usage}".strip()
+    if context.parent is not None and context.parent.parent is not None:
+        return " ".join(filter(None, [f"- `{line.removeprefix(f'{context.parent.command_path} ')}`", first, options]))
+    shown = line.removeprefix(path).strip()
+    return f"\n## `{path}`\n\n" + " ".join(filter(None, [f"`{shown}`" if shown else "", first, options])) + "\n"
+
+
+def _options(context: click.Context) -> Iterator[str]:
+    """Yield the options of a command as they are typed, with what they take."""
+    for option in context.command.params:
+        if (
+            isinstance(option, click.Option)
+            and not option.hidden
+            and option.opts[0] not in {*COMMON_OPTIONS, "-h", "--help"}
+        ):
+            record = option.get_help_record(context)
+            assert record is not None
+            yield re.sub(r" (INTEGER|FLOAT)( RANGE)?$", " NUMBER", record[0])
+
+
+def _first_sentence(text: str) -> str:
+    """Return the first sentence; of a long one, its first clause."""
+    sentence = re.split(r"(?<=[^.]\.) (?=[A-Z0-9'])", text)[0]
+    return sentence if len(sentence.split()) <= MOST_WORDS else re.split(r"[;:] ", sentence)[0].rstrip(".") + "."
+
+
+MOST_WORDS = 11
 
 
 def the_command_line() -> click.Group:
@@ -831,9 +957,19 @@ def _escape(pattern: str) -> str:
     return pattern.replace("\x00", "\\x00").replace("$(?!\\n)", "$")
 
 
-def _doc_with_bases(of: type) -> str:
-    """Faults that several devices have are told where they are defined."""
-    told = [one for one in of.__mro__ if issubclass(one, faults.Faults) and one is not faults.Faults]
+def _faults_of_several(structs: Iterable[type]) -> list[type]:
+    """Return the classes of faults that more than one device has: they are explained once."""
+    times = Counter(base for each in dict.fromkeys(structs) for base in each.__mro__[1:] if _are_faults(base))
+    return [base for base, count in times.items() if count > 1]
+
+
+def _are_faults(of: type) -> bool:
+    return issubclass(of, faults.Faults) and of is not faults.Faults
+
+
+def _doc_with_bases(of: type, several: list[type]) -> str:
+    """Faults that another device has, too, are told where they are defined."""
+    told = [base for base in of.__mro__ if _are_faults(base) and base not in several]
     return "\n\n".join(map(_doc, told or [of]))
 
 

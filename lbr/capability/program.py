@@ -15,7 +15,7 @@ Port = Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$(?!\\n)", max_length=40)]
 class ProgramSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a program: `argv` without a shell, and the names of its ports.
 
-    `ready`: `start` counts it ready once it runs, `token` once it declares the liveliness token `LBR_ALIVE`.
+    `ready`: `start` once it runs, `token` once it declares the liveliness token `LBR_ALIVE`.
     """
 
     argv: Annotated[tuple[Word, ...], Meta(min_length=1, max_length=64)]

@@ -21,7 +21,7 @@ class SchemaStamp(Row, frozen=True, kw_only=True):
 
 
 class RevisionEntry(Row, frozen=True, kw_only=True):
-    """Every change of the rows above that make the robot, kept by the triggers at the end of this file."""
+    """Every change of rows that make the robot, kept by the triggers at the end of this file."""
 
     TABLE = "revision"
     KEY = ("id",)

@@ -27,8 +27,7 @@ Key = tuple[Any, ...]
 
 
 class ChangeRow(Row, frozen=True, kw_only=True):
-    """The author of a change, and the program: written by lbr's own programs in the transaction of the change. A
-    revision that none of these has in it was made by another SQLite client."""
+    """The author of a change, and the program: written by lbr's own programs in the transaction of the change. A revision outside all of these is another SQLite client's."""
 
     TABLE = "change"
     KEY = ("first_revision",)
@@ -38,7 +37,7 @@ class ChangeRow(Row, frozen=True, kw_only=True):
     last_revision: Annotated[
         int, Meta(extra={"shape": Shape("{x} >= first_revision", "at least first_revision")}), "its last one"
     ]
-    source: Annotated[str, "who: an account here, a capability, or who asked at a page"]
+    source: Annotated[str, "an account here, a capability, or a page's user"]
     program: Annotated[str, "by what: lbr db rollback, executive ..."]
     text: Annotated[str, "what for, in one sentence"] = ""
 

@@ -37,7 +37,7 @@ class RobotRow(Row, frozen=True, kw_only=True):
     KEY = ("name",)
     SHARED = True
 
-    name: Annotated[Name, "by which a launch profile and every other table know it"]
+    name: Annotated[Name, "by which profiles and tables know it"]
     model: Annotated[str, "what it is built as"] = ""
     description: Annotated[str, "for people"] = ""
     owner: Annotated[str, "for people"] = ""
@@ -95,15 +95,15 @@ class CapabilityRow(Row, frozen=True, kw_only=True):
     name: Annotated[
         Name,
         Meta(extra={"shape": shapes.CAPABILITY_NAME}),
-        "the second part of its keys on the bus; `executive` is lbr itself",
+        "the second part of its keys; `executive` is lbr itself",
     ]
-    kind: Annotated[Name, "which capability class: a registered one, or a file in $LBR_HOME/capabilities"]
+    kind: Annotated[Name, "a registered kind, or a file in $LBR_HOME/capabilities"]
     enabled: Annotated[bool, "whether it is started"] = True
     settings: Annotated[JsonObject, "what the kind may set; unknown keys are refused"] = "{}"
-    restart: Annotated[Restart, "when it ends: leave it, start it again after a failure, always"] = "on-failure"
+    restart: Annotated[Restart, "whether to start it again after its end"] = "on-failure"
     needs: Annotated[tuple[str, ...], "the capabilities that start before it"] = ()
     help: Annotated[str, "for people"] = ""
-    process: Annotated[NameOrNone, "the process that it shares with all that say so; empty: its own"] = ""
+    process: Annotated[NameOrNone, "the process that it shares; empty: its own"] = ""
 
 
 def _source(row: "ChannelRow", others: Others) -> Iterator[Fault]:
@@ -129,10 +129,8 @@ class ChannelRow(Row, frozen=True, kw_only=True):
 
     source: Annotated[End, "capability.output"]
     target: Annotated[End, "capability.input"]
-    rate_hz: (
-        Annotated[float, Meta(gt=0, le=1_000_000), "at most this many messages a second; NULL: every one"] | None
-    ) = None
-    history: Annotated[int, Meta(ge=1, le=64), "how many of the newest messages wait for the reader"] = 1
+    rate_hz: Annotated[float, Meta(gt=0, le=1_000_000), "most messages a second; NULL: all"] | None = None
+    history: Annotated[int, Meta(ge=1, le=64), "newest messages that wait for the reader"] = 1
     enabled: Annotated[bool, "whether it is wired"] = True
 
     @property
@@ -163,7 +161,7 @@ class DeviceRow(Row, frozen=True, kw_only=True):
     address: Annotated[
         str, Meta(min_length=1, max_length=500), "a path, usb:VID:PID[:SERIAL], by-id:GLOB, i2c:BUS:ADDRESS, unix:PATH"
     ]
-    settings: Annotated[dict[str, Any], "what its type may set, such as the faults of its emulated twin"] = field(
+    settings: Annotated[dict[str, Any], "what its type may set, such as its twin's faults"] = field(
         default_factory=dict
     )
 
@@ -212,10 +210,7 @@ def _same_lines(row: "VerbRow", others: Others) -> Iterator[Fault]:
 
 
 class VerbRow(Row, frozen=True, kw_only=True):
-    """The console's vocabulary. A word may have several patterns. `/r/{power}/{angle_deg}` binds the parts of a line to
-    fields of the target command's message, `{text...}` takes the rest of the line with its slashes, and a pattern
-    without a slash is an alias, to be typed as it stands.
-    """
+    """The console's vocabulary. A word may have several patterns. `/r/{power}/{angle_deg}` binds parts of a line to fields of the target's message, `{text...}` the rest of the line with its slashes; a pattern without a slash is an alias."""
 
     TABLE = "verb"
     KEY = ("word", "pattern")
@@ -230,8 +225,8 @@ class VerbRow(Row, frozen=True, kw_only=True):
         "the first part of the pattern; capital letters count",
     ]
     pattern: Annotated[str, Meta(min_length=1, extra={"shape": shapes.PATTERN}), "a line's form, see above"]
-    target: Annotated[End, "capability.command, or executive.NAME for what lbr does by itself"]
-    payload: Annotated[dict[str, Any] | None, "fields of the message that the pattern does not bind; NULL: none"] = None
+    target: Annotated[End, "capability.command, or lbr's own executive.NAME"]
+    payload: Annotated[dict[str, Any] | None, "fields that the pattern does not bind"] = None
     role: Annotated[Role, "the least role that may say it"] = "operate"
     help: Annotated[str, "one line for people, with units and bounds"] = ""
 
@@ -259,11 +254,7 @@ def _no_verb(row: "ExternalCommandRow", others: Others) -> Iterator[Fault]:
 
 
 class ExternalCommandRow(Row, frozen=True, kw_only=True):
-    """Programs started at the console by name, without a shell. The words after the name are added to the arguments, as
-    far as the row allows it: `arguments` has an entry for each argument, in their order, and the last ones may be left
-    out. An entry is a list of the words that are taken, such as ["left", "right"], or a regular expression that all of
-    the argument must fit, such as "[0-9]{1,3}". Nothing that begins with '-' is taken unless it stands in a list.
-    """
+    """Programs started at the console by name, without a shell. `arguments` has an entry for each word after the name, in order; the last may be left out. An entry is a list of words, such as ["left", "right"], or a regular expression for all of it, such as "[0-9]{1,3}". A word with '-' at its beginning must be in a list."""
 
     TABLE = "external_command"
     KEY = ("name",)
@@ -271,12 +262,10 @@ class ExternalCommandRow(Row, frozen=True, kw_only=True):
 
     name: Annotated[Name, "what to type"]
     argv: Annotated[tuple[str, ...], Meta(extra={"shape": shapes.PROGRAM}), "the program's path, then its arguments"]
-    blocking: Annotated[
-        bool, "whether the console waits for its end; otherwise it runs until it ends or `stop NAME`"
-    ] = False
+    blocking: Annotated[bool, "the console waits; 0: it runs on, until `stop NAME`"] = False
     enabled: Annotated[bool, "whether it is offered"] = True
     help: Annotated[str, "one line for people"] = ""
-    arguments: Annotated[list[Any] | None, "what may follow the name, see above; NULL: nothing"] = None
+    arguments: Annotated[list[Any] | None, "what may follow the name, see above"] = None
     role: Annotated[Role, "the least role that may start and end it"] = "operate"
 
 
@@ -313,12 +302,9 @@ class TokenRow(Row, frozen=True, kw_only=True):
     created_at: Annotated[str, NOW, "when"]
     revoked_at: Annotated[str | None, "NULL: valid"] = None
     expires_at: Annotated[str | None, "NULL: never"] = None
-    good_for: Annotated[GoodFor, "where it lets in: the bus, the web server, or both"] = "both"
+    good_for: Annotated[GoodFor, "where it lets in"] = "both"
     paired_from: (
-        Annotated[
-            str, Meta(min_length=1, max_length=64), "the address that was given it for a code; NULL: made by hand"
-        ]
-        | None
+        Annotated[str, Meta(min_length=1, max_length=64), "the address that paired; NULL: made by hand"] | None
     ) = None
 
     def lets_in(self, door: Literal["bus", "web"]) -> bool:
@@ -336,9 +322,7 @@ class TokenRow(Row, frozen=True, kw_only=True):
 
 
 class AuditRow(Row, frozen=True, kw_only=True):
-    """The audit trail: who did what to the robot. Each row's hash covers the hash before it, so that `lbr db check` finds
-    a row that was changed or taken out; the oldest go when there are very many. Written by lbr, and never changed.
-    """
+    """The audit trail: who did what to the robot. Each row's hash covers the hash before it: `lbr db check` finds a changed or missing row; the oldest of very many go. Written by lbr, and never changed."""
 
     TABLE = "audit"
     KEY = ("id",)

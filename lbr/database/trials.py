@@ -18,9 +18,7 @@ _OLDER_GO = "DELETE FROM trial WHERE revision NOT IN (SELECT revision FROM trial
 
 
 class Trial(Row, frozen=True, kw_only=True):
-    """Changes of rows on trial (`lbr db apply --within`): the robot goes back to the revision before, unless all that
-    they touch is ready in time. The newest row alone counts. Written by lbr.
-    """
+    """Changes of rows on trial (`lbr db apply --within`): the robot goes back unless all that they touch is ready in time. The newest row alone counts. Written by lbr."""
 
     TABLE = "trial"
     KEY = ("revision",)

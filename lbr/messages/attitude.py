@@ -8,15 +8,13 @@ from lbr.messages.units import Quaternion, TurnDeg, Vector
 
 
 class AttitudeState(Struct, frozen=True, kw_only=True):
-    """Where the robot's body points (REP 103: x ahead, y left, z up; yaw anticlockwise from east).
+    """The orientation of the robot's body (REP 103: x ahead, y left, z up; yaw anticlockwise from east).
 
-    `heading_deg` is the compass's: 0 to 360, clockwise from true north; null while it is not known, and
-    `heading_reason` says why. Then `yaw_rad` is null too, and the yaw within `orientation` (w, x, y, z, body to world)
-    goes on by gyro from wherever it was. `turned_deg` counts how far the body has turned since `epoch` began, clockwise
-    positive; it goes on past 360 and never jumps with the compass. Another `epoch` means that it started over.
-    `gyro_bias_rps` is along the body's axes. `magnetic` says that the magnetometer is used now, `calibrated` that it
-    was ever calibrated, `still` that the body does not turn. `measured_s` is when the newest sample in it was measured,
-    by the monotonic clock.
+    `heading_deg`: clockwise from true north; null for the reason `heading_reason`. Then `yaw_rad` is null, too, and the
+    yaw in `orientation` (w, x, y, z, body to world) continues by gyro. `turned_deg`: the turn since `epoch` began,
+    clockwise positive, past 360 and without jumps; another `epoch` starts over. `gyro_bias_rps`: along the
+    body's axes. `magnetic`: the magnetometer is used now; `calibrated`: it was ever calibrated; `still`: the body does
+    not turn. `measured_s`: monotonic time of its newest sample.
     """
 
     valid: bool
@@ -38,7 +36,7 @@ class AttitudeState(Struct, frozen=True, kw_only=True):
 
 
 class ObserveCommand(Struct, frozen=True, kw_only=True):
-    """Tell, by an event, when the body has turned this far from now on; moves and stops nothing."""
+    """Publish an event when the body has turned this far; moves and stops nothing."""
 
     angle_deg: TurnDeg
 
@@ -46,8 +44,8 @@ class ObserveCommand(Struct, frozen=True, kw_only=True):
 class CalibrateCommand(Struct, frozen=True, kw_only=True):
     """Calibrate the magnetometer from `samples` measurements.
 
-    `source` is `-`: turn on the spot meanwhile; `-c`: the same, corrected as it is now, and only draw the picture; or
-    the name of a file of samples below `$LBR_HOME/calibration`.
+    `source`: `-` turns on the spot meanwhile; `-c` only draws the picture, as corrected now; else a file of samples
+    below `$LBR_HOME/calibration`.
     """
 
     samples: Annotated[int, Meta(ge=1, le=2000, description="measurements of the magnetometer")]
@@ -55,7 +53,7 @@ class CalibrateCommand(Struct, frozen=True, kw_only=True):
 
 
 class CalibrationProgress(Struct, frozen=True, kw_only=True):
-    """Progress of a calibration: `coverage` is the part of a full turn that was seen. `picture` is an SVG file."""
+    """Progress of a calibration: `coverage`: the part of a full turn seen; `picture`: an SVG file."""
 
     phase: Literal["collecting", "fitting", "done", "refused"]
     collected: int

@@ -8,9 +8,8 @@ BatteryLevel = Literal["unknown", "ok", "low", "critical"]
 
 
 class BatteryState(Struct, frozen=True, kw_only=True):
-    """The main battery. `rest_voltage_v` is what it would show without its load, and `charge` (0 to 1) comes from that.
-
-    `source` is what feeds the robot: `mains` while it is being charged.
+    """The main battery. `rest_voltage_v`: without its load; `charge` (0 to 1) follows from it. `source`: `mains` while
+    charging.
     """
 
     valid: bool

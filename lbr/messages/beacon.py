@@ -13,11 +13,9 @@ MANOEUVRES: tuple[Manoeuvre, ...] = ("align", "search", "follow", "withdraw", "r
 
 
 class SeekCommand(Struct, frozen=True, kw_only=True):
-    """Go through a manoeuvre, for as long as the lease is renewed with the same command.
+    """Do a manoeuvre, while the lease is renewed with the same command.
 
-    `align` turns the back to the wall of the dock, as far from it as the beams are wide; `search` goes along it until a
-    beam is seen; `follow` backs up between the beams until something is touched; `withdraw` drives away from a dock
-    that is near, towards the middle of its beams; `roam` looks all around and goes where there is most room.
+    `align`: turn the back to the dock's wall, as far off as the beams are wide; `search`: go along it to a beam; `follow`: back up between the beams until a touch; `withdraw`: drive away from the dock, towards the middle of its beams; `roam`: go where there is most room.
     """
 
     manoeuvre: Manoeuvre
@@ -27,12 +25,10 @@ class SeekCommand(Struct, frozen=True, kw_only=True):
 
 
 class BeaconState(Struct, frozen=True, kw_only=True):
-    """The manoeuvre under way, empty for none, with its holder and goal; `reason` and `code` are how the last one
-    ended.
+    """The manoeuvre under way, its holder and goal; `reason` and `code` of the last end.
 
-    `dock_side` is to which side of the robot, as it looks, the middle of the beams was when it last followed them;
-    empty: it was between them, or did not follow them yet. `risen_v` is how far the battery's voltage without load rose
-    since then.
+    `dock_side`: where the middle of the beams last was; empty: between them, or unknown.
+    `risen_v`: the rise of the battery's voltage without load since then.
     """
 
     manoeuvre: Literal["", "align", "search", "follow", "withdraw", "roam"] = ""

@@ -30,12 +30,13 @@ class BehaviourTable(Row, frozen=True, kw_only=True):
 
     name: Annotated[Name, "by which it is run"]
     help: Annotated[str, "one line for people"] = ""
-    max_s: Annotated[float, Meta(ge=0.0, le=86400.0), "the longest it may run; 0: until it ends or is stopped"] = 600.0
+    max_s: Annotated[float, Meta(ge=0.0, le=86400.0), "longest run; 0: until its end or a stop"] = 600.0
 
 
 class BehaviourRow(Row, frozen=True, kw_only=True):
-    """The rows of a behaviour. Those of one state are tried in their order; the first whose conditions all hold is
-    taken. A bad cell keeps the behaviour from being run, and nothing else."""
+    """The rows of a behaviour: of a state, the first whose conditions all hold is taken. A bad cell stops only its
+    behaviour.
+    """
 
     TABLE = "behaviour_row"
     KEY = ("behaviour", "step")
@@ -44,7 +45,7 @@ class BehaviourRow(Row, frozen=True, kw_only=True):
     behaviour: Annotated[Name, "which behaviour it belongs to"]
     step: Annotated[StepNumber, "the order, from 1"]
     type: Annotated[
-        RowType, "start: the first state; end and fail: ends, good and bad; entry: done on entering; #: a comment"
+        RowType, "start: the first state; end, fail: good and bad ends; entry: done on entering; #: comment"
     ] = ""
     state: Annotated[StateName, "the state that it is a row of"] = ""
     conditions: Annotated[dict[Heading, Cell], 'column to condition, such as {"Forward": "< 40"}'] = field(
@@ -58,7 +59,7 @@ class BehaviourRow(Row, frozen=True, kw_only=True):
         Annotated[
             float,
             Meta(gt=0.0, le=86400.0),
-            "the longest that its state may last, then the behaviour fails; NULL: no such time",
+            "longest time in its state, then the behaviour fails",
         ]
         | None
     ) = None
@@ -71,19 +72,19 @@ class RunBehaviour(Struct, frozen=True, kw_only=True):
 
 
 class NamedBehaviour(Struct, frozen=True, kw_only=True):
-    """Tell of a table; of the one that runs, or ran last, if it is not named."""
+    """Show a table; without a name the one that runs, or ran last."""
 
     name: Annotated[str, Meta(max_length=40)] = ""
 
 
 class BehaviourOrder(Struct, frozen=True, kw_only=True):
-    """Pause, go on, or do one step; it has nothing to set."""
+    """Pause, go on, or do one step."""
 
 
 class Unmet(Struct, frozen=True, kw_only=True):
-    """A condition that does not hold: what was seen (null: nothing that is new enough), and by how much it misses.
+    """A condition that does not hold: the value (null: none that is new enough), and by how much it misses.
 
-    `by` is in the unit of its column, null where there is no distance, as between texts.
+    `by`: in the column's unit; null without a distance, as between texts.
     """
 
     column: str
@@ -94,7 +95,7 @@ class Unmet(Struct, frozen=True, kw_only=True):
 
 
 class RowView(Struct, frozen=True, kw_only=True):
-    """A row of the state that the run is in, and which of its conditions do not hold."""
+    """A row of the current state, and its conditions that do not hold."""
 
     step: int
     next_state: str
@@ -104,9 +105,8 @@ class RowView(Struct, frozen=True, kw_only=True):
 class BehaviourState(Struct, frozen=True, kw_only=True):
     """The running behaviour, its state, and why it stays there.
 
-    `called` are the tables on the way to the one that `table` names, outermost first. `doing` is the command that is
-    under way. `row` is the step of the row that was taken last, in whichever table. `state_s` and `run_s` are how long
-    it is in this state, and runs. `reason` says how the last run ended.
+    `called`: the tables on the way to `table`, outermost first. `doing`: the command under way. `row`: the step of the
+    row taken last. `state_s`, `run_s`: time in this state and in all. `reason`: the end of the last run.
     """
 
     phase: Literal["resting", "running", "paused", "ended"]
@@ -127,9 +127,9 @@ class BehaviourState(Struct, frozen=True, kw_only=True):
 
 
 class BehaviourFault(Struct, frozen=True, kw_only=True):
-    """A problem in a table: the row by its step, or the line of a file (0: the whole), the column, and what to do.
+    """A problem in a table: its row by step, or line of a file (0: all of it), the column, and the cure.
 
-    With `error` it keeps the table from being run; without, it is only odd.
+    `error`: the table cannot run; otherwise it is only odd.
     """
 
     step: int = 0
@@ -140,7 +140,7 @@ class BehaviourFault(Struct, frozen=True, kw_only=True):
 
 
 class BehaviourSummary(Struct, frozen=True, kw_only=True):
-    """A table of the robot, and what is wrong with it; without errors it can be run."""
+    """A table of the robot, and its problems; without errors it can run."""
 
     name: str
     help: str
@@ -155,14 +155,14 @@ class BehaviourTables(Struct, frozen=True, kw_only=True):
 
 
 class CheckBehaviour(Struct, frozen=True, kw_only=True):
-    """Say what would be wrong with a table of this name that had these rows; nothing is kept."""
+    """Report what would be wrong with a table of this name and these rows; nothing is kept."""
 
     name: Name
     rows: tuple[BehaviourRow, ...]
 
 
 class ReadBehaviour(Struct, frozen=True, kw_only=True):
-    """Read a file, CSV or JSON by its name, as a table of this name; nothing is kept."""
+    """Read a CSV or JSON file as a table of this name; nothing is kept."""
 
     name: Name
     file: Annotated[str, Meta(max_length=255)]

@@ -11,7 +11,7 @@ from lbr.messages.units import Name
 
 
 class CalibrationValue(Row, frozen=True, kw_only=True):
-    """Numbers measured on one device, written back by calibration runs; its driver gets them at its start."""
+    """Numbers measured on a device by calibration, for its driver's next start."""
 
     TABLE = "calibration"
     KEY = ("device", "name")

@@ -11,17 +11,16 @@ CameraPhase = Literal["off", "opening", "streaming", "lost"]
 
 
 class JpegFrame(Struct, frozen=True):
-    """A picture: on the bus the bytes of a JPEG file and nothing else (`image/jpeg`), stamped with when it was
-    taken."""
+    """A picture: the bytes of a JPEG file (`image/jpeg`), stamped with its time."""
 
     data: bytes
 
 
 class CameraState(Struct, frozen=True, kw_only=True):
-    """The state of a camera. Off means that its device is closed; nothing can see through it then.
+    """The state of a camera. Off: its device is closed, and nothing sees through it.
 
-    Width, height and rate are those of the pictures that come. `frames` were published; `dropped` were broken, too
-    large, or overtaken by a newer one. A camera without a viewer `rests`: it then publishes two pictures a second.
+    Width, height and rate are those of its pictures. `dropped`: broken, too large, or overtaken by a newer one.
+    `rests`: without a viewer, at two pictures a second.
     """
 
     on: bool
@@ -43,7 +42,7 @@ class SwitchCommand(Struct, frozen=True, kw_only=True):
 
 
 class SnapshotCommand(Struct, frozen=True, kw_only=True):
-    """Save the newest picture below `$LBR_HOME/pictures`, under this name or one made of camera and time."""
+    """Save the newest picture below `$LBR_HOME/pictures`, by this name, or by camera and time."""
 
     name: Annotated[str, Meta(max_length=80)] = ""
 
@@ -58,7 +57,7 @@ class SnapshotReply(Struct, frozen=True, kw_only=True):
 
 
 class SelectCommand(Struct, frozen=True, kw_only=True):
-    """Switch this camera on and all others off: `front`, `rear`, or `off` for none."""
+    """Switch this camera on and all others off; `off`: none."""
 
     name: Name
 

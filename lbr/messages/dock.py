@@ -4,10 +4,7 @@ from msgspec import Struct
 
 
 class DockSignal(Struct, frozen=True, kw_only=True):
-    """Which of the dock's beams is seen; each counts for as long as the driver's time to live says.
-
-    The ages are seconds since each was last seen; null: never.
-    """
+    """The dock's beams that are seen, each for the driver's time to live; ages since each was last seen, null: never."""
 
     left: bool
     right: bool

@@ -27,7 +27,7 @@ Sensor = Name
 
 
 class DriveCommand(Struct, frozen=True, kw_only=True):
-    """Drive at `power` towards `angle_deg` for as long as the lease is renewed, and no further than the bounds."""
+    """Drive at `power` towards `angle_deg` while the lease is renewed, within the bounds."""
 
     power: Power
     angle_deg: AngleDeg = 0.0
@@ -41,7 +41,7 @@ class DriveCommand(Struct, frozen=True, kw_only=True):
 
 
 class TurnCommand(Struct, frozen=True, kw_only=True):
-    """Turn on the spot by an angle, for as long as the lease is renewed with the same command."""
+    """Turn on the spot by an angle, while the lease is renewed with the same command."""
 
     angle_deg: TurnDeg
     lease: LeaseId = ""
@@ -50,7 +50,7 @@ class TurnCommand(Struct, frozen=True, kw_only=True):
 
 
 class HeadingCommand(Struct, frozen=True, kw_only=True):
-    """Turn on the spot to a compass heading, the shorter way, for as long as the lease is renewed."""
+    """Turn on the spot to a compass heading, the shorter way, while the lease is renewed."""
 
     heading_deg: HeadingDeg
     lease: LeaseId = ""
@@ -59,9 +59,9 @@ class HeadingCommand(Struct, frozen=True, kw_only=True):
 
 
 class TwistCommand(Struct, frozen=True, kw_only=True):
-    """Move with this twist (REP 103: ahead, to the left, anticlockwise) for as long as the lease is renewed.
+    """Move with this twist (REP 103: ahead, left, anticlockwise) while the lease is renewed.
 
-    A twist beyond the motors' limits is scaled down as a whole. `vy_mps` is for bases that can move sideways.
+    A twist beyond the motors' limits is scaled down as a whole. `vy_mps` is for bases that move sideways.
     """
 
     vx_mps: SpeedMps = 0.0
@@ -75,8 +75,8 @@ class TwistCommand(Struct, frozen=True, kw_only=True):
 class GoalResult(Struct, frozen=True, kw_only=True):
     """The end of a bounded move or a turn. `reached` and `interval` are the planned ends; all others carry a reason.
 
-    `code` is why it ended, `cause` what else a program should know of that end; `note` says the latter for people, by
-    itself. `error_deg` is how far a turn went past its target, clockwise positive; `error_m` the same of a distance.
+    `code`: why it ended; `cause`: what a program should know besides; `note`: the same for people. `error_deg`: turned
+    past the target, clockwise positive; `error_m`: the same of a distance.
     """
 
     goal: str
@@ -94,7 +94,7 @@ class GoalResult(Struct, frozen=True, kw_only=True):
 
 
 class LoopStatistics(Struct, frozen=True, kw_only=True):
-    """The fixed-rate loop over the last second or so; periods in milliseconds."""
+    """The fixed-rate loop over the last second or so, in milliseconds."""
 
     rate_hz: float
     period_p99_ms: float
@@ -105,11 +105,9 @@ class LoopStatistics(Struct, frozen=True, kw_only=True):
 class DriveState(Struct, frozen=True, kw_only=True):
     """The motion of the base, its holder, and why it is slower than asked or stands still.
 
-    Commands sent before `stopped_s`, monotonic, begin nothing any more: then all was stopped, also if nothing moved;
-    `stopped_by` is the sender, if it was a stop. Commands typed or written before `halted_s` begin nothing either, but
-    for the sender of that stop, `halted_by`. `code` is that of `reason`. `sees` has obstacles by sensors that watch by
-    themselves, in metres from the outline of the base, by sensor and side; null is not known. `aside` is the part of
-    the motion that goes to the left, as a fraction of full speed.
+    `sees`: obstacles of
+    sensors that watch by themselves, in metres from the base's outline, by sensor and side; null: not known. `aside`:
+    the part of the motion to the left, a fraction of full speed.
     """
 
     moving: bool
@@ -133,10 +131,9 @@ class DriveState(Struct, frozen=True, kw_only=True):
 
 
 class CheckRequest(Struct, frozen=True, kw_only=True):
-    """A motion command on its way to being accepted, shown to a check of the user's own.
+    """A motion command before it is accepted, for a check of the user's own.
 
-    `command` is the motion; for a turn the spin that it begins with, and `turn` or `heading` is what was asked. For a
-    `twist` it is the nearest of power and angle.
+    `command`: the motion; of a turn its first spin, of a `twist` the nearest power and angle.
     """
 
     source: str
@@ -147,7 +144,7 @@ class CheckRequest(Struct, frozen=True, kw_only=True):
 
 
 class CheckVerdict(Struct, frozen=True, kw_only=True):
-    """The verdict of a check on a command; the sender receives the reason, `code` is for programs."""
+    """The verdict of a check on a command, for its sender."""
 
     accepted: bool
     reason: str = ""

@@ -28,12 +28,12 @@ class Motor(Row, frozen=True, kw_only=True):
     id: ServoId
     name: Annotated[Label, "for people"]
     description: Annotated[str, "for people"] = ""
-    initial: Annotated[Counts, "which position a face tells before it was moved"]
-    lowest: Annotated[Counts, "which positions are taken; what is beyond is brought within"]
+    initial: Annotated[Counts, "a face's position before the first move"]
+    lowest: Annotated[Counts, "positions beyond are brought within"]
     highest: Annotated[Counts, "see lowest"]
     rest: Annotated[Counts, "where it belongs"]
-    inverted: Annotated[bool, "whether a percentage counts from its highest position down"] = False
-    builtin: Annotated[bool, "whether it is changed here only, not from the network"] = False
+    inverted: Annotated[bool, "percentages count from its highest position"] = False
+    builtin: Annotated[bool, "changed here only, not from the network"] = False
 
     @property
     def told(self) -> str:
@@ -49,10 +49,10 @@ class Button(Row, frozen=True, kw_only=True):
     CHECKS = (motion_there,)
 
     id: Annotated[int, Meta(ge=0, le=9999), "the number"]
-    name: Annotated[Label, "the name there; of several with the same, the lowest number is meant"]
-    button: Annotated[str, "what is written on the remote control's key"] = ""
-    motion: Annotated[NameOrNone, "which motion is played; empty: none, only the controller is taken over"] = ""
-    builtin: Annotated[bool, "whether it is changed here only, not from the network"] = False
+    name: Annotated[Label, "the name there; of several alike, the lowest number's"]
+    button: Annotated[str, "the remote control's key"] = ""
+    motion: Annotated[NameOrNone, "the motion; empty: only the controller is taken over"] = ""
+    builtin: Annotated[bool, "changed here only, not from the network"] = False
 
     @property
     def told(self) -> str:
@@ -61,12 +61,11 @@ class Button(Row, frozen=True, kw_only=True):
 
 
 class EditCommand(Struct, frozen=True, kw_only=True):
-    """Write these rows, by table, all or none: new ones, or in the place of those with the same key. Built-in ones
-    stay.
+    """Write these rows, by table, all or none; equal keys replace. Built-in rows stay.
 
-    The kind of the asker names the tables in `edits`; parts of a row, such as key frames, come with it, and are then
-    all that it has. `create`: none of them may exist yet; otherwise all of them must. `revision`: only if none of them
-    has changed since that revision. `by` is the person who wants it.
+    The asker's kind names the tables in `edits`. Parts of a row, such as key frames, come with it and replace all that
+    it had. `create`: each row is new; otherwise each exists. `revision`: only if none has changed since. `by`: the
+    person behind it.
     """
 
     rows: dict[str, Raw] = {}
@@ -76,7 +75,7 @@ class EditCommand(Struct, frozen=True, kw_only=True):
 
 
 class EditReply(Struct, frozen=True, kw_only=True):
-    """The result of an edit; `revision` is the newest of the rows in force, also after a refusal."""
+    """The result of an edit; `revision`: the newest in force, also after a refusal."""
 
     accepted: bool
     reason: str = ""

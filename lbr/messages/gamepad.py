@@ -22,8 +22,7 @@ Way = Annotated[float, Meta(ge=-1.0, le=1.0, description="-1 to 1 to the right a
 class GamepadState(Struct, frozen=True, kw_only=True):
     """The input of a gamepad: how far each axis is pushed, which buttons are pressed.
 
-    `silent_s` is for how long it has said nothing; null: nothing yet. One that is out of range of its radio says
-    nothing, and so does one on which nothing changes.
+    `silent_s`: since its last report; null: none yet. An unchanged pad is as silent as one out of range.
     """
 
     connected: bool
@@ -36,10 +35,7 @@ class GamepadState(Struct, frozen=True, kw_only=True):
 
 
 class TeleopState(Struct, frozen=True, kw_only=True):
-    """The effect of a person's gamepad on the robot: whether the dead-man button is held, and which twist it drives by.
-
-    `reason` says why it does not drive, `code` that by the list of codes.
-    """
+    """The effect of a gamepad: whether the dead-man button is held, and the twist; `reason`: why it does not drive."""
 
     pad: bool
     dead_man: bool

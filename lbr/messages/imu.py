@@ -6,11 +6,10 @@ from lbr.messages.units import Quaternion, Vector
 
 
 class ImuSample(Struct, frozen=True, kw_only=True):
-    """One instant of an inertial unit, along the sensor's own right-handed axes; the magnetometer's are the same.
+    """One instant of an inertial unit, along the sensor's own right-handed axes, also of the magnetometer.
 
-    `valid` false: nothing was measured, and `reason` says why. `mag_ut` is null between two measurements of the
-    magnetometer, which is the slower one. `orientation` (w, x, y, z) is what the device itself makes of it, if it does.
-    `time_s` is when it was measured, by the monotonic clock of the driver's host.
+    `mag_ut` is null between two measurements of the slower magnetometer. `orientation` (w, x, y, z): the device's own,
+    if it has one. `time_s`: measured then, by the monotonic clock of the driver's host.
     """
 
     valid: bool
@@ -24,4 +23,4 @@ class ImuSample(Struct, frozen=True, kw_only=True):
 
 
 class ZeroCommand(Struct, frozen=True, kw_only=True):
-    """Take the gyro's zero again; the robot must not move for two seconds."""
+    """Take the gyro's zero again; keep the robot still for two seconds."""

@@ -23,7 +23,7 @@ JointRps = Annotated[
 DurationS = Annotated[
     float, Meta(gt=0.0, le=60.0, description="seconds", extra={"zero": "0 is no time to get anywhere"})
 ]
-BusOfJoints = Annotated[NameOrNone, Meta(description="of a robot with several: the bus whose joints it has")]
+BusOfJoints = Annotated[NameOrNone, Meta(description="which bus, where the robot has several")]
 Strength = Annotated[float, Meta(gt=0.0, le=1.0, description="fraction of a servo's most")]
 Interpolation = Literal["smooth", "linear"]
 MAX_FRAMES = 1000
@@ -56,12 +56,12 @@ class Joint(Row, frozen=True, kw_only=True):
     name: Annotated[Name, "by which motions know it"]
     device_id: ServoId
     side: Annotated[Literal["left", "right", "centre"], "which half of the body it belongs to"] = "centre"
-    sign: Annotated[Literal[1, -1], "1 or -1: whether the servo turns the way the joint counts"] = 1
+    sign: Annotated[Literal[1, -1], "-1: the servo turns against the joint"] = 1
     zero_rad: Annotated[JointRad, "the servo's angle where the joint is at 0"] = 0.0
     lower_rad: Annotated[JointRad, "limits of the joint's angle"]
     upper_rad: Annotated[JointRad, "see lower_rad"]
     speed_rps: Annotated[JointRps, "the fastest it may move, radians a second"]
-    bus: Annotated[NameOrNone, "the device row of the line that its servo is on; empty: the robot has one"] = ""
+    bus: Annotated[NameOrNone, "its servo's device row; empty: the only line"] = ""
 
 
 Slot = Annotated[int, Meta(ge=1, le=255)]
@@ -69,10 +69,10 @@ SlotS = Annotated[float, Meta(gt=0.0, le=600.0, description="seconds", extra={"z
 
 
 class StoredMotion(Struct, frozen=True, kw_only=True):
-    """A motion that the robot's own controller keeps under a number, and plays by itself: how long, and where it leads.
+    """A motion that the robot's own controller keeps under a number and plays: how long, and where it leads.
 
-    Joints that `pose` leaves out are where they are measured afterwards; `limp`: all of them are released at its end.
-    `stable`: stopped on its way, the robot may go straight to `pose` and stands there.
+    Joints that `pose` leaves out are measured afterwards. `limp`: all are released at its end. `stable`: stopped on its
+    way, the robot may go straight to `pose` and stands there.
     """
 
     slot: Slot
@@ -83,10 +83,9 @@ class StoredMotion(Struct, frozen=True, kw_only=True):
 
 
 class KeyFrame(Struct, frozen=True, kw_only=True):
-    """The angles that the named joints are to have `duration_s` after the frame before; joints left out stay.
+    """The angles of the named joints `duration_s` after the frame before; joints left out stay.
 
-    `stable`: the robot may come to rest here, and stays on its feet. A motion that is stopped on its way goes on to the
-    nearest such frame that it reaches in 0.8 s.
+    `stable`: the robot may rest here on its feet. A stopped motion goes on to the nearest such frame within 0.8 s.
     """
 
     positions: dict[str, JointRad]
@@ -114,7 +113,7 @@ def _lead(name: str, column: str, other: str, others: Others) -> Iterator[Fault]
 
 
 class MotionRow(Row, frozen=True, kw_only=True):
-    """Humanoids: the named motions. One with a slot is kept and played by the robot's own controller."""
+    """Humanoids: the named motions. The robot's own controller keeps and plays one with a slot."""
 
     TABLE = "motion"
     KEY = ("name",)
@@ -123,12 +122,12 @@ class MotionRow(Row, frozen=True, kw_only=True):
 
     name: Annotated[Name, "by which it is played"]
     help: Annotated[str, "one line for people"] = ""
-    lead_in: Annotated[NameOrNone, "the motion that is played once before it; empty: none"] = ""
-    lead_out: Annotated[NameOrNone, "the motion that is played once after it, unless it was stopped; empty: none"] = ""
-    slot: Annotated[Slot | None, "the number under which the robot's own controller keeps and plays it; or NULL"] = None
+    lead_in: Annotated[NameOrNone, "the motion played once before it; empty: none"] = ""
+    lead_out: Annotated[NameOrNone, "the motion played once after it, unless stopped; empty: none"] = ""
+    slot: Annotated[Slot | None, "its number in the robot's own controller"] = None
     slot_s: Annotated[SlotS | None, "how long the controller takes for it"] = None
-    limp: Annotated[bool, "whether the controller lets the joints go at its end"] = False
-    builtin: Annotated[bool, "whether it is changed here only, not from the network"] = False
+    limp: Annotated[bool, "the controller releases the joints at its end"] = False
+    builtin: Annotated[bool, "changed here only, not from the network"] = False
 
     def refusal(self, before: Mapping[str, Any] | None, parts: Sequence[Row]) -> tuple[str, Code] | None:
         """Return why an edit on another's behalf may not write it: what the controller keeps is entered at the
@@ -166,7 +165,7 @@ def _within(row: "MotionStep", others: Others) -> Iterator[Fault]:
 
 
 class MotionStep(Row, frozen=True, kw_only=True):
-    """Humanoids: the key frames of a motion, in their order. Those of a motion in a slot say where it leads."""
+    """Humanoids: the key frames of a motion, in order; of one in a slot, where it leads."""
 
     TABLE = "motion_step"
     KEY = ("motion", "step")
@@ -175,9 +174,9 @@ class MotionStep(Row, frozen=True, kw_only=True):
 
     motion: Annotated[Name, "which motion it belongs to"]
     step: Annotated[StepNumber, "the order, from 1"]
-    duration_s: Annotated[DurationS, "the time to get there from the step before"]
+    duration_s: Annotated[DurationS, "from the step before"]
     positions: Annotated[dict[str, JointRad], "joint name to angle in radians; joints left out stay"]
-    stable: Annotated[bool, "whether it stands here by itself; what is stopped on its way goes on to here"] = False
+    stable: Annotated[bool, "it stands here; a stopped motion goes on to here"] = False
 
     @property
     def told(self) -> str:
@@ -220,22 +219,14 @@ class Motion(Struct, frozen=True, kw_only=True):
 
 
 class JointsCommand(Struct, frozen=True, kw_only=True):
-    """Move joints, for as long as the lease is renewed: to `positions`, or through `frames`.
+    """Move joints to `positions`, or through `frames`, while the lease is renewed.
 
-    The way to `positions` takes `duration_s`, or as long as `speed_rps` needs for the longest way, or what the rows
-    allow. A joint never goes faster than its row says: then all take longer. `smooth` passes through key frames without
-    stopping; `linear` goes straight from one to the next. `append` has `frames` follow those under way, which go on, so
-    that a motion longer than a message may be flows; the goal stays the same. A lease with nothing to move is renewed.
-    `asked_s` is when the sender whose request was passed on asked for this, on the robot's own monotonic clock: what
-    was asked for before a stop does not begin after it.
+    Without `duration_s` the longest way sets the time, at `speed_rps` or as the rows allow; no joint goes faster than its row. `smooth` passes through frames without a stop, `linear` goes straight between them. `append`: `frames` follow those under way; the goal stays. With nothing to move, it renews the lease. `asked_s`: when the
+    original sender asked, by the robot's monotonic clock; older than a stop, it does not begin.
 
-    `join` has `positions` begin beside what moves: joints that it does not name go on as they were, and each that it
-    names goes as fast as it may from the first moment, and slows down to its end; the goal is reached when all have
-    arrived. `torque` is how strong the named joints are from now on, a fraction of their most, and `torques` where they
-    differ; those that have none get it first. `stored` is played by the robot's own controller; nothing else moves
-    meanwhile.
-
-    With `stay` the lease lives on when all have arrived, for as long as it is renewed: more is to come.
+    `join`: `positions` begin at once beside what moves, as fast as they may. `torque`: the strength of the named joints, a fraction of their most; `torques`: where they differ.
+    `stored`: the robot's own controller plays it; nothing else moves meanwhile. `stay`: the lease lives on after the
+    end, while it is renewed.
     """
 
     positions: dict[str, JointRad] = {}
@@ -257,7 +248,7 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
 
 
 class JointMove(Struct, frozen=True, kw_only=True):
-    """Move one joint, as people say it: in degrees, at this many degrees a second."""
+    """Move one joint, in degrees, at this many degrees a second."""
 
     joint: Name
     angle_deg: JointDeg
@@ -268,9 +259,9 @@ class JointMove(Struct, frozen=True, kw_only=True):
 
 
 class TorqueCommand(Struct, frozen=True, kw_only=True):
-    """Switch the torque of joints on, where they are, or off; no joint named: all of them.
+    """Switch the torque of joints on, where they are, or off; no joint named: all.
 
-    All off drops the robot: it is refused unless it says `confirmed`.
+    All off drops the robot, and needs `confirmed`.
     """
 
     on: bool
@@ -280,18 +271,17 @@ class TorqueCommand(Struct, frozen=True, kw_only=True):
 
 
 class RecoverCommand(Struct, frozen=True, kw_only=True):
-    """Take joints out of what they have latched, such as an overload whose cause is gone; no joint named: all."""
+    """Recover joints from a latched fault whose cause is gone; no joint named: all."""
 
     joints: tuple[Name, ...] = ()
 
 
 class JointState(Struct, frozen=True, kw_only=True):
-    """One joint as it was measured last; null is not measured. `load` is a fraction of its most, the way it counts.
+    """One joint as measured last; null is not measured. `load`: a signed fraction of its most.
 
-    `goal_rad` is what its servo is to hold or reach, read from what was sent, `target_rad` where its way leads while
-    that goes on. `torque` is what is applied, 0 for none. `faults` are there now; `latched` keep it without torque
-    until it is recovered. `raw` is the servo's own number. `trusted` says whether what was measured can be believed,
-    where that is a question; else nothing is measured.
+    `goal_rad`: what its servo holds or reaches; `target_rad`: the end of its way, meanwhile. `torque`: as applied, 0
+    for none. `faults`: present ones; `latched` keep it without torque until it is recovered. `raw`: the servo's own
+    number. `trusted`: whether the measurement is believed, where that is a question.
     """
 
     id: int
@@ -312,13 +302,9 @@ class JointState(Struct, frozen=True, kw_only=True):
 
 
 class JointsState(Struct, frozen=True, kw_only=True):
-    """All joints out of one sweep of the bus, who moves them, and why they stand still.
+    """All joints in one sweep of the bus, their holder, and why they stand still.
 
-    `passed` counts the key frames of the goal under way that lie behind, since it began. Commands sent before
-    `stopped_s`, monotonic, begin nothing any more: then `stopped_by` stopped all, if it was a stop. Commands typed or
-    written before `halted_s` begin nothing either, but for the sender of that stop, `halted_by`. `code` is that of
-    `reason`. `stored` is the slot that the controller plays, for `left_s` more. `feet_s` is how long a stopped robot
-    may still take to reach its stance; null: nothing of that goes on.
+    `passed`: key frames of this goal that lie behind. `stored`: the slot that the controller plays, for `left_s` more. `feet_s`: what a stopped robot may still need to its stance.
     """
 
     sequence: int
@@ -343,7 +329,7 @@ class JointsState(Struct, frozen=True, kw_only=True):
 
 
 class PlayCommand(Struct, frozen=True, kw_only=True):
-    """Play a motion of the rows `times` times, for as long as the lease is renewed; its lead-in and lead-out once."""
+    """Play a motion `times` times while the lease is renewed; its lead-in and lead-out once."""
 
     motion: Name
     times: Annotated[int, Meta(ge=1, le=1000)] = 1
@@ -355,8 +341,7 @@ class PlayCommand(Struct, frozen=True, kw_only=True):
 
 
 class CaptureCommand(Struct, frozen=True, kw_only=True):
-    """Write the pose that the joints have now down as a key frame: of a new motion, or after the last of one there
-    is."""
+    """Append the joints' pose to a motion as a key frame, or begin a new motion with it."""
 
     motion: Name
     duration_s: DurationS = 1.0
@@ -364,11 +349,10 @@ class CaptureCommand(Struct, frozen=True, kw_only=True):
 
 
 class MotionsState(Struct, frozen=True, kw_only=True):
-    """The motion that is played, on the way to which key frame, in which round, both from 1; `reason` and `code` are
-    those of the last end.
+    """The motion under way, its key frame and its round, both from 1; `reason` and `code` of the last end.
 
-    `motion` is the lead-in or the lead-out while that is played; all of it takes `left_s` more or less. `fallen` says
-    on which side the robot lies, where an attitude is wired; empty: it does not, or that is unknown.
+    `motion` is the lead-in or lead-out while that is played; all takes `left_s` more or less. `fallen`: the side on
+    which the robot lies, by its attitude; empty: it does not, or unknown.
     """
 
     playing: bool

@@ -102,16 +102,14 @@ class Wheel(Row, frozen=True, kw_only=True):
     KEY = ("name",)
 
     name: Annotated[Name, "by which people know it"]
-    motor: Annotated[Name, "which motor drives it; several wheels may be on one"]
-    x_m: Annotated[Place, "how far ahead of the middle of the base it touches the floor"] = 0.0
-    y_m: Annotated[Place, "how far to the left of it"] = 0.0
-    yaw_rad: Annotated[
-        float, Meta(ge=-7.0, le=7.0), "where it rolls to when its motor turns forward: 0 ahead, 1.5708 left"
-    ] = 0.0
+    motor: Annotated[Name, "its motor, which may drive several"]
+    x_m: Annotated[Place, "ahead of the middle of the base"] = 0.0
+    y_m: Annotated[Place, "to the left of it"] = 0.0
+    yaw_rad: Annotated[float, Meta(ge=-7.0, le=7.0), "its direction, motor forward: 0 ahead, 1.5708 left"] = 0.0
     roller_rad: Annotated[
         float,
         Meta(ge=-1.4, le=1.4),
-        "from its axle to that of the rollers that touch the floor, anticlockwise; mecanum: 0.7854 or -0.7854",
+        "from its axle to its rollers', anticlockwise; mecanum: ±0.7854",
     ] = 0.0
     diameter_m: Annotated[float, Meta(gt=0.0, le=2.0), "of the wheel, rollers included"]
 
@@ -143,12 +141,12 @@ class Kinematics(Row, frozen=True, kw_only=True):
     KEY = ("name",)
     CHECKS = (_one_base, _wheels_fit)
 
-    name: Annotated[Name, "what the base is called; a robot has one"]
-    kind: Annotated[BaseKind, "what its wheels let it do: mecanum and omni move sideways"]
+    name: Annotated[Name, "the base's; a robot has one"]
+    kind: Annotated[BaseKind, "mecanum and omni move sideways"]
     track_factor: Annotated[
         float,
         Meta(ge=0.5, le=5.0),
-        "a turn takes the wheels this many times as far as their places say: more than 1 where they slip",
+        "times the way of the wheels in a turn; above 1 where they slip",
     ] = 1.0
 
 

@@ -21,11 +21,8 @@ STOPPED_SINCE = "stopped since this was written: "
 class StopCommand(Struct, frozen=True, kw_only=True):
     """Stop, whichever sender holds the robot; ends every goal, observer and timer.
 
-    `lost`: the one who wanted the motion is gone. From the holder, it ends the motion as if its lease had lapsed.
-    `whole`: the robot is to stand still, not only what the sender moves itself; what waits at others is not to move it.
-    `by` is who said so, where a capability passes it on: what comes by several ways is one stop. `own`: the sender
-    gives up what it asked for itself, granted or not; to others that is not a stop. `at_once`: joints hold where they
-    are, and do not step to their feet first.
+    `lost`: the sender of the motion is gone; from the holder, like a lapsed lease. `whole`: the robot stands still, with all that waits elsewhere. `by`: the original sender; by several ways it is one stop. `own`: the sender gives up its own request; no stop to others. `at_once`: joints hold where they
+    are, without a step to their feet.
     """
 
     reason: Annotated[str, Meta(max_length=200)] = ""
@@ -42,10 +39,9 @@ class StopCommand(Struct, frozen=True, kw_only=True):
 
 
 class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """The answer to a command: accepted, with the lease it lives by; or refused, with the reason.
+    """The answer to a command: accepted, with its lease; or refused, with the reason.
 
-    `code` says why it was refused, `cause` of a dead lease how that one ended; both are from the list of codes. `note`
-    is the sentence of the cause by itself, `holder` who has what is held.
+    `cause`: how a dead lease ended; `note`: its sentence. `holder`: who holds what was asked for.
     """
 
     accepted: bool

@@ -6,10 +6,9 @@ from lbr.messages.units import Name, SignedPower
 
 
 class MotorSetpoint(Struct, frozen=True, kw_only=True):
-    """Power of the two sides, forward positive; valid for 0.1 s. `lease` is a mark of the lease it comes by, which
-    cannot be quoted.
+    """Power of both sides, forward positive, valid for 0.1 s. `lease`: a mark of its lease, which cannot be quoted.
 
-    Where rows name other motors than `left` and `right`, `motors` has the power of each.
+    `motors`: the power of each, where rows name others than `left` and `right`.
     """
 
     left: SignedPower
@@ -19,7 +18,7 @@ class MotorSetpoint(Struct, frozen=True, kw_only=True):
 
 
 class MotorState(Struct, frozen=True, kw_only=True):
-    """Power and measurements of one motor, forward positive; null is not measured."""
+    """Power and measurements of one motor, forward positive; null: not measured."""
 
     power: float
     amps_a: float | None = None
@@ -29,11 +28,8 @@ class MotorState(Struct, frozen=True, kw_only=True):
 class MotorsState(Struct, frozen=True, kw_only=True):
     """Powers and measurements of the motor controller; null is not measured.
 
-    `armed` says that a setpoint would be applied; `reason` says why not. Volts: `voltage_v` is the battery,
-    `internal_v` the controller's own supply. Motor currents and encoder counts are signed, forward positive. `faults`
-    are names of faults that the controller tells, as its driver lists them. Where rows name other motors than `left`
-    and `right`, each is in `motors`, and `left` and `right` are what the base makes of them. `heard`: whether the
-    controller has sent anything since its line was opened; where it has not, all else here is what it was told.
+    `armed`: a setpoint would be applied. `voltage_v`: the battery; `internal_v`: the controller's own
+    supply. Currents and counts are positive forward. `faults`: as the driver lists them. `motors`: those other than `left` and `right`, which the base then derives.
     """
 
     left: float

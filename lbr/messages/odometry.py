@@ -6,9 +6,9 @@ from msgspec import Struct
 class OdometryState(Struct, frozen=True, kw_only=True):
     """Where the base is since `epoch` began (REP 103: x ahead, y left at its start), by encoders and attitude.
 
-    `distance_m` is the way travelled, backwards negative. `stalled`: the motors push and the wheels stand. `slipping`:
-    the wheels turn otherwise than the body does. `counted_s` is when the counts in it were read. `aside_mps` is the
-    speed to the left, of a base that can move sideways.
+    `distance_m`: travelled, backwards negative. `stalled`: the motors push and the wheels stand. `slipping`: wheels and
+    body turn differently. `counted_s`: when its counts were read. `aside_mps`: speed to the left, of a base that has
+    one.
     """
 
     valid: bool

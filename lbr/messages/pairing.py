@@ -9,13 +9,11 @@ from lbr.messages.codes import ReasonCode
 from lbr.messages.system import Role
 
 DIGITS = 6
-Digits = Annotated[
-    str, Meta(pattern="^[0-9]{6}$(?!\\n)", description="six digits, as the console's word `pair` shows them")
-]
+Digits = Annotated[str, Meta(pattern="^[0-9]{6}$(?!\\n)", description="six digits of the console's `pair`")]
 
 
 class PairCommand(Struct, frozen=True, kw_only=True):
-    """Give a token for these digits to a device that calls itself so and asks from this address."""
+    """Give a token for these digits to a device of that name and address."""
 
     digits: Digits
     address: Annotated[str, Meta(min_length=1, max_length=64)]
@@ -23,7 +21,7 @@ class PairCommand(Struct, frozen=True, kw_only=True):
 
 
 class PairReply(Struct, frozen=True, kw_only=True):
-    """The token, whole, and its row's fields; or why the code was refused, in the same words for every wrong code."""
+    """The token and its row's fields; or a refusal, in the same words for every wrong code."""
 
     accepted: bool
     reason: str = ""

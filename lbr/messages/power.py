@@ -17,9 +17,8 @@ class UpsState(Struct, frozen=True, kw_only=True):
     """The readings of an uninterruptible power supply; null is not measured. `valid` false: it does not answer or
     hangs.
 
-    `external_v` is what feeds the robot, `battery_v` the supply's own battery, `output_v` what it gives the computer.
-    `relay` is whether the motors' power is switched on. `emulated`: it is read from a socket and is no hardware, so
-    that nothing it says is a reason to power a computer off.
+    `external_v`: what feeds the robot; `battery_v`: the supply's own battery; `output_v`: to the computer. `relay`: the
+    motors have power. `emulated`: read from a socket, not from hardware; it never powers a computer off.
     """
 
     valid: bool
@@ -43,7 +42,7 @@ class RelayCommand(Struct, frozen=True, kw_only=True):
 
 
 class ArmCommand(Struct, frozen=True, kw_only=True):
-    """Watch the voltage and shut the computer down in time, or do so no more; kept over restarts. Null: as it was."""
+    """Watch the voltage and shut the computer down in time, or not; kept over restarts. Null: as before."""
 
     armed: bool
     warn_v: Volts | None = None
@@ -51,7 +50,7 @@ class ArmCommand(Struct, frozen=True, kw_only=True):
 
 
 class CancelCommand(Struct, frozen=True, kw_only=True):
-    """Let the countdown that runs come to nothing; it starts over only after the voltage was good again."""
+    """Cancel the countdown; it starts again only after a good voltage."""
 
     reason: Annotated[str, Meta(max_length=200)] = ""
 
@@ -61,9 +60,9 @@ class CancelCommand(Struct, frozen=True, kw_only=True):
 
 
 class PowerState(Struct, frozen=True, kw_only=True):
-    """Where the power comes from, and how the file-safe shutdown stands; `reason` says why, in words for people.
+    """The source of the power, and the state of the file-safe shutdown, with its `reason`.
 
-    `remaining_s` counts down to the shutdown. `can_power_off` is what the system said when asked; empty: not asked yet.
+    `remaining_s`: to the shutdown. `can_power_off`: the system's answer; empty: not asked yet.
     """
 
     phase: PowerPhase

@@ -91,8 +91,7 @@ class RowSet(Struct, frozen=True, kw_only=True):
 
 
 class RowsChanged(Struct, frozen=True, kw_only=True):
-    """Rows that were edited while their reader runs, by table: JSON lists of those that are new or otherwise, and of
-    the keys of those that are `gone`."""
+    """Rows edited while their reader runs, by table: JSON lists of new or changed ones, and of the keys `gone`."""
 
     rows: dict[str, str] = {}
     gone: dict[str, str] = {}

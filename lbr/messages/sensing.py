@@ -19,13 +19,10 @@ LEVEL_RAD = 0.5
 
 
 class Ranges(Struct, frozen=True, kw_only=True):
-    """Distances around the robot in metres; null is not measured, and `status` says why.
+    """Distances around the robot in metres; null is not measured, and `status` is the reason.
 
-    The sensors are rows of `range_sensor`. Five names have a field of their own, all others are in `others_m`. A
-    message with others tells of those sensors alone that have a value or a status. `over_range`: nothing within the
-    sensor's reach. `invalid`: the sensor answered with a value that it uses for errors. `missing`: no such sensor, or
-    it did not answer. `cycle_s` is the board's own measuring cycle, `ages_s` how long before the message each was
-    measured, where the board tells.
+    The sensors are rows of `range_sensor`; those without a field are in `others_m`, and then only those with a value or status. `over_range`: nothing within reach. `invalid`: the sensor sent an error
+    value. `missing`: the sensor does not exist or answer. `cycle_s`: the board's measuring cycle; `ages_s`: of each measurement.
     """
 
     forward_m: float | None
@@ -79,9 +76,9 @@ Reading = float | Literal["Infinity", "-Infinity"] | None
 class Scan(Struct, frozen=True, kw_only=True):
     """Many distances at once, all around a sensor: a LaserScan.
 
-    Reading number i is along `angle_min_rad + i * angle_increment_rad`, anticlockwise from where the row of `sensor`
-    looks. As in REP 117, "Infinity" is nothing up to `range_max_m`, "-Infinity" something nearer than `range_min_m`,
-    and null (there NaN) not known. `scan_s` is how long a scan takes.
+    Reading i is along `angle_min_rad + i * angle_increment_rad`, anticlockwise from the direction in the row of
+    `sensor`. As in REP 117, "Infinity": nothing up to `range_max_m`; "-Infinity": nearer than `range_min_m`; null: not
+    known. `scan_s`: how long a scan takes.
     """
 
     sensor: Name
@@ -133,8 +130,7 @@ Metres = Annotated[float, Meta(ge=-5.0, le=5.0)]
 
 class RangeSensor(Row, frozen=True, kw_only=True):
     """Sensors of distance: where each one sits on the base, where it looks, how wide and how far. Axes are REP 103's: x
-    ahead, y left, from the middle between the wheels; angles are anticlockwise. The name is the one that messages tell
-    it by.
+    ahead, y left, from the middle between the wheels; angles are anticlockwise.
     """
 
     TABLE = "range_sensor"
@@ -142,26 +138,22 @@ class RangeSensor(Row, frozen=True, kw_only=True):
     ASCENDING = (("min_m", "max_m"),)
     CHECKS = (_level,)
 
-    name: Annotated[Name, "by which readings, scans, rules and the console know it"]
+    name: Annotated[Name, "by which readings, scans and rules know it"]
     kind: Annotated[RangeKind, "by what it measures"]
-    x_m: Annotated[Metres, "how far ahead of the middle between the wheels it sits"] = 0.0
-    y_m: Annotated[Metres, "how far to the left of it"] = 0.0
+    x_m: Annotated[Metres, "ahead of the middle between the wheels"] = 0.0
+    y_m: Annotated[Metres, "to the left of it"] = 0.0
     z_m: Annotated[float, Meta(ge=0.0, le=5.0), "how far above the floor"] = 0.2
-    yaw_rad: Annotated[float, Meta(ge=-7.0, le=7.0), "where it looks: 0 ahead, 1.5708 left, -1.5708 right"] = 0.0
-    pitch_rad: Annotated[
-        float, Meta(ge=-2.0, le=2.0), "how far down it looks; beyond 0.5 it sees nothing that stands in the way"
-    ] = 0.0
-    fov_rad: Annotated[
-        float, Meta(gt=0.0, le=6.2832), "how wide it sees, from one side to the other; 6.2832: all around"
-    ] = 0.4
+    yaw_rad: Annotated[float, Meta(ge=-7.0, le=7.0), "its direction: 0 ahead, 1.5708 left"] = 0.0
+    pitch_rad: Annotated[float, Meta(ge=-2.0, le=2.0), "downwards; beyond 0.5 it sees no obstacles"] = 0.0
+    fov_rad: Annotated[float, Meta(gt=0.0, le=6.2832), "its whole width; 6.2832: all around"] = 0.4
     min_m: Annotated[float, Meta(ge=0.0, le=100.0), "what is nearer it cannot measure"] = 0.02
     max_m: Annotated[float, Meta(gt=0.0, le=100.0), "a number above this is a fault"] = 4.0
-    rays: Annotated[int, Meta(ge=1, le=MOST_RAYS), "1: it tells one distance; more: a scan of this many"] = 1
+    rays: Annotated[int, Meta(ge=1, le=MOST_RAYS), "1: one distance; more: a scan of so many"] = 1
     stop_m: (
         Annotated[
             float,
             Meta(gt=0.0, le=10.0),
-            "the base stops so far before what it sees; NULL: only rules of the drive that name it count",
+            "the base stops so far before a sight; NULL: only by rules that name it",
         ]
         | None
     ) = 0.25

@@ -13,7 +13,7 @@ ServoPhase = Literal["released", "following", "holding", "releasing"]
 
 
 class ServoGoal(Struct, frozen=True, kw_only=True):
-    """The order for one servo. `position_rad` null: stay where it is. `torque` is a fraction of its most; 0 is off."""
+    """The order for one servo. `position_rad` null: stay. `torque`: a fraction of its most; 0: off."""
 
     id: ServoId
     position_rad: ServoRad | None = None
@@ -22,8 +22,7 @@ class ServoGoal(Struct, frozen=True, kw_only=True):
 
 
 class StoredPlay(Struct, frozen=True, kw_only=True):
-    """The controller is to play what it keeps in a slot: once for each `count`, which grows; no servo moves beside
-    it."""
+    """Play what the controller keeps in a slot, once for each growing `count`; no servo moves beside it."""
 
     slot: Annotated[int, Meta(ge=1, le=255)]
     count: Annotated[int, Meta(ge=1)]
@@ -41,12 +40,10 @@ class StoredState(Struct, frozen=True, kw_only=True):
 
 
 class ServoSetpoint(Struct, frozen=True, kw_only=True):
-    """The goals of a bus; valid for 0.1 s. Servos that it does not name are to be without torque.
+    """The goals of a bus, valid for 0.1 s; servos without a goal have no torque.
 
-    `lost`: their mover is gone. The driver then does as when setpoints cease: it holds, then releases slowly. `halt`
-    counts the stops: another number than before is to be told to every servo before anything else, and ends what the
-    controller plays. While `stored` is played, `goals` only say which servos may have torque. `lease` is a mark of the
-    lease that they come by, which cannot be quoted.
+    `lost`: their mover is gone; the driver holds, then releases slowly. `halt`: counts stops; a new one goes to every servo first, and ends what the controller plays. While `stored` is played, `goals`
+    only say which servos may have torque. `lease`: a mark of the lease, which cannot be quoted.
     """
 
     goals: tuple[ServoGoal, ...]
@@ -57,11 +54,10 @@ class ServoSetpoint(Struct, frozen=True, kw_only=True):
 
 
 class ServoState(Struct, frozen=True, kw_only=True):
-    """One servo as it was measured last; null is not measured. `load` is a fraction of its most, as `speed_rps` signed.
+    """One servo as measured last; null is not measured. `load`: a fraction of its most, signed like `speed_rps`.
 
-    `faults` are what it reports of itself or the driver found, `latched` those of them that keep it without torque
-    until it is recovered. `reason` says why nothing is measured. `age_s` is how old the position is.
-    `trusted` false: `raw` came, and is not believed; null: the line leaves no doubt.
+    `faults`: reported by it or found by the driver; `latched`: those that keep it without torque until it is recovered.
+    `age_s`: of the position. `trusted` false: `raw` came, and is not believed; null: the line leaves no doubt.
     """
 
     id: int
@@ -81,7 +77,7 @@ class ServoState(Struct, frozen=True, kw_only=True):
 
 
 class BusStatistics(Struct, frozen=True, kw_only=True):
-    """The line over the last second or so, and what went wrong on it since it was opened."""
+    """The line over the last second or so, and its faults since it was opened."""
 
     sweeps_hz: float = 0.0
     states_hz: float = 0.0
@@ -94,13 +90,11 @@ class BusStatistics(Struct, frozen=True, kw_only=True):
 
 
 class ServosState(Struct, frozen=True, kw_only=True):
-    """One coherent look at every servo of a bus. `sweep` counts; `measured_s` is when it ended, monotonic.
+    """One coherent look at every servo of a bus. `sweep` counts; `measured_s` is its end, monotonic.
 
-    `armed` says that a setpoint would be applied; `reason` says why not. `stores`: its controller plays motions of its
-    own; `stored` is the newest of them. `mode` is the controller's, where it has several. `tells_torque` false: servos
-    cannot say whether they have torque; null is then all that is ever known of one that this driver told nothing.
-    `heard`: whether anything came on the line since it was opened; where nothing did, all else here is what they were
-    told.
+    `armed`: a setpoint would be applied. `stores`: its controller plays motions of its own; `stored`:
+    the newest. `mode`: the controller's, where it has several. `tells_torque` false: servos cannot report their torque;
+    null where this driver sent none.
     """
 
     sweep: int
@@ -120,6 +114,6 @@ class ServosState(Struct, frozen=True, kw_only=True):
 
 
 class RecoverServos(Struct, frozen=True, kw_only=True):
-    """Take servos out of their latched faults, where the cause is gone; moves nothing. Empty: all."""
+    """Recover servos from latched faults whose cause is gone; moves nothing. Empty: all."""
 
     ids: tuple[ServoId, ...] = ()

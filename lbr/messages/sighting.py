@@ -10,9 +10,9 @@ MOST_S = 120.0
 
 
 class WatchCommand(Struct, frozen=True, kw_only=True):
-    """Look for a target in the camera's pictures for so many seconds from now on; 0: look no longer.
+    """Look for a target in the camera's pictures for so many seconds; 0 ends it.
 
-    Asked again before that it goes on for as long again; asked for another target, it looks for that alone.
+    Asked again, it looks for as long again, or for the new target alone.
     """
 
     target: Target = "colour"
@@ -20,11 +20,10 @@ class WatchCommand(Struct, frozen=True, kw_only=True):
 
 
 class SightingState(Struct, frozen=True, kw_only=True):
-    """The search for a target: for how much longer, and where it is, if the newest picture shows it.
+    """The search for a target, the time left, and where the target is, if the newest picture shows it.
 
-    `bearing_deg` is from straight ahead of the robot, to the right positive, as the drive turns. `wide_deg` is how wide
-    it appears, `distance_m` how far it is from the camera, if its true diameter is known. `age_s` is how long ago a
-    picture was taken that shows it. `reason` is why nothing is seen.
+    `bearing_deg`: from straight ahead, to the right positive. `wide_deg`: how wide it appears; `distance_m`: from the
+    camera, if its true diameter is known. `age_s`: of the last picture that shows it.
     """
 
     watching: bool

@@ -29,9 +29,9 @@ class Phrase(Row, frozen=True, kw_only=True):
 
 
 class SayCommand(Struct, frozen=True, kw_only=True):
-    """Say a text, or a phrase by its name; one waits for the other unless it interrupts.
+    """Say a text, or a phrase by its name, after what is being said, unless it interrupts.
 
-    A text that begins with `<` names a recording below `$LBR_HOME/sounds`. With `save` it is written there, not said.
+    A text that begins with `<` names a recording below `$LBR_HOME/sounds`; `save` writes it there instead.
     """
 
     text: str = ""
@@ -42,21 +42,19 @@ class SayCommand(Struct, frozen=True, kw_only=True):
 
 
 class HushCommand(Struct, frozen=True, kw_only=True):
-    """Say no more: ends what is being said and what waits. With a `song`, ends that song alone, if it is being
-    played."""
+    """End what is said, and what waits. With a `song`, end that song alone."""
 
     song: Annotated[str, Meta(max_length=80)] = ""
 
 
 class SongCommand(Struct, frozen=True, kw_only=True):
-    """Play a song, `<song>.wav` below `$LBR_HOME/music`, now: what is being said is cut, what waits is said after
-    it."""
+    """Play `<song>.wav` below `$LBR_HOME/music` now, in place of what is said; what waits follows."""
 
     song: Annotated[str, Meta(min_length=1, max_length=80)]
 
 
 class PlayReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """The song that is played: since when, by the monotonic clock of the robot's computer, and how long it is."""
+    """The song: its start, by the robot's monotonic clock, and its length."""
 
     accepted: bool
     reason: str = ""
@@ -66,7 +64,7 @@ class PlayReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class SpeechState(Struct, frozen=True, kw_only=True):
-    """The sentence under way, how many wait, and where it is heard; `playing` is the song under way."""
+    """The sentence under way, how many wait, and where it sounds; `playing`: the song."""
 
     speaking: bool
     text: str

@@ -28,11 +28,7 @@ CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping"
 class Stamp(Struct, frozen=True, kw_only=True):
     """The publisher, the number of the message since its start, and its monotonic and wall clock.
 
-    `boot` tells whether two monotonic times can be compared: same boot, same clock. `seal` proves the writer of a
-    setpoint. `waited_s` is for how long its sender had known that it would send this: a line that was typed or wrote
-    before. `by` is who asked for it, where its sender passes it on. `via` names the door through which it came from
-    another machine, and `token` who came in there: its sender claims it and proves it by a seal, the door passes on
-    what is proven.
+    `boot`: two monotonic times compare only within one. `seal` proves the writer of a setpoint. `waited_s`: the wait before it was sent, as of a typed line. `by`: the original asker. `via`: the door from another machine; `token`: who came in there, proven by a seal.
     """
 
     source: str
@@ -55,9 +51,8 @@ class Stamp(Struct, frozen=True, kw_only=True):
 
 
 class Event(Struct, frozen=True, kw_only=True):
-    """Something happened: what (`kind`), to whom (`subject`), in one sentence (`text`), and why (`code`).
-
-    `about` is whose command or motion it concerns.
+    """Something happened: what (`kind`), to whom (`subject`), in a sentence (`text`). `about`: whose command or motion
+    it concerns.
     """
 
     kind: Annotated[str, Meta(max_length=80)]
@@ -72,7 +67,7 @@ class Event(Struct, frozen=True, kw_only=True):
 
 AcknowledgeS = Annotated[
     float,
-    Meta(ge=0.1, le=10.0, description="so long after an emergency stop its device may take to acknowledge it"),
+    Meta(ge=0.1, le=10.0, description="for the device to acknowledge an emergency stop"),
 ]
 
 
@@ -100,8 +95,7 @@ class EstopRelease(Struct, frozen=True, kw_only=True):
 class EstopState(Struct, frozen=True, kw_only=True):
     """The latch, and which capabilities' devices have acknowledged it.
 
-    `overdue` are those of `waiting` whose device has had all the time that its row gives it; `text` says who has
-    acknowledged.
+    `overdue`: those of `waiting` whose time by their row is over; `text`: who has acknowledged.
     """
 
     engaged: bool
@@ -114,7 +108,7 @@ class EstopState(Struct, frozen=True, kw_only=True):
 
 
 class EstopAcknowledgement(Struct, frozen=True, kw_only=True):
-    """One mover's word: `stopped` only once its device has acknowledged, which may take it `within_s`."""
+    """One mover's word: `stopped` once its device has acknowledged, within `within_s`."""
 
     capability: str
     engaged: bool
@@ -124,13 +118,13 @@ class EstopAcknowledgement(Struct, frozen=True, kw_only=True):
 
 
 class LineCommand(Struct, frozen=True, kw_only=True):
-    """A line of the console, said by a capability whose rows wire it to `executive.line`."""
+    """A console line of a capability that rows wire to `executive.line`."""
 
     line: Annotated[str, Meta(min_length=1, max_length=250)]
 
 
 class Hold(Struct, frozen=True, kw_only=True):
-    """The renewal by which a console line's sender keeps moving: put `payload`, which quotes the lease, on `key`."""
+    """The renewal that keeps a console line's motion: put `payload`, which quotes the lease, on `key`."""
 
     lease: str
     ttl_s: float
@@ -143,10 +137,9 @@ class Hold(Struct, frozen=True, kw_only=True):
 
 
 class ConsoleResult(Struct, frozen=True, kw_only=True):
-    """The result of a console line: text for a person, an exit code (0 done, 1 refused or failed, 2 bad input).
+    """The result of a console line: a text for people, an exit code (0 done, 1 refused or failed, 2 bad input).
 
-    `reason_code` and `cause` say why it was refused or failed, from the list of codes.
-    `confirm` is the line that does it after all, for a program that can ask a person first.
+    `reason_code`: why it was refused or failed. `confirm`: the line that does it after all, once a person agrees.
     """
 
     code: int
@@ -161,9 +154,8 @@ class ConsoleResult(Struct, frozen=True, kw_only=True):
 class CapabilityStatus(Struct, frozen=True, kw_only=True):
     """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count.
 
-    `reason` is about its state now, `last_end` says how its process last ended unasked. `host` is the other machine
-    that it is placed on; empty: it runs where the robot does. `code` is why by the list of codes, `end_code` that of
-    `last_end`. `process` is the one that it shares with others, whose `pid`, CPU and memory are those of all of them.
+    `reason`: its state now; `last_end`: its last unasked end, with `end_code`. `host`: the other machine that it runs
+    on; empty: the robot's. `process`: the one that it shares; `pid`, CPU and memory are then those of all in it.
     """
 
     name: str
@@ -187,7 +179,7 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
 class Status(Struct, frozen=True, kw_only=True):
     """The whole robot at a glance; `problem_codes` are those of its `problems`, in their order.
 
-    `degraded` has who runs with less than its all, and why, once the robot is ready.
+    `degraded`: what runs with less than its all, and why, once the robot is ready.
     """
 
     robot: str

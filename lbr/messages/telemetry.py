@@ -33,7 +33,7 @@ from lbr.messages.units import Quaternion, Vector
 
 
 class RangesPart(Struct, frozen=True, kw_only=True):
-    """Distances around the robot, of sensors with other names in `others_m`; null is not measured."""
+    """Distances around the robot, other sensors' in `others_m`; null: not measured."""
 
     age_s: float
     forward_m: float | None
@@ -46,7 +46,7 @@ class RangesPart(Struct, frozen=True, kw_only=True):
 
 
 class ImuPart(Struct, frozen=True, kw_only=True):
-    """The readings of the inertial unit, along its own axes, and the attitude of them; as old as the older of both."""
+    """The readings of the inertial unit, along its own axes, and their attitude; as old as the older."""
 
     age_s: float
     gyro_rps: Vector | None = None
@@ -78,10 +78,7 @@ class BatteryPart(Struct, frozen=True, kw_only=True):
 
 
 class CountsPart(Struct, frozen=True, kw_only=True):
-    """Counts of the wheels' encoders, and what odometry makes of them: the way travelled, backwards negative.
-
-    As old as the older of both.
-    """
+    """Counts of the wheels' encoders, and the distance by odometry, backwards negative; as old as the older."""
 
     age_s: float
     left: int | None
@@ -90,7 +87,7 @@ class CountsPart(Struct, frozen=True, kw_only=True):
 
 
 class VoltagesPart(Struct, frozen=True, kw_only=True):
-    """The readings of the motor controller: the battery, its own supply, its 5 V output."""
+    """The motor controller's battery, own supply and 5 V output."""
 
     age_s: float
     battery_v: float | None
@@ -117,7 +114,7 @@ class CameraPart(Struct, frozen=True, kw_only=True):
 
 
 class CamerasPart(Struct, frozen=True, kw_only=True):
-    """Which camera is on, `off` for none, and how each is."""
+    """The camera that is on, or `off`, and the state of each."""
 
     age_s: float
     selected: str
@@ -125,11 +122,10 @@ class CamerasPart(Struct, frozen=True, kw_only=True):
 
 
 class Telemetry(Struct, frozen=True, kw_only=True):
-    """The nested package of the robot's readings. A part is null until it was heard once.
+    """The nested package of the robot's readings. A part is null until its first reading.
 
-    Its `age_s` is how old it is; of a source that has fallen silent, the last is told with an age that grows. `time_s`
-    is when the package was made, in seconds since 1970. `complete` once every part that is wired has told what clients
-    ask for.
+    `age_s`: of a part; a silent source keeps its last reading. `time_s`: of the package, in seconds since 1970.
+    `complete`: every wired part has what clients ask for.
     """
 
     time_s: float

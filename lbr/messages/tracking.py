@@ -8,25 +8,22 @@ Target = Literal["colour", "face"]
 
 
 class TrackCommand(Struct, frozen=True, kw_only=True):
-    """Turn the head after a target from now on: until a stop, of this or of the joints, or until nothing is seen for
-    long.
+    """Turn the head after a target, until a stop of this or the joints, or until it is unseen for long.
 
-    The asker need not do more; the mover of the head borrows the joints, and ends with that lease.
+    The asker renews nothing; the head's mover holds the lease of the joints.
     """
 
     target: Target = "colour"
 
 
 class LookCommand(Struct, frozen=True, kw_only=True):
-    """Look for a target in the newest picture, save it with what is seen marked, and say which colour its middle
-    has."""
+    """Look for a target in the newest picture, save it marked, and report the colour of its middle."""
 
     target: Target = "colour"
 
 
 class Seen(Struct, frozen=True, kw_only=True):
-    """A target in a picture: its middle and its radius as shares of the picture's width, x to the right, y down from
-    the middle."""
+    """A target in a picture: its middle and radius as shares of the width, x to the right, y down from the middle."""
 
     x: Annotated[float, Meta(ge=-1.0, le=1.0)]
     y: Annotated[float, Meta(ge=-1.0, le=1.0)]
@@ -34,10 +31,9 @@ class Seen(Struct, frozen=True, kw_only=True):
 
 
 class TrackingState(Struct, frozen=True, kw_only=True):
-    """The target that the head follows, its place in the newest picture, and the direction that is asked of the head.
+    """The target that the head follows, its place in the newest picture, and the direction asked of the head.
 
-    Both angles are radians of its joints. `age_s` is how long ago a picture was taken that shows the target. `reason`
-    is why the head stays where it is, or how the last following ended.
+    `age_s`: of the last picture that shows it. `reason`: why the head stays, or how the last following ended.
     """
 
     following: bool

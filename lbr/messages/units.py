@@ -12,11 +12,9 @@ def basic(group: str, title: str, **more: Any) -> Meta:
     return Meta(title=title, extra_json_schema={"x-basic": group}, **more)
 
 
-Power = Annotated[float, Meta(ge=0.0, le=1.0, description="fraction of full power, 0 to 1")]
-SignedPower = Annotated[float, Meta(ge=-1.0, le=1.0, description="fraction of full power, forward positive, -1 to 1")]
-AngleDeg = Annotated[
-    float, Meta(ge=-360.0, le=360.0, description="degrees clockwise: 0 ahead, 90 right, 180 back, 270 left")
-]
+Power = Annotated[float, Meta(ge=0.0, le=1.0, description="fraction of full power")]
+SignedPower = Annotated[float, Meta(ge=-1.0, le=1.0, description="forward positive")]
+AngleDeg = Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees clockwise from ahead")]
 RangeCm = Annotated[float, Meta(ge=0.0, le=769.0, description="centimetres; 0 sets no range")]
 IntervalS = Annotated[float, Meta(ge=0.0, le=3600.0, description="seconds; 0 sets no time")]
 TtlS = Annotated[float, Meta(gt=0.0, le=1.0, description="seconds a command lives unless it is renewed")]

@@ -6,7 +6,7 @@ from lbr.messages.codes import ReasonCode
 
 
 class WebState(Struct, frozen=True, kw_only=True):
-    """Where the server listens (`urls`, the most useful one first), what it serves, and how busy it is."""
+    """Where the server listens (`urls`, the most useful first), what it serves, and its load."""
 
     listening: bool
     urls: tuple[str, ...] = ()
@@ -20,13 +20,13 @@ class WebState(Struct, frozen=True, kw_only=True):
 
 
 class AddressCommand(Struct, frozen=True, kw_only=True):
-    """Say where the server listens, with a QR code to hold a phone's camera at."""
+    """Show where the server listens, with a QR code for a phone."""
 
 
 class AddressReply(Struct, frozen=True, kw_only=True):
-    """The address, and the QR code in characters, for a terminal; whether other machines reach it, and by TLS.
+    """The address, its QR code in characters, whether other machines reach it, and by TLS.
 
-    `local` is the address by the name that multicast DNS finds, empty if the server is not announced.
+    `local`: the address by multicast DNS; empty if not announced.
     """
 
     accepted: bool

@@ -20,10 +20,10 @@ Middle = tuple[float, float, float]
 
 
 class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A coloured ball that is only seen: its middle at first, and the path it keeps to around there.
+    """A coloured ball that is only seen: its middle at first, and its path around there.
 
-    `to_and_fro` goes `reach_m` to the left and to the right, `circle` turns at `reach_m` in the plane across x. One
-    that is `gone` is not there until it is put somewhere.
+    `to_and_fro`: `reach_m` to the left and right; `circle`: at `reach_m`, in the plane across x. `gone`: absent until
+    it is put somewhere.
     """
 
     x_m: Place = 1.0

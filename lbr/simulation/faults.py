@@ -22,11 +22,8 @@ class Faults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class LineFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a device that is talked to in lines; `unplug`: the cable is out while the device goes on.
-
-    `silent`: it obeys but says nothing. `drop`, `bit_flip`, `garbage`: a reply is lost, has a bit wrong, has noise
-    before it. `refuse`: a command is answered `-` and not obeyed. `stop_reading`: bytes pile up in the port.
-    `brown_out`: its supply is gone, and with it all that was not saved.
+    """Faults of a device on a line. `drop`: a reply is lost. `refuse`: a command is answered `-` and not obeyed. After
+    a `brown_out` all unsaved is gone.
     """
 
     silent: bool = False
@@ -39,10 +36,8 @@ class LineFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class I2cFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a device on an i2c bus; `unplug`: the bus is gone.
-
-    `silent`: the bus hangs, nothing is answered. `nak`: a transaction is not acknowledged. `half`: an answer ends
-    early. `all_ones`: whatever is read is 0xFF. `brown_out`: it is without supply.
+    """Faults of a device on an i2c bus. `unplug`: the bus is gone; `silent`: it hangs. `nak`: a transaction is not
+    acknowledged. `all_ones`: every read is 0xFF.
     """
 
     silent: bool = False
@@ -55,11 +50,9 @@ class I2cFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class ServoBusFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of any servo bus; lists are of servos' ids. `unplug`: the adapter is out, the servos go on.
 
-    `silent`: they obey but do not answer. `other_baud`: they understand nothing. `unpowered`: without supply, and as
-    after switching on when that ends; `brown_out`: all of them. `overload`, `hot`: their report, for which they switch
-    off. `wrong_model`: they are of another make. `duplicate`: another servo answers to the same id. `babbling`:
-    something on the line talks all the time. `echo`: the adapter repeats its input. Of answers, `drop`: none comes;
-    `bit_flip`: a bit is wrong; `garbage`: noise comes before; `half`: it ends early; `late`: 12 ms later.
+    `other_baud`: they understand nothing. `unpowered`: no supply, then a restart; `brown_out`: all of them. `overload`,
+    `hot`: they report it and switch off. `wrong_model`: another make. `duplicate`: two servos with that id. `babbling`:
+    bytes all the time. `echo`: the adapter repeats its input. `drop`: no answer; `late`: by 12 ms.
     """
 
     silent: ServoIds = ()

@@ -53,7 +53,7 @@ KIND = Kind(
         Word(
             "/obstacle/{x_m}/{y_m}",
             "place",
-            "Simulation: let a box of 0.3 m stand at this place, metres ahead of and left of where the world began",
+            "Simulation: put a box of 0.3 m there, metres ahead and to the left of the world's origin",
         ),
         Word("/obstacle/off", "remove", "Simulation: let that box vanish"),
         *BALL_WORDS,

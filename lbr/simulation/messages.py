@@ -8,7 +8,7 @@ from msgspec import Struct
 class WorldBox(Struct, frozen=True, kw_only=True):
     """A thing on the floor, seen from above: centre and full size in metres, turned by `yaw_rad`.
 
-    A cylinder is `length_m` thick. `colour` is as in #8a5a3c, or empty. A thing that is not `solid` is only seen.
+    A cylinder is `length_m` thick. A thing that is not `solid` is only seen.
     """
 
     name: str
@@ -25,9 +25,9 @@ class WorldBox(Struct, frozen=True, kw_only=True):
 
 
 class WorldDock(Struct, frozen=True, kw_only=True):
-    """The charging dock: the middle of its face, which looks along `yaw_rad`, and what its infrared beams cover.
+    """The charging dock: the middle of its face, which looks along `yaw_rad`, and its infrared beams.
 
-    Each of the two reaches from `overlap_rad` / 2 beyond the middle line to `spread_rad` on its own side.
+    Each beam reaches from `overlap_rad` / 2 beyond the middle line to `spread_rad` on its own side.
     """
 
     x_m: float
@@ -41,7 +41,7 @@ class WorldDock(Struct, frozen=True, kw_only=True):
 
 
 class WorldSensor(Struct, frozen=True, kw_only=True):
-    """A sensor of one distance on the robot: its place, where it looks and how wide, seen from above."""
+    """A sensor of one distance, seen from above: its place, direction and width."""
 
     name: str
     x_m: float
@@ -61,9 +61,9 @@ class WorldScene(Struct, frozen=True, kw_only=True):
 
 
 class WorldPose(Struct, frozen=True, kw_only=True):
-    """The truth about the robot (REP 103: x ahead, y left, yaw anticlockwise) and its emulated motor outputs.
+    """The truth about the robot (REP 103: x ahead, y left, yaw anticlockwise) and its emulated motors.
 
-    `touching`: it touches something else than the floor and its dock.
+    `touching`: something else than the floor and its dock.
     """
 
     x_m: float
@@ -80,11 +80,10 @@ class WorldPose(Struct, frozen=True, kw_only=True):
 
 
 class HumanoidPose(Struct, frozen=True, kw_only=True):
-    """The truth about a humanoid (REP 103): where its trunk is and how it lies, where its joints are, what it stands
-    on.
+    """The truth about a humanoid (REP 103): its trunk, its joints, and what it stands on.
 
-    `upright`: its trunk leans less than 45 degrees; `stands`: and is up, not sitting. `held`: a helper's hand has it,
-    or a stand. `on_floor` are the parts that touch the floor.
+    `upright`: it leans less than 45 degrees; `stands`: and does not sit. `held`: by a helper's hand or a stand.
+    `on_floor`: the parts that touch the floor.
     """
 
     x_m: float

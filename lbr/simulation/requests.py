@@ -12,8 +12,7 @@ Pixels = Annotated[int, Meta(ge=100, le=4000)]
 
 
 class PlugRequest(Struct, frozen=True, kw_only=True):
-    """Emulate one more device, at the place where this robot's emulated devices are; the executive asks it for a new
-    row."""
+    """Emulate one more device beside this robot's; the executive asks it for a new row."""
 
     device: Name
     type: str
@@ -22,7 +21,7 @@ class PlugRequest(Struct, frozen=True, kw_only=True):
 
 
 class FaultRequest(Struct, frozen=True, kw_only=True):
-    """Set one fault of one emulated device; `value` null puts it back. `unplug` and `replug` need no more than true."""
+    """Set one fault of an emulated device; `value` null: as before. `unplug` and `replug` need only true."""
 
     device: Name
     name: str
@@ -30,7 +29,7 @@ class FaultRequest(Struct, frozen=True, kw_only=True):
 
 
 class FaultReply(Struct, frozen=True, kw_only=True):
-    """The result, and the faults of that device as they now are; or why nothing changed."""
+    """The result, and the faults of that device now; or why nothing changed."""
 
     accepted: bool
     reason: str = ""
@@ -38,7 +37,7 @@ class FaultReply(Struct, frozen=True, kw_only=True):
 
 
 class PlaceRequest(Struct, frozen=True, kw_only=True):
-    """Let a box stand in the world, or move the one of that name; its middle, its full size, turned anticlockwise."""
+    """Put a box into the world, or move the one of that name: its middle, full size, turn anticlockwise."""
 
     x_m: Metres
     y_m: Metres
@@ -64,7 +63,7 @@ class ThingsReply(Struct, frozen=True, kw_only=True):
 
 
 class BallRequest(Struct, frozen=True, kw_only=True):
-    """Put a ball of the world elsewhere; a coordinate left out is that of its row, all left out: as it began."""
+    """Put a ball of the world elsewhere; a missing coordinate is its row's, all missing: as it began."""
 
     name: Annotated[str, Meta(min_length=1, max_length=40)] = "ball"
     x_m: Metres | None = None
@@ -81,8 +80,7 @@ class BallReply(Struct, frozen=True, kw_only=True):
 
 
 class HandRequest(Struct, frozen=True, kw_only=True):
-    """Have a hand move a joint of a humanoid's body there, and hold it: as a person moves a limp one. `gone`: it leaves
-    all."""
+    """Have a hand move a joint of a humanoid there, and hold it, as a person moves a limp one. `gone`: it leaves all."""
 
     joint: NameOrNone = ""
     angle_deg: Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees from the joint's zero")] = 0.0
@@ -90,9 +88,9 @@ class HandRequest(Struct, frozen=True, kw_only=True):
 
 
 class PictureRequest(Struct, frozen=True, kw_only=True):
-    """Draw the world into a new PNG file: at `path`, in a folder that is there, or below `$LBR_HOME/pictures`.
+    """Draw the world into a new PNG file, at `path` in an existing folder, or below `$LBR_HOME/pictures`.
 
-    A room is seen from above, a humanoid from its front and its left.
+    A room is seen from above, a humanoid from its front and left.
     """
 
     path: str = ""
@@ -111,7 +109,7 @@ class PictureReply(Struct, frozen=True, kw_only=True):
 class PickUpRequest(Struct, frozen=True, kw_only=True):
     """Put the humanoid back as it began: on its feet in a helper's hand that holds it until its servos have torque.
 
-    One that begins at rest rests again; if any of its servos has torque, a hand holds it on its feet until all have.
+    One that begins at rest rests again, unless a servo has torque: then a hand holds it until all have.
     """
 
 

@@ -13,10 +13,9 @@ GREY = "#607068"
 
 
 class BoxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Something that stands in the room: its centre, its full size, and how far it is turned anticlockwise.
+    """Something in the room: its centre, its full size, and its turn anticlockwise.
 
-    A cylinder stands upright, `length_m` thick. A thing that is not `solid` is only seen: no echo, nothing to bump
-    into.
+    A cylinder stands upright, `length_m` thick. A thing that is not `solid` is only seen.
     """
 
     name: str

@@ -27,7 +27,7 @@ Spread = Annotated[float, Meta(ge=0.0, description="standard deviation")]
 
 
 class StartPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the robot stands at the beginning: x ahead, y left, yaw anticlockwise."""
+    """The robot's start: x ahead, y left, yaw anticlockwise."""
 
     x_m: Place = 0.0
     y_m: Place = 0.0
@@ -35,7 +35,7 @@ class StartPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Body(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The robot's body and drive; `max_speed_mps` is its speed at full power."""
+    """The robot's body and drive; `max_speed_mps`: at full power."""
 
     length_m: Annotated[float, Meta(ge=0.2, le=3.0)] = 0.43
     width_m: Annotated[float, Meta(ge=0.15, le=3.0)] = 0.30
@@ -49,9 +49,9 @@ class Body(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Battery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A 12 V AGM: volts at rest when full, inner resistance, capacity, charge at the start, and what idles.
+    """A 12 V AGM: volts at rest when full, inner resistance, capacity, first charge, idle current.
 
-    On the dock its voltage rises to `charged_v` within a few times `charging_s`, and falls back as slowly.
+    On the dock the voltage rises to `charged_v` within a few times `charging_s`, and falls as slowly.
     """
 
     open_circuit_v: Annotated[float, Meta(ge=6.0, le=60.0)] = 12.7
@@ -64,8 +64,7 @@ class Battery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Mount(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where something sits on the robot, z above the floor, and how it is turned: yaw, then pitch, then roll (REP
-    103)."""
+    """The place of something on the robot, z above the floor, turned by yaw, then pitch, then roll (REP 103)."""
 
     x_m: Place = 0.0
     y_m: Place = 0.0
@@ -76,9 +75,9 @@ class Mount(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Imu(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The inertial unit: how it is mounted, its errors, and the iron that turns with it.
+    """The inertial unit: its mount, its errors, and the iron that turns with it.
 
-    The compass reads `soft_iron` (rows of a matrix) times the field, plus `hard_iron_ut`, along the unit's own axes.
+    The compass reads `soft_iron` (rows of a matrix) times the field, plus `hard_iron_ut`, along the unit's axes.
     """
 
     mount: Mount = Mount()
@@ -93,9 +92,9 @@ class Imu(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Compass(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The earth's magnetic field. `north_deg` is how far anticlockwise from the world's x axis magnetic north is.
+    """The earth's magnetic field. `north_deg`: magnetic north, anticlockwise from the world's x axis.
 
-    As it is, x points north: a robot that has not turned heads 0 degrees, and the north wall is ahead.
+    By default x points north: an unturned robot heads 0 degrees, towards the north wall.
     """
 
     field_ut: Annotated[float, Meta(ge=0.0, le=100.0)] = 48.0
@@ -111,10 +110,10 @@ class Compass(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Ultrasonic(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Sensors of a single distance: noise, and what they miss. `height_m` null: as high as their rows say.
+    """Sensors of a single distance: noise, and what they miss. `height_m` null: that of their rows.
 
-    Noise is `noise_m` and `noise_per_m` for each metre. `dropout` is how often a reading finds nothing. An echo from a
-    surface hit at more than `grazing_deg` from its normal does not come back; 90: all do.
+    Noise is `noise_m`, and `noise_per_m` for each metre. `dropout`: how often a reading finds nothing. A surface hit
+    more than `grazing_deg` off its normal gives no echo; 90: all do.
     """
 
     height_m: Height | None = None
@@ -125,12 +124,12 @@ class Ultrasonic(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Dock(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The charging dock: the middle of its face, whose normal points along `yaw_rad`, and what it sends.
+    """The charging dock: the middle of its face, whose normal points along `yaw_rad`, and its beams.
 
-    It is low enough for the ultrasonic sensors to look over it from nearby. The robot backs against it; it charges
-    while both contacts, `contacts_m` apart, touch within `give_m`, and within `plate_m` to each side. Its infrared
-    beams reach from `overlap_deg` / 2 beyond its middle line to `spread_deg`, the left one to its own left (y). The
-    robot's receiver sees within `receiver_deg` around straight back.
+    Ultrasonic sensors look over it from nearby. The robot backs against it and charges while both contacts,
+    `contacts_m` apart, touch within `give_m`, and within `plate_m` to each side. A beam reaches from `overlap_deg` / 2
+    beyond the middle line to `spread_deg`, the left one to the dock's left (y). The receiver sees within `receiver_deg`
+    around straight back.
     """
 
     x_m: Place = -1.14
@@ -159,11 +158,10 @@ BALLS = {"ball": Ball(x_m=1.5, z_m=1.0, radius_m=0.07, gone=True)}
 
 
 class WorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The simulated world: what stands in it, where the robot starts, and how often it tells.
+    """The simulated world.
 
-    `seed` fixes all noise. `walls` is all that stands in it, furniture too. `dock` null: without one. `cameras` are
-    where they sit, by name; `balls` are their targets, without echo and without a body. `trace` names a file that gets
-    each change of the motor controller's outputs.
+    `seed` fixes all noise. `walls`: all that stands there, furniture too. `dock` null: none. `cameras`: their places,
+    by name; `balls`: their targets, without echo or body. `trace`: a file that gets each change of the motor outputs.
     """
 
     seed: int = 1

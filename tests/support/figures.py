@@ -5,7 +5,7 @@ import os
 import platform
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 
@@ -225,28 +225,32 @@ def summary(result: Result, measured: str = "") -> Summary:
     )
 
 
-def rows(summaries: Iterable[Summary], anchor: Callable[[str], str] | None = None) -> str:
-    """Return a Markdown table."""
-    head = ("figure", "what", "robot", "N", "p50", "p99", "max", "target", "hard", "anchor", "verdict")
-    lines = ["|" + "|".join(head) + "|", "|---|---|---|--:|--:|--:|--:|---|---|---|---|"]
+def rows(summaries: Iterable[Summary]) -> str:
+    """Return a Markdown table: milliseconds and motor zero go without saying, and so does a verdict that is met."""
+    head = ("figure", "what", "robot", "N", "p50", "p99", "max", "target", "hard", "verdict")
+    lines = ["|" + "|".join(head) + "|", "|---|---|---|--:|--:|--:|--:|---|---|---|"]
+    before = ""
     for found in summaries:
         promise = found.promise
+        what = promise.what.removesuffix(", to motor zero")
         numbers = ["" if value is None else _number(value) for value in (found.p50, found.p99, found.max)]
-        target = f"{promise.statistic} {promise.target:g} {promise.unit}" if promise.target is not None else ""
-        zero = "" if found.max is not None else "0 violations"
-        hard = f"{promise.hard:g} {promise.unit}" if promise.hard is not None else zero
+        unit = "" if promise.unit == "ms" else f" {promise.unit}"
+        target = f"{promise.statistic} {promise.target:g}{unit}" if promise.target is not None else ""
+        zero = "" if found.max is not None else "none"
+        hard = f"{promise.hard:g}{unit}" if promise.hard is not None else zero
         cells = [
             found.figure,
-            promise.what,
+            "" if what == before else what,
             promise.robot,
             str(found.n),
             *numbers,
             target.strip(),
             hard.strip(),
         ]
-        verdict = found.verdict + (f": {found.failures} of {found.n}" if found.failures else "")
-        cells += [anchor(found.figure) if anchor else "", verdict]
+        verdict = "" if found.verdict == "met" else found.verdict
+        cells += [verdict + (f": {found.failures} of {found.n}" if found.failures else "")]
         lines.append("|" + "|".join(cells) + "|")
+        before = what
     return "\n".join(lines)
 
 

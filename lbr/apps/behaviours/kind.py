@@ -35,14 +35,10 @@ from lbr.messages.units import NameOrNone
 class BehaviourSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `behaviour`."""
 
-    ttl_s: Annotated[
-        float, Meta(ge=0.2, le=1.0, description="for so long motion goes on when this process is gone")
-    ] = 0.5
+    ttl_s: Annotated[float, Meta(ge=0.2, le=1.0, description="motion outlives this process for so long")] = 0.5
     when_low: Annotated[
         NameOrNone,
-        Meta(
-            description="the table that begins by itself when the battery is low and the robot is left alone; empty: none"
-        ),
+        Meta(description="the table for a low battery of a robot left alone; empty: none"),
     ] = ""
 
 

@@ -17,19 +17,19 @@ class CallSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     answer: Annotated[
         Literal["ask", "at_once"],
-        Meta(description="ask: a person at the robot answers; at_once: each is answered"),
+        Meta(description="ask: a person at the robot; at_once: always"),
     ] = "ask"
     callers: Annotated[Role, Meta(description="the least role that may call")] = "operate"
-    watchers: Annotated[Role, Meta(description="the least role that may watch by WebRTC, without sound")] = "view"
+    watchers: Annotated[Role, Meta(description="least role to watch by WebRTC, without sound")] = "view"
     most: Annotated[
-        int, Meta(ge=1, le=8, description="pages with a picture by WebRTC; each is encoded by itself, others get MJPEG")
+        int, Meta(ge=1, le=8, description="pages with WebRTC, each encoded by itself; others get MJPEG")
     ] = 2
-    ring_s: Annotated[float, Meta(ge=1.0, le=300.0, description="a call not answered for so long is over")] = 45.0
+    ring_s: Annotated[float, Meta(ge=1.0, le=300.0, description="an unanswered call ends")] = 45.0
     microphone: Annotated[
         str,
         Meta(
             pattern="^[A-Za-z0-9_:,.=-]{0,80}$(?!\\n)",
-            description="the sound card's name for arecord, such as default or plughw:1; tone: a test tone; empty: none",
+            description="for arecord, such as default or plughw:1; tone: a test tone; empty: none",
         ),
     ] = "default"
 

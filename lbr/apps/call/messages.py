@@ -12,14 +12,13 @@ CallPhase = Literal["idle", "ringing", "connecting", "talking"]
 Purpose = Literal["talk", "watch", "display"]
 LONGEST_OFFER = 32_768
 """Characters of an offer. Browsers write some eight thousand."""
-GuestId = Annotated[str, Meta(min_length=1, max_length=40, description="what a page was told when it rang")]
+GuestId = Annotated[str, Meta(min_length=1, max_length=40, description="from the page's ring")]
 Offer = Annotated[str, Meta(min_length=1, max_length=LONGEST_OFFER, description="a browser's offer (SDP)")]
 
 
 class RingCommand(Struct, frozen=True, kw_only=True):
-    """Let a page in: to call, to watch without sound, or as the robot's own display, which shows the caller.
-
-    The web server adds the asker and its rights.
+    """Let a page in to call, to watch without sound, or as the robot's display, which shows the caller. The web server
+    adds the asker's rights.
     """
 
     purpose: Purpose = "talk"
@@ -29,21 +28,21 @@ class RingCommand(Struct, frozen=True, kw_only=True):
 
 
 class KeepCommand(Struct, frozen=True, kw_only=True):
-    """Say that a page is still there, and be told how its call is; or that it leaves."""
+    """Report that a page is present, and get the state of its call; or that it leaves."""
 
     id: GuestId
     leave: bool = False
 
 
 class CallWord(Struct, frozen=True, kw_only=True):
-    """A word of the robot's owner about the call that rings or goes on: which one is the command's name."""
+    """The owner's word about the call that rings or goes on, by the command's name."""
 
 
 class RingReply(Struct, frozen=True, kw_only=True):
-    """The state of a page's call. `answer` is the robot's part of the connection (SDP), once it exists.
+    """The state of a page's call. `answer`: the robot's part of the connection (SDP), once it exists.
 
-    `picture` says why no picture comes (empty: it does), `hears` and `sound` what the caller hears, `seen` whether a
-    display of the robot shows the caller.
+    `picture`: why no picture comes; empty: it does. `hears`, `sound`: what the caller gets; `seen`: a display shows the
+    caller.
     """
 
     accepted: bool
@@ -59,11 +58,10 @@ class RingReply(Struct, frozen=True, kw_only=True):
 
 
 class CallState(Struct, frozen=True, kw_only=True):
-    """The caller, and the state of the call; `by_webrtc` pages get their picture by WebRTC, of at most `most`, displays
-    not counted.
+    """The caller and the call; `by_webrtc` pages get pictures by WebRTC, at most `most`, displays not counted.
 
-    `picture` says why no picture comes (empty: it does, of `camera`); `hears` and `sound` what a caller hears; `lacks`
-    why no call can be made at all, `reason` how the last call ended.
+    `picture`: why no picture comes; empty: `camera` sends one. `hears`, `sound`: what the caller gets. `lacks`: why no
+    call is possible; `reason`: how the last one ended.
     """
 
     phase: CallPhase = "idle"

@@ -18,9 +18,7 @@ class DanceSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     dance: Name = "to_and_fro"
     max_s: Annotated[float, Meta(gt=0.0, le=3600.0, description="the longest dance")] = 300.0
-    delay_s: Annotated[
-        float, Meta(ge=-2.0, le=2.0, description="from a song's beginning to its being heard; the moves wait as long")
-    ] = 0.0
+    delay_s: Annotated[float, Meta(ge=-2.0, le=2.0, description="from a song's start to its sound; moves wait")] = 0.0
 
 
 CLICKS = "metronome"

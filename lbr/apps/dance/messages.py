@@ -15,21 +15,21 @@ class DanceStep(Row, frozen=True, kw_only=True):
     KEY = ("dance", "step")
 
     dance: Annotated[Name, "by which settings and commands know it"]
-    step: Annotated[StepNumber, "the order, from 1; after the last comes the first"]
+    step: Annotated[StepNumber, "the order, from 1, in a circle"]
     power: Power
     angle_deg: AngleDeg
     beats: Annotated[int, Meta(ge=1, le=64), "for how many beats"] = 1
 
 
 class DanceCommand(Struct, frozen=True, kw_only=True):
-    """Play a song and dance to it: `<song>.wav` and its beats `<song>.json` below `$LBR_HOME/music`."""
+    """Dance to a song: `<song>.wav` and its beats `<song>.json` below `$LBR_HOME/music`."""
 
     song: Annotated[str, Meta(min_length=1, max_length=80)]
-    dance: Annotated[str, Meta(max_length=40, description="a choreography; empty: the one of the settings")] = ""
+    dance: Annotated[str, Meta(max_length=40, description="choreography; empty: the settings'")] = ""
 
 
 class DanceState(Struct, frozen=True, kw_only=True):
-    """The dance under way; `beat` counts from 1. `reason` is the end of the last one."""
+    """The dance under way; `beat` counts from 1. `reason`: the last end."""
 
     phase: Literal["resting", "dancing", "ended"]
     song: str = ""

@@ -19,8 +19,8 @@ _ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^/?#\s@]*")
 class FoxgloveSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `foxglove`.
 
-    Where other machines reach it, it speaks TLS, unless `clear_text` says otherwise, and needs a token. `cors` are the
-    origins whose pages may connect: Foxglove's own, as it comes.
+    Where other machines reach it, it needs a token, and TLS unless `clear_text`. `cors`: origins whose pages may
+    connect; by default Foxglove's own.
     """
 
     trusted: ClassVar[tuple[str, ...]] = ()
@@ -28,16 +28,12 @@ class FoxgloveSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
     port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = PORT
     tls: Annotated[bool, Meta(description="wss also where only this machine reaches it")] = False
-    clear_text: Annotated[
-        bool, Meta(description="ws where other machines reach it: a machine in between reads and changes all of it")
-    ] = False
+    clear_text: Annotated[bool, Meta(description="ws to other machines: all in between read and change it")] = False
     cors: Annotated[tuple[str, ...], Meta(description="origins whose pages may connect")] = (
         "https://app.foxglove.dev",
         "https://embed.foxglove.dev",
     )
-    names: Annotated[
-        tuple[str, ...], Meta(description="other names that this machine is asked by, such as robot.example.org")
-    ] = ()
+    names: Annotated[tuple[str, ...], Meta(description="this machine's other names, such as robot.example.org")] = ()
     rate_hz: Annotated[float, Meta(ge=0.5, le=50.0, description="messages a second of one stream, at most")] = 25.0
     clients: Annotated[int, Meta(ge=1, le=16, description="connections at once")] = 8
 

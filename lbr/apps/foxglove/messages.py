@@ -4,7 +4,7 @@ from msgspec import Struct
 
 
 class FoxgloveState(Struct, frozen=True, kw_only=True):
-    """Where the bridge listens (`urls`, the most useful one first), how many are connected, and what was refused."""
+    """Where the bridge listens (`urls`, the most useful first), its clients, and its refusals."""
 
     listening: bool
     urls: tuple[str, ...] = ()

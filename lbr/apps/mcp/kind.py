@@ -13,9 +13,9 @@ from lbr.capability.word import Word
 class McpSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `mcp`.
 
-    `words` to `fast_power` hold for every agent, also for those of `lbr mcp`. A person is asked before what `ask` names:
-    the first motion of an agent, a motion of a humanoid, more power than `fast_power`. Where other machines reach the
-    server it speaks TLS, unless `clear_text` says otherwise, and needs a token.
+    `words` to `fast_power` hold for every agent, also of `lbr mcp`. `ask`: before what a person is asked: an agent's
+    first motion, a motion of a humanoid, more than `fast_power`. Where other machines reach it, it needs a token, and
+    TLS unless `clear_text`.
     """
 
     trusted: ClassVar[tuple[str, ...]] = ()
@@ -27,12 +27,8 @@ class McpSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
     port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 50010
     tls: Annotated[bool, Meta(description="https also where only this machine reaches it")] = False
-    clear_text: Annotated[
-        bool, Meta(description="http where other machines reach it: a machine in between reads and changes all of it")
-    ] = False
-    names: Annotated[
-        tuple[str, ...], Meta(description="other names that this machine is asked by, such as robot.example.org")
-    ] = ()
+    clear_text: Annotated[bool, Meta(description="http to other machines: all in between read and change it")] = False
+    names: Annotated[tuple[str, ...], Meta(description="this machine's other names, such as robot.example.org")] = ()
 
     def __post_init__(self) -> None:
         """Refuse words for people alone, and what contradicts itself."""

@@ -28,8 +28,9 @@ AgentName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_.-]{1,30}$(?!\n)")]
 
 
 class Rules(Struct, frozen=True, kw_only=True):
-    """The rules for agents. A person is asked before what `ask` names: the first motion of an agent (`first`), a motion of
-    a humanoid (`play`), and more power than `fast_power` (`fast`)."""
+    """The rules for agents. `ask`: before what a person is asked: an agent's first motion (`first`), a humanoid's
+    (`play`), more than `fast_power` (`fast`).
+    """
 
     words: tuple[str, ...] = WORDS
     most_power: float = 0.5
@@ -38,13 +39,13 @@ class Rules(Struct, frozen=True, kw_only=True):
 
 
 class AllowAgent(Struct, frozen=True, kw_only=True):
-    """Let an agent do what a person must be asked for, for as long as this row runs."""
+    """Let an agent do what needs a person's consent, while this row runs."""
 
     agent: AgentName
 
 
 class McpState(Struct, frozen=True, kw_only=True):
-    """Where agents are served by HTTP (`urls`), the rules for all of them, and those that a person has let do more."""
+    """Where agents are served (`urls`), the rules for all, and those whom a person allows more."""
 
     listening: bool
     rules: Rules

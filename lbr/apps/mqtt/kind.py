@@ -27,7 +27,7 @@ CredentialFile = Annotated[
     str,
     Meta(
         pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$(?!\n)|^$(?!\n)",
-        description="the name of a file in credentials/ of the robot's home",
+        description="a file in credentials/ of the robot's home",
     ),
 ]
 _SEGMENT = r"[^/+#\x00\s]{1,64}"
@@ -35,56 +35,48 @@ Topic = Annotated[str, Meta(pattern=rf"^({_SEGMENT}(/{_SEGMENT}){{0,6}})?$(?!\n)
 
 
 class Shadow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A device shadow of AWS IoT: of which thing, and which of its shadows; empty: the one without a name."""
+    """A device shadow of AWS IoT: its thing and name; empty: the unnamed one."""
 
     thing: Annotated[str, Meta(pattern=r"^[A-Za-z0-9:_-]{1,128}$(?!\n)")]
     name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9:_-]{0,64}$(?!\n)")] = ""
 
 
 class HomeAssistant(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The discovery of the robot by Home Assistant; `picture_s` is how often it is sent a picture of what is wired to
-    `frames`."""
+    """The discovery by Home Assistant; `picture_s`: how often it gets a picture of what is wired to `frames`."""
 
     prefix: Annotated[Topic, Meta(min_length=1)] = "homeassistant"
-    name: Annotated[str, Meta(max_length=80, description="what people call the robot; empty: its row's name")] = ""
+    name: Annotated[str, Meta(max_length=80, description="the robot's name; empty: its row's")] = ""
     picture_s: Annotated[float, Meta(ge=1.0, le=3600.0)] = 10.0
 
 
 class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `mqtt`.
 
-    By TLS unless the broker is on this machine, or `clear_text` says otherwise. `ca` is whom the broker's certificate
-    must come from, if not from an authority that the system knows; `certificate` and `key` are the robot's own. `token`
-    names the token whose role all have that ask for `words`; without one only a stop is done. Topics begin with
-    `topic`, if it is not empty, else with `lbr/` and the robot's name.
+    TLS unless the broker is on this machine, or `clear_text`. `ca`: the broker's authority, if the system does not know
+    it; `certificate`, `key`: the robot's own. `token`: its role is that of all who ask for `words`; without one only a
+    stop is done. `topic`: the beginning of all topics; empty: `lbr/` and the robot's name.
     """
 
     host: Annotated[str, Meta(max_length=253, description="the broker; empty: there is none")] = ""
     port: Annotated[int, Meta(ge=1, le=65535)] = 8883
     tls: bool = True
     clear_text: Annotated[
-        bool, Meta(description="without TLS to another machine: all in between read it, and ask in its name")
+        bool, Meta(description="no TLS to another machine: all in between read, and ask in its name")
     ] = False
     ca: CredentialFile = ""
     certificate: CredentialFile = ""
     key: CredentialFile = ""
     user: Annotated[str, Meta(max_length=128)] = ""
-    password: Annotated[CredentialFile, Meta(description="the file that has the user's password in it")] = ""
+    password: Annotated[CredentialFile, Meta(description="the file with the user's password")] = ""
     client_id: Annotated[str, Meta(pattern=r"^[A-Za-z0-9:_-]{0,128}$(?!\n)")] = ""
     keepalive_s: Annotated[int, Meta(ge=5, le=1200, description="a broker silent for longer is gone")] = 20
     topic: Topic = ""
     report: tuple[Part, ...] = ("battery", "docked", "position", "motion", "behaviour", "faults")
-    every_s: Annotated[float, Meta(ge=5.0, le=3600.0, description="at most so often it is reported what changed")] = 5.0
+    every_s: Annotated[float, Meta(ge=5.0, le=3600.0, description="changes are reported at most so often")] = 5.0
     token: Annotated[str, Meta(max_length=40)] = ""
-    words: Annotated[
-        dict[Name, Word], Meta(max_length=40, description="what may be asked: stop, run, say, turn, …")
-    ] = {}
-    late_s: Annotated[
-        float, Meta(ge=1.0, le=300.0, description="what a shadow has desired for longer is not done any more")
-    ] = 20.0
-    ttl_s: Annotated[
-        float, Meta(ge=0.2, le=1.0, description="for so long motion goes on when this process is gone")
-    ] = 0.5
+    words: Annotated[dict[Name, Word], Meta(max_length=40, description="what may be asked")] = {}
+    late_s: Annotated[float, Meta(ge=1.0, le=300.0, description="older desires of a shadow are not done")] = 20.0
+    ttl_s: Annotated[float, Meta(ge=0.2, le=1.0, description="motion outlives this process for so long")] = 0.5
     shadow: Shadow | None = None
     home_assistant: HomeAssistant | None = None
 

@@ -6,10 +6,10 @@ from lbr.messages.codes import ReasonCode
 
 
 class MqttState(Struct, frozen=True, kw_only=True):
-    """The state of the broker, and the reason if it is away; how much was reported, asked for and refused, and the last
+    """The state of the broker, the reason if it is away, the counts of reports, requests and refusals, and the last
     answer.
 
-    `version` is the newest of the shadow that was heard of.
+    `version`: the newest of the shadow.
     """
 
     connected: bool

@@ -32,28 +32,27 @@ class RunWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="run", forb
 
 
 class SayWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="say", forbid_unknown_fields=True):
-    """Say a phrase or a text; without either, the text that comes with the word."""
+    """Say a phrase or a text; without either, the text that comes."""
 
     text: Annotated[str, Meta(max_length=LONGEST_TEXT)] = ""
     phrase: Annotated[str, Meta(max_length=40)] = ""
 
 
 class TurnWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="turn", forbid_unknown_fields=True):
-    """Turn on the spot by an angle, clockwise; without one, by what comes with the word, `most_deg` either way at
-    most."""
+    """Turn by an angle, clockwise; without one, by what comes, `most_deg` either way at most."""
 
     angle_deg: TurnDeg | None = None
     most_deg: Annotated[float, Meta(gt=0.0, le=360.0)] = 180.0
 
 
 class HeadingWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="heading", forbid_unknown_fields=True):
-    """Turn on the spot to a compass heading; without one, to what comes with the word."""
+    """Turn to a compass heading; without one, to what comes."""
 
     heading_deg: HeadingDeg | None = None
 
 
 class GoWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="go", forbid_unknown_fields=True):
-    """Drive so far, negative is back; without a distance as far as comes with the word, `most_cm` at most."""
+    """Drive so far, negative is back; without a distance, what comes, `most_cm` at most."""
 
     distance_cm: Annotated[float, Meta(ge=-1000.0, le=1000.0)] | None = None
     most_cm: Annotated[float, Meta(ge=LEAST_CM, le=1000.0)] = 100.0

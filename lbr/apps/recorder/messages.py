@@ -11,20 +11,20 @@ Text = Annotated[str, Meta(max_length=200)]
 Field = Annotated[
     str, Meta(max_length=160, pattern=r"^[^./]+/[^./]+\..+$(?!\n)", description="such as battery/state.voltage_v")
 ]
-WallNs = Annotated[int, Meta(ge=0, description="nanoseconds since 1970, by the robot's clock")]
+WallNs = Annotated[int, Meta(ge=0, description="since 1970, by the robot's clock")]
 
 
 class MarkCommand(Struct, frozen=True, kw_only=True):
-    """Keep what led here, and a while after: something was noticed, which `text` says."""
+    """Keep what led here, and a while after; `text`: what was noticed."""
 
     text: Text = ""
 
 
 class RecordCommand(Struct, frozen=True, kw_only=True):
-    """Record on purpose, into a file of its own: `seconds` long, or until it is ended (0).
+    """Record into a file of its own, for `seconds`; 0: until it is ended.
 
-    `cameras`: every picture that they take. `lines`: the bytes of the devices' lines, and all commands with their
-    answers, too. `name` is the file's; without one it is made of the time.
+    `cameras`: with every picture. `lines`: with the bytes of the devices' lines, all commands and answers. `name`: of
+    the file; else made of the time.
     """
 
     seconds: Annotated[float, Meta(ge=0.0, le=86400.0)] = 0.0
@@ -38,7 +38,7 @@ class EndRecording(Struct, frozen=True, kw_only=True):
 
 
 class HistoryCommand(Struct, frozen=True, kw_only=True):
-    """Return numbers of streams out of the black box, at `points` times at most between two of them."""
+    """Return numbers of streams from the black box, at `points` times at most."""
 
     fields: Annotated[tuple[Field, ...], Meta(min_length=1, max_length=40)]
     from_ns: WallNs
@@ -47,7 +47,7 @@ class HistoryCommand(Struct, frozen=True, kw_only=True):
 
 
 class HistoryReply(Struct, frozen=True, kw_only=True):
-    """The times in milliseconds since 1970, and for each field a number at each of them, or null."""
+    """The times in milliseconds since 1970, and each field's number then, or null."""
 
     accepted: bool
     reason: str = ""
@@ -57,14 +57,14 @@ class HistoryReply(Struct, frozen=True, kw_only=True):
 
 
 class ThenCommand(Struct, frozen=True, kw_only=True):
-    """Explain why something stood still at a moment, as `why` would have then; without `part` of the whole robot."""
+    """Explain why a part stood still at a moment; without `part` the whole robot."""
 
     at_ns: WallNs
     part: Text = ""
 
 
 class ThenReply(Struct, frozen=True, kw_only=True):
-    """The answer of then; `late_s` is how long before the moment anything was recorded last."""
+    """The answer; `late_s`: from the last record to that moment."""
 
     accepted: bool
     reason: str = ""
@@ -75,7 +75,7 @@ class ThenReply(Struct, frozen=True, kw_only=True):
 
 
 class BoxReply(Struct, frozen=True, kw_only=True):
-    """The result; `path` is the file, or the folder of what is kept."""
+    """The result; `path`: the file, or the folder of what is kept."""
 
     accepted: bool
     reason: str = ""
@@ -86,10 +86,9 @@ class BoxReply(Struct, frozen=True, kw_only=True):
 class BoxState(Struct, frozen=True, kw_only=True):
     """The state of the box: its writes since it started, its losses, and its files.
 
-    `messages` were written, `lost` could not be: the disk was slow or full, or they came faster than they were taken.
-    `disk_mb` is the size of the box's own files, `kept_mb` of those kept for longer, `kept` how many times something
-    was. `recording` is the file of a recording on purpose, else empty, `recording_s` for how long it goes on and
-    `recording_mb` how large it is. `trouble` is the problem, in one line.
+    `lost`: messages not written, by a slow or full disk or their rate. `disk_mb`: the box's own
+    files; `kept_mb`: those kept for longer; `kept`: how often that was. `recording`: the file of a recording on
+    purpose, of `recording_mb`, for `recording_s` more. `trouble`: the problem, in one line.
     """
 
     messages: int = 0

@@ -17,15 +17,13 @@ _URL = re.compile(r"https://(\[[0-9a-fA-F:]+\]|[A-Za-z0-9]([A-Za-z0-9.-]*[A-Za-z
 class RegistrarSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `registrar`.
 
-    `credential` is the file in credentials/ that has the token of this robot, which `lbr registry add` printed.
-    `endpoints` are told as ways to the robot's bus, beside the addresses of its web servers.
+    `credential`: the file in credentials/ with this robot's token, from `lbr registry add`. `endpoints`: ways to the
+    robot's bus, reported beside its web addresses.
     """
 
     url: Annotated[str, Meta(max_length=300, description="the service; empty: there is none")] = ""
     credential: Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$(?!\n)")] = "registry.token"
-    every_s: Annotated[float, Meta(ge=5.0, le=300.0, description="the robot counts as gone after three times this")] = (
-        10.0
-    )
+    every_s: Annotated[float, Meta(ge=5.0, le=300.0, description="gone after three times this")] = 10.0
     endpoints: Annotated[tuple[Endpoint, ...], Meta(max_length=8)] = ()
 
     def __post_init__(self) -> None:

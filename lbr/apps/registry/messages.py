@@ -6,7 +6,7 @@ from lbr.messages.codes import ReasonCode
 
 
 class RegistrarState(Struct, frozen=True, kw_only=True):
-    """The robot's place in the service's list, its name there, how others reach it, and if it is not listed, why."""
+    """The robot's place and name in the service's list, its addresses, and why it is not listed."""
 
     registered: bool
     url: str

@@ -25,7 +25,7 @@ from lbr.messages.units import Name
 
 _ENDPOINT = re.compile(r"tcp/(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9][A-Za-z0-9._-]{0,252}):([0-9]{1,5})")
 Endpoint = Annotated[
-    str, Meta(max_length=280, description="an address as Zenoh writes it, such as tcp/127.0.0.1:7447; empty: none")
+    str, Meta(max_length=280, description="as Zenoh writes it, such as tcp/127.0.0.1:7447; empty: none")
 ]
 Line = Annotated[str, Meta(min_length=1, max_length=250, description="a line of the console, such as /go/100/0.3")]
 STOP, ESTOP = "stop", "estop"
@@ -34,21 +34,21 @@ STOP, ESTOP = "stop", "estop"
 class Ros2Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `ros2`.
 
-    ROS is at the router `connect`, which is `rmw_zenohd`, or the robot is that router itself, at `listen`. ROS has
-    no login: everybody who reaches the router may drive. So a router that other machines reach needs `clear_text`. `token` names the token whose role ROS has; without one it only stops the robot. `services` are
-    console lines, by the name of their service.
+    `connect`: the router of ROS (`rmw_zenohd`); or the robot is that router, at `listen`. ROS has no login: everybody
+    who reaches the router may drive, so one that other machines reach needs `clear_text`. `token`: its role is that of
+    ROS; without one ROS only stops. `services`: console lines, by service.
     """
 
     connect: Endpoint = "tcp/127.0.0.1:7447"
     listen: Endpoint = ""
     clear_text: Annotated[
-        bool, Meta(description="also with other machines: all who reach that router look, and drive as the token lets")
+        bool, Meta(description="with other machines, too: all who reach the router drive by the token")
     ] = False
     domain: Annotated[int, Meta(ge=0, le=232, description="ROS_DOMAIN_ID")] = 0
     namespace: Annotated[
         str, Meta(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)*$(?!\n)", max_length=80, description="such as /rob; empty: none")
     ] = ""
-    humble: Annotated[bool, Meta(description="ROS there is Humble, which knows no hashes of types")] = False
+    humble: Annotated[bool, Meta(description="ROS there is Humble, without hashes of types")] = False
     token: Annotated[str, Meta(max_length=40)] = ""
     services: Annotated[dict[Name, Line], Meta(max_length=30)] = {}
     speed_mps: Annotated[float, Meta(gt=0.0, le=10.0, description="the fastest that ROS may drive")] = 0.5
@@ -56,12 +56,10 @@ class Ros2Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     silent_s: Annotated[float, Meta(ge=0.1, le=1.0, description="a publisher of cmd_vel silent for longer is gone")] = (
         0.25
     )
-    late_s: Annotated[
-        float, Meta(ge=0.1, le=5.0, description="a twist that comes so late, or has such an old stamp, is not followed")
-    ] = 0.4
-    ttl_s: Annotated[
-        float, Meta(ge=0.2, le=1.0, description="for so long motion goes on when this process is gone")
-    ] = 0.3
+    late_s: Annotated[float, Meta(ge=0.1, le=5.0, description="a later twist, or an older stamp, is not followed")] = (
+        0.4
+    )
+    ttl_s: Annotated[float, Meta(ge=0.2, le=1.0, description="motion outlives this process for so long")] = 0.3
     rate_hz: Annotated[float, Meta(ge=0.5, le=50.0, description="messages a second on a topic, at most")] = 20.0
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ from lbr.messages.codes import ReasonCode
 class Ros2State(Struct, frozen=True, kw_only=True):
     """The connection to ROS, the topics with subscribers there, and the node that drives the robot.
 
-    `reason` and `code` are why nothing moves by it, `refused` counts what was not done, `nodes` those that are there.
+    `reason`, `code`: why nothing moves by it; `refused`: how often; `nodes`: those present.
     """
 
     connected: bool

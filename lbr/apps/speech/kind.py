@@ -23,9 +23,8 @@ LanguageTag = Annotated[str, Meta(pattern="^[a-z][a-z]+(-[a-z0-9]+)*$(?!\\n)", m
 class SpeechSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `speech`.
 
-    `language` is that of texts and of the phrases looked up first; `greets` says the phrases `hello` and `goodbye`.
-    `voices` names the voice of a language; one without a voice is spoken by espeak-ng's own. `cloud_endpoint` is where
-    the cloud's voices are asked for, if not where the region has them.
+    `language`: of texts, and of the phrases tried first; `greets`: says `hello` and `goodbye`. `voices`: by language;
+    others get espeak-ng's own. `cloud_endpoint`: of the cloud's voices, if not the region's.
     """
 
     device: Name
@@ -36,15 +35,13 @@ class SpeechSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     voices: dict[LanguageTag, Voice] = {}
     greets: bool = True
     queue: Annotated[int, Meta(ge=1, le=64, description="how many texts may wait")] = 16
-    engine_timeout_s: Annotated[float, Meta(ge=0.1, le=60.0, description="for the engine to turn a text to sound")] = (
-        10.0
-    )
+    engine_timeout_s: Annotated[float, Meta(ge=0.1, le=60.0, description="for the engine, of a text")] = 10.0
     cloud_region: Annotated[str, Meta(pattern="^[a-z]{2}(-[a-z0-9]+)+$(?!\\n)", max_length=40)] = "us-west-2"
     cloud_endpoint: Annotated[
         str, Meta(pattern=r"^(https://[^ /@]+|http://(127\.0\.0\.1|localhost)(:[0-9]+)?)?$(?!\n)", max_length=200)
     ] = ""
     cloud_timeout_s: Annotated[
-        float, Meta(ge=0.2, le=20.0, description="for the cloud to answer; then the voice on the robot says it")
+        float, Meta(ge=0.2, le=20.0, description="for the cloud; then the robot's own voice")
     ] = 3.0
 
 

@@ -20,8 +20,8 @@ ButtonOrNone = Button | Literal[""]
 class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `gamepad_teleop`.
 
-    The robot moves only while the button `dead_man` is held. `stop` stops whatever moves, with or without it; `estop`
-    latches the emergency stop. `lines` are what other buttons say when they are pressed.
+    The robot moves only while the button `dead_man` is held. `stop` stops whatever moves, always; `estop` latches the
+    emergency stop. `lines`: console lines of other buttons.
     """
 
     dead_man: Button = "tl"
@@ -30,20 +30,16 @@ class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     lines: Annotated[dict[Button, Line], Meta(max_length=30)] = {}
     speed_mps: Annotated[float, Meta(gt=0.0, le=10.0, description="with the stick all the way")] = 0.4
     turn_rps: Annotated[float, Meta(gt=0.0, le=20.0, description="with the stick all the way")] = 1.2
-    sideways: Annotated[
-        bool, Meta(description="the base can: the left stick moves it any way, and the right one alone turns it")
-    ] = False
+    sideways: Annotated[bool, Meta(description="left stick: any way; right stick alone: turns")] = False
     dead_zone: Annotated[float, Meta(ge=0.02, le=0.9, description="of a stick's way: less is rest")] = 0.12
     stale_s: Annotated[
         float, Meta(ge=0.15, le=1.0, description="a driver of the gamepad silent for longer is gone")
     ] = 0.2
     silent_s: Annotated[
-        float, Meta(ge=0.5, le=60.0, description="a gamepad by radio that said nothing for so long may be out of range")
+        float, Meta(ge=0.5, le=60.0, description="a radio gamepad silent for longer may be out of range")
     ] = 2.0
-    wireless: Annotated[bool, Meta(description="it has a radio, whatever it is plugged in by: silence counts")] = False
-    ttl_s: Annotated[
-        float, Meta(ge=0.2, le=1.0, description="for so long motion goes on when this process is gone")
-    ] = 0.3
+    wireless: Annotated[bool, Meta(description="it has a radio: silence counts")] = False
+    ttl_s: Annotated[float, Meta(ge=0.2, le=1.0, description="motion outlives this process for so long")] = 0.3
 
     def __post_init__(self) -> None:
         """Refuse a button that is to be two things."""

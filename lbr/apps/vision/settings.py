@@ -33,7 +33,7 @@ LOOK_WORDS = (
     Word(
         "look",
         "look",
-        "Save what the camera sees with the coloured thing marked, and say which colour the middle of the picture has",
+        "Save the picture with the coloured thing marked, and report the colour of its middle",
     ),
-    Word("/look/{target}", "look", "Save what the camera sees with that marked: colour or face"),
+    Word("/look/{target}", "look", "Save the picture with that marked: colour or face"),
 )

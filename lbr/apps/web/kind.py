@@ -36,54 +36,39 @@ Network = Annotated[str, Meta(description="an address or a network, such as 192.
 
 
 class OldApi(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The face `lbr_original` and the clients of the API that the robot lbr has always had."""
+    """The face `lbr_original` and the clients of the old API of the robot lbr."""
 
-    heartbeat_s: Annotated[
-        float, Meta(ge=0.5, le=5.0, description="a client that moves the robot and is silent for longer is lost")
-    ] = 1.5
+    heartbeat_s: Annotated[float, Meta(ge=0.5, le=5.0, description="a moving client silent for longer is lost")] = 1.5
     unattended_s: Annotated[
         float,
-        Meta(ge=0.0, le=60.0, description="how long a turn or a timed move goes on whose client only began it"),
+        Meta(ge=0.0, le=60.0, description="of a turn or timed move that its client only began"),
     ] = 10.0
-    dock_ttl_s: Annotated[
-        float, Meta(ge=0.2, le=10.0, description="how long a beam of the dock counts that a client has seen")
-    ] = 3.0
-    over_range_cm: Annotated[
-        int, Meta(ge=100, le=1000, description="what is told as a distance where nothing is within reach")
-    ] = 758
+    dock_ttl_s: Annotated[float, Meta(ge=0.2, le=10.0, description="how long a client's beam counts")] = 3.0
+    over_range_cm: Annotated[int, Meta(ge=100, le=1000, description="the distance where nothing is within reach")] = 758
 
 
 class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `web`.
 
-    Where other machines reach it, it speaks TLS, unless `clear_text` says otherwise. `trusted` are the networks whose
-    clients operate without a token. `legacy` opens what was built before there were tokens: then so do all programs of
-    this machine, and a GET may move although nothing proves that no web page sent it. `simulated`: only while the robot
-    is.
+    TLS where other machines reach it, unless `clear_text`. `trusted`: networks whose clients operate without a token.
+    `legacy`: opens what is older than tokens: all programs of this machine may then move the robot, by a GET, too,
+    which any web page can send. `simulated`: only while the robot is.
     """
 
     host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
     port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 50000
-    faces: Annotated[
-        tuple[Name, ...], Meta(description="what is shown besides states and stops: faces that components bring")
-    ] = ()
+    faces: Annotated[tuple[Name, ...], Meta(description="components' faces, besides states and stops")] = ()
     layer: Annotated[Name, Meta(description="which layer of the table `motor` is shown")] = "api"
     legacy: Annotated[
         Literal["off", "simulated", "on"],
-        Meta(description="whether apps without a token move the robot from this machine and from trusted networks"),
+        Meta(description="apps without a token move the robot, from here and trusted networks"),
     ] = "simulated"
     trusted: Annotated[tuple[Network, ...], Meta(description="networks whose clients operate without a token")] = ()
-    cors: Annotated[
-        tuple[str, ...], Meta(description="origins whose pages may ask, such as http://localhost:8081; * for all")
-    ] = ()
+    cors: Annotated[tuple[str, ...], Meta(description="origins of pages, such as http://localhost:8081; *: all")] = ()
     tls: Annotated[bool, Meta(description="https also where only this machine reaches it")] = False
-    clear_text: Annotated[
-        bool, Meta(description="http where other machines reach it: a machine in between reads and changes all of it")
-    ] = False
-    announce: Annotated[bool, Meta(description="tell the network by zeroconf, where others can reach it")] = True
-    names: Annotated[
-        tuple[str, ...], Meta(description="other names that this machine is asked by, such as robot.example.org")
-    ] = ()
+    clear_text: Annotated[bool, Meta(description="http to other machines: all in between read and change it")] = False
+    announce: Annotated[bool, Meta(description="by zeroconf, where others reach it")] = True
+    names: Annotated[tuple[str, ...], Meta(description="this machine's other names, such as robot.example.org")] = ()
     requests_per_s: Annotated[float, Meta(ge=1.0, le=10_000.0, description="the most from one address")] = 200.0
     old_api: OldApi = OldApi()
 
@@ -136,7 +121,7 @@ PORTS, REFUSED = with_faces(
 )
 """The ports of the server and of all faces that are installed; in REFUSED what is wrong with those of some."""
 
-PHONE = "Connect a phone: open the web server to your network, and show one code to scan"
+PHONE = "Connect a phone: open the web server to your network, and show a code to scan"
 LETS_IN = ("host", "tls", "clear_text", "legacy", "trusted", "cors", "names", "announce")
 
 KIND = Kind(

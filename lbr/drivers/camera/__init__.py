@@ -14,19 +14,18 @@ ControlName = Annotated[str, Meta(min_length=1, max_length=80)]
 
 
 class CameraSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `camera`; where a camera cannot do it exactly, its state says what it does.
+    """Settings of a row of kind `camera`; its state has what the camera really does.
 
-    `controls` are the camera's own, by their names in V4L2 (`v4l2-ctl --list-ctrls`) or libcamera; the rest stay as
-    they are.
+    `controls`: the camera's own, named as in V4L2 (`v4l2-ctl --list-ctrls`) or libcamera; others stay.
     """
 
     device: Name
-    on: Annotated[bool, basic("cameras", "On from the start", description="on when the robot starts")] = False
+    on: Annotated[bool, basic("cameras", "On from the start", description="switched on at the start")] = False
     width_px: Pixels = 640
     height_px: Pixels = 360
     fps: Annotated[int, basic("cameras", "Pictures a second", ge=1, le=120, description="pictures a second")] = 15
     controls: dict[ControlName, int | float] = {}
-    rotation_deg: Annotated[Literal[0, 180], Meta(description="for a camera at csi:N that hangs upside down")] = 0
+    rotation_deg: Annotated[Literal[0, 180], Meta(description="for a csi camera upside down")] = 0
 
 
 KIND = Kind(

@@ -32,16 +32,14 @@ class DynamixelSettings(RegisterServosSettings, frozen=True, kw_only=True, forbi
 
     baud: Annotated[int, Meta(ge=7843, le=1_000_000)] = 1_000_000
     reply_margin_s: Annotated[
-        float, Meta(ge=0.001, le=0.1, description="an answer so much later than wire and servo explain is lost")
+        float, Meta(ge=0.001, le=0.1, description="a later answer than wire and servo explain is lost")
     ] = 0.004
     sync_read: Annotated[bool, Meta(description="let a USB2AX read all servos at once")] = True
-    write_eeprom: Annotated[bool, Meta(description="set what servos keep without power, where it differs")] = True
+    write_eeprom: Annotated[bool, Meta(description="correct what servos keep without power")] = True
     return_delay_us: Annotated[int, Meta(ge=0, le=508)] = 0
     lowest_v: SupplyV = 6.0
     highest_v: SupplyV = 14.0
-    alarms: Annotated[
-        tuple[AlarmName, ...], Meta(description="what lights a servo's LED, and what takes its torque")
-    ] = (
+    alarms: Annotated[tuple[AlarmName, ...], Meta(description="what lights a servo's LED and takes its torque")] = (
         "overload",
         "overheat",
     )

@@ -25,10 +25,10 @@ Code = (
 
 
 class Codes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The scancode of each beam, as a number or in hexadecimal; null: the dock has no such beam.
+    """The scancode of each beam, as a number or in hexadecimal; null: no such beam.
 
-    The defaults are examples in the form of Sony-15, where the kernel puts the device into bits 16 to 23 and the
-    command into bits 0 to 6. No dock's real codes are known: `ir-keytable -t` shows yours.
+    The defaults only show the form of Sony-15: the kernel puts the device into bits 16 to 23, the command into 0 to 6.
+    `ir-keytable -t` shows your dock's.
     """
 
     left: Code | None = "0x400021"
@@ -39,15 +39,15 @@ class Codes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class InfraredSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `infrared`.
 
-    `protocols` are the kernel's protocol numbers (`enum rc_proto`) that count; empty: any. `records` is what the device
-    sends: `scancodes` as /dev/lirc0 does, `events` as /dev/input/event0 does; `auto` goes by the address.
+    `protocols`: the kernel's numbers (`enum rc_proto`) that count; empty: any. `records`: `scancodes` as from
+    /dev/lirc0, `events` as from /dev/input/event0; `auto`: by the address.
     """
 
     device: Name
     codes: Codes = Codes()
     protocols: Annotated[tuple[Annotated[int, Meta(ge=0, le=63)], ...], Meta(max_length=64)] = ()
     records: Literal["auto", "scancodes", "events"] = "auto"
-    ttl_s: Annotated[float, Meta(ge=0.2, le=10.0, description="how long a beam counts after it was last seen")] = 1.5
+    ttl_s: Annotated[float, Meta(ge=0.2, le=10.0, description="how long a seen beam counts")] = 1.5
 
     def __post_init__(self) -> None:
         """Refuse codes that could not be told apart."""

@@ -14,9 +14,7 @@ class Ld06Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     device: Name
     sensor: Name = "lidar"
-    least_confidence: Annotated[
-        int, Meta(ge=0, le=255, description="a distance that the lidar is less sure of is not known")
-    ] = 0
+    least_confidence: Annotated[int, Meta(ge=0, le=255, description="less sure distances do not count")] = 0
     timeout_s: Annotated[float, Meta(ge=0.1, le=5.0, description="silence that counts as a fault")] = 0.5
     start_timeout_s: Annotated[float, Meta(ge=0.1, le=10.0, description="until its mirror turns")] = 4.0
 

@@ -22,17 +22,11 @@ class Mpu9150Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     ] = 4
     lowpass_hz: Annotated[
         Literal[188, 98, 42, 20, 10, 5],
-        Meta(description="bandwidth of accelerometer and gyro; below half of `rate_hz`, or vibration aliases"),
+        Meta(description="bandwidth; below half of `rate_hz`, or vibration aliases"),
     ] = 42
-    mag_hz: Annotated[
-        float, Meta(ge=0.0, le=100.0, description="most compass readings per second; 0 leaves the compass alone")
-    ] = 25.0
-    temperature_offset_c: Annotated[
-        float, Meta(ge=-100.0, le=100.0, description="the temperature at which the sensor reads zero")
-    ] = 35.0
-    most_errors: Annotated[
-        int, Meta(ge=1, le=100, description="failed readings in a row after which the device is restarted")
-    ] = 5
+    mag_hz: Annotated[float, Meta(ge=0.0, le=100.0, description="most compass readings per second; 0: none")] = 25.0
+    temperature_offset_c: Annotated[float, Meta(ge=-100.0, le=100.0, description="where the sensor reads zero")] = 35.0
+    most_errors: Annotated[int, Meta(ge=1, le=100, description="failed readings in a row before a restart")] = 5
 
 
 KIND = Kind(

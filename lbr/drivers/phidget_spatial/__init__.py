@@ -14,13 +14,13 @@ from lbr.messages.units import Name
 class PhidgetSpatialSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `phidget_spatial`.
 
-    `gravity_sign` -1: the unit says -1 g along the axis that points up, as these boards do.
+    `gravity_sign` -1: the unit reads -1 g along the axis that points up, as these boards do.
     """
 
     device: Name
     interval_ms: Annotated[int, Meta(ge=4, le=1000, description="between two samples: 4, or a multiple of 8")] = 4
     gravity_sign: Literal[-1, 1] = -1
-    zero_at_start: Annotated[bool, Meta(description="take the gyro's zero at each start; it must lie still")] = False
+    zero_at_start: Annotated[bool, Meta(description="take the gyro's zero at each start, lying still")] = False
 
     def __post_init__(self) -> None:
         """Refuse intervals that no board has."""

@@ -17,21 +17,16 @@ Sensor = Literal["to92", "ntc"]
 class PicoSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `pico`.
 
-    `relay_on` is what the relay's register holds while the motors have power, which depends on the wiring. With
-    `still_alive_s` the supply resets the computer, for certain, once this driver has not fed it for that long; 0: it is
-    left alone.
+    `relay_on`: the relay's register while the motors have power, by the wiring. `still_alive_s`: the supply resets the
+    computer when this driver has not fed it for so long; 0: never.
     """
 
     device: Name
-    pace_s: Annotated[
-        float, Meta(ge=0.01, le=1.0, description="from one register to the next; a tenth of a sweep, or so")
-    ] = 0.1
-    retries: Annotated[int, Meta(ge=0, le=20, description="how often a register is read again that gave nothing")] = 3
-    most_errors: Annotated[
-        int, Meta(ge=1, le=100, description="failed exchanges in a row after which the device is reopened")
-    ] = 8
-    chemistry: Annotated[Chemistry, Meta(description="of the supply's own battery; auto: as it says itself")] = "auto"
-    temperature_sensor: Annotated[Sensor, Meta(description="on the board (ntc), or plugged into it (to92)")] = "to92"
+    pace_s: Annotated[float, Meta(ge=0.01, le=1.0, description="between two registers; about a tenth of a sweep")] = 0.1
+    retries: Annotated[int, Meta(ge=0, le=20, description="how often a failed register is read again")] = 3
+    most_errors: Annotated[int, Meta(ge=1, le=100, description="failed exchanges in a row before it is reopened")] = 8
+    chemistry: Annotated[Chemistry, Meta(description="of its own battery; auto: as it reports")] = "auto"
+    temperature_sensor: Annotated[Sensor, Meta(description="on the board (ntc), or plugged in (to92)")] = "to92"
     relay_on: Literal[0, 1] = 1
     still_alive_s: Annotated[int, Meta(ge=0, le=254)] = 0
 

@@ -12,8 +12,8 @@ from lbr.messages.units import Name
 class RioxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `riox`.
 
-    The scales are those that robots with this unit have used; no manual at hand confirms them, so compare them with a
-    turn, a tilt and a field that you know. `echo`: the unit repeats each query, and only what follows its own counts.
+    No manual confirms the scales, which earlier robots used: compare them with a known turn, tilt and field. `echo`:
+    the unit repeats each query, and only what follows counts.
     """
 
     device: Name
@@ -29,7 +29,7 @@ class RioxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     mag_ut_per_lsb: Annotated[float, Meta(gt=0.0, le=100.0, description="unverified; microtesla")] = 0.3
     temperature_lsb_per_c: Annotated[float, Meta(gt=0.0, le=10000.0, description="unverified")] = 340.0
     temperature_offset_c: Annotated[
-        float, Meta(ge=-100.0, le=100.0, description="unverified; the temperature at which the sensor reads zero")
+        float, Meta(ge=-100.0, le=100.0, description="unverified; where the sensor reads zero")
     ] = 35.0
     quaternion_divisor: Annotated[
         float, Meta(gt=0.0, le=1e6, description="unverified; what one is in the orientation's numbers")

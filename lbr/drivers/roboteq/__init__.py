@@ -17,12 +17,12 @@ FaultName = Literal[
     "mosfet",
     "default_configuration",
 ]
-Pattern = Annotated[str, Meta(max_length=200, description="regular expression to find in the answer; empty: any")]
+Pattern = Annotated[str, Meta(max_length=200, description="regular expression in its answer; empty: any")]
 Baud = Literal[9600, 19200, 38400, 57600, 115200]
 
 
 class Wheel(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The wiring of one wheel's motor: forward times `direction` goes to `channel`."""
+    """A wheel's motor: forward times `direction` goes to `channel`."""
 
     channel: Literal[1, 2]
     direction: Literal[-1, 1] = 1

@@ -39,20 +39,16 @@ class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     baud: Annotated[int, Meta(ge=4800, le=4_000_000)] = 1_000_000
     sweep_hz: Annotated[float, Meta(ge=0.0, le=250.0, description="rounds of the poller per second at most")] = 100.0
     setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
-    hold_s: Annotated[
-        float, Meta(ge=0.0, le=3600.0, description="how long servos hold that have no sender any more")
-    ] = 30.0
-    release_s: Annotated[
-        float, Meta(ge=0.1, le=60.0, description="how long their release takes then: their torque fades")
-    ] = 5.0
+    hold_s: Annotated[float, Meta(ge=0.0, le=3600.0, description="how long servos without a sender hold")] = 30.0
+    release_s: Annotated[float, Meta(ge=0.1, le=60.0, description="how long their torque then fades")] = 5.0
     acknowledge_s: AcknowledgeS = 1.0
     on_close: Annotated[
         Literal["hold", "release"],
-        Meta(description="when the driver ends in order: hold, then release slowly; or at once"),
+        Meta(description="at an orderly end: hold, then release slowly; or at once"),
     ] = "hold"
     guard: bool = True
     guard_silence_ms: Annotated[
-        int, Meta(ge=60, le=2000, description="while a servo has torque, a driver silent for longer is killed")
+        int, Meta(ge=60, le=2000, description="a driver silent for longer is killed while a servo has torque")
     ] = 500
 
 
@@ -61,7 +57,7 @@ class RegisterServosSettings(ServosSettings, frozen=True, kw_only=True, forbid_u
 
     sweep_hz: Annotated[float, Meta(ge=1.0, le=250.0, description="rounds of the poller per second at most")] = 100.0
     on_estop: Annotated[
-        Literal["hold", "release"], Meta(description="what the emergency stop does: hold still, or release at once")
+        Literal["hold", "release"], Meta(description="the emergency stop: hold still, or release at once")
     ] = "hold"
 
 

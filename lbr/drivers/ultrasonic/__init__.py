@@ -16,8 +16,8 @@ SENSORS = RING
 class UltrasonicSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `ultrasonic_ring`.
 
-    The board tells five sensors, and others by their names in the rows of `range_sensor`. An MB1220 is said to measure
-    from 20 cm; on the robot that this is for, 17 to 19 cm are real: its dock is that near.
+    The board reports five sensors, and others by their rows of `range_sensor`. An MB1220 measures from 20 cm by its
+    makers; here 17 to 19 cm are real: the dock is that near.
     """
 
     device: Name

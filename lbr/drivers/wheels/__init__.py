@@ -33,7 +33,7 @@ from lbr.messages.units import Name
 
 
 class EnableCommand(Struct, frozen=True, kw_only=True):
-    """Let setpoints through to the motors, or hold them at zero."""
+    """Let setpoints through to the motors, or hold zero."""
 
     enabled: bool
 
@@ -48,7 +48,7 @@ class WheelsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     acknowledge_s: AcknowledgeS = 0.5
     guard: bool = True
     guard_silence_ms: Annotated[
-        int, Meta(ge=60, le=250, description="while a motor may turn, a driver silent for longer is killed")
+        int, Meta(ge=60, le=250, description="a driver silent for longer is killed while a motor may turn")
     ] = 120
 
 

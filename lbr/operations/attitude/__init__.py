@@ -37,7 +37,7 @@ KIND = Kind(
         Word(
             "/m/{samples}/{source}",
             "calibrate",
-            "The same: - turns, -c turns and only draws what the compass says now, a name means a file of samples in $LBR_HOME/calibration",
+            "The same: - turns, -c turns and only draws the compass, a name is a file of samples in $LBR_HOME/calibration",
         ),
     ),
 )

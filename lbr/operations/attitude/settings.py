@@ -15,8 +15,8 @@ MicroTesla = Annotated[float, Meta(ge=0.0, le=10000.0, description="microtesla")
 class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The place of the sensor in the body (REP 103: x ahead, y left, z up).
 
-    Either roll, pitch and yaw of the sensor in the body, or `axes`: the body's x, y and z, each as an axis of the
-    sensor. A sensor whose x points to the right and y ahead has `+y-x+z`, or a yaw of -90.
+    Roll, pitch and yaw, or `axes`: the body's x, y and z as axes of the sensor. With the sensor's x to the right and y
+    ahead: `+y-x+z`, or a yaw of -90.
     """
 
     roll_deg: Degrees = 0.0
@@ -39,37 +39,30 @@ class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `attitude`; `device` is the inertial unit whose calibration it keeps.
 
-    The gyro's zero is learnt at rest: no axis off by more than `bias_limit_dps`, none noisier than `still_noise_dps`
-    (standard deviation), the field not turning. `still` is a body that turns by less than `still_dps`.
-    A magnetic field outside its limits, or that differs from the calibrated one by more than `field_tolerance` of it,
-    is disturbed; the heading goes on by gyro for `field_hold_s`, then it is unknown. A compass that contradicts the
-    gyro by more than `compass_jump_deg` is not believed for `compass_retrust_s`.
+    The gyro's zero is learnt at rest: no axis off by more than `bias_limit_dps` or noisier than `still_noise_dps`
+    (standard deviation), a steady field, a turn below `still_dps`. A magnetic field outside its limits, or
+    `field_tolerance` of the calibrated one off, is disturbed: the heading goes on by gyro for `field_hold_s`, then is
+    unknown. A compass `compass_jump_deg` off the gyro is not believed for `compass_retrust_s`.
     """
 
     device: Name
-    gyro: Annotated[
-        bool, Meta(description="whether the unit has one; without, roll and pitch are told, by gravity, and no heading")
-    ] = True
+    gyro: Annotated[bool, Meta(description="the unit has one; without: roll and pitch by gravity, no heading")] = True
     mounting: Mounting = Mounting()
     declination_deg: Annotated[
-        float, Meta(ge=-180.0, le=180.0, description="how far magnetic north is east of true north")
+        float, Meta(ge=-180.0, le=180.0, description="of magnetic north, east of true north")
     ] = 0.0
     publish_hz: Annotated[float, Meta(ge=10.0, le=100.0)] = 25.0
     gain: Annotated[float, Meta(gt=0.0, le=10.0, description="how fast accelerometer and compass correct, per s")] = 0.5
-    stale_s: Annotated[float, Meta(gt=0.0, le=2.0, description="without a sample for this long nothing is known")] = 0.2
-    gap_s: Annotated[
-        float, Meta(gt=0.0, le=1.0, description="a longer gap between samples ends the count of the turn")
-    ] = 0.1
+    stale_s: Annotated[float, Meta(gt=0.0, le=2.0, description="nothing is known without a sample for so long")] = 0.2
+    gap_s: Annotated[float, Meta(gt=0.0, le=1.0, description="a longer gap ends the count of the turn")] = 0.1
     recover_s: Annotated[float, Meta(ge=0.0, le=2.0, description="good samples before it is valid again")] = 0.1
     gyro_limit_dps: Annotated[float, Meta(gt=0.0, le=4000.0, description="a faster turn is not believed")] = 500.0
     gyro_jump_dps: Annotated[
-        float, Meta(gt=0.0, le=4000.0, description="a greater change from one sample to the next is an error")
+        float, Meta(gt=0.0, le=4000.0, description="a greater change between samples is an error")
     ] = 100.0
     accel_min_mps2: Annotated[float, Meta(ge=0.0, le=100.0)] = 5.0
     accel_max_mps2: Annotated[float, Meta(ge=0.0, le=1000.0)] = 18.0
-    frozen_s: Annotated[
-        float, Meta(gt=0.0, le=10.0, description="a gyro that says the very same for this long is frozen")
-    ] = 0.5
+    frozen_s: Annotated[float, Meta(gt=0.0, le=10.0, description="a gyro unchanged for so long is frozen")] = 0.5
     still_dps: Annotated[float, Meta(gt=0.0, le=20.0)] = 1.5
     still_noise_dps: Annotated[float, Meta(gt=0.0, le=20.0)] = 0.5
     bias_limit_dps: Annotated[float, Meta(gt=0.0, le=100.0)] = 25.0
@@ -79,16 +72,10 @@ class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     field_hold_s: Seconds = 1.0
     compass_jump_deg: Annotated[float, Meta(gt=0.0, le=180.0)] = 20.0
     compass_retrust_s: Seconds = 10.0
-    observe_s: Annotated[float, Meta(gt=0.0, le=86400.0, description="a turn not seen for this long is given up")] = (
-        600.0
-    )
+    observe_s: Annotated[float, Meta(gt=0.0, le=86400.0, description="a turn unseen for so long is given up")] = 600.0
     spin_power: Annotated[float, Meta(gt=0.0, le=1.0, description="of the turn on the spot that calibrates")] = 0.2
     sample_s: Annotated[float, Meta(ge=0.0, le=10.0, description="between two samples of a calibration")] = 0.04
-    reverse_s: Annotated[
-        float, Meta(gt=1.0, le=3600.0, description="a calibration turns the other way after this long; see max_run_s")
-    ] = 25.0
+    reverse_s: Annotated[float, Meta(gt=1.0, le=3600.0, description="then a calibration turns the other way")] = 25.0
     calibration_limit_s: Annotated[float, Meta(gt=1.0, le=3600.0, description="longest calibration")] = 120.0
-    min_coverage: Annotated[float, Meta(gt=0.0, le=1.0, description="part of a full turn that must be seen")] = 0.75
-    max_residual: Annotated[float, Meta(gt=0.0, le=1.0, description="what a fit may leave, as a part of the field")] = (
-        0.06
-    )
+    min_coverage: Annotated[float, Meta(gt=0.0, le=1.0, description="part of a full turn needed")] = 0.75
+    max_residual: Annotated[float, Meta(gt=0.0, le=1.0, description="of a fit, as a part of the field")] = 0.06

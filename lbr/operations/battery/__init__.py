@@ -33,11 +33,10 @@ AGM_12V: tuple[tuple[float, float], ...] = (
 class BatterySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `battery`; the defaults are a 12 V AGM battery of 35 Ah.
 
-    `table` is volts at rest and charge, both ascending. The voltage at rest is the measured one and what `internal_ohm`
-    (battery and cables) takes of it, while the motors and the `idle_a` of everything else are drawn. It is charged once
-    that has been above `charging_v` for `charging_after_s`, and no more below `discharging_v` for
-    `discharging_after_s`, or once it drives: off its charger a battery keeps such a voltage for a while, and only a
-    rise by `charging_rise_v` means a charger again.
+    `table`: volts at rest and charge, both ascending. Volts at rest: as measured, plus what the current through
+    `internal_ohm` (battery and cables) takes; `idle_a` is drawn beside the motors. It charges once these are above
+    `charging_v` for `charging_after_s`, until they are below `discharging_v` for `discharging_after_s` or it drives.
+    Afterwards only a rise by `charging_rise_v` means a charger.
     """
 
     table: Annotated[tuple[tuple[Volts, Annotated[float, Meta(ge=0.0, le=1.0)]], ...], Meta(min_length=2)] = AGM_12V

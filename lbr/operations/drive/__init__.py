@@ -69,7 +69,7 @@ KIND = Kind(
         Word(
             "/go/{distance_cm}/{power}",
             "command",
-            "Drive straight ahead by a distance, 1 to 10000 cm, such as /go/150/0.3: slower near its end, then stop",
+            "Drive straight ahead by a distance, 1 to 10000 cm, such as /go/150/0.3, and stop",
             {"angle_deg": 0},
         ),
         Word(

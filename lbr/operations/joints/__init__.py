@@ -61,12 +61,12 @@ KIND = Kind(
         Word(
             "recover",
             "recover",
-            "Take all joints out of what they have latched, such as an overload whose cause is gone; moves nothing",
+            "Recover all joints from latched faults, such as an overload whose cause is gone; moves nothing",
         ),
         Word(
             "/recover/{joints}",
             "recover",
-            "Take a joint, or several, out of what they have latched, such as /recover/left_knee",
+            "Recover a joint, or several, such as /recover/left_knee",
         ),
     ),
 )

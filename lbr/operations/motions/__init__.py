@@ -70,7 +70,7 @@ KIND = Kind(
         Word(
             "/capture/{motion}",
             "capture",
-            "Write the pose that the joints have now down, as the last key frame of a motion or the first of a new one",
+            "Append the joints' pose to a motion, or begin a new one with it",
         ),
         Word(
             "/capture/{motion}/{duration_s}",

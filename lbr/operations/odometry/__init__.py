@@ -14,10 +14,9 @@ from lbr.messages.odometry import OdometryState
 class OdometrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `odometry`.
 
-    `track_m` is the distance between the wheels as it works out when turning on the spot: more than what a ruler says.
-    Where rows of `wheel` describe the base, they count instead of `track_m` and `wheel_diameter_m`. A wheel stalls that
-    is given `stall_power`, or draws `stall_a`, and counts nothing for `stall_s`. The base slips when wheels and
-    attitude differ by more than `slip_dps`, and by more than `slip_share` of the faster, for `slip_s`.
+    `track_m`: the distance between the wheels as turns on the spot show it, more than a ruler does. Rows of `wheel`
+    replace it and `wheel_diameter_m`. Stalled: a wheel with `stall_power` or `stall_a` that counts nothing for
+    `stall_s`. Slipping: wheels and attitude differ by `slip_dps` and by `slip_share` of the faster, for `slip_s`.
     """
 
     wheel_diameter_m: Annotated[float, Meta(gt=0.0, le=2.0)] = 0.1778
@@ -36,7 +35,7 @@ class OdometrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     slip_share: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.3
     slip_s: Annotated[float, Meta(gt=0.0, le=5.0)] = 0.6
     silent_s: Annotated[
-        float, Meta(gt=0.0, le=5.0, description="without the motors' state for this long nothing is known")
+        float, Meta(gt=0.0, le=5.0, description="nothing is known without the motors' state for so long")
     ] = 0.3
 
 

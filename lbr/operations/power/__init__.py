@@ -21,13 +21,13 @@ Deadline = Annotated[float, Meta(gt=0.0, le=600.0, description="seconds")]
 class PowerSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `power`; the defaults are a lithium-polymer battery of three cells.
 
-    `device` is the supply beside whose row is kept whether it is armed, and its thresholds; `armed`, `warn_v` and
-    `shutdown_v` hold until they are set. Low is what stays below for `hold_s` and `hold_samples` readings;
-    good again is `hysteresis_v` more. Below `absent_v` the external supply is disconnected rather than low, if the
-    supply's own battery backs it (`battery_backs`); then `battery_warn_v` and `battery_shutdown_v` count for that one.
+    `device`: the supply whose row keeps whether it is armed, and its thresholds; `armed`, `warn_v` and `shutdown_v`
+    hold until they are set. Low: below for `hold_s` and `hold_samples` readings; good again: `hysteresis_v` more. Below
+    `absent_v` the external supply counts as disconnected, if the supply's own battery backs it (`battery_backs`); then
+    `battery_warn_v` and `battery_shutdown_v` count.
 
-    Before it shuts down it plays `park_motion` (empty: none) for at most `park_s` and releases the joints within
-    `let_go_s`, whatever comes of either. `bus` is the address of the D-Bus where logind is asked; empty: the system's.
+    Before the shutdown it plays `park_motion` (empty: none) for at most `park_s` and releases the joints within
+    `let_go_s`, in any case. `bus`: the D-Bus of logind; empty: the system's.
     """
 
     device: Name
@@ -38,7 +38,7 @@ class PowerSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     hold_s: Seconds = 2.0
     hold_samples: Annotated[int, Meta(ge=1, le=1000)] = 3
     countdown_s: Seconds = 10.0
-    stale_s: Annotated[Deadline, Meta(description="no reading for this long is a supply that is silent")] = 5.0
+    stale_s: Annotated[Deadline, Meta(description="a supply without readings is silent")] = 5.0
     battery_backs: bool = True
     absent_v: Annotated[float, Meta(ge=0.0, le=50.0)] = 2.0
     battery_warn_v: Volts = 3.7
@@ -48,7 +48,7 @@ class PowerSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     park_s: Deadline = 15.0
     let_go_s: Deadline = 2.0
     answer_s: Annotated[Deadline, Meta(description="for which logind is waited")] = 10.0
-    off_s: Annotated[Deadline, Meta(description="within which the computer is off once logind agreed")] = 120.0
+    off_s: Annotated[Deadline, Meta(description="until the computer is off, once logind agreed")] = 120.0
     retry_s: Annotated[Deadline, Meta(description="from one refused shutdown to the next try")] = 30.0
     repeat_s: Annotated[Seconds, Meta(description="between two warnings of one kind")] = 60.0
     bus: str = ""
@@ -88,10 +88,10 @@ KIND = Kind(
         Word(
             "/arm/{warn_v}/{shutdown_v}",
             "arm",
-            "Watch the voltage as arm does, with a warning below the first and the shutdown below the second, in volts",
+            "As arm, with a warning below the first and a shutdown below the second, in volts",
             {"armed": True},
         ),
         Word("disarm", "arm", "Only tell the voltage, and shut nothing down", {"armed": False}),
-        Word("cancel", "cancel", "Let the countdown to the shutdown come to nothing, until the voltage is low again"),
+        Word("cancel", "cancel", "Cancel the countdown to the shutdown, until the voltage is low again"),
     ),
 )

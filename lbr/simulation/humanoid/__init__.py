@@ -50,7 +50,7 @@ KIND = Kind(
         Word(
             "pick_up",
             "pick_up",
-            "Simulation: put the robot back on its feet, in a hand that holds it until its joints have torque",
+            "Simulation: put the robot on its feet, in a hand that holds it until its joints have torque",
         ),
         *BALL_WORDS,
         Word(

@@ -13,9 +13,8 @@ from lbr.simulation.settings import Battery, Compass, Imu
 
 
 class Motor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The motor of each servo: torque when it stalls and speed without load at `rated_v`, its gear, its current.
-
-    `friction_nm` and `armature_kgm2`, the inertia of its rotor, are as they show at the horn.
+    """The motor of each servo, at `rated_v`: stall torque, speed without load, current; friction and rotor inertia show
+    at the horn.
     """
 
     stall_nm: Annotated[float, Meta(gt=0.0, le=100.0)] = 1.5
@@ -27,35 +26,27 @@ class Motor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Motors(Motor, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The motors of some `joints`, which are given by names or patterns such as `*_knee`."""
+    """The motors of some `joints`: names or patterns such as `*_knee`."""
 
     joints: Annotated[tuple[str, ...], Meta(min_length=1)]
 
 
 class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The place of a servo on its joint: its angle where that is at 0, and -1 where it turns the other way."""
+    """The place of a servo on its joint: its angle at the joint's 0; sign -1: it turns the other way."""
 
     zero_rad: Annotated[float, Meta(ge=-3.0, le=3.0)] = 0.0
     sign: Literal[1, -1] = 1
 
 
 class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The simulated humanoid: `model` is a body, in `$LBR_HOME/models` or a robot's by its name, whose joints bear the
-    rows' names.
+    """`model`: a body in `$LBR_HOME/models` or of a robot, with the joints of the rows.
 
-    It begins upright, every joint at zero, in a helper's hand. The hand releases it once all servos have had torque for
-    `hand_s` and its weight is above its feet; until then it keeps them on the floor. With `rests`, the angles of joints
-    in which it rests on the floor by itself, it begins so, limp, and no hand holds it. `seed` fixes all noise. Where
-    the inertial unit sits, the body says: the `mount` of `imu` counts for nothing. `motors` are those that differ from
-    `motor`, the first that fits; `mounted` are servos that do not sit as the joints' rows say, as on a body that is yet
-    to be calibrated, by joint; `balls` are what a camera in its head may look for, by name.
+    It begins upright, all joints at zero, in a helper's hand, until all servos have had torque for `hand_s` and its weight is above its feet. With `rests`, angles of a rest, it begins limp, without a hand. `seed` fixes all noise. The body places the inertial unit: the `mount` of `imu` is unused. `motors`: those unlike `motor`, the first that fits; `mounted`: servos, by joint, that sit unlike their rows; `balls`: targets of its camera, by name.
     """
 
     model: Name
     seed: int = 1
-    stand: Annotated[bool, Meta(description="hung up by its trunk for good, feet off the floor: it cannot fall")] = (
-        False
-    )
+    stand: Annotated[bool, Meta(description="hung up by its trunk: it cannot fall")] = False
     hand_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 1.0
     rests: dict[str, Annotated[float, Meta(ge=-7.0, le=7.0, description="radians")]] = {}
     motor: Motor = Motor()

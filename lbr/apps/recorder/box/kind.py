@@ -24,9 +24,7 @@ Pattern = Annotated[str, Meta(min_length=1, max_length=80, description="topics, 
 class BoxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `box`."""
 
-    mb: Annotated[int, Meta(ge=4, le=1_000_000, description="megabytes that its own files may take; the oldest go")] = (
-        500
-    )
+    mb: Annotated[int, Meta(ge=4, le=1_000_000, description="megabytes of its own files; the oldest go")] = 500
     hours: Annotated[float, Meta(gt=0.0, le=87_600.0, description="for how long they stay")] = 24.0
     kept_mb: Annotated[int, Meta(ge=0, le=1_000_000, description="megabytes for what led to incidents")] = 500
     kept_days: Annotated[float, Meta(gt=0.0, le=3650.0, description="for how long that stays")] = 30.0
@@ -34,12 +32,8 @@ class BoxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     after_s: Annotated[float, Meta(ge=1.0, le=3600.0, description="and how much after it")] = 20.0
     streams: Annotated[tuple[Pattern, ...], Meta(max_length=64, description="which streams, by their topics")] = ("*",)
     leave_out: Annotated[tuple[Pattern, ...], Meta(max_length=64, description="which of them not")] = ()
-    cameras_hz: Annotated[
-        float, Meta(ge=0.0, le=1.0, description="pictures a second of each camera that is on; 0 for none")
-    ] = 0.2
-    free_mb: Annotated[
-        int, Meta(ge=0, le=1_000_000, description="megabytes of the disk that it leaves to others, 5 % of it at most")
-    ] = 200
+    cameras_hz: Annotated[float, Meta(ge=0.0, le=1.0, description="pictures a second of each camera; 0: none")] = 0.2
+    free_mb: Annotated[int, Meta(ge=0, le=1_000_000, description="megabytes of disk left to others, 5 % at most")] = 200
 
 
 KIND = Kind(

@@ -16,9 +16,9 @@ Turned = Annotated[float, Meta(ge=-180.0, le=180.0)]
 
 
 class SightingSettings(VisionSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `sighting`; the colour is that of an orange ball, as hue, saturation and value.
+    """Settings of a row of kind `sighting`; the colour is an orange ball's, as hue, saturation and value.
 
-    A hue from 350 to 10 goes over red. `yaw_deg` is how far the camera is turned to the left, `pitch_deg` downwards.
+    A hue from 350 to 10 goes over red. The camera is turned `yaw_deg` to the left, `pitch_deg` downwards.
     """
 
     yaw_deg: Turned = 0.0

@@ -15,27 +15,22 @@ from lbr.messages.units import Name
 
 
 class TrackingSettings(VisionSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `tracking`; the colour is that of an orange ball, as hue, saturation and value.
+    """Settings of a row of kind `tracking`; the colour is an orange ball's, as hue, saturation and value.
 
-    A hue from 350 to 10 goes over red. The yaw joint turns to the left, the pitch joint downwards, the camera with
-    both.
+    A hue from 350 to 10 goes over red. Yaw turns to the left, pitch downwards, the camera with both.
     """
 
     yaw_joint: Name = "neck_yaw"
     pitch_joint: Name = "head_pitch"
-    dead_zone: Annotated[float, Meta(ge=0.0, le=5.0, description="in radii of what is seen: nearer is near enough")] = (
-        0.75
-    )
+    dead_zone: Annotated[float, Meta(ge=0.0, le=5.0, description="in radii of the target: near enough")] = 0.75
     gain: Annotated[float, Meta(gt=0.0, le=1.0, description="1: the whole angle to it, at once")] = 0.5
-    lost_s: Annotated[float, Meta(gt=0.0, le=60.0, description="this long the head stays where it saw it last")] = 2.0
-    ahead_rps: Annotated[float, Meta(ge=0.0, le=10.0, description="then it turns ahead so fast; 0: it stays")] = 0.4
+    lost_s: Annotated[float, Meta(gt=0.0, le=60.0, description="how long the head stays at the last sight")] = 2.0
+    ahead_rps: Annotated[float, Meta(ge=0.0, le=10.0, description="then it turns ahead; 0: it stays")] = 0.4
     give_up_s: Annotated[
         float,
-        Meta(gt=0.0, le=86400.0, description="nothing seen for this long ends it, and others may have the joints"),
+        Meta(gt=0.0, le=86400.0, description="nothing seen for so long ends it and frees the joints"),
     ] = 120.0
-    speed_rps: Annotated[float, Meta(gt=0.0, le=10.0, description="the head turns no faster, in radians a second")] = (
-        2.5
-    )
+    speed_rps: Annotated[float, Meta(gt=0.0, le=10.0, description="the head's most")] = 2.5
     torque: Annotated[float, Meta(gt=0.0, le=1.0, description="of head and neck, a fraction of their most")] = 0.6
 
 

@@ -28,14 +28,12 @@ class BeaconSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """
 
     heading_deg: Annotated[
-        float, Meta(ge=0.0, lt=360.0, description="by the compass when docked; without one, as at the first manoeuvre")
+        float, Meta(ge=0.0, lt=360.0, description="of the docked robot; null: as at the first manoeuvre")
     ] = 0.0
     docked_back_cm: Annotated[
-        float, Meta(ge=10.0, le=200.0, description="what the sensor behind reads on the dock: how far the wall is")
+        float, Meta(ge=10.0, le=200.0, description="the distance to the wall behind, on the dock")
     ] = 36.0
-    standoff_cm: Annotated[
-        float, Meta(ge=80.0, le=400.0, description="from there it looks for beams; they are wide enough")
-    ] = 180.0
+    standoff_cm: Annotated[float, Meta(ge=80.0, le=400.0, description="where it looks for beams")] = 180.0
     side: Literal["left", "right"] = "left"
     reverse_steering: Annotated[
         Literal["rotation", "travel"], Meta(description="what the drive's setting of this name says")

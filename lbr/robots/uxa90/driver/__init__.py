@@ -22,24 +22,17 @@ Slot = Annotated[int, Meta(ge=1, le=42)]
 
 
 class ImuSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The questions to the main board's inertial unit, and the meaning of its six bytes, which nobody has verified on a
-    robot."""
+    """The questions to the main board's inertial unit, and the meaning of its six bytes, unverified on a robot."""
 
     asked: Annotated[
         Literal["never", "simulated", "always"],
-        Meta(description="whether it is asked all the time; `simulated`: not on hardware"),
+        Meta(description="whether it is asked; `simulated`: not on hardware"),
     ] = "never"
     hz: Annotated[float, Meta(ge=1.0, le=20.0, description="how often, between two questions to servos")] = 10.0
-    lsb_per_g: Annotated[
-        float, Meta(gt=0.0, le=1e6, description="what it counts at rest along the axis that is up")
-    ] = 256.0
-    gravity_sign: Annotated[
-        Literal[-1, 1], Meta(description="-1: it counts below zero along the axis that points up")
-    ] = 1
+    lsb_per_g: Annotated[float, Meta(gt=0.0, le=1e6, description="counts at rest, along the upward axis")] = 256.0
+    gravity_sign: Annotated[Literal[-1, 1], Meta(description="-1: negative along the upward axis")] = 1
     order: Annotated[Literal["big", "little"], Meta(description="which byte of a number comes first")] = "big"
-    sum: Annotated[
-        bool, Meta(description="whether the sum of its answer is right, and one with another is thrown away")
-    ] = True
+    sum: Annotated[bool, Meta(description="answers with a wrong sum are dropped")] = True
 
 
 class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -49,7 +42,7 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
     sweep_hz: Annotated[float, Meta(ge=0.0, le=50.0, description="position sweeps per second; 0 reads none")] = 20.0
     on_estop: Annotated[
         Literal["hold", "break", "release"],
-        Meta(description="the emergency stop: hold still, short the motors (dynamic brake), or release at once"),
+        Meta(description="the emergency stop: hold, short the motors, or release"),
     ] = "break"
     acknowledge_s: AcknowledgeS = 3.0
     """Until every servo was read to stand still: after a motion of the main board a second passes before any may be
@@ -59,15 +52,16 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
     settle_s: Annotated[float, Meta(ge=0.0, le=5.0, description="from taking control to the first servo packet")] = 1.0
     trust: Annotated[
         Literal["never", "plausible", "always"],
-        Meta(description="whether positions that servos report are believed: they carry neither id nor checksum"),
+        Meta(description="whether positions are believed: they lack id and checksum"),
     ] = "plausible"
     stored_by: Annotated[
         Literal["remote", "direct"],
-        Meta(description="how the main board's motions are started: as its remote control does, or in PC control"),
+        Meta(description="how the main board's motions start: as by remote control, or in PC control"),
     ] = "remote"
-    slots: Annotated[
-        tuple[Slot, ...], Meta(description="motions that may be started; 33 and 34 switch the robot off and its mode")
-    ] = (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 21)
+    slots: Annotated[tuple[Slot, ...], Meta(description="motions that may start; 33 switches off, 34 the mode")] = (
+        *range(1, 15),
+        21,
+    )
     offsets: Annotated[
         dict[int, Annotated[int, Meta(ge=-60, le=60)]], Meta(description="counts added to each position of a servo")
     ] = field(default_factory=dict)
@@ -101,7 +95,7 @@ KIND = servos_kind(
         Word(
             "pc",
             "take_control",
-            "Take the main board over, so that it passes servo packets on; done by itself before the first move",
+            "Have the main board pass servo packets on; done by itself before the first move",
         ),
         Word("/inquire/{what}", "inquire", "Ask the main board: firmware, serial, zeros, imu or last_button"),
         Word(

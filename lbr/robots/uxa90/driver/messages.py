@@ -25,18 +25,18 @@ Byte = Annotated[int, Meta(ge=0, le=255)]
 
 
 class TakeControlCommand(Struct, frozen=True, kw_only=True):
-    """Have the main board pass servo packets on from now on (PC control); moves nothing."""
+    """Have the main board pass servo packets on (PC control); moves nothing."""
 
 
 class InquireCommand(Struct, frozen=True, kw_only=True):
-    """Ask a servo (`id`) for a register, or the main board for what it knows of itself."""
+    """Ask a servo (`id`) for a register, or the main board about itself."""
 
     what: Question
     id: ServoId | None = None
 
 
 class InquireReply(Struct, frozen=True, kw_only=True):
-    """The answer: numbers as they came, and the same for people."""
+    """The answer: numbers as they came, and for people."""
 
     accepted: bool
     reason: str = ""
@@ -46,7 +46,7 @@ class InquireReply(Struct, frozen=True, kw_only=True):
 
 
 class ConfigureCommand(Struct, frozen=True, kw_only=True):
-    """Write a servo's register. Refused unless the driver's setting `maintenance` is on; its answer is read back."""
+    """Write a servo's register and read it back; needs the driver's setting `maintenance`."""
 
     what: Register
     id: ServoId
@@ -54,9 +54,9 @@ class ConfigureCommand(Struct, frozen=True, kw_only=True):
 
 
 class ControllerState(Struct, frozen=True, kw_only=True):
-    """The main board: in which mode it is taken to be, what it said of itself, and what the line is worth.
+    """The main board: its mode, its versions, and the quality of the line.
 
-    `trust`: whether positions that come are believed now; `reason` says why not.
+    `trust`: positions are believed now; else `reason`.
     """
 
     mode: ControllerMode

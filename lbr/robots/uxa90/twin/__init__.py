@@ -17,12 +17,9 @@ Slot = Annotated[str, Meta(pattern="^[1-9][0-9]?$(?!\\n)", description="the numb
 class Uxa90Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of a UXA-90's serial line; lists are of servos' ids. `unplug`: the cable is out, the robot goes on.
 
-    `silent`: all obey but nothing is said. `no_replies`: the main board answers, servos do not. `stop_reading`: bytes
-    pile up in the port. `brown_out`: without supply, and as after switching on when that ends. `kills_pc`: PC control
-    is lost half a second after it was taken. `babble`: something on the line talks all the time. `late_s`: answers come
-    that much later. `dead`: servos that are not there; `stuck`: that turn no more, though driven; `frozen`: positions
-    and loads are reported as they were. Of servos' answers, `missing`: none comes; `garbage`: other bytes come instead;
-    `shifted`: a byte comes before. `bit_flip`: a bit of an answer is wrong.
+    `no_replies`: only the main board answers. `kills_pc`: PC control ends after half a second. `babble`: bytes all the
+    time. `late_s`: the delay of answers. `dead`: missing servos; `stuck`: they do not turn; `frozen`: positions and
+    loads repeat. Of answers, `missing`: none; `garbage`: other bytes; `shifted`: a byte before.
     """
 
     silent: bool = False
@@ -44,12 +41,11 @@ class Uxa90Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True)
 class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The main board at the other end of a `uxa90` device row's line, and its speed; `ids` are its servos.
 
-    `zeros` are its own zero of each servo, as the main board keeps them. `programmes` replace motions of the main
-    board, by slot. `aborts`: PC control ends a motion; if not, it is ignored meanwhile. `reports_end`: a motion of the
-    remote control is answered when it is over. `answers_fine`: so is a move of 14 bits, with the place. `imu_sum`:
-    whether the sum of what the inertial unit says is right. A servo answers after `reply_ms` and up to `jitter_ms`
-    more; PC control is there `settle_ms` after it was asked for. `trace`: all bytes heard and said, and each change of
-    mode, go to a file beside the device's address, whose name ends in `.trace`.
+    `zeros`: each servo's, as the board keeps them. `programmes`: replace motions of the board, by slot. `aborts`: PC
+    control ends a motion; else it is ignored meanwhile. `reports_end`: a motion of the remote control is answered at
+    its end. `answers_fine`: a move of 14 bits is, too. `imu_sum`: its inertial unit's sum is right. A servo answers
+    after `reply_ms` and up to `jitter_ms`, PC control after `settle_ms`. `trace`: bytes and mode changes go to a
+    `.trace` file beside the device's address.
     """
 
     faults: Uxa90Faults = Uxa90Faults()

@@ -26,10 +26,10 @@ Level = Annotated[int, Meta(ge=0, le=4, description="torque level, 0 the stronge
 
 
 class Frame(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Takes its servos, by id, from where they are to nominal counts within its time; those that it does not name hold.
+    """Takes its servos, by id, to nominal counts within its time; all others hold.
 
-    Fractions of counts are allowed. It goes evenly, or with a gentle start and end if it is `smooth`, at a torque level
-    of its own or the programme's. A frame with `figure` plays that figure of the programme this many `times` instead.
+    Fractions of counts are allowed. `smooth`: a gentle start and end. `level`: in place of the programme's. `figure`:
+    plays that figure of the programme `times` instead.
     """
 
     duration_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 0.0
@@ -45,10 +45,10 @@ class Frame(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion of the main board: its frames, one after the other, from wherever the servos are.
+    """A motion of the main board: its frames in order, from wherever the servos are.
 
-    A servo that it never names stays as it was, limp or held. With `limp` all servos are released at its end. A figure
-    is a few frames, which may be played more than once.
+    A servo that it never names stays, limp or held. `limp`: all are released at its end. `figures`: frames that may be
+    played again.
     """
 
     frames: Annotated[tuple[Frame, ...], Meta(min_length=1)]

@@ -7,11 +7,7 @@ from lbr.simulation.faults import Faults, Probability
 
 
 class CameraFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a camera.
-
-    `frozen`: the same picture for ever, always new. `stalled`: no picture comes. `slow`: two come each second.
-    `black`: its cap is on. `garbage`: a picture is no JPEG.
-    """
+    """Faults of a camera. `stalled`: no picture. `slow`: two a second. `black`: its cap is on. `garbage`: not a JPEG."""
 
     frozen: bool = False
     stalled: bool = False
@@ -21,9 +17,8 @@ class CameraFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class CameraRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where a `camera` device row's camera sits: a name of the world's setting `cameras`.
-
-    Empty: the one that the device's name ends with, or else the first.
+    """The place of a `camera` device row's camera, of the world's `cameras`. Empty: the one that its name ends with, or
+    the first.
     """
 
     faults: CameraFaults = CameraFaults()

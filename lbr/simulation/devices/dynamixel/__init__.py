@@ -10,19 +10,17 @@ from lbr.simulation.faults import Probability, ServoBusFaults
 
 
 class DynamixelFaults(ServoBusFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a bus of AX-12A. Of answers, `stray`: a packet that was not asked for comes before; `pieces`: with a
-    pause in it."""
+    """Faults of a bus of AX-12A. Of answers, `stray`: an unasked packet before; `pieces`: with a pause."""
 
     stray: Probability = 0.0
     pieces: Probability = 0.0
 
 
 class DynamixelRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The servos on a `dynamixel` device row's bus, and how fast it is; `usb2ax` is a dongle's firmware, null: without
-    one.
+    """The servos on a `dynamixel` device row's bus, and its speed; `usb2ax`: a dongle's firmware, null: none.
 
-    `return_delay` is what the servos' registers hold at first, in 2 us; 250 as they leave the factory.
-    `goal_switches_on`: a servo that gets a goal gets torque too, as some users say of theirs and the manual does not.
+    `return_delay`: the servos' registers at first, in 2 us; 250 by the factory. `goal_switches_on`: a goal switches
+    torque on, as some users report, unlike the manual.
     """
 
     faults: DynamixelFaults = DynamixelFaults()

@@ -14,10 +14,7 @@ Pull = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 
 class GamepadFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The input of a gamepad: `pressed` are its buttons, the axes are pushed so far.
-
-    `silent`: it is out of range, and says nothing. `garbage`, `half`: a record has noise before it, or ends early.
-    """
+    """The input of a gamepad: pressed buttons, and how far the axes are pushed; `silent`: out of range."""
 
     pressed: tuple[Press, ...] = ()
     left_x: Push = 0.0

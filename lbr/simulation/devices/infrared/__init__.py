@@ -17,11 +17,7 @@ Scancode = (
 
 
 class InfraredFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of an infrared receiver.
-
-    `silent`: it sees nothing. `garbage`: a record has noise before it. `half`: a record ends early. `stray`: a code of
-    another remote control comes in between. `stuck`: the left beam all the time.
-    """
+    """Faults of an infrared receiver. `stray`: another remote control's code in between. `stuck`: always the left beam."""
 
     silent: bool = False
     garbage: Probability = 0.0

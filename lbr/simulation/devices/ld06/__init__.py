@@ -8,11 +8,7 @@ from lbr.simulation.faults import Faults, Probability
 
 
 class Ld06Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of an LD06. `unplug`: cable out, lidar without power.
-
-    `silent`: it says nothing. `stalled`: its mirror stands still. `dark`: nothing comes back from anywhere. `frozen`:
-    the same distances for ever. `garbage`, `bit_flip`: a packet has noise before it, or a bit wrong.
-    """
+    """Faults of an LD06. `unplug`: cable out, lidar without power. `stalled`: its mirror stands. `dark`: no echo."""
 
     silent: bool = False
     stalled: bool = False

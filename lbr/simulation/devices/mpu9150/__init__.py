@@ -14,9 +14,8 @@ Byte = Annotated[int, Meta(ge=0, le=255)]
 class Mpu9150Faults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of an MPU-9150: those of its bus, and more.
 
-    `frozen`: the same sample for ever, though ready. `jump`: a sample's turn rate is off by 4 rad/s. `noise`: times the
-    usual noise, added. `no_compass`, `overflow`: the compass does not answer, or says that its field is too strong.
-    After a `brown_out` it is asleep with nothing set.
+    `jump`: a turn rate is off by 4 rad/s. `noise`: times the usual, added. `no_compass`, `overflow`: the compass is
+    silent, or reports too strong a field. After a `brown_out` it sleeps, unset.
     """
 
     frozen: bool = False

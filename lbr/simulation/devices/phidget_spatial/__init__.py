@@ -10,10 +10,8 @@ from lbr.simulation.faults import Faults
 
 
 class PhidgetSpatialFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a PhidgetSpatial on its USB cable.
-
-    `silent`: attached, but no sample comes. `frozen`: the same sample for ever. `jump`: the turn rate about x is off by
-    400 degrees a second. `no_compass`: no field is measured.
+    """Faults of a PhidgetSpatial on USB. `jump`: the turn about x is off by 400 degrees a second. `no_compass`: no
+    field.
     """
 
     silent: bool = False

@@ -11,11 +11,10 @@ SupplyV = Annotated[float, Meta(ge=0.0, le=99.99, description="volts")]
 
 
 class PicoFaults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a UPS PIco: those of its bus, what feeds it, and more.
+    """Faults of a UPS PIco: those of its bus, its feed, and more.
 
-    `hung`: its processor stands still, and with it the running counter. `bad_bcd`: the external voltage is not a
-    number. `mode_bit_7`: the highest bit of the mode is set, which means nothing. `external_v`, `battery_v`, `source`:
-    so it is, whatever the world says; null follows the world.
+    `hung`: its processor and counter stand still. `bad_bcd`: the external voltage is not a number. `mode_bit_7`: the
+    mode's highest bit is set, without meaning. `external_v`, `battery_v`, `source`: fixed; null follows the world.
     """
 
     hung: bool = False
@@ -27,9 +26,9 @@ class PicoFaults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 class PicoRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where a `pico` device row's supply answers, and how its own battery is.
+    """Where a `pico` device row's supply answers, and its own battery.
 
-    `relay_on` is what its relay holds while the motors have power, as they have at the beginning.
+    `relay_on`: the relay's register while the motors have power, as at the beginning.
     """
 
     faults: PicoFaults = PicoFaults()

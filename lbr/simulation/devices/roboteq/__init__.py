@@ -14,8 +14,7 @@ Sense = Literal[-1, 1]
 class RoboteqFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of the motor controller: those of a line, and more.
 
-    `undervoltage`, `overheat`: the fault bit, with the power stage off. `no_watchdog`: its watchdog can be set, and
-    does not stop it.
+    `undervoltage`, `overheat`: the fault bit, power stage off. `no_watchdog`: it takes the setting, and never acts.
     """
 
     undervoltage: bool = False

@@ -14,11 +14,10 @@ PinnedM = Annotated[float, Meta(ge=0.0, le=7.65, description="metres a sensor is
 
 
 class UltrasonicFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a ring of ultrasonic sensors, which are told by the names of their rows of `range_sensor`.
+    """Faults of a ring of ultrasonic sensors, named by their rows of `range_sensor`.
 
-    `frozen`: the same numbers for ever. `garbage`, `half_lines`: a report has noise before it, or ends early without
-    its line end. `noise_cm`: standard deviation added. `missing`: sensors that are not there. `over_range`, `error`:
-    sensors that read 758 or 0. `range_*_m` pins a sensor to a distance. `unplug`: cable out, board without power.
+    `half_lines`: a report ends early. `noise_cm`: standard deviation added. `missing`: absent sensors. `over_range`,
+    `error`: they read 758 or 0. `range_*_m`: pins a sensor. `unplug`: cable out, board without power.
     """
 
     silent: bool = False
