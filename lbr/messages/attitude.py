@@ -13,7 +13,7 @@ class AttitudeState(Struct, frozen=True, kw_only=True):
     `heading_deg`: clockwise from true north; null for the reason `heading_reason`. Then `yaw_rad` is null, too, and the
     yaw in `orientation` (w, x, y, z, body to world) continues by gyro. `turned_deg`: the turn since `epoch` began,
     clockwise positive, past 360 and without jumps; another `epoch` starts over. `gyro_bias_rps`: along the
-    body's axes. `magnetic`: the magnetometer is used now; `calibrated`: it was ever calibrated; `still`: the body does
+    body's axes. `magnetic`: the magnetometer is used now. `calibrated`: it was ever calibrated. `still`: the body does
     not turn. `measured_s`: monotonic time of its newest sample.
     """
 
@@ -53,7 +53,7 @@ class CalibrateCommand(Struct, frozen=True, kw_only=True):
 
 
 class CalibrationProgress(Struct, frozen=True, kw_only=True):
-    """Progress of a calibration: `coverage`: the part of a full turn seen; `picture`: an SVG file."""
+    """Progress of a calibration: `coverage`: the part of a full turn seen. `picture`: an SVG file."""
 
     phase: Literal["collecting", "fitting", "done", "refused"]
     collected: int

@@ -57,7 +57,7 @@ class SnapshotReply(Struct, frozen=True, kw_only=True):
 
 
 class SelectCommand(Struct, frozen=True, kw_only=True):
-    """Switch this camera on and all others off; `off`: none."""
+    """Switch this camera on and all others off. `off`: none."""
 
     name: Name
 

@@ -75,8 +75,8 @@ class TwistCommand(Struct, frozen=True, kw_only=True):
 class GoalResult(Struct, frozen=True, kw_only=True):
     """The end of a bounded move or a turn. `reached` and `interval` are the planned ends; all others carry a reason.
 
-    `code`: why it ended; `cause`: what a program should know besides; `note`: the same for people. `error_deg`: turned
-    past the target, clockwise positive; `error_m`: the same of a distance.
+    `code`: why it ended. `cause`: what a program should know besides. `note`: the same for people. `error_deg`: turned
+    past the target, clockwise positive. `error_m`: the same of a distance.
     """
 
     goal: str

@@ -75,7 +75,7 @@ class EditCommand(Struct, frozen=True, kw_only=True):
 
 
 class EditReply(Struct, frozen=True, kw_only=True):
-    """The result of an edit; `revision`: the newest in force, also after a refusal."""
+    """The result of an edit. `revision`: the newest in force, also after a refusal."""
 
     accepted: bool
     reason: str = ""

@@ -35,7 +35,7 @@ class GamepadState(Struct, frozen=True, kw_only=True):
 
 
 class TeleopState(Struct, frozen=True, kw_only=True):
-    """The effect of a gamepad: whether the dead-man button is held, and the twist; `reason`: why it does not drive."""
+    """The effect of a gamepad: whether the dead-man button is held, and the twist. `reason`: why it does not drive."""
 
     pad: bool
     dead_man: bool

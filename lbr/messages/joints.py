@@ -224,7 +224,7 @@ class JointsCommand(Struct, frozen=True, kw_only=True):
     Without `duration_s` the longest way sets the time, at `speed_rps` or as the rows allow; no joint goes faster than its row. `smooth` passes through frames without a stop, `linear` goes straight between them. `append`: `frames` follow those under way; the goal stays. With nothing to move, it renews the lease. `asked_s`: when the
     original sender asked, by the robot's monotonic clock; older than a stop, it does not begin.
 
-    `join`: `positions` begin at once beside what moves, as fast as they may. `torque`: the strength of the named joints, a fraction of their most; `torques`: where they differ.
+    `join`: `positions` begin at once beside what moves, as fast as they may. `torque`: the strength of the named joints, a fraction of their most. `torques`: where they differ.
     `stored`: the robot's own controller plays it; nothing else moves meanwhile. `stay`: the lease lives on after the
     end, while it is renewed.
     """
@@ -279,7 +279,7 @@ class RecoverCommand(Struct, frozen=True, kw_only=True):
 class JointState(Struct, frozen=True, kw_only=True):
     """One joint as measured last; null is not measured. `load`: a signed fraction of its most.
 
-    `goal_rad`: what its servo holds or reaches; `target_rad`: the end of its way, meanwhile. `torque`: as applied, 0
+    `goal_rad`: what its servo holds or reaches. `target_rad`: the end of its way, meanwhile. `torque`: as applied, 0
     for none. `faults`: present ones; `latched` keep it without torque until it is recovered. `raw`: the servo's own
     number. `trusted`: whether the measurement is believed, where that is a question.
     """

@@ -41,7 +41,7 @@ class StopCommand(Struct, frozen=True, kw_only=True):
 class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """The answer to a command: accepted, with its lease; or refused, with the reason.
 
-    `cause`: how a dead lease ended; `note`: its sentence. `holder`: who holds what was asked for.
+    `cause`: how a dead lease ended. `note`: its sentence. `holder`: who holds what was asked for.
     """
 
     accepted: bool

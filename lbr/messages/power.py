@@ -17,7 +17,7 @@ class UpsState(Struct, frozen=True, kw_only=True):
     """The readings of an uninterruptible power supply; null is not measured. `valid` false: it does not answer or
     hangs.
 
-    `external_v`: what feeds the robot; `battery_v`: the supply's own battery; `output_v`: to the computer. `relay`: the
+    `external_v`: what feeds the robot. `battery_v`: the supply's own battery. `output_v`: to the computer. `relay`: the
     motors have power. `emulated`: read from a socket, not from hardware; it never powers a computer off.
     """
 

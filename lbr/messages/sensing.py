@@ -22,7 +22,7 @@ class Ranges(Struct, frozen=True, kw_only=True):
     """Distances around the robot in metres; null is not measured, and `status` is the reason.
 
     The sensors are rows of `range_sensor`; those without a field are in `others_m`, and then only those with a value or status. `over_range`: nothing within reach. `invalid`: the sensor sent an error
-    value. `missing`: the sensor does not exist or answer. `cycle_s`: the board's measuring cycle; `ages_s`: of each measurement.
+    value. `missing`: the sensor does not exist or answer. `cycle_s`: the board's measuring cycle. `ages_s`: of each measurement.
     """
 
     forward_m: float | None

@@ -56,7 +56,7 @@ class ServoSetpoint(Struct, frozen=True, kw_only=True):
 class ServoState(Struct, frozen=True, kw_only=True):
     """One servo as measured last; null is not measured. `load`: a fraction of its most, signed like `speed_rps`.
 
-    `faults`: reported by it or found by the driver; `latched`: those that keep it without torque until it is recovered.
+    `faults`: reported by it or found by the driver. `latched`: those that keep it without torque until it is recovered.
     `age_s`: of the position. `trusted` false: `raw` came, and is not believed; null: the line leaves no doubt.
     """
 

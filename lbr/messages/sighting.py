@@ -22,7 +22,7 @@ class WatchCommand(Struct, frozen=True, kw_only=True):
 class SightingState(Struct, frozen=True, kw_only=True):
     """The search for a target, the time left, and where the target is, if the newest picture shows it.
 
-    `bearing_deg`: from straight ahead, to the right positive. `wide_deg`: how wide it appears; `distance_m`: from the
+    `bearing_deg`: from straight ahead, to the right positive. `wide_deg`: how wide it appears. `distance_m`: from the
     camera, if its true diameter is known. `age_s`: of the last picture that shows it.
     """
 

@@ -64,7 +64,7 @@ class PlayReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class SpeechState(Struct, frozen=True, kw_only=True):
-    """The sentence under way, how many wait, and where it sounds; `playing`: the song."""
+    """The sentence under way, how many wait, and where it sounds. `playing`: the song."""
 
     speaking: bool
     text: str

@@ -28,7 +28,7 @@ CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping"
 class Stamp(Struct, frozen=True, kw_only=True):
     """The publisher, the number of the message since its start, and its monotonic and wall clock.
 
-    `boot`: two monotonic times compare only within one. `seal` proves the writer of a setpoint. `waited_s`: the wait before it was sent, as of a typed line. `by`: the original asker. `via`: the door from another machine; `token`: who came in there, proven by a seal.
+    `boot`: two monotonic times compare only within one. `seal` proves the writer of a setpoint. `waited_s`: the wait before it was sent, as of a typed line. `by`: the original asker. `via`: the door from another machine. `token`: who came in there, proven by a seal.
     """
 
     source: str
@@ -95,7 +95,7 @@ class EstopRelease(Struct, frozen=True, kw_only=True):
 class EstopState(Struct, frozen=True, kw_only=True):
     """The latch, and which capabilities' devices have acknowledged it.
 
-    `overdue`: those of `waiting` whose time by their row is over; `text`: who has acknowledged.
+    `overdue`: those of `waiting` whose time by their row is over. `text`: who has acknowledged.
     """
 
     engaged: bool
@@ -154,7 +154,7 @@ class ConsoleResult(Struct, frozen=True, kw_only=True):
 class CapabilityStatus(Struct, frozen=True, kw_only=True):
     """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count.
 
-    `reason`: its state now; `last_end`: its last unasked end, with `end_code`. `host`: the other machine that it runs
+    `reason`: its state now. `last_end`: its last unasked end, with `end_code`. `host`: the other machine that it runs
     on; empty: the robot's. `process`: the one that it shares; `pid`, CPU and memory are then those of all in it.
     """
 

@@ -12,7 +12,7 @@ class LineBytes(Struct, frozen=True, array_like=True, gc=False):
 
 
 class TapedLine(Struct, frozen=True, kw_only=True):
-    """The bytes of a device's line since the last message; `opening`: those by which it was opened before the
+    """The bytes of a device's line since the last message. `opening`: those by which it was opened before the
     recording."""
 
     device: str

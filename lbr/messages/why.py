@@ -61,7 +61,7 @@ class Link(Struct, frozen=True, kw_only=True):
 class Chain(Struct, frozen=True, kw_only=True):
     """Why a part stands still, in one sentence: that of the first link that holds it. `first` is its place in `links`.
 
-    `state` is that link's; `ok`: nothing holds it. `source` says what could be asked: the robot's bus, or its rows
+    `state` is that link's. `ok`: nothing holds it. `source` says what could be asked: the robot's bus, or its rows
     alone because nothing of it answers.
     """
 
