@@ -20,6 +20,7 @@ import tempfile
 import time
 import tomllib
 from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from fnmatch import fnmatch
@@ -264,15 +265,18 @@ def _tried(
 
 
 def _tests(tree: Path, mutant: Mutant, lines: coverage.CoverageData, took_s: dict[str, float]) -> list[str]:
-    """Return the tests that run a fault's lines, the quickest first."""
+    """Return the tests that run a fault's lines, the quickest first; then the others, whose programs may run them."""
     by_line = lines.contexts_by_lineno(str(tree / mutant.path))
     contexts = {context for line in range(mutant.line, mutant.end_line + 1) for context in by_line.get(line, [])}
     if contexts == {""}:  # it runs when the module is imported: whatever uses the module may tell
         contexts = {context for every in by_line.values() for context in every}
     running = {context.split("|")[0] for context in contexts} & took_s.keys()
-    tests = sorted(running or took_s, key=lambda test: took_s[test])  # none: a program that tests start may run it
+    return [*_quickest(running, took_s), *_quickest(took_s.keys() - running, took_s)]
+
+
+def _quickest(tests: AbstractSet[str], took_s: dict[str, float]) -> list[str]:
     chosen, total_s = [], 0.0
-    for test in tests:
+    for test in sorted(tests, key=lambda test: took_s[test]):
         total_s += took_s[test]
         if total_s > QUICK_S:
             break

@@ -2,6 +2,7 @@
 
 import gc
 import os
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -17,7 +18,7 @@ from tests.support.waiting import until
 
 RELEASING = """
 import sys
-from lbr.drivers.servos.guard_release import run
+from lbr.drivers.servos import guard_release
 
 class Servos:
     blind, least_hold_s = sys.argv[-1] == "blind", {least_hold_s}
@@ -42,7 +43,8 @@ class Servos:
     def off(self):
         print("off")
 
-run(sys.argv[1:], Servos)
+guard_release.drop_output = lambda line: print("drop", line)
+guard_release.run(sys.argv[1:], Servos)
 """
 
 
@@ -95,6 +97,12 @@ def state(pid):
         return ""
 
 
+def test_who_only_reads_the_program_of_a_guard_runs_nothing_and_finds_its_modules_as_before():
+    before = list(sys.path)
+    assert runpy.run_path(guard_stop.__file__, run_name="read")["TRIES"] == guard_stop.TRIES
+    assert sys.path == before
+
+
 def test_a_controller_that_says_nothing_is_told_to_stop_ten_times_in_a_third_of_a_second(monkeypatch):
     now, told = [100.0], []
 
@@ -122,7 +130,7 @@ def test_a_controller_that_says_nothing_is_told_to_stop_ten_times_in_a_third_of_
 def test_a_guard_of_servos_acts_unless_it_is_dismissed_or_cannot_ask_whether_one_has_torque(line, said, blind, acts):
     told = released(line, said, *(["blind"] if blind else []))
     assert told[0].startswith(f"servos {line} [1, 2]")
-    assert list(dict.fromkeys(told[1:])) == (["hold", "keep", "prepare", "fade", "off"] if acts else [])
+    assert list(dict.fromkeys(told[1:])) == (["hold", "keep", "prepare", "fade", "off", f"drop {line}"] if acts else [])
 
 
 @pytest.mark.parametrize(("hold_s", "least_hold_s"), [(2 * STEP_S, 0.0), (0.0, 2 * STEP_S)])

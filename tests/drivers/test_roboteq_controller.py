@@ -10,9 +10,11 @@ from lbr.drivers.roboteq import protocol as wire
 from lbr.drivers.roboteq.controller import Controller, wire_value
 from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
+from lbr.simulation.devices.roboteq.device import RoboteqDevice
 from tests.support.waiting import STOPS_S, until
 
 NOISE = {"junk": b"junk\r" * 200, "line ends": b"\r" * 1000, "no line ends": b"\xff" * 1000}
+STAND = "!M 0 0"
 MIRRORED = '{"device": "motors", "left": {"channel": 1, "direction": -1}, "right": {"channel": 2}'
 
 
@@ -137,6 +139,43 @@ def test_mixed_channels_are_refused_unless_the_row_says_otherwise(bring_up, peer
     peer.settings["MXMD"] = 1
     with pytest.raises(DeviceError, match="~MXMD with 1, expected 0"):
         bring_up().open()
+
+
+class LateLine:
+    """Answers each command 60 ms after it was written."""
+
+    def __init__(self):
+        self.now, self.device, self.due, self.written = 100.0, RoboteqDevice(), [], []
+
+    def clock(self):
+        return self.now
+
+    def write(self, data):
+        self.written.append(data)
+        self.due.append((self.now + 0.06, data))
+        return len(data)
+
+    def read(self, wait_s=0.0):
+        until = self.now + wait_s
+        if self.due and self.due[0][0] <= until:
+            at, asked = self.due.pop(0)
+            self.now = max(self.now, at)
+            return self.device.feed(asked, at - 0.01) + self.device.poll(at)
+        self.now = until
+        return b""
+
+    def drop_output(self):
+        pass
+
+    drop_input = close = drop_output
+
+
+def test_a_controller_that_is_set_up_may_take_longer_for_its_answers_than_one_that_drives():
+    line = LateLine()
+    controller = Controller(line, KIND.parse('{"device": "motors", "reply_timeout_s": 0.03}'), line.clock)
+    controller.open()
+    assert [line.written.count(b"%s\r" % asked) for asked in (b"?FID", b"?TRN", b"~RWD", b"?FF")] == [1, 1, 1, 1]
+    assert not controller.stop()
 
 
 def test_the_wrong_device_is_named_and_never_told_to_move(bring_up, peer):
@@ -313,6 +352,11 @@ def test_closing_tells_whether_somebody_may_still_be_moving(bring_up, peer):
     controller.open()
     assert controller.close()
     controller = bring_up()
+    controller.open()
+    unheard = iter(range(2))
+    peer.answer = lambda line: b"" if line == STAND and next(unheard, None) is not None else None
+    assert controller.close(), "the third is answered"
+    controller = bring_up()
     assert controller.close()  # never opened
     controller = bring_up()
     controller.open()
@@ -325,7 +369,8 @@ def test_an_emergency_stop_cuts_then_zeroes_and_release_zeroes_first(bring_up, p
     controller.open()
     controller.drive(0.4, 0.4)
     assert controller.emergency_stop()
-    assert peer.motor_commands()[-2:] == ["!EX", "!M 0 0"]
+    assert peer.motor_commands()[-2:] == ["!EX", STAND]
+    assert controller.asked == (0.0, 0.0)
     assert controller.release()
     assert peer.motor_commands()[-2:] == ["!M 0 0", "!MG"]
     assert not peer.latched

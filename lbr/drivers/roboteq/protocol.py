@@ -89,10 +89,6 @@ class ReplyParser:
             replies += [Noise(line.readable)] if line.overlong else parse_line(line.data)
         return replies
 
-    def reset(self) -> None:
-        """Forget a line begun."""
-        self._lines.reset()
-
     @property
     def held_bytes(self) -> int:
         """Return how many bytes of an unfinished line it holds."""
