@@ -74,6 +74,17 @@ def test_a_smooth_way_does_not_stop_at_a_frame_it_passes_and_does_where_it_turns
     assert way.stretch == 1.0
 
 
+@pytest.mark.parametrize("back", [False, True])
+def test_the_speed_at_a_frame_is_the_harmonic_mean_of_both_ways_the_nearer_one_counting_for_more(back):
+    knots, steps_s = [0.0, 0.2, 1.0], [1.0, 2.0]
+    if back:
+        knots, steps_s = knots[::-1], steps_s[::-1]
+    way = plan(
+        {"a": knots[0]}, [frame(step_s, a=knot) for knot, step_s in zip(knots[1:], steps_s, strict=True)], LIMITS
+    )
+    assert abs(speeds(way, steps_s[0])["a"]) == pytest.approx(3.0 * 3.0 / (5.0 / 0.2 + 4.0 / 0.4))
+
+
 def test_all_of_it_takes_longer_when_one_joint_would_be_too_fast():
     way = plan({"a": 0.0, "b": 0.0}, [frame(1.0, a=1.0), frame(0.5, b=4.0)], LIMITS, "linear")
     assert way.times_s == pytest.approx((0.0, 4.0, 6.0))
