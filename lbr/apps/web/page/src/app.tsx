@@ -49,6 +49,12 @@ export function App() {
   useStopKeys();
   const [settings, openSettings] = useState(false);
   const [connecting, connect] = useState(false);
+  const [mending, mends] = useState(false);
+  useEffect(() => {
+    const close = (): void => mends(false);
+    window.addEventListener("hashchange", close);
+    return () => window.removeEventListener("hashchange", close);
+  }, []);
   const known = robot.value;
   const views = known ? VIEWS.filter((view) => view.shows(known)) : [];
   const view = views.find((one) => one.id === place.value) ?? views[0];
@@ -64,6 +70,7 @@ export function App() {
           </h1>
           <div class="top-end">
             <LinkState />
+            {known && unwell.value && <Button class="top-mend" kind="quiet" icon="warn" label={t("lacking.title")} onClick={() => mends(true)}>{t("lacking.title")}</Button>}
             {knows("phone") && <Button class="top-phone" kind="quiet" icon="mobile" label={t("phone.connect")} onClick={() => connect(true)}>{t("phone.connect")}</Button>}
             <Button kind="quiet" icon="settings" label={t("shell.settings")} onClick={() => openSettings(true)} />
           </div>
@@ -75,7 +82,6 @@ export function App() {
           ))}
         </nav>
         <main class="main" id="main" tabIndex={-1} data-view={view?.id}>
-          {known && view === views[0] && unwell.value && <Shown view={LACKING} quiet />}
           {known && view ? <Shown key={view.id} view={view} /> : unknown.value && !known ? <SignIn /> : <Waiting />}
         </main>
       </div>
@@ -83,6 +89,7 @@ export function App() {
       <Notices />
       <StopButton />
       <Settings open={settings} onClose={() => openSettings(false)} />
+      <Dialog title={t("lacking.title")} open={mending} onClose={() => mends(false)}><Shown view={LACKING} /></Dialog>
       <ConnectPhone open={connecting} onClose={() => connect(false)} />
     </>
   );
@@ -165,7 +172,7 @@ function Notices() {
 }
 
 /** A view, loaded when it is first looked at; one that breaks leaves stop and navigation alone. */
-class Shown extends Component<{ view: Pick<View, "load">; quiet?: boolean }, { Made?: ComponentType; broken?: string }> {
+class Shown extends Component<{ view: Pick<View, "load"> }, { Made?: ComponentType; broken?: string }> {
   override state: { Made?: ComponentType; broken?: string } = {};
 
   override componentDidMount(): void {
@@ -186,7 +193,6 @@ class Shown extends Component<{ view: Pick<View, "load">; quiet?: boolean }, { M
 
   override render() {
     const { Made, broken } = this.state;
-    if (this.props.quiet && !Made) return null;
     if (broken) return <Empty icon="warn" title={t("shell.broken")}><p>{broken}</p><Button onClick={() => location.reload()}>{t("shell.again")}</Button></Empty>;
     return Made ? <Made /> : <Waiting />;
   }

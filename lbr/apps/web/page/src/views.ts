@@ -13,7 +13,7 @@ export interface View {
   load: () => Promise<{ default: ComponentType }>;
 }
 
-/** What is above the first view of a robot that is not well. */
+/** What is to be mended of a robot that is not well; asked for from every view. */
 export const LACKING: Pick<View, "load"> = { load: () => import("./views/system/Lacking") };
 
 export const VIEWS: View[] = [

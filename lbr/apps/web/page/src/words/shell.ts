@@ -13,6 +13,7 @@ export const shell = {
   "shell.loading": ["Asking the robot …", "Der Roboter wird gefragt …"],
   "shell.broken": ["This view could not be loaded", "Diese Ansicht ließ sich nicht laden"],
   "shell.again": ["Try again", "Noch einmal"],
+  "lacking.title": ["To mend", "Zu beheben"],
   "link.open": ["Connected", "Verbunden"],
   "link.connecting": ["Connecting", "Verbindet"],
   "link.lost": ["Link lost", "Verbindung weg"],

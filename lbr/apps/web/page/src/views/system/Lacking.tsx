@@ -1,9 +1,8 @@
-// On the first view of a robot that is being built: what is missing, in which order it is mended. All else can be used.
+// Of a robot that is being built: what is missing, in which order it is mended. All else can be used.
 import { useEffect, useState } from "preact/hooks";
 import { plain } from "../../format";
 import { status } from "../../live";
-import { remember, remembered } from "../../kept";
-import { Button, Icon } from "../../parts";
+import { Button } from "../../parts";
 import { consoleLine, fetchJson, knows, may } from "../../robot";
 import { learn, t } from "../../words";
 import { system } from "../../words/system";
@@ -19,7 +18,6 @@ export default function Lacking() {
   const parts = status.value?.capabilities ?? [];
   const names = parts.filter(ill).map((one) => one.name).slice(0, MOST);
   const [chains, tell] = useState<Record<string, Chain>>({});
-  const [open, unfold] = useState(() => remembered("lacking", matchMedia("(min-width: 840px)").matches)); // a phone shows one line: the stick stays in reach
   const [feeds, hear] = useState<Record<string, string[]>>({});
   const [log, read] = useState("");
   useEffect(() => {
@@ -35,19 +33,13 @@ export default function Lacking() {
     void ask();
     return () => { over = true; };
   }, [names.join(" "), status.value?.revision]);
-  if (names.length === 0) return null;
-  const found = lacks(parts, chains, feeds);
-  const toggle = (): void => { unfold(!open); remember("lacking", !open); };
+  if (names.length === 0) return <p class="muted">{t("lacking.none")}</p>;
   return (
-    <section class="lacking" aria-label={t("lacking.title", { count: found.length })}>
-      <div class="lacking-head">
-        <Icon name="warn" />
-        <p><strong>{t("lacking.title", { count: found.length })}</strong><span>{open ? t("lacking.rest") : found.map((one) => plain(one.root)).join(", ")}</span></p>
-        <Button kind="quiet" icon={open ? "up" : "down"} label={t(open ? "lacking.hide" : "lacking.show")} aria-expanded={open} onClick={toggle} />
-      </div>
-      {open && <ol class="lacking-list">{found.map((one) => <One key={one.root} of={one} onLog={() => read(one.root)} />)}</ol>}
+    <>
+      <p class="muted">{t("lacking.rest")}</p>
+      <ol class="lacking">{lacks(parts, chains, feeds).map((one) => <One key={one.root} of={one} onLog={() => read(one.root)} />)}</ol>
       {log && <Log name={log} onClose={() => read("")} />}
-    </section>
+    </>
   );
 }
 
