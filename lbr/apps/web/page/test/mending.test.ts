@@ -22,7 +22,7 @@ test("a part whose reason nobody asked for yet, or whose root is well again, is 
 
 test("what hears of a part without its device waits for that, also by way of others and in circles", () => {
   const parts = [part("motors"), part("ranges"), part("odometry"), part("drive"), part("behaviour"), part("speech", "ready")];
-  const away = { state: "held", text: "", code: "unreachable", do: "" };
+  const away = { ...held("range_board", "port", "is missing"), code: "unreachable" };
   const feeds = feedsOf([["motors.state", "odometry.motors"], ["odometry.state", "drive.odometry"], ["drive.setpoint", "motors.setpoint"], ["ranges.readings", "drive.ranges"], ["drive.state", "behaviour.drive"], ["speech.state", "behaviour.speech"]].map(([source, target]) => ({ source, target, enabled: true })));
   const found = lacks(parts, { motors: away, ranges: away }, feeds);
   assert.deepEqual(found.map((one) => [one.root, one.waits, one.device]), [["motors", ["odometry", "drive", "behaviour"], true], ["ranges", ["drive", "behaviour"], true]]);

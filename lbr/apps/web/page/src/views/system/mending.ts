@@ -21,7 +21,10 @@ export function feedsOf(channels: Record<string, unknown>[]): Record<string, str
 export function lacks(parts: CapabilityStatus[], chains: Record<string, Chain | undefined>, feeds: Record<string, string[]> = {}): Lack[] {
   const wrong = new Map(parts.filter(ill).map((part) => [part.name, part]));
   const linkOf = (name: string) => { const chain = chains[name]; return chain && chain.state !== "ok" ? chain.links?.[chain.first ?? -1] : undefined; };
-  const own = (name: string): boolean => (linkOf(name)?.about ?? name) === name && (linkOf(name)?.name === "line" || chains[name]?.code === "unreachable" || wrong.get(name)?.code === "unreachable");
+  const known = new Set(parts.map((one) => one.name));
+  /** The part itself, or its device, is what is told of. */
+  const mine = (name: string, about = linkOf(name)?.about ?? name): boolean => about === name || !known.has(about);
+  const own = (name: string): boolean => mine(name) && (linkOf(name)?.name === "line" || chains[name]?.code === "unreachable" || wrong.get(name)?.code === "unreachable");
   /** What holds a part: itself where its device is away, or else what it hears of where that is not well. */
   const roots = (name: string, seen: string[]): string[] => {
     if (own(name)) return [name];
