@@ -132,8 +132,10 @@ def test_an_acknowledgement_that_comes_before_the_next_round_is_reported(tmp_pat
         robot.rest()
         bus.put(keys.estop("lbr"), json.dumps({"engaged": True, "reason": "a ladder"}))
         until(lambda: robot.kept.state().engaged, what="it is latched")
+        before = robot.woken
         acknowledge(bus, engaged=True)
         until(lambda: robot.kept.state().acknowledged, what="the motors stand")
+        until(lambda: robot.woken > before, what="its next round is due at once")
         robot.kept.step(emergency.time.monotonic())
         assert [kind for kind, _ in robot.news] == ["estop", "estop_acknowledged"]
 

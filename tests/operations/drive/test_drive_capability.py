@@ -12,7 +12,7 @@ from lbr.messages.drive import CheckVerdict, DriveCommand
 from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import KIND
 from lbr.operations.drive.capability import Drive
-from lbr.operations.lender import mark
+from lbr.operations.lender import MOST_WAITING, mark
 from tests.operations.drive.drive_bench import motors, ranges
 from tests.operations.drive.drive_context import DriveContext
 
@@ -203,6 +203,14 @@ def test_a_flood_by_others_does_not_take_the_lease_of_the_one_who_holds_it():
         stage.run(0.1, (feed,))
     assert setpoints[-1].lease == mark(lease)
     assert setpoints[-1].left > 0.0
+
+
+def test_no_more_than_sixteen_commands_wait_for_checks(robot):
+    robot.ctx.checks = None
+    calls = [robot.send(robot.ctx.command(0.5, source=f"phone{number}")) for number in range(MOST_WAITING + 1)]
+    assert MOST_WAITING == 16
+    assert [call.answer for call in calls[:-1]] == [None] * MOST_WAITING
+    assert calls[-1].answer.code == "busy"
 
 
 def test_a_computer_that_slept_has_ended_every_motion_and_begins_none_from_before(robot):
