@@ -218,7 +218,8 @@ def measure(given: argparse.Namespace) -> Measured:
                 given.outcomes.write_bytes(msgspec.json.format(msgspec.json.encode(outcomes)))
     told = [f"found by time alone: {one.fault} (line {one.line}): {one.found_by}" for one in outcomes if one.doubtful]
     told += [f"not found: {one.fault} (line {one.line})" for one in outcomes if not one.found_by]
-    return Measured(results=_results(outcomes), text="\n".join([*_table(outcomes), "", *told]))
+    load = f"{len(outcomes)} faults, seed {given.seed}"
+    return Measured(results=_results(outcomes), load=load, text="\n".join([*_table(outcomes), "", *told]))
 
 
 def faults_of(name: str) -> list[Mutant]:
