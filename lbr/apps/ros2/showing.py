@@ -37,12 +37,12 @@ class Showing:
         self._ctx = ctx
         self._ports = ports
         self._model = model
-        self._sensors = {one.name: one for one in sensors}
+        self._sensors = {sensor.name: sensor for sensor in sensors}
         self._scans = topics.scan_topics(ctx.sources, sensors)
         self._of_cameras = [
-            of(one) for one in ctx.sources("frames") for of in (topics.picture_topic, topics.info_topic)
+            of(camera) for camera in ctx.sources("frames") for of in (topics.picture_topic, topics.info_topic)
         ]
-        self._eyes = {shown.CAMERA + one.name: one for one in model.sensors if one.kind == "camera"}
+        self._eyes = {shown.CAMERA + sensor.name: sensor for sensor in model.sensors if sensor.kind == "camera"}
         self._publish = publish
         self._wall_ns = wall_ns
         self._next: dict[str, float] = {}

@@ -68,12 +68,15 @@ def fixed(model: RobotModel, sensors: Iterable[RangeSensor], at_ns: int) -> list
     ]
     eyes = [
         transform(
-            one.link or BASE, CAMERA + one.name, Place(one.xyz, turning.by_euler(one.rpy, "XYZ")).then(LENS), at_ns
+            sensor.link or BASE,
+            CAMERA + sensor.name,
+            Place(sensor.xyz, turning.by_euler(sensor.rpy, "XYZ")).then(LENS),
+            at_ns,
         )
-        for one in model.sensors
-        if one.kind == "camera"
+        for sensor in model.sensors
+        if sensor.kind == "camera"
     ]
-    return [*links, *eyes, *(transform(BASE, frame(one), _seat(one), at_ns) for one in sensors)]
+    return [*links, *eyes, *(transform(BASE, frame(sensor), _seat(sensor), at_ns) for sensor in sensors)]
 
 
 def moves(link: Link, model: RobotModel) -> bool:
