@@ -72,7 +72,7 @@ class Door(BaseRoute):
 class Mcp(Capability[McpSettings]):
     """Raises DeviceError while it cannot listen."""
 
-    rate_hz = 20.0
+    rate_hz = 10.0
     woken_by_streams = False
 
     def __init__(self, ctx: Context[McpSettings]) -> None:
