@@ -366,6 +366,7 @@ class Agent:
             level="info" if outcome.good else "warning",
             code=outcome.code,
             about=robot.blocking.source,
+            data={"agent": self.name},
             wall_ns=time.time_ns(),
         )
         try:

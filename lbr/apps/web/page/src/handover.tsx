@@ -1,4 +1,4 @@
-// Two people, one robot: who wants what another holds asks for it, and the holder hands it over or goes on.
+// Two people, one robot: who wants what another holds asks for it, and the holder hands it over or goes on. An agent asks, too.
 import { signal } from "@preact/signals";
 import { ask } from "./access";
 import { plain } from "./format";
@@ -7,14 +7,15 @@ import { onEvent } from "./live";
 import { Mend } from "./mend";
 import { notice } from "./notices";
 import { Button, Icon } from "./parts";
-import { may, streamOfType } from "./robot";
-import { t } from "./words";
+import { able, command, may, streamOfType } from "./robot";
+import { t, type WordKey } from "./words";
 
 interface Asker { by: string; capability: string }
-/** Who asks for what this page holds. */
-const asker = signal<Asker | null>(null);
-/** How long a question stays on the screen of the one who holds. */
-const SHOWN_MS = 20_000;
+interface Question { text: string; yes: WordKey; agree: () => void }
+/** What somebody asks of this page's user, and what a yes does. */
+const question = signal<Question | null>(null);
+/** How long a question stays on the screen: of another person, of an agent. */
+const SHOWN_MS = 20_000, AGENT_MS = 60_000;
 /** How long a handover is taken for the answer to what was asked here. */
 const AWAITED_MS = 120_000;
 let wanted = { capability: "", at: 0 };
@@ -25,31 +26,39 @@ export async function askFor(capability: string): Promise<void> {
   if ((await ask("api/ask", { method: "POST", body: { capability } })).ok) notice(t("hand.asked"), "info");
 }
 
+function show(asked: Question, forMs: number): void {
+  question.value = asked;
+  navigator.vibrate?.(80);
+  setTimeout(() => { if (question.value === asked) question.value = null; }, forMs);
+}
+
 function handOver({ by, capability }: Asker): void {
   holding.release();
-  asker.value = null;
   void ask("api/hand_over", { method: "POST", body: { capability, to: by } });
 }
+
+const allow = (agent: string): void => able("allow").forEach((owner) => void command(owner, "allow", { agent }));
 
 /** Who that is, as people say it. */
 export const named = (source: string): string => source.replace(/^web:/, "");
 
-onEvent.add(({ kind, data }) => {
-  const { by, capability } = (data ?? {}) as Partial<Asker>;
+onEvent.add(({ kind, code, data }) => {
+  const { by, capability, agent } = (data ?? {}) as Partial<Asker> & { agent?: unknown };
+  if (code === "confirm" && typeof agent === "string" && may("operate") && able("allow").length > 0) {
+    show({ text: t("hand.wants.agent", { agent }), yes: "hand.allow", agree: () => allow(agent) }, AGENT_MS);
+  }
   if (typeof by !== "string" || typeof capability !== "string") return;
   const { holds, to } = holding.state.value;
   if (kind === "asked_for" && holds && to.startsWith(`${capability}/`)) {
     const asked = { by, capability };
-    asker.value = asked;
-    navigator.vibrate?.(80);
-    setTimeout(() => { if (asker.value === asked) asker.value = null; }, SHOWN_MS);
+    show({ text: wish(asked), yes: "hand.over", agree: () => handOver(asked) }, SHOWN_MS);
   } else if (kind === "handed_over" && wanted.capability === capability && performance.now() - wanted.at < AWAITED_MS) {
     wanted = { capability: "", at: 0 };
     notice(t("hand.yours", { by: named(by) }), "good");
   }
 });
 
-const question = ({ by, capability }: Asker): string => {
+const wish = ({ by, capability }: Asker): string => {
   const drives = capability === streamOfType("DriveState").split("/")[0];
   return drives ? t("hand.wants.drive", { by: named(by) }) : t("hand.wants", { by: named(by), what: plain(capability) });
 };
@@ -67,16 +76,16 @@ export function Held({ capability }: { capability: string }) {
   );
 }
 
-/** The question of another, and its answers; it moves nothing else on the screen, for a thumb may be on the stick. */
+/** The question of another or of an agent, and its answers; it moves nothing else on the screen, for a thumb may be on the stick. */
 export function Asked() {
-  const asked = asker.value;
+  const asked = question.value;
   if (!asked) return null;
   return (
     <div class="notice notice-ask" role="alert">
       <Icon name="person" />
-      <p><strong>{question(asked)}</strong></p>
-      <Button kind="primary" onClick={() => handOver(asked)}>{t("hand.over")}</Button>
-      <Button kind="quiet" onClick={() => { asker.value = null; }}>{t("hand.later")}</Button>
+      <p><strong>{asked.text}</strong></p>
+      <Button kind="primary" onClick={() => { question.value = null; asked.agree(); }}>{t(asked.yes)}</Button>
+      <Button kind="quiet" onClick={() => { question.value = null; }}>{t("hand.later")}</Button>
     </div>
   );
 }

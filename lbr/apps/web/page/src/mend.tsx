@@ -2,14 +2,13 @@
 import { askFor } from "./handover";
 import { holding } from "./holding";
 import { Button, type IconName } from "./parts";
-import { command, may, robot } from "./robot";
+import { able, command, may, robot } from "./robot";
 import { asksReset } from "./stopping";
 import type { WordKey } from "./words";
 import { t } from "./words";
 
 interface Way { text: WordKey; icon: IconName; go: () => void; pressed?: boolean }
 
-const able = (name: string): string[] => (robot.value?.capabilities ?? []).filter((one) => one.commands[name]).map((one) => one.name);
 const lends = (name: string): boolean => robot.value?.capabilities.some((one) => one.name === name && Object.values(one.commands).some(({ leased }) => leased)) ?? false;
 
 /** A button that has every capability with a command carry it out; none without such a capability. */

@@ -66,6 +66,9 @@ async function asked<T>(path: string, options: Parameters<typeof ask>[1] & objec
   return answer;
 }
 
+/** The capabilities that have a command. */
+export const able = (name: string): string[] => (robot.value?.capabilities ?? []).filter(({ commands }) => commands[name]).map((one) => one.name);
+
 export const command = (capability: string, name: string, message: unknown, options: { quiet?: boolean; timeoutMs?: number } = {}): Promise<Answer<CommandReply>> =>
   asked<CommandReply>(`api/${capability}/${name}`, { method: "POST", body: message, ...options });
 

@@ -29,6 +29,8 @@ export const shell = {
   "hand.asked": ["Asked. The one who drives sees it now.", "Gefragt. Wer fährt, sieht es jetzt."],
   "hand.wants": ["{by} asks for {what}", "{by} bittet um {what}"],
   "hand.wants.drive": ["{by} would like to drive", "{by} möchte fahren"],
+  "hand.wants.agent": ["The agent {agent} wants to move the robot", "Der Agent {agent} möchte den Roboter bewegen"],
+  "hand.allow": ["Let it", "Erlauben"],
   "hand.over": ["Hand over", "Übergeben"],
   "hand.later": ["Not now", "Jetzt nicht"],
   "hand.yours": ["{by} hands over to you: go ahead", "{by} übergibt an Sie: bitte sehr"],
