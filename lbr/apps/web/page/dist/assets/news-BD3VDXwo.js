@@ -1,1 +1,0 @@
-import{Tt as e,kt as t}from"./parts-DQJc3KW3.js";import{l as n}from"./index-DOLq-1CY.js";function r(r){let[i,a]=t(``);return e(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
