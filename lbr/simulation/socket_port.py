@@ -56,11 +56,13 @@ class SocketPort:
         listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            self.path.unlink(missing_ok=True)
+            unfinished = self.path.with_name(f".{self.path.name}")
+            unfinished.unlink(missing_ok=True)
             listener.setblocking(False)
-            with address_of(self.path) as address:
+            with address_of(unfinished) as address:
                 listener.bind(address)
             listener.listen(_MOST_CLIENTS)
+            unfinished.replace(self.path)  # whoever sees the name can connect
             stat = self.path.stat()
         except OSError as err:
             listener.close()

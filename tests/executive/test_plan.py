@@ -330,6 +330,13 @@ def test_what_a_device_row_sets_for_its_twin_is_validated(rows, settings):
     assert text.startswith("device 'lbr/motor_controller', settings: ")
 
 
+def test_there_is_a_log_of_each_part_and_of_nothing_else(rows):
+    plan = planned(rows)
+    assert plan.log("motors") == plan.units["motors"].log
+    assert plan.log("executive") == "lbr-executive.log"
+    assert not plan.log("nothing")
+
+
 def test_a_verb_of_the_executives_has_only_the_fields_it_takes(rows):
     (text,) = problems(edited_verb(rows, "f", target="executive.report", payload={"nothing": 1}))
     assert "executive.report has no field 'nothing'; it has name" in text

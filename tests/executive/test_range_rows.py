@@ -85,7 +85,7 @@ def lidar(robot):
         until(lambda: drives(robot), what="it drives")
         robot.line("s")
         edit(robot, LIDAR)
-    for fault in ("unplug", "dark", "stalled", "frozen"):
+    for fault in ("unplug", "dark", "stalled", "silent", "frozen"):
         robot.line(f"/fault/lidar_line/{fault}/off")
     robot.line("/obstacle/off")
     until(lambda: phase(robot, "lidar") == "ready" and phase(robot, "drive") == "ready")
@@ -135,7 +135,7 @@ def test_a_lidar_that_fails_stops_the_robot_and_lets_it_go_on_afterwards(lidar, 
     until(lambda: (renew(lidar, hold), lidar.ask("motors/state")["left"] < 0.0)[1])
     lidar.line(f"/fault/lidar_line/{fault}")
     until(lambda: (renew(lidar, hold), (lidar.ask("motors/state") or {}).get("left") == 0.0)[1])
-    assert "lidar back" in until(lambda: refusal(lidar, "/r/0.1/180"))
+    assert "lidar back" in until(lambda: refusal(lidar, "/r/0.1/180")), lidar.capability("drive")
     lidar.line(f"/fault/lidar_line/{fault}/off")
     until(lambda: drives(lidar, "/r/0.1/0"), what="motion with a lidar that works again")
 

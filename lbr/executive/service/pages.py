@@ -207,14 +207,14 @@ class Pages:
             raise InputError(f"there is no capability '{shown(name)}'", "unknown_name")
         try:
             with (home.directory("logs") / file).open("rb") as log:
-                size = os.fstat(log.fileno()).st_size
-                log.seek(max(0, size - LOG_BYTES))
+                left_out = max(0, os.fstat(log.fileno()).st_size - LOG_BYTES)
+                log.seek(left_out)
                 text = log.read(LOG_BYTES).decode(errors="replace")
         except FileNotFoundError:
-            text = ""
+            left_out, text = 0, ""
         except OSError as err:
             raise InputError(f"the log of '{name}' cannot be read: {err.strerror}", "failed") from err
-        whole = text if len(text) < LOG_BYTES // 2 else text.partition("\n")[2]
+        whole = text.partition("\n")[2] if left_out else text
         return ManageReply(accepted=True, data={"name": name, "text": whole})
 
 

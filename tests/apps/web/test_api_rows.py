@@ -260,5 +260,7 @@ def test_the_end_of_a_log_is_told_and_no_other_file(owner, robot):
     found = owner.get("/api/logs/drive").json()["data"]
     assert found["text"].endswith("the last line\n")
     assert len(found["text"]) <= 64_000
+    log.write_bytes(b"the first line\n" + b"x" * 60_000)
+    assert owner.get("/api/logs/drive").json()["data"]["text"].startswith("the first line\n"), "nothing was left out"
     for name in ("nonsense", "..%2Frobot.db", "%2Fetc%2Fpasswd"):
         assert owner.get(f"/api/logs/{name}").status_code == 404
