@@ -90,7 +90,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
     with tempfile.TemporaryDirectory(prefix="lbr-") as folder:
         place = Path(folder)
-        with _robot(place / "near") as (robot, tokens), launched.browsers(place) as found:
+        with page_robot(place / "near") as (robot, tokens), launched.browsers(place) as found:
             stage = Stage(robot, found, results, dice, tokens)
             runs: list[tuple[str, str, Callable[[], None]]] = [
                 ("loads", "PG6", partial(stage.load, max(1, given.n // 3))),
@@ -345,14 +345,14 @@ def far(results: Results, dice: random.Random, home: Path, n: int) -> None:
         return
     with netns.network() as net:
         row = f"UPDATE capability SET settings = json_set(settings, '$.host', '{net.address}') WHERE kind = 'web'"
-        with _robot(home, row, prefix=net.robot) as (robot, tokens), launched.browsers(home, net.client) as found:
+        with page_robot(home, row, prefix=net.robot) as (robot, tokens), launched.browsers(home, net.client) as found:
             port = robot.web.rpartition(":")[2]
             url = f"https://{net.address}:{port}/#token={tokens['phone']}"
             Stage(robot, found, results, dice, url=url).cut(net, n)
 
 
 @contextmanager
-def _robot(home: Path, *edits: str, **options: Any) -> Iterator[tuple[Robot, dict[str, str]]]:
+def page_robot(home: Path, *edits: str, **options: Any) -> Iterator[tuple[Robot, dict[str, str]]]:
     """Run a robot that serves its page, with tokens for who drives and who looks."""
     prepare(home, "web", edits=(*EDITS, *edits))
     tokens = {name: str(add_token(home, name, role, good_for="web")) for name, role in ROLES.items()}

@@ -126,8 +126,12 @@ def _names(test: str) -> Iterator[str]:
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """Return how many processes `-n auto` begins: three for two cores, as a test that has a robot waits half of its time."""
-    return len(os.sched_getaffinity(0)) * 3 // 2
+    """Return how many processes `-n auto` begins: three for two cores, as a test that has a robot waits half of its time.
+
+    Two of them where others keep the cores busy already: a robot that is starved stops, as it has to.
+    """
+    cores = len(os.sched_getaffinity(0))
+    return cores if os.getloadavg()[0] > cores else cores * 3 // 2
 
 
 @pytest.hookimpl(trylast=True)

@@ -90,6 +90,8 @@ class Browsers:
     """Chromium, launched again whenever it was killed; by `prefix` on another machine."""
 
     def __init__(self, play: Any, folder: Path, prefix: tuple[str, ...] = ()) -> None:
+        self.options: list[str] = []
+        """Options of the next one beside the usual."""
         self._play = play
         self._program = shutil.which("chromium") or ""
         if prefix:
@@ -102,7 +104,7 @@ class Browsers:
     def open(self, **options: Any) -> OpenPage:
         """Open an empty page in a context of its own, on a phone's screen."""
         if self._browser is None:
-            self._browser = self._play.chromium.launch(executable_path=self._program, args=LAUNCH)
+            self._browser = self._play.chromium.launch(executable_path=self._program, args=[*LAUNCH, *self.options])
         context = self._browser.new_context(**{**PHONE, "ignore_https_errors": True, **options})
         context.add_init_script(WATCH)
         return OpenPage(context.new_page())

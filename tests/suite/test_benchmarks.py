@@ -39,7 +39,7 @@ def test_a_smoke_run_comes_to_its_end_and_leaves_a_report(tmp_path):
     assert done.returncode == 0, done.stderr
     report = msgspec.json.decode(file.read_bytes(), type=Report)
     assert {result.figure for result in report.results} >= {"T1", "T2", "T3"}
-    assert "| T1 |" in done.stdout
+    assert "|T1|" in done.stdout
 
 
 @pytest.mark.parametrize("words", [("benchmarks", "nothing"), ("benchmarks.turning", "--n", "1")])
