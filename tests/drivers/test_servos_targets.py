@@ -20,6 +20,24 @@ from tests.support.waiting import until
 VALID_S = 0.1
 
 
+@pytest.mark.parametrize("late", [1, 3, 4])
+def test_a_servo_is_away_at_the_start_once_four_looks_got_no_answer(late):
+    bus, looks = Deaf(), []
+    bus.together, bus.trouble = False, "does not answer"
+    answer = bus.read_state
+
+    def read(servo, patience_s):
+        looks.append(servo)
+        return None if len(looks) <= late else answer(servo, patience_s)
+
+    bus.read_state = read
+    poller = Poller([1], lambda: 0.0)
+    while not poller.snapshot.searched:
+        poller.turn(bus)
+    assert len(looks) >= min(late + 1, 4)
+    assert poller.snapshot.servos[1].reason == ("does not answer" if late == 4 else "")
+
+
 class Line:
     """A bus's thread that keeps jobs until the test does them."""
 

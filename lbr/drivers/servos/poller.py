@@ -13,7 +13,7 @@ from typing import Generic
 from lbr.drivers.servos.contract import SETTING_UP, UNSEEN, B, Motion, Seen, SlowState, Snapshot
 
 MISSES = 4
-"""The sweeps in a row without an answer that make a servo silent. Chosen, not measured: 40 ms of the usual 100 a
+"""The sweeps in a row without an answer that make a servo silent, also at the start. Chosen, not measured: 40 ms of the usual 100 a
 second."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
@@ -37,6 +37,7 @@ class _Servo:
     id: int
     seen: Seen = field(default_factory=lambda: Seen(reason=UNSEEN))
     misses: int = MISSES
+    looks: int = 0
     again: float = -inf
     pause_s: float = AGAIN_FIRST_S
 
@@ -171,6 +172,10 @@ class Poller(Generic[B]):
         wrong = self._prepare(bus, servo.id)
         if bus.cut_short:
             return
+        servo.looks += 1
+        begins = servo.seen.reason in {UNSEEN, SETTING_UP} and servo.looks < MISSES
+        if begins and wrong not in {"", SETTING_UP}:
+            return  # it is looked for in the next sweep, too
         self._see(servo, wrong)
         if wrong == SETTING_UP:
             servo.again = self._clock() + WRITING_S
@@ -179,6 +184,9 @@ class Poller(Generic[B]):
         servo.pause_s = min(servo.pause_s * 2.0, AGAIN_MOST_S)
         if not wrong:
             self._read_slow(bus, servo)
+            if begins and servo.silent:
+                self._see(servo, UNSEEN)
+                servo.again = -inf
 
     def _note(
         self,
