@@ -89,6 +89,7 @@ def slowed(url: str, link: str) -> Iterator[int]:
     port = url.rpartition(":")[2]
     argv = [sys.executable, "-m", slow_link.__name__, port, *map(str, LINKS[link])]
     with programs.start(argv, stdout=subprocess.PIPE, text=True) as popen:
+        assert popen.stdout is not None
         try:
             yield int(popen.stdout.readline())
         finally:
