@@ -20,7 +20,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.support import sweep
+from tests.support import needs, sweep
 from tests.support.robot import Robot, prepare, running
 from tests.support.wording import wording  # noqa: F401 - a fixture
 
@@ -128,10 +128,11 @@ def _names(test: str) -> Iterator[str]:
 def pytest_xdist_auto_num_workers() -> int:
     """Return how many processes `-n auto` begins: three for two cores, as a test that has a robot waits half of its time.
 
-    Two of them where others keep the cores busy already: a robot that is starved stops, as it has to.
+    Two of them where others keep the cores busy already, and in CI, whose cores are others', too: a robot that is starved
+    stops, as it has to.
     """
     cores = len(os.sched_getaffinity(0))
-    return cores if os.getloadavg()[0] > cores else cores * 3 // 2
+    return cores if needs.IN_CI or os.getloadavg()[0] > cores else cores * 3 // 2
 
 
 @pytest.hookimpl(trylast=True)
