@@ -85,7 +85,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 @contextmanager
 def slowed(url: str, link: str) -> Iterator[int]:
-    """Have a link between; yield its port."""
+    """Put a link between browser and robot; yield its port."""
     port = url.rpartition(":")[2]
     argv = [sys.executable, "-m", slow_link.__name__, port, *map(str, LINKS[link])]
     with programs.start(argv, stdout=subprocess.PIPE, text=True) as popen:
@@ -119,8 +119,8 @@ class Drive(Stage):
                 self._again(page)
                 continue
             self.results.sample(f"LK1 {link}", (followed - page.moved_ns()) * 1e-6)
-            at = page.page.evaluate("window.movedAt") and time.monotonic_ns()
             if number % 4 == 3:
+                at = time.monotonic_ns()
                 page.release()
                 if (zero := self.trace.first_zero(at, 3.0)) is not None:
                     self.results.sample(f"LK3 {link}", (zero.at_ns - at) * 1e-6)
@@ -130,10 +130,10 @@ class Drive(Stage):
         turned, looks, stops, turning, shown = 0, 0, 0, True, ""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            now = not self.trace.now().zero
-            stops += turning and not now
-            turned, looks, turning = turned + now, looks + 1, now
-            if not now and not shown:
+            turns = not self.trace.now().zero
+            stops += turning and not turns
+            turned, looks, turning = turned + turns, looks + 1, turns
+            if not turns and not shown:
                 shown = " / ".join(page.page.locator("[role=status], [role=alert]").all_inner_texts())
             Bench.pass_time(0.01)
         self.results.sample(f"LK2 {link}", 100.0 * turned / looks)

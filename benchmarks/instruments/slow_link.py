@@ -1,7 +1,7 @@
 """A link that is not perfect, as a program of its own: `slow_link.py PORT DELAY_S LOSS GAP_S`.
 
-Passes connections on to a port of this machine, and says at which port it listens. Each byte comes `delay_s` later. A part
-`loss` of all pieces is lost once, as TCP shows it: the piece and all behind it come when it was sent again. Every 5 s
+It passes connections on to a port of this machine, and prints its own port. Each byte arrives `delay_s` later. A share
+`loss` of all pieces is lost once, as TCP shows a loss: the piece and all behind it arrive after it was sent again. Every 5 s
 nothing passes for `gap_s`.
 """
 
@@ -39,7 +39,7 @@ async def _pass(
             sink.write(data)
             await sink.drain()
     except OSError:
-        pass  # the other end has gone
+        pass  # the other end is closed
     finally:
         reading.cancel()
         sink.close()

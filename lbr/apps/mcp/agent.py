@@ -49,7 +49,7 @@ DO = {
     "bad_value": "keep to the bounds that the tool states",
     "busy": "wait for its end, or call `stop`",
     "confirm": "ask the person who is with the robot: they let you by `/agent/` and your name, at a console or the page",
-    "denied": "`words` lists what may be said",
+    "denied": "ask the person before you try it again; `words` lists what may be said",
     "estop": "ask a person to reset it; no tool does",
     "held": "ask who holds it to let go; `status` says who that is",
     "obstacle": "`status` has what the sensors measure; go another way",
@@ -98,10 +98,10 @@ class MustAskError(Exception):
 
 
 class Way(Struct, frozen=True, kw_only=True):
-    """How a server does what an agent asks: `begin` sees a motion to its end, `confirm` asks a person."""
+    """The work of a server for an agent: `begin` sees a motion to its end, `confirm` asks its user; None: it cannot ask."""
 
     begin: Callable[[Motion], Awaitable[Said]]
-    confirm: Callable[[str], Awaitable[bool]]
+    confirm: Callable[[str], Awaitable[bool | None]]
 
 
 class Plan(NamedTuple):
@@ -233,8 +233,10 @@ class Agent:
         if not wanted or self.name in (await self._rules(await self._connected())).allowed:
             return
         text = f"The agent '{self.name}' wants to move the robot: {line}. Let it?"
-        if not await way.confirm(text):
+        if (agreed := await way.confirm(text)) is None:
             raise InputError(f"a person must let '{self.name}' do that first ({', '.join(sorted(wanted))})", "confirm")
+        if not agreed:
+            raise InputError("the person did not allow it", "denied")
         self._confirmed |= wanted
 
     def _planned(self, plan_id: str) -> Plan:

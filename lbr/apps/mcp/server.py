@@ -148,12 +148,12 @@ class McpServer:
                 call.motion = motion
             return await beside(motion.run(), pulse.follow(motion.beat))
 
-        async def confirm(text: str) -> bool:
+        async def confirm(text: str) -> bool | None:
             if confirmed is not None:
                 return confirmed
             capabilities = ctx.session.client_capabilities
             if capabilities is None or capabilities.elicitation is None:
-                return False
+                return None
             if modern:
                 raise MustAskError(text)
             answer = await ctx.session.elicit_form(text, YES, related_request_id=ctx.request_id)
@@ -215,8 +215,8 @@ async def _never(_motion: Motion) -> Said:
     raise InputError("this moves nothing", "not_possible")
 
 
-async def _no(_text: str) -> bool:
-    return False
+async def _no(_text: str) -> None:
+    """Ask nobody: nothing moves by this."""
 
 
 async def beside(work: Awaitable[Said], other: Awaitable[None]) -> Said:

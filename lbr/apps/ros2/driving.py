@@ -141,7 +141,7 @@ class Driving:
         return self._stands
 
     def finish(self) -> None:
-        """What goes on has come to its end as planned."""
+        """Note that the motion has ended as planned; its publisher may begin anew."""
         gid, self._driver, self._stands = self._driver, b"", AT_REST
         if (publisher := self._publishers.get(gid)) is not None:
             publisher.rest()

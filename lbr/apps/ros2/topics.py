@@ -9,7 +9,7 @@ from lbr.apps.ros2.wire import HUMBLE_HASH, EndpointKind, Port, Qos, topic_key
 from lbr.messages.sensing import RangeSensor
 
 ACCEPTED = {"drive": ("cmd_vel", (codec.TWIST, codec.TWIST_STAMPED)), "joints": ("joint_trajectory", (TRAJECTORY,))}
-"""By the input that tells of what is moved, the topic that moves it and its types."""
+"""The topic that moves a part, and its types, by the input with the state of that part."""
 ODOM, TF, TF_STATIC, JOINT_STATES, IMU = "odom", "tf", "tf_static", "joint_states", "imu/data"
 BATTERY, DIAGNOSTICS, DESCRIPTION = "battery_state", "diagnostics", "robot_description"
 SENSED, KEPT = Qos(reliable=False, depth=5), Qos(transient_local=True, depth=1)

@@ -1,4 +1,4 @@
-"""A JointTrajectory as key frames of the robot's joints, or why it is none. Pure."""
+"""A JointTrajectory as key frames of the robot's joints, or the reason of a refusal. Pure."""
 
 from collections.abc import Collection, Sequence
 from itertools import chain, pairwise
@@ -52,7 +52,7 @@ def _unfit(names: Sequence[str], points: Sequence[Any], known: Collection[str]) 
 
 
 def _untimely(points: Sequence[Any]) -> Reason | None:
-    """Return why the times of a trajectory are none; a first point at 0 is where it begins, and has no way to it."""
+    """Return why the times of a trajectory are refused. A first point at 0 is its start, and needs no motion."""
     times_ns = [codec.nanoseconds(point.time_from_start) for point in points]
     rise = times_ns[0] >= 0 and all(before < after for before, after in pairwise(times_ns))
     return None if rise and times_ns[-1] > 0 else Reason("bad_value", "the times of its trajectory do not rise")

@@ -143,7 +143,7 @@ def test_a_person_is_asked_before_the_first_motion_and_only_then(mode, running, 
 
     async def work(_client, call):
         refused = await call("drive", power=0.15, angle_deg=90, seconds=0.1)
-        assert refused["code"] == "confirm"
+        assert refused["code"] == "denied"
         assert (await driven(call, power=0.15, angle_deg=90, seconds=0.1))["code"] == "done"
         assert (await driven(call, power=0.15, angle_deg=90, seconds=0.1))["code"] == "done"
 
