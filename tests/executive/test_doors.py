@@ -108,6 +108,21 @@ def place(doors: Doors, plan: Plan, name: str = "drive") -> str:
     return until(lambda: doors.place(plan.units[name])).endpoint
 
 
+def test_a_client_gets_answers_once_the_local_door_knows_who_has_the_status(
+    site: RunIdentity, found: tuple[Plan, Plan]
+) -> None:
+    with closing(Doors(found[0], site)) as doors:
+        core = session.open_client([core_endpoint("lbr")], site.credentials(module.EXECUTIVE))
+        with closing(core):
+            assert not doors.answers
+            status = wire.StaticReply(core, keys.status("lbr"), lambda: "well")
+            until(lambda: doors.answers)
+            client = session.open_client([local_endpoint("lbr")])
+            with closing(client):
+                assert wire.ask(client, keys.status("lbr"), None, source="test")
+            status.close()
+
+
 def test_rights_that_come_back_find_their_router_and_no_change_opens_more_than_one(
     site: RunIdentity, found: tuple[Plan, Plan], routers: Routers
 ) -> None:

@@ -79,13 +79,9 @@ class Robot(robots.Robot):
     """A running robot. Motor outputs are read from the trace that the emulated controller writes."""
 
     line = robots.Robot.say
-    _answered = False
 
     def status(self) -> dict[str, Any]:
-        """Return its status, asked for once; the first is waited for, as the client has just connected."""
-        if not self._answered:
-            until(lambda: self.ask("@status", timeout_s=HANG_S), what="a first answer")
-            self._answered = True
+        """Return its status, asked for once."""
         status = self.ask("@status", timeout_s=HANG_S)
         assert status is not None, "the executive does not answer"
         return dict(status)

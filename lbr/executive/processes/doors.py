@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lbr import home
-from lbr.bus import session
+from lbr.bus import keys, session
 from lbr.bus.access import TOOLS, Credentials, Rights, everything
 from lbr.errors import BusError
 from lbr.executive import beside
@@ -74,6 +74,12 @@ class OpenRouter:
         self.router = router
         self._session = session.open_router(router)
         self._answer = crossing.answer(self._session, robot)
+        self._status = self._session.declare_querier(keys.status(robot))
+
+    @property
+    def passes(self) -> bool:
+        """Return whether it has a route to the status. Routers exchange new routes within 0.1 s."""
+        return bool(self._status.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
 
     def crossing(self, far: str, robot: str, wake: Callable[[], None]) -> Crossing:
         """Return what tries the link by which the router with the id `far` has called this one."""
@@ -93,19 +99,19 @@ class Hung:
 
     def __init__(self, opened: OpenRouter, tried: Callable[[OpenRouter], Crossing]) -> None:
         self._tried = tried
-        self._opened = opened
+        self.opened = opened
         self.crossing = tried(opened)
 
     def close(self) -> None:
         """Close the router."""
         self.crossing.close()
-        self._opened.close()
+        self.opened.close()
 
     def reopen(self, open_router: Callable[[session.Router], OpenRouter]) -> None:
         """Close the router and open it again in its place."""
         self.close()
-        self._opened = open_router(self._opened.router)
-        self.crossing = self._tried(self._opened)
+        self.opened = open_router(self.opened.router)
+        self.crossing = self._tried(self.opened)
 
 
 class Annex(NamedTuple):
@@ -172,6 +178,11 @@ class Doors:
         self._local = Hung(local, lambda opened: opened.crossing(self._core.router_id, self._robot, self._notify))
         self._worker = threading.Thread(target=self._work, name="doors", daemon=True)
         self._worker.start()
+
+    @property
+    def answers(self) -> bool:
+        """Return whether the executive answers who asks at the local door."""
+        return self._local.opened.passes
 
     def adopt(self, plan: Plan) -> None:
         """Take over a plan: one annex is opened for all its processes whose rights no router knows."""

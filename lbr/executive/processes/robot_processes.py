@@ -66,6 +66,11 @@ class RobotProcesses(Service):
         self._overview = Overview(self.supervisor)
         self._look_at = 0.0
 
+    @property
+    def reachable(self) -> bool:
+        """Return whether a client of this machine gets answers."""
+        return self._doors.answers
+
     def take_over(self, plan: Plan, change: Change) -> None:
         """Start and stop processes as another plan wants."""
         self._plan = plan

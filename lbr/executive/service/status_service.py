@@ -25,6 +25,8 @@ from lbr.executive.services import Service
 from lbr.messages.system import Status
 
 STATUS_S = 1.0
+REACHES_S = 0.01
+"""Between two looks for whether the ready robot is reached by its clients: some 0.1 s at a start."""
 
 
 class StatusService(Service):
@@ -71,6 +73,8 @@ class StatusService(Service):
             self._publisher.put(status)
             self._notifier.status(state_of(status)[1])
         if not self._ready and self._processes.supervisor.settled():
+            if not self._processes.reachable:
+                return now + REACHES_S
             self._judge_start()
         return self._due
 
