@@ -80,6 +80,41 @@ for (const [how, act] of Object.entries({
   });
 }
 
+const lapsed = { holds: false, code: "lapsed", reason: "silence" };
+
+test("a hand that stays through a lapse begins again from rest, once the link is back", () => {
+  holding.move(TO, { power: 0.3 });
+  live(200);
+  const before = (said("hold").at(-1)!.hold as { n: number }).n;
+  pass(800);
+  hold(before, lapsed);
+  const { n, message } = said("hold").at(-1)!.hold as { n: number; message: object };
+  assert.ok(n > before);
+  assert.deepEqual(message, { power: 0.3 });
+  hold(n);
+  assert.ok(holding.state.value.moving);
+});
+
+test("a lapse after a worse link, or in a page that slept, ends what the hand moved", () => {
+  holding.move(TO, { power: 0.3 });
+  live(200);
+  pass(1300);
+  const { n } = said("hold").at(-1)!.hold as { n: number };
+  const before = said("hold").length;
+  hold(n, lapsed);
+  assert.equal(said("hold").length, before);
+  assert.ok(!holding.state.value.moving);
+  holding.release();
+  socket.tell({});
+  holding.move(TO, { power: 0.3 });
+  live(200);
+  pass(300, true);
+  const asleep = said("hold").length;
+  hold((said("hold").at(-1)!.hold as { n: number }).n, lapsed);
+  assert.equal(said("hold").length, asleep);
+  assert.ok(!holding.state.value.moving);
+});
+
 test("a page that slept takes its own hand off, and begins nothing until the hand has rested", () => {
   holding.move(TO, { power: 0.3 });
   live(200);
