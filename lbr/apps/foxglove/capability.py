@@ -1,4 +1,4 @@
-"""The bridge as a process: listens, lets in who may, keeps what is shown as the robot is, and carries words to the
+"""The bridge as a process: listens, lets clients in, offers the robot's streams, and carries words to the
 robot."""
 
 import sys
@@ -60,7 +60,7 @@ from lbr.messages.sensing import RangeSensor
 from lbr.messages.system import ConsoleResult, Hold
 
 SWITCH_S = 0.0005
-TELL_S = 1.0
+REPORT_S = 1.0
 REQUESTS_HZ = 50.0
 ENDS = "the bridge ends; it comes back at once if its rows were changed"
 LOST = Reason("holder_gone", "the connection to Foxglove is gone")
@@ -69,7 +69,7 @@ _results = Decoder(ConsoleResult)
 
 
 class Goal(Struct):
-    """Motion with an end, which a word began: renewed until it is there, and no longer than its client is."""
+    """Motion with an end, which a word began: renewed until the end, as long as its client is connected."""
 
     viewer: Viewer
     holder: Holder
@@ -141,11 +141,11 @@ class Foxglove(Capability[FoxgloveSettings]):
         self._known: object = None
         self._goals: list[Goal] = []
         self._bus: Any = None
-        self._tell_at = 0.0
+        self._report_at = 0.0
 
     @property
     def feeds(self) -> Feeds:
-        """The streams, heard once for all clients."""
+        """The streams, received once for all clients."""
         assert self.api.feeds is not None
         return self.api.feeds
 
@@ -176,24 +176,24 @@ class Foxglove(Capability[FoxgloveSettings]):
             self.ctx.event("exposed", text, level="warning")
 
     def step(self) -> None:
-        """Do what was asked for, and follow what the robot is."""
+        """Serve requests, and follow changes of the robot's description."""
         now = self.ctx.clock()
         self.api.step()
         self._bridge.serve()
         self._renew(now)
         if self.api.known is not None and self.api.known is not self._known:
             self._known = self.api.known
-            self._show(self.api.known.told)
+            self._number(self.api.known.told)
         while self._counts.news:
             kind, text, level = self._counts.news.popleft()
             self.ctx.event(kind, text, level=level)
-        if now >= self._tell_at:
-            self._tell_at = now + TELL_S
-            self._tell(listening_=True)
+        if now >= self._report_at:
+            self._report_at = now + REPORT_S
+            self._report(listening_=True)
 
     def degraded(self, reason: str) -> None:
-        """Say that no client is served."""
-        self._tell(listening_=False, reason=reason)
+        """Report that clients are not served."""
+        self._report(listening_=False, reason=reason)
 
     def close(self) -> None:
         """Stop serving, and what was moved in its clients' names."""
@@ -208,21 +208,21 @@ class Foxglove(Capability[FoxgloveSettings]):
         self.api.close()
 
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
-        """Tell whether a client may hear a channel: cameras are for known clients."""
+        """Tell whether a client may subscribe to a channel: cameras are for known clients."""
         return not source.picture or (pictures and client.may("view"))
 
-    def tell(self, kind: str, text: str) -> None:
-        """Have an event published; from the server's thread."""
+    def report(self, kind: str, text: str) -> None:
+        """Publish an event; called by the server's thread."""
         self._counts.tell(kind, text)
 
-    async def say(self, service: Service, line: str, viewer: Viewer) -> Any:
-        """Say a line in the name of a client; raise Refused."""
+    async def run_service(self, service: Service, line: str, viewer: Viewer) -> Any:
+        """Run the line of a service in the name of a client; raise Refused."""
         came_s = self.api.now()
-        return await self._bridge.call(self._said(service, line, viewer, came_s), timeout_s=LINE_S + 1.0)
+        return await self._bridge.call(self._run(service, line, viewer, came_s), timeout_s=LINE_S + 1.0)
 
     # In the loop.
 
-    async def _said(self, service: Service, line: str, viewer: Viewer, came_s: float) -> Any:
+    async def _run(self, service: Service, line: str, viewer: Viewer, came_s: float) -> Any:
         client = viewer.client
         if service.word == ESTOP:
             self.api.stopped(came_s)
@@ -235,9 +235,9 @@ class Foxglove(Capability[FoxgloveSettings]):
                 return {"code": 0, "text": "the emergency stop is engaged"}
             question = self.api.line(STOP, role="view", source=source_of(client), timeout_s=LINE_S)
         else:
-            said = self.api.said(came_s)
+            moment = self.api.said(came_s)
             role = client.role or "view"
-            question = self.api.line(line, role=role, source=source_of(client), timeout_s=LINE_S, said=said)
+            question = self.api.line(line, role=role, source=source_of(client), timeout_s=LINE_S, said=moment)
         result = await _result(question)
         text = result.text
         if result.hold is not None:
@@ -245,7 +245,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         return {"code": 0, "text": text, "data": result.data}
 
     def _keep(self, hold: Hold, viewer: Viewer, text: str) -> str:
-        """Renew a goal while its client is there; motion without an end is over when it is not published."""
+        """Renew a goal while its client is connected; motion without an end is over when it is not published."""
         if not hold.goal:
             return f"{text}; it is over in {hold.ttl_s:g} s: to drive, publish it (docs/foxglove.md)"
         given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
@@ -273,25 +273,25 @@ class Foxglove(Capability[FoxgloveSettings]):
                 goal.holder.release(why)
         self._goals = [goal for goal in self._goals if goal.holder.asks]
 
-    def _show(self, told: Any) -> None:
-        """Number what is shown anew; a number stays with what it was for, so that clients keep what they hear."""
+    def _number(self, description: Any) -> None:
+        """Number channels and services anew. Each keeps its number, so that clients keep their subscriptions."""
         file = body_file(self.ctx.robot, Path(self.ctx.home))
         sensors = self.ctx.rows(RangeSensor)
         body = model(self.ctx.robot, file, self.ctx.rows(Joint), self.ctx.rows(Wheel), sensors)
-        before = {one.channel.topic: number for number, one in self.sources.items()}
-        found = {one.channel.topic: one for one in channels.sources(told, body, sensors)}
-        numbers = numbered(found, before)
-        self.services = self._offered(told)
+        before = {source.channel.topic: number for number, source in self.sources.items()}
+        offered = {source.channel.topic: source for source in channels.sources(description, body, sensors)}
+        numbers = numbered(offered, before)
+        self.services = self._offered(description)
         self.sources = {
-            number: msgspec.structs.replace(one, channel=msgspec.structs.replace(one.channel, id=number))
-            for number, one in ((numbers[topic], one) for topic, one in found.items())
+            number: msgspec.structs.replace(source, channel=msgspec.structs.replace(source.channel, id=number))
+            for number, source in ((numbers[topic], source) for topic, source in offered.items())
         }
 
-    def _offered(self, told: Any) -> Mapping[int, Service]:
-        before = {one.word: number for number, one in self.services.items()}
-        found = {one.word: one for one in words.services(told.words)}
-        numbers = numbered(found, before)
-        return {numbers[word]: one for word, one in found.items()}
+    def _offered(self, description: Any) -> Mapping[int, Service]:
+        before = {service.word: number for number, service in self.services.items()}
+        offered = {service.word: service for service in words.services(description.words)}
+        numbers = numbered(offered, before)
+        return {numbers[word]: service for word, service in offered.items()}
 
     def _application(self) -> ASGIApp:
         settings, pages = self.ctx.settings, Pages(self.ctx.settings.cors)
@@ -331,7 +331,7 @@ class Foxglove(Capability[FoxgloveSettings]):
     def _urls(self) -> tuple[str, ...]:
         return tuple(one.replace("http", "ws", 1) for one in self._place.urls)
 
-    def _tell(self, *, listening_: bool, reason: str = "") -> None:
+    def _report(self, *, listening_: bool, reason: str = "") -> None:
         self.ctx.publish(
             "state",
             FoxgloveState(
@@ -348,7 +348,7 @@ class Foxglove(Capability[FoxgloveSettings]):
 
 
 async def _result(question: Question) -> ConsoleResult:
-    """Return what became of a line that was done; raise Refused for all others."""
+    """Return the result of a line that succeeded; raise Refused for all others."""
     await until(lambda: question.done or bool(question.replies))
     if not question.replies:
         raise Refused(503, f"the robot did not answer within {LINE_S:g} s", code="timeout")
@@ -362,8 +362,10 @@ async def _result(question: Question) -> ConsoleResult:
     return result
 
 
-def numbered(found: Mapping[str, Any], before: Mapping[str, int]) -> dict[str, int]:
-    """Return a number for each name: the one that it had before, or one that none has had."""
+def numbered(names: Mapping[str, Any], before: Mapping[str, int]) -> dict[str, int]:
+    """Return a number for each name: its number of before, or a new one."""
     next_ = max(before.values(), default=0) + 1
-    new = [name for name in sorted(found) if name not in before]
-    return {name: before[name] for name in found if name in before} | {name: next_ + at for at, name in enumerate(new)}
+    added = [name for name in sorted(names) if name not in before]
+    return {name: before[name] for name in names if name in before} | {
+        name: next_ + at for at, name in enumerate(added)
+    }

@@ -10,7 +10,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr.apps.bodies.parts import RobotModel
-from lbr.apps.foxglove import protocol, scene, shown
+from lbr.apps.foxglove import protocol, scene, schemas
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.description import RobotDescription, Schema
 from lbr.messages.joints import JointsState
@@ -22,7 +22,7 @@ from lbr.messages.system import Event, Status
 EVENT, STATUS = "@event", "@status"
 MODEL, TRANSFORMS, LOG = "@model", "@tf", "@events"
 Make = Callable[[Mapping[str, bytes], int], Any]
-"""The message of a channel out of the newest messages of streams, and the time; a MsgspecError if one is invalid."""
+"""Makes the message of a channel of the newest samples of its streams and the time; MsgspecError for invalid ones."""
 
 
 class Source(Struct, frozen=True, kw_only=True):
@@ -38,44 +38,47 @@ class Source(Struct, frozen=True, kw_only=True):
     still: bool = False
 
 
-def sources(told: RobotDescription, model: RobotModel, sensors: Sequence[RangeSensor]) -> tuple[Source, ...]:
+def sources(description: RobotDescription, model: RobotModel, sensors: Sequence[RangeSensor]) -> tuple[Source, ...]:
     """Return all channels of a robot, numbered from 1 in the order of their topics."""
-    found: dict[str, Source] = {}
+    offered: dict[str, Source] = {}
     typed: dict[str, list[str]] = {}
-    for one in told.capabilities:
-        for name, schema in one.outputs.items():
-            key = f"{one.name}/{name}"
+    for capability in description.capabilities:
+        for name, schema in capability.outputs.items():
+            key = f"{capability.name}/{name}"
             if "contentMediaType" in schema:
-                found[key] = _own(key, "CompressedImage", (key,), None, picture=True)
+                offered[key] = _own(key, "CompressedImage", (key,), None, picture=True)
             else:
-                found[key] = Source(channel=_channel(key, type_of(schema), schema), streams=(key,))
+                offered[key] = Source(channel=_channel(key, type_of(schema), schema), streams=(key,))
                 typed.setdefault(type_of(schema), []).append(key)
     for key, message in ((EVENT, Event), (STATUS, Status)):
-        found[key] = Source(channel=_channel(key, message.__name__, msgspec.json.schema(message)), streams=(key,))
-    found[LOG] = _own(LOG, "Log", (EVENT,), _made(Event, EVENT, shown.log))
-    found |= {one.channel.topic: one for one in _measured(typed, sensors)}
-    found |= {one.channel.topic: one for one in _body(typed, model)}
+        offered[key] = Source(channel=_channel(key, message.__name__, msgspec.json.schema(message)), streams=(key,))
+    offered[LOG] = _own(LOG, "Log", (EVENT,), _made(Event, EVENT, schemas.log))
+    offered |= {source.channel.topic: source for source in _measured(typed, sensors)}
+    offered |= {source.channel.topic: source for source in _body(typed, model)}
     return tuple(
-        msgspec.structs.replace(found[key], channel=msgspec.structs.replace(found[key].channel, id=number))
-        for number, key in enumerate(sorted(found), start=1)
+        msgspec.structs.replace(offered[key], channel=msgspec.structs.replace(offered[key].channel, id=number))
+        for number, key in enumerate(sorted(offered), start=1)
     )
 
 
 def type_of(schema: Schema) -> str:
-    """Return the name of the message that a schema is of; empty where a program says none."""
+    """Return the message type that a schema describes; empty where a program does not name it."""
     return str(schema.get("title") or str(schema.get("$ref") or "").rpartition("/")[2])
 
 
 def _measured(typed: Mapping[str, Iterable[str]], sensors: Sequence[RangeSensor]) -> Iterable[Source]:
-    known = {one.name: one for one in sensors}
+    known = {sensor.name: sensor for sensor in sensors}
     for key in typed.get(OdometryState.__name__, ()):
-        yield _own(f"{key}/pose", "PoseInFrame", (key,), _made(OdometryState, key, shown.position))
+        yield _own(f"{key}/pose", "PoseInFrame", (key,), _made(OdometryState, key, schemas.position))
     for key in typed.get(Scan.__name__, ()):
-        make = _made(Scan, key, lambda scan, at_ns: shown.laser(scan, known.get(scan.sensor), at_ns))
+        make = _made(Scan, key, lambda scan, at_ns: schemas.laser(scan, known.get(scan.sensor), at_ns))
         yield _own(f"{key}/laser", "LaserScan", (key,), make)
     for key in typed.get(Ranges.__name__, ()) if sensors else ():
         yield _own(
-            f"{key}/rays", "SceneUpdate", (key,), _made(Ranges, key, lambda one, at_ns: shown.rays(one, sensors, at_ns))
+            f"{key}/rays",
+            "SceneUpdate",
+            (key,),
+            _made(Ranges, key, lambda ranges, at_ns: schemas.rays(ranges, sensors, at_ns)),
         )
 
 
@@ -84,25 +87,25 @@ def _body(typed: Mapping[str, Sequence[str]], model: RobotModel) -> Iterable[Sou
         return
     yield _own(MODEL, "SceneUpdate", (), lambda _streams, at_ns: scene.scene(model, at_ns), still=True)
     joints, odometry, attitude = (
-        next(iter(typed.get(one.__name__, ())), "") for one in (JointsState, OdometryState, AttitudeState)
+        next(iter(typed.get(message.__name__, ())), "") for message in (JointsState, OdometryState, AttitudeState)
     )
 
-    def make(heard: Mapping[str, bytes], at_ns: int) -> dict[str, Any]:
-        state = _read(JointsState, heard.get(joints))
-        angles = {name: one.position_rad or 0.0 for name, one in state.joints.items()} if state is not None else {}
-        place = _read(OdometryState, heard.get(odometry)), _read(AttitudeState, heard.get(attitude))
+    def make(samples: Mapping[str, bytes], at_ns: int) -> dict[str, Any]:
+        state = _read(JointsState, samples.get(joints))
+        angles = {name: joint.position_rad or 0.0 for name, joint in state.joints.items()} if state is not None else {}
+        place = _read(OdometryState, samples.get(odometry)), _read(AttitudeState, samples.get(attitude))
         return scene.transforms(model, angles, *place, at_ns)
 
-    streams = tuple(one for one in (joints, odometry, attitude) if one)
+    streams = tuple(key for key in (joints, odometry, attitude) if key)
     yield _own(TRANSFORMS, "FrameTransforms", streams, make, still=not streams)
 
 
-def _read(message: Any, said: bytes | None) -> Any:
-    return msgspec.json.decode(said, type=message) if said is not None else None
+def _read(message: Any, data: bytes | None) -> Any:
+    return msgspec.json.decode(data, type=message) if data is not None else None
 
 
 def _made(message: Any, key: str, make: Callable[[Any, int], Any]) -> Make:
-    return lambda heard, at_ns: make(msgspec.json.decode(heard[key], type=message), at_ns)
+    return lambda samples, at_ns: make(msgspec.json.decode(samples[key], type=message), at_ns)
 
 
 def _channel(topic: str, name: str, schema: Schema) -> protocol.Channel:
@@ -115,16 +118,16 @@ def _own(
     topic: str, name: str, streams: tuple[str, ...], make: Make | None, *, picture: bool = False, still: bool = False
 ) -> Source:
     known = f"foxglove.{name}"
-    schema = msgspec.json.encode(shown.SCHEMAS[known]).decode()
+    schema = msgspec.json.encode(schemas.SCHEMAS[known]).decode()
     channel = protocol.Channel(id=0, topic=topic, schema_name=known, schema=schema)
     return Source(channel=channel, streams=streams, make=make, picture=picture, still=still)
 
 
-def payload(source: Source, heard: Mapping[str, bytes], at_ns: int) -> bytes:
-    """Return the bytes of a message; MsgspecError if what was heard is no message of its type."""
+def payload(source: Source, samples: Mapping[str, bytes], at_ns: int) -> bytes:
+    """Return the bytes of a message; MsgspecError if a sample is not a message of its type."""
     if source.picture:
         key = source.streams[0]
-        return msgspec.json.encode(shown.image(heard[key], key.partition("/")[0], at_ns))
+        return msgspec.json.encode(schemas.image(samples[key], key.partition("/")[0], at_ns))
     if source.make is None:
-        return heard[source.streams[0]]
-    return msgspec.json.encode(source.make(heard, at_ns))
+        return samples[source.streams[0]]
+    return msgspec.json.encode(source.make(samples, at_ns))

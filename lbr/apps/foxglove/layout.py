@@ -19,25 +19,25 @@ _MOST_CAMERAS = 3
 
 def layout(sources: Iterable[Source], services: Iterable[Service], *, drives: bool) -> dict[str, Any]:
     """Return a layout, as Foxglove imports it."""
-    known = {one.channel.topic: one for one in sources}
-    shapes = [topic for topic, one in known.items() if one.channel.schema_name in _IN_SPACE]
+    by_topic = {source.channel.topic: source for source in sources}
+    shapes = [topic for topic, source in by_topic.items() if source.channel.schema_name in _IN_SPACE]
     panels: dict[str, dict[str, Any]] = {}
-    cameras = [topic for topic, one in sorted(known.items()) if one.picture][:_MOST_CAMERAS]
+    cameras = [topic for topic, source in sorted(by_topic.items()) if source.picture][:_MOST_CAMERAS]
     for number, topic in enumerate(cameras, start=1):
         panels[f"Image!camera{number}"] = {"imageMode": {"imageTopic": topic}, "foxglovePanelTitle": topic}
     if shapes:
         panels["3D!body"] = {
-            "followTf": BASE if MODEL in known else WORLD,
+            "followTf": BASE if MODEL in by_topic else WORLD,
             "followMode": "follow-pose",
             "topics": {topic: {"visible": True} for topic in sorted(shapes)},
             "layers": {"grid": {"layerId": "foxglove.Grid", "instanceId": "grid", "frameId": WORLD, "visible": True}},
         }
-    if paths := _paths(known):
+    if paths := _paths(by_topic):
         panels["Plot!numbers"] = {"paths": paths, "followingViewWidth": 30, "showLegend": True, "xAxisVal": "timestamp"}
     panels["RosOut!events"] = {"topicToRender": LOG, "minLogLevel": 2}
     if drives:
         panels["Teleop!stick"] = _stick()
-    if any(one.word == "stop" for one in services):
+    if any(service.word == "stop" for service in services):
         panels["CallService!stop"] = {
             "serviceName": "/stop",
             "requestPayload": "{}",

@@ -52,38 +52,38 @@ class Subscription(Struct, frozen=True, kw_only=True, rename="camel"):
 
 
 class Subscribe(Struct, frozen=True, tag_field="op", tag="subscribe"):
-    """Hear these, too."""
+    """Subscribe to these channels, too."""
 
     subscriptions: Annotated[tuple[Subscription, ...], Meta(max_length=MOST_LISTED)]
 
 
 class Unsubscribe(Struct, frozen=True, tag_field="op", tag="unsubscribe", rename="camel"):
-    """Hear these no more."""
+    """End these subscriptions."""
 
     subscription_ids: Annotated[tuple[Number, ...], Meta(max_length=MOST_LISTED)]
 
 
 class Advertise(Struct, frozen=True, tag_field="op", tag="advertise"):
-    """Publish on these."""
+    """Publish on these topics."""
 
     channels: Annotated[tuple[Published, ...], Meta(max_length=MOST_LISTED)]
 
 
 class Unadvertise(Struct, frozen=True, tag_field="op", tag="unadvertise", rename="camel"):
-    """Publish on these no more."""
+    """End publishing on these topics."""
 
     channel_ids: Annotated[tuple[Number, ...], Meta(max_length=MOST_LISTED)]
 
 
-class Say(Struct, frozen=True):
+class MessageData(Struct, frozen=True):
     """A message of a channel that the client has advertised."""
 
     channel_id: int
     payload: bytes
 
 
-class Call(Struct, frozen=True):
-    """A service that is asked for; its answer quotes both numbers."""
+class ServiceCall(Struct, frozen=True):
+    """The request of a service; its answer quotes both numbers."""
 
     service_id: int
     call_id: int
@@ -97,7 +97,7 @@ class Unknown(Struct, frozen=True):
     op: str
 
 
-class Rubbish(Exception):  # noqa: N818 - an answer, not a fault
+class InvalidMessage(Exception):  # noqa: N818 - an answer, not a fault
     """The bytes are not a message; the text names the place where they do not fit."""
 
 
@@ -105,86 +105,86 @@ class _Op(Struct, frozen=True):
     op: Text
 
 
-Message = Subscribe | Unsubscribe | Advertise | Unadvertise | Say | Call | Unknown
+Message = Subscribe | Unsubscribe | Advertise | Unadvertise | MessageData | ServiceCall | Unknown
 _KNOWN = {"subscribe", "unsubscribe", "advertise", "unadvertise"}
 _op = msgspec.json.Decoder(_Op)
 _text = msgspec.json.Decoder(Subscribe | Unsubscribe | Advertise | Unadvertise)
 
 
-def parse(said: str | bytes) -> Message:
-    """Return what a client says: text is JSON, bytes are binary messages. Raise Rubbish, and nothing else."""
+def parse(frame: str | bytes) -> Message:
+    """Return the message of a client: text is JSON, bytes are binary messages. Raise InvalidMessage, and nothing else."""
     try:
-        return _binary(said) if isinstance(said, bytes) else _json(said.encode("utf-8", "surrogatepass"))
+        return _binary(frame) if isinstance(frame, bytes) else _json(frame.encode("utf-8", "surrogatepass"))
     except RecursionError:
-        raise Rubbish("the JSON is nested too deeply") from None
+        raise InvalidMessage("the JSON is nested too deeply") from None
     except (msgspec.MsgspecError, ValueError, OverflowError) as err:
-        raise Rubbish("".join(one if one.isprintable() else " " for one in str(err))[:200]) from None
+        raise InvalidMessage("".join(one if one.isprintable() else " " for one in str(err))[:200]) from None
 
 
-def _json(said: bytes) -> Message:
-    op = _op.decode(said).op
-    return _text.decode(said) if op in _KNOWN else Unknown(op)
+def _json(data: bytes) -> Message:
+    op = _op.decode(data).op
+    return _text.decode(data) if op in _KNOWN else Unknown(op)
 
 
-def _binary(said: bytes) -> Message:
-    if not said:
-        raise Rubbish("an empty binary message")
-    if said[0] == 1:
-        if len(said) < 1 + _PUBLISHED.size:
-            raise Rubbish("a published message is too short")
-        return Say(_PUBLISHED.unpack_from(said, 1)[0], said[1 + _PUBLISHED.size :])
-    if said[0] == 2:
-        if len(said) < 1 + _CALL.size:
-            raise Rubbish("a service request is too short")
-        service, call, length = _CALL.unpack_from(said, 1)
+def _binary(data: bytes) -> Message:
+    if not data:
+        raise InvalidMessage("an empty binary message")
+    if data[0] == 1:
+        if len(data) < 1 + _PUBLISHED.size:
+            raise InvalidMessage("a published message is too short")
+        return MessageData(_PUBLISHED.unpack_from(data, 1)[0], data[1 + _PUBLISHED.size :])
+    if data[0] == 2:
+        if len(data) < 1 + _CALL.size:
+            raise InvalidMessage("a service request is too short")
+        service, call, length = _CALL.unpack_from(data, 1)
         begin = 1 + _CALL.size
-        if length > len(said) - begin:
-            raise Rubbish("a service request is shorter than it says")
-        return Call(service, call, said[begin : begin + length].decode(), said[begin + length :])
-    raise Rubbish(f"there is no binary message {said[0]}")
+        if length > len(data) - begin:
+            raise InvalidMessage("a service request is shorter than it says")
+        return ServiceCall(service, call, data[begin : begin + length].decode(), data[begin + length :])
+    raise InvalidMessage(f"there is no binary message {data[0]}")
 
 
 def server_info(name: str, session: str, *, publishes: bool) -> str:
-    """Return the first word of a server."""
+    """Return the first message of a server."""
     can = ["services", *(["clientPublish"] if publishes else [])]
     info = {"name": name, "capabilities": can, "supportedEncodings": ["json"], "metadata": {}, "sessionId": session}
-    return _told("serverInfo", info)
+    return _encoded("serverInfo", info)
 
 
 def advertise(channels: Iterable[Channel]) -> str:
-    """Tell which topics there are."""
-    return _told("advertise", {"channels": list(channels)})
+    """Advertise topics."""
+    return _encoded("advertise", {"channels": list(channels)})
 
 
 def unadvertise(ids: Iterable[int]) -> str:
-    """Tell which topics are no more."""
-    return _told("unadvertise", {"channelIds": list(ids)})
+    """Take topics back."""
+    return _encoded("unadvertise", {"channelIds": list(ids)})
 
 
 def advertise_services(services: Iterable[dict[str, Any]]) -> str:
-    """Tell which services there are."""
-    return _told("advertiseServices", {"services": list(services)})
+    """Advertise services."""
+    return _encoded("advertiseServices", {"services": list(services)})
 
 
 def unadvertise_services(ids: Iterable[int]) -> str:
-    """Tell which services are no more."""
-    return _told("unadvertiseServices", {"serviceIds": list(ids)})
+    """Take services back."""
+    return _encoded("unadvertiseServices", {"serviceIds": list(ids)})
 
 
 def status(level: int, text: str, about: str = "") -> str:
-    """Tell a sentence that Foxglove shows among its problems; one that is about the same takes the place of the
+    """Report a sentence that Foxglove shows among its problems; one about the same subject takes the place of the
     last."""
-    return _told("status", {"level": level, "message": text, **({"id": about} if about else {})})
+    return _encoded("status", {"level": level, "message": text, **({"id": about} if about else {})})
 
 
 def alive() -> str:
-    """Say something that changes nothing: what is not acknowledged tells that the other end is lost."""
-    return _told("removeStatus", {"statusIds": ["alive"]})
+    """Return a message without effect: while its acknowledgement is missing, the other end may be lost."""
+    return _encoded("removeStatus", {"statusIds": ["alive"]})
 
 
-def failed(call: Call, why: str) -> str:
-    """Tell why a service did nothing."""
-    return _told("serviceCallFailure", {"serviceId": call.service_id, "callId": call.call_id, "message": why})
+def failed(call: ServiceCall, why: str) -> str:
+    """Report why a service did nothing."""
+    return _encoded("serviceCallFailure", {"serviceId": call.service_id, "callId": call.call_id, "message": why})
 
 
 def message(subscription: int, at_ns: int, payload: bytes) -> bytes:
@@ -192,11 +192,11 @@ def message(subscription: int, at_ns: int, payload: bytes) -> bytes:
     return _HEAD.pack(_MESSAGE, subscription, at_ns) + payload
 
 
-def answered(call: Call, payload: bytes) -> bytes:
+def answered(call: ServiceCall, payload: bytes) -> bytes:
     """Return the answer of a service, in JSON."""
     head = struct.pack("<BIII", _SERVICE, call.service_id, call.call_id, len(b"json"))
     return head + b"json" + payload
 
 
-def _told(op: str, more: dict[str, Any]) -> str:
-    return _encode({"op": op, **more}).decode()
+def _encoded(op: str, fields: dict[str, Any]) -> str:
+    return _encode({"op": op, **fields}).decode()

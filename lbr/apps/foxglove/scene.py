@@ -93,11 +93,11 @@ def colour(rgba: Sequence[float]) -> dict[str, float]:
 
 
 def _entity(link: Link, at_ns: int) -> dict[str, Any]:
-    found: dict[str, list[Any]] = {}
+    shapes: dict[str, list[Any]] = {}
     for shape in link.shapes:
-        for kind, one in _primitives(shape):
-            found.setdefault(kind, []).append(one)
-    return entity(link.name, frame(link.name), at_ns, **found)
+        for kind, primitive in _primitives(shape):
+            shapes.setdefault(kind, []).append(primitive)
+    return entity(link.name, frame(link.name), at_ns, **shapes)
 
 
 def _primitives(shape: Shape) -> Iterator[tuple[str, dict[str, Any]]]:

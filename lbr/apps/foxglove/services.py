@@ -1,4 +1,4 @@
-"""The robot's words as services: what a service takes, and the console line that it says. Pure."""
+"""The robot's words as services: the fields of a service, and its console line. Pure."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,7 +21,7 @@ _RESPONSE = {
 
 
 class Service(Struct, frozen=True, kw_only=True):
-    """A word, with what stands fast beside it (`torque/on`), and all ways to say it: patterns and their fields.
+    """A word with the fixed parts of its pattern (`torque/on`), and all ways to write it: patterns and their fields.
 
     An `external` line has blanks between its words.
     """
@@ -34,18 +34,18 @@ class Service(Struct, frozen=True, kw_only=True):
     choices: Mapping[str, tuple[str, ...]] = {}
 
     def line(self, given: Mapping[str, Any]) -> str:
-        """Return the line that says it with these fields; InputError says what does not fit."""
-        said = {name: _value(name, value) for name, value in given.items() if value is not None and value != ""}
+        """Return the console line with these fields; InputError names the fields that do not fit."""
+        given_values = {name: _value(name, value) for name, value in given.items() if value is not None and value != ""}
         for pattern, fields in self.ways:
-            if set(fields) == set(said):
-                values = [said[one] for one in fields]
-                return " ".join([pattern, *values]) if self.external else _filled(pattern, values)
+            if set(fields) == set(given_values):
+                parts = [given_values[field] for field in fields]
+                return " ".join([pattern, *parts]) if self.external else _filled(pattern, parts)
         ways = " or ".join(f"{{{', '.join(fields)}}}" for _, fields in self.ways)
-        raise InputError(f"'{self.word}' takes {ways}, and not {{{', '.join(sorted(said))}}}", "bad_value")
+        raise InputError(f"'{self.word}' takes {ways}, and not {{{', '.join(sorted(given_values))}}}", "bad_value")
 
 
 def services(words: Iterable[Mapping[str, Any]]) -> tuple[Service, ...]:
-    """Return a service for each word, by what the robot tells of its words; `stop` and `estop` always."""
+    """Return a service for each word of the robot; `stop` and `estop` always."""
     found: dict[str, list[Mapping[str, Any]]] = {}
     for entry in words:
         found.setdefault(_name(entry), []).append(entry)
@@ -55,8 +55,8 @@ def services(words: Iterable[Mapping[str, Any]]) -> tuple[Service, ...]:
     return tuple(made[word] for word in sorted(made))
 
 
-def told(number: int, service: Service) -> dict[str, Any]:
-    """Return a service as the protocol tells it."""
+def advertisement(number: int, service: Service) -> dict[str, Any]:
+    """Return the advertisement of a service in the protocol."""
     fields = {name: _field(service, name) for _, fields in service.ways for name in fields}
     always = set.intersection(*(set(fields) for _, fields in service.ways))
     request = {
@@ -66,31 +66,31 @@ def told(number: int, service: Service) -> dict[str, Any]:
         "properties": fields,
         "required": sorted(always),
     }
-    asked, answer = msgspec.json.encode(request).decode(), msgspec.json.encode(_RESPONSE).decode()
+    request_schema, response_schema = msgspec.json.encode(request).decode(), msgspec.json.encode(_RESPONSE).decode()
     return {
         "id": number,
         "name": f"/{service.word}",
         "type": f"lbr/{service.word}",
-        "requestSchema": asked,
-        "responseSchema": answer,
-        "request": _written(f"{service.word}Request", asked),
-        "response": _written("Result", answer),
+        "requestSchema": request_schema,
+        "responseSchema": response_schema,
+        "request": _written(f"{service.word}Request", request_schema),
+        "response": _written("Result", response_schema),
     }
 
 
 def read(payload: bytes) -> dict[str, Any]:
     """Return the fields of a request; InputError names the problem."""
     try:
-        found = decode_request(payload or b"{}")
+        fields = decode_request(payload or b"{}")
     except MalformedError as err:
         raise InputError(f"the request: {err}", "malformed") from None
-    if not isinstance(found, dict):
+    if not isinstance(fields, dict):
         raise InputError("the request is no JSON object, such as {}", "malformed")
-    return found
+    return fields
 
 
 def _name(entry: Mapping[str, Any]) -> str:
-    """Return what stands fast in the pattern of a word, so that each of its meanings is a service of its own."""
+    """Return the fixed parts of a word's pattern, so that each of its meanings is a service of its own."""
     fast = _PLACE.sub(" ", str(entry.get("pattern") or entry.get("word", "")))
     return "/".join(fast.replace("/", " ").split())
 

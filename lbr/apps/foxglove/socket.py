@@ -1,4 +1,4 @@
-"""One client of Foxglove's protocol: what it hears, what it asks, and its hand on the robot; on the server's thread.
+"""One client of Foxglove's protocol: its streams, its services, and its hand on the robot; on the server's thread.
 
 subscribe ──► streams, newest first ──► messages        a slow reader gets what is newer, and a dead one is cut
 service ──► a console line, with the client's role ──► its answer; a goal goes on while the connection stands
@@ -36,7 +36,7 @@ from lbr.messages.unreadable import UNREADABLE
 
 STALLED_S = 5.0
 STALLED, TALKS = 1013, 1008
-SAID_HZ, SAID_AT_ONCE = 150.0, 300.0
+MESSAGES_HZ, MESSAGES_AT_ONCE = 150.0, 300.0
 MOST_CALLS, MOST_NEWS = 8, 256
 RESTED_S = 1.0
 """Motion that is published this long after the last begins anew. An earlier one continues the last: a network that
@@ -44,7 +44,7 @@ holds messages up for a moment is nobody's rest. Chosen: longer than a wireless 
 LOST_MS = 1500
 """Data that is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
 ALIVE_S = 0.25
-LAST_WORDS_S = 0.2
+LAST_MESSAGES_S = 0.2
 NOTHING_MOVES = 1e-6
 _encode = msgspec.json.Encoder().encode
 
@@ -60,16 +60,16 @@ class Served(Protocol):
 
     @property
     def feeds(self) -> Feeds:
-        """The streams, heard once for all clients."""
+        """The streams, received once for all clients."""
 
-    async def say(self, service: Service, line: str, viewer: "Viewer") -> Any:
-        """Say a line in the name of a client; raise Refused."""
+    async def run_service(self, service: Service, line: str, viewer: "Viewer") -> Any:
+        """Run the line of a service in the name of a client; raise Refused."""
 
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
-        """Say whether a client may hear a channel."""
+        """Tell whether a client may subscribe to a channel."""
 
-    def tell(self, kind: str, text: str) -> None:
-        """Have an event published."""
+    def report(self, kind: str, text: str) -> None:
+        """Publish an event."""
 
 
 class Viewer:
@@ -84,7 +84,7 @@ class Viewer:
         self._loop = asyncio.get_running_loop()
         self._shown: Mapping[int, Source] = {}
         self._offered: Mapping[int, Service] = {}
-        self._told: object = None
+        self._advertised: object = None
         self._subscribed: dict[int, int] = {}
         self._sent: dict[int, tuple[int, ...]] = {}
         self._event = 0
@@ -94,28 +94,26 @@ class Viewer:
         self._calls: set[asyncio.Task[None]] = set()
         self._stops: set[asyncio.Task[None]] = set()
         self._woken = asyncio.Event()
-        self._hand = Hand(
-            source_of(client), served.api.may(client), self._tell_from_loop, whose="Foxglove", resumes=True
-        )
+        self._hand = Hand(source_of(client), served.api.may(client), self._report_hold, whose="Foxglove", resumes=True)
         self._has_hand = False
         self._push, self._pushed_s, self._pushed_to = 0, 0.0, ""
-        self._often = Bucket(SAID_HZ, self._loop.time(), SAID_AT_ONCE)
+        self._rate = Bucket(MESSAGES_HZ, self._loop.time(), MESSAGES_AT_ONCE)
 
     async def serve(self, web: WebSocket, receive: Receive, name: str) -> None:
-        """Serve until it goes, reads nothing, says too much, or the server ends."""
+        """Serve until the client leaves, reads nothing or sends too much, or the server ends."""
         bound_silence(web)
         publishes = self.client.may("operate")
         self._news.append(protocol.server_info(name, self._served.session, publishes=publishes))
-        hearing = asyncio.create_task(self._hear_out(receive))
-        hearing.add_done_callback(lambda _done: self._woken.set())
+        receiving = asyncio.create_task(self._receive_all(receive))
+        receiving.add_done_callback(lambda _done: self._woken.set())
         try:
-            code, why = await self._send_out(web, hearing)
+            code, why = await self._send_all(web, receiving)
         finally:
             self._leave()
-            await asyncio.wait((hearing,), timeout=LAST_WORDS_S)  # a stop may be among what came before it left
-            hearing.cancel()
+            await asyncio.wait((receiving,), timeout=LAST_MESSAGES_S)  # a stop may be among what came before it left
+            receiving.cancel()
             with suppress(asyncio.CancelledError):
-                await hearing
+                await receiving
         if code:
             async with asyncio.timeout(STALLED_S):
                 await web.close(code, why[:120])
@@ -130,10 +128,10 @@ class Viewer:
         self._watch(frozenset())
         self._loop.call_later(KEPT_S + 0.1, self._served.feeds.tidy)
 
-    async def _send_out(self, web: WebSocket, hearing: "asyncio.Task[str]") -> tuple[int, str]:
+    async def _send_all(self, web: WebSocket, receiving: "asyncio.Task[str]") -> tuple[int, str]:
         due, alive = self._loop.time(), 0.0
-        while not hearing.done():
-            self._look()
+        while not receiving.done():
+            self._advertise_changes()
             now = self._loop.time()
             if now - alive >= ALIVE_S:
                 alive = now
@@ -142,8 +140,8 @@ class Viewer:
                 async with asyncio.timeout(STALLED_S):
                     while self._news:
                         await _send(web, self._news.popleft())
-                    for one in self._messages():
-                        await _send(web, one)
+                    for message in self._messages():
+                        await _send(web, message)
             except TimeoutError:
                 return STALLED, f"nothing was read for {STALLED_S:g} s"
             due = max(self._loop.time(), due + self._period_s)
@@ -151,159 +149,161 @@ class Viewer:
                 async with asyncio.timeout(max(due - self._loop.time(), 0.001)):
                     await self._woken.wait()
             self._woken.clear()
-        return (TALKS, why) if (why := hearing.result()) else (0, "")
+        return (TALKS, why) if (why := receiving.result()) else (0, "")
 
-    def _look(self) -> None:
-        """Tell of channels and services that came or went; numbers stay what they were meant for."""
+    def _advertise_changes(self) -> None:
+        """Advertise channels and services that were added, and take back those that were removed."""
         served = self._served
-        if self._told is served.sources:
+        if self._advertised is served.sources:
             return
-        self._told = served.sources
-        shown = {
-            number: one
-            for number, one in served.sources.items()
-            if served.shows(one, self.client, pictures=self._pictures)
+        self._advertised = served.sources
+        visible = {
+            number: source
+            for number, source in served.sources.items()
+            if served.shows(source, self.client, pictures=self._pictures)
         }
         offered = dict(served.services)
-        gone = [number for number, one in self._shown.items() if shown.get(number) != one]
-        ended = [number for number, one in self._offered.items() if offered.get(number) != one]
-        if gone:
-            self._news.append(protocol.unadvertise(gone))
-            self._subscribed = {one: number for one, number in self._subscribed.items() if number not in gone}
+        hidden = [number for number, source in self._shown.items() if visible.get(number) != source]
+        ended = [number for number, service in self._offered.items() if offered.get(number) != service]
+        if hidden:
+            self._news.append(protocol.unadvertise(hidden))
+            self._subscribed = {
+                subscription: number for subscription, number in self._subscribed.items() if number not in hidden
+            }
         if ended:
             self._news.append(protocol.unadvertise_services(ended))
-        if new := [one.channel for number, one in shown.items() if self._shown.get(number) != one]:
-            self._news.append(protocol.advertise(new))
-        if fresh := [(number, one) for number, one in offered.items() if self._offered.get(number) != one]:
-            self._news.append(protocol.advertise_services(words.told(*one) for one in fresh))
-        self._shown, self._offered = shown, offered
-        self._want()
+        if added := [source.channel for number, source in visible.items() if self._shown.get(number) != source]:
+            self._news.append(protocol.advertise(added))
+        if fresh := [(number, service) for number, service in offered.items() if self._offered.get(number) != service]:
+            self._news.append(protocol.advertise_services(words.advertisement(*service) for service in fresh))
+        self._shown, self._offered = visible, offered
+        self._update_streams()
 
-    def _want(self) -> None:
+    def _update_streams(self) -> None:
         wanted = [self._shown[number] for number in self._subscribed.values()]
-        self._served.feeds.want(self, {key for one in wanted if not one.picture for key in one.streams})
-        self._watch(frozenset(key for one in wanted if one.picture for key in one.streams))
+        self._served.feeds.want(self, {key for source in wanted if not source.picture for key in source.streams})
+        self._watch(frozenset(key for source in wanted if source.picture for key in source.streams))
 
     def _watch(self, cameras: frozenset[str]) -> None:
-        """Look at these cameras, and have it told who does."""
+        """Watch these cameras, and publish an event for each that is new or no longer watched."""
         for key in sorted(cameras ^ self._watched):
             more = "" if key in cameras else " no more"
-            self._served.tell("watched", f"{self.client} watches {key.partition('/')[0]}{more}, in Foxglove")
+            self._served.report("watched", f"{self.client} watches {key.partition('/')[0]}{more}, in Foxglove")
         self._watched = cameras
         self._served.pictures.want(self, cameras)
 
     def _messages(self) -> list[bytes]:
-        """Return what is new of what it hears, the newest of each; of events all."""
+        """Return the newest unsent message of each subscription, and all unsent events."""
         now, wall_ns, made = self._served.api.now(), time.time_ns(), list[bytes]()
         events = self._served.feeds.events(self._event)
         for subscription, number in self._subscribed.items():
             source = self._shown[number]
             if source.streams == (channels.EVENT,):
                 for event in events:
-                    made += self._made(source, subscription, {channels.EVENT: event}, now, wall_ns)
+                    made += self._encoded(source, subscription, {channels.EVENT: event}, now, wall_ns)
                 continue
             newest = self._served.pictures.newest if source.picture else self._served.feeds.newest
-            heard = {key: one for key in source.streams if (one := newest(key)) is not None}
-            state = tuple(heard[key].number if key in heard else 0 for key in source.streams)
-            if (heard or source.still) and self._sent.get(subscription) != state:
+            samples = {key: sample for key in source.streams if (sample := newest(key)) is not None}
+            state = tuple(samples[key].number if key in samples else 0 for key in source.streams)
+            if (samples or source.still) and self._sent.get(subscription) != state:
                 self._sent[subscription] = state
-                made += self._made(source, subscription, heard, now, wall_ns)
+                made += self._encoded(source, subscription, samples, now, wall_ns)
         if events:
             self._event = events[-1].number
         return made
 
-    def _made(
-        self, source: Source, subscription: int, heard: Mapping[str, Sample], now: float, wall_ns: int
+    def _encoded(
+        self, source: Source, subscription: int, samples: Mapping[str, Sample], now: float, wall_ns: int
     ) -> list[bytes]:
-        age_s = min((max(0.0, now - one.sent_s) for one in heard.values()), default=0.0)
+        age_s = min((max(0.0, now - sample.sent_s) for sample in samples.values()), default=0.0)
         at_ns = max(0, wall_ns - int(age_s * 1e9))
         try:
-            payload = channels.payload(source, {key: one.text for key, one in heard.items()}, at_ns)
+            payload = channels.payload(source, {key: sample.text for key, sample in samples.items()}, at_ns)
         except (ValueError, ArithmeticError, *UNREADABLE) as err:
             text = f"{source.channel.topic} cannot be shown: {err}"
             self._news.append(protocol.status(protocol.WARNING, text[:300], source.channel.topic))
             return []
         return [protocol.message(subscription, at_ns, payload)]
 
-    # What it says.
+    # Messages of the client.
 
-    async def _hear_out(self, receive: Receive) -> str:
-        """Do what it says until it has gone; return why it is to go, if it is."""
+    async def _receive_all(self, receive: Receive) -> str:
+        """Handle a client's messages until it leaves; return the reason to end the connection, or an empty text."""
         while True:
             message: Message = await receive()
             if message["type"] == "websocket.disconnect":
                 return ""
-            if not self._often.take(self._loop.time()):
+            if not self._rate.take(self._loop.time()):
                 return "too much is said here"
             text, data = message.get("text"), message.get("bytes")
             try:
-                said = protocol.parse(text if text is not None else data or b"")
-                if not self.gone or isinstance(said, protocol.Call):  # of one that has left, only stops are done
-                    self._do(said)
-            except protocol.Rubbish as err:
-                self._hand.release()  # what cannot be read may have been that
+                request = protocol.parse(text if text is not None else data or b"")
+                if not self.gone or isinstance(request, protocol.ServiceCall):  # stops count after the end, too
+                    self._handle(request)
+            except protocol.InvalidMessage as err:
+                self._hand.release()  # the message may have been a release
                 self._served.api.wake()
-                self._tell(protocol.status(protocol.ERROR, f"a message that is none: {err}", "malformed"))
+                self._queue(protocol.status(protocol.ERROR, f"a message that is none: {err}", "malformed"))
 
-    def _do(self, said: protocol.Message) -> None:
-        match said:
+    def _handle(self, message: protocol.Message) -> None:
+        match message:
             case protocol.Subscribe(subscriptions=wanted):
                 self._subscribe(wanted)
             case protocol.Unsubscribe(subscription_ids=ids):
-                for one in ids:
-                    self._subscribed.pop(one, None)
-                    self._sent.pop(one, None)
-                self._want()
-            case protocol.Advertise(channels=new):
-                self._advertise(new)
+                for subscription in ids:
+                    self._subscribed.pop(subscription, None)
+                    self._sent.pop(subscription, None)
+                self._update_streams()
+            case protocol.Advertise(channels=advertised):
+                self._advertise(advertised)
             case protocol.Unadvertise(channel_ids=ids):
-                for one in ids:
-                    self._publishes.pop(one, None)
+                for channel in ids:
+                    self._publishes.pop(channel, None)
                 self._hand.release()
                 self._served.api.wake()
-            case protocol.Say():
-                self._published(said)
-            case protocol.Call():
-                self._call(said)
+            case protocol.MessageData():
+                self._apply_data(message)
+            case protocol.ServiceCall():
+                self._call(message)
             case protocol.Unknown(op=op):
-                self._tell(protocol.status(protocol.WARNING, f"'{op}' is not served here", "op"))
+                self._queue(protocol.status(protocol.WARNING, f"'{op}' is not served here", "op"))
 
     def _subscribe(self, wanted: tuple[protocol.Subscription, ...]) -> None:
-        for one in wanted:
-            if one.channel_id not in self._shown:
-                text = f"there is no channel {one.channel_id}"
-                self._tell(protocol.status(protocol.WARNING, text, "channel"))
-            elif one.id not in self._subscribed and len(self._subscribed) >= protocol.MOST_LISTED:
-                self._tell(protocol.status(protocol.WARNING, "too many subscriptions", "channel"))
+        for subscription in wanted:
+            if subscription.channel_id not in self._shown:
+                text = f"there is no channel {subscription.channel_id}"
+                self._queue(protocol.status(protocol.WARNING, text, "channel"))
+            elif subscription.id not in self._subscribed and len(self._subscribed) >= protocol.MOST_LISTED:
+                self._queue(protocol.status(protocol.WARNING, "too many subscriptions", "channel"))
             else:
-                self._subscribed[one.id] = one.channel_id
-                self._sent.pop(one.id, None)
+                self._subscribed[subscription.id] = subscription.channel_id
+                self._sent.pop(subscription.id, None)
         if not self._event:
             self._event = self._served.feeds.last_event
-        self._want()
+        self._update_streams()
         self._woken.set()
 
-    def _advertise(self, new: tuple[protocol.Published, ...]) -> None:
-        for one in new:
-            if one.encoding != "json":
-                text = f"{one.topic}: only JSON is understood here, and not '{one.encoding}'"
-                self._tell(protocol.status(protocol.ERROR, text, one.topic))
+    def _advertise(self, advertised: tuple[protocol.Published, ...]) -> None:
+        for channel in advertised:
+            if channel.encoding != "json":
+                text = f"{channel.topic}: only JSON is understood here, and not '{channel.encoding}'"
+                self._queue(protocol.status(protocol.ERROR, text, channel.topic))
             elif len(self._publishes) >= protocol.MOST_LISTED:
-                self._tell(protocol.status(protocol.ERROR, "too many channels are advertised", "channel"))
+                self._queue(protocol.status(protocol.ERROR, "too many channels are advertised", "channel"))
             else:
-                self._publishes[one.id] = one
+                self._publishes[channel.id] = channel
 
-    def _published(self, said: protocol.Say) -> None:
-        channel = self._publishes.get(said.channel_id)
+    def _apply_data(self, data: protocol.MessageData) -> None:
+        channel = self._publishes.get(data.channel_id)
         if channel is None:
-            self._tell(protocol.status(protocol.WARNING, f"no channel {said.channel_id} was advertised", "channel"))
+            self._queue(protocol.status(protocol.WARNING, f"no channel {data.channel_id} was advertised", "channel"))
             return
         try:
-            wanted = motion(channel, said.payload, self._served.api)
+            wanted = motion(channel, data.payload, self._served.api)
         except InputError as err:
             self._hand.release()
             self._served.api.wake()
-            self._tell(protocol.status(protocol.ERROR, str(err), channel.topic))
+            self._queue(protocol.status(protocol.ERROR, str(err), channel.topic))
             return
         if wanted is None:
             self._hand.release()
@@ -321,17 +321,17 @@ class Viewer:
             self._has_hand = True
             self._served.api.holds.add(self._hand)
 
-    def _call(self, call: protocol.Call) -> None:
+    def _call(self, call: protocol.ServiceCall) -> None:
         service = self._offered.get(call.service_id)
         stops = service is not None and service.word in {STOP, ESTOP}
         if self.gone and not stops:
             return
         if service is None:
-            self._tell(protocol.failed(call, f"there is no service {call.service_id}"))
+            self._queue(protocol.failed(call, f"there is no service {call.service_id}"))
         elif not stops and call.encoding not in {"", "json"}:
-            self._tell(protocol.failed(call, f"only JSON is understood here, and not '{call.encoding[:40]}'"))
+            self._queue(protocol.failed(call, f"only JSON is understood here, and not '{call.encoding[:40]}'"))
         elif not stops and len(self._calls) >= MOST_CALLS:
-            self._tell(protocol.failed(call, "too many services are asked for at once"))
+            self._queue(protocol.failed(call, "too many services are asked for at once"))
         else:
             if stops:
                 self._hand.release()
@@ -343,47 +343,47 @@ class Viewer:
                 self._stops.add(task)
                 task.add_done_callback(self._stops.discard)
 
-    async def _answer(self, call: protocol.Call, service: Service) -> None:
+    async def _answer(self, call: protocol.ServiceCall, service: Service) -> None:
         try:
             stops = service.word in {STOP, ESTOP}
             line = service.word if stops else service.line(words.read(call.payload))
-            answer = await self._served.say(service, line, self)
+            answer = await self._served.run_service(service, line, self)
         except (InputError, Refused) as err:
-            self._tell(protocol.failed(call, str(err)))
+            self._queue(protocol.failed(call, str(err)))
             return
-        self._tell(protocol.answered(call, _encode(answer)))
+        self._queue(protocol.answered(call, _encode(answer)))
 
-    def _tell(self, news: str | bytes) -> None:
+    def _queue(self, news: str | bytes) -> None:
         self._news.append(news)
         self._woken.set()
 
-    def _tell_from_loop(self, news: HoldNews) -> None:
-        """Have it told how it stands with motion; from the capability's loop."""
+    def _report_hold(self, news: HoldNews) -> None:
+        """Report why motion is not held; called by the capability's loop."""
         if news.holds or not news.reason:
             return
         held = f" (held by {news.holder})" if news.holder else ""
         with suppress(RuntimeError):  # the server has ended
             self._loop.call_soon_threadsafe(
-                self._tell, protocol.status(protocol.WARNING, f"{news.reason}{held} [{news.code}]", "motion")
+                self._queue, protocol.status(protocol.WARNING, f"{news.reason}{held} [{news.code}]", "motion")
             )
 
 
 def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, dict[str, Any]] | None:
-    """Return which command is to be held and with what, for a message that a client publishes; None for standing still.
+    """Return the command that a published message holds and its fields; None for standing still.
 
     A Twist, as a Teleop panel publishes it, goes to the base; what is published on a command's own topic goes there.
     """
     try:
-        said = decode_request(payload)
+        fields = decode_request(payload)
     except MalformedError as err:
         raise InputError(f"{channel.topic}: {err}", "malformed") from None
-    if not isinstance(said, dict):
+    if not isinstance(fields, dict):
         raise InputError(f"{channel.topic}: this is no JSON object", "malformed")
     known, topic = api.known, channel.topic.lstrip("/")
     if known is not None and topic in known.commands:
         if not known.commands[topic].leased:
             raise InputError(f"'{topic}' is not held: ask for it by a service", "not_possible")
-        return topic, {name: value for name, value in said.items() if name not in {"lease", "ttl_s"}}
+        return topic, {name: value for name, value in fields.items() if name not in {"lease", "ttl_s"}}
     if "Twist" not in channel.schema_name and topic != "cmd_vel":
         raise InputError(
             f"nothing on this robot listens to '{topic}': publish a Twist, or on a command's topic", "unknown_name"
@@ -391,8 +391,8 @@ def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, 
     base = known.told.base if known is not None else None
     if base is None:
         raise InputError("this robot has no base that takes a twist", "not_possible")
-    said = said.get("twist", said)
-    vx, vy, wz = _part(said, "linear", "x"), _part(said, "linear", "y"), _part(said, "angular", "z")
+    fields = fields.get("twist", fields)
+    vx, vy, wz = _part(fields, "linear", "x"), _part(fields, "linear", "y"), _part(fields, "angular", "z")
     if not max(abs(vx), abs(vy), abs(wz)) > NOTHING_MOVES:  # this way round, NaN stands still
         return None
     return f"{base.capability}/twist", {"vx_mps": vx, "vy_mps": vy if base.sideways else 0.0, "wz_rps": wz}

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from lbr.apps.bodies.model import model
-from lbr.apps.foxglove import channels, protocol, scene, services, shown
+from lbr.apps.foxglove import channels, protocol, scene, schemas, services
 from lbr.apps.foxglove.capability import numbered
 from lbr.apps.foxglove.kind import FoxgloveSettings
 from lbr.apps.foxglove.socket import motion
@@ -32,8 +32,8 @@ FROM_CLIENTS = (
     | protocol.Unsubscribe
     | protocol.Advertise
     | protocol.Unadvertise
-    | protocol.Say
-    | protocol.Call
+    | protocol.MessageData
+    | protocol.ServiceCall
     | protocol.Unknown
 )
 
@@ -42,7 +42,7 @@ def read(said):
     """Return what comes, and what is called rubbish as something unknown; nothing else is raised."""
     try:
         return protocol.parse(said)
-    except protocol.Rubbish as err:
+    except protocol.InvalidMessage as err:
         return protocol.Unknown(str(err)) if str(err).isprintable() else err
 
 
@@ -61,10 +61,10 @@ def test_any_json_under_the_words_of_the_protocol_is_no_fault(value):
     st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1), st.binary(max_size=50), st.sampled_from(["", "json", "ros1"])
 )
 def test_what_a_client_publishes_and_asks_is_read_back(number, call, payload, encoding):
-    assert protocol.parse(b"\x01" + struct.pack("<I", number) + payload) == protocol.Say(number, payload)
+    assert protocol.parse(b"\x01" + struct.pack("<I", number) + payload) == protocol.MessageData(number, payload)
     head = struct.pack("<BIII", 2, number, call, len(encoding))
     asked = protocol.parse(head + encoding.encode() + payload)
-    assert asked == protocol.Call(number, call, encoding, payload)
+    assert asked == protocol.ServiceCall(number, call, encoding, payload)
     told = protocol.answered(asked, payload)
     assert struct.unpack_from("<BIII", told) == (3, number, call, 4)
     assert told[13:] == b"json" + payload
@@ -193,11 +193,11 @@ def test_channels_are_made_of_what_the_robot_says_and_every_message_fits_its_sch
 
 def test_a_ray_is_drawn_from_the_sensor_as_far_as_it_reads():
     sensor = RangeSensor(name="left", kind="ultrasonic", y_m=0.1, z_m=0.2, yaw_rad=math.pi / 2)
-    drawn = shown.rays(ranges({"left": 2.0}, {"left": "ok"}), (sensor,), 0)
+    drawn = schemas.rays(ranges({"left": 2.0}, {"left": "ok"}), (sensor,), 0)
     begin, end = drawn["entities"][0]["lines"][0]["points"]
     assert begin == {"x": 0.0, "y": 0.1, "z": 0.2}
     assert end == pytest.approx({"x": 0.0, "y": 2.1, "z": 0.2})
-    silent = shown.rays(ranges({"left": None}, {"left": "missing"}), (sensor,), 0)
+    silent = schemas.rays(ranges({"left": None}, {"left": "missing"}), (sensor,), 0)
     assert silent["entities"] == []
     assert silent["deletions"][0]["id"] == "range left"
 
@@ -243,4 +243,4 @@ def test_a_recording_opens_with_the_topics_and_schemas_of_the_live_robot(tmp_pat
     assert (channel.message_encoding, one.data) == ("json", said)
     kept, _, one = opened["a/frame"]
     assert kept.name == "foxglove.CompressedImage"
-    assert set(json.loads(one.data)) == set(shown.SCHEMAS[kept.name]["properties"])
+    assert set(json.loads(one.data)) == set(schemas.SCHEMAS[kept.name]["properties"])

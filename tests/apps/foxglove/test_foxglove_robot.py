@@ -17,7 +17,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus, InvalidURI
 from websockets.sync.client import connect
 
-from lbr.apps.foxglove import shown
+from lbr.apps.foxglove import schemas
 from lbr.apps.web import addresses
 from tests.support import programs
 from tests.support.robot import free_port, lbr, prepare, running
@@ -177,7 +177,7 @@ def test_it_shows_streams_by_their_schema_the_body_and_cameras_only_while_they_a
     assert until(lambda: rests(robot), what="a camera that nobody looks at")
     image = client.newest("camera_front/frame")
     assert image["format"] == "jpeg"
-    assert set(image) == set(shown.SCHEMAS["foxglove.CompressedImage"]["properties"])
+    assert set(image) == set(schemas.SCHEMAS["foxglove.CompressedImage"]["properties"])
     client.until(lambda: happened(robot, "watches camera_front, in"), "the event of its looking")
     number = client.channels["camera_front/frame"]["id"]
     client.say(op="unsubscribe", subscriptionIds=[number])
