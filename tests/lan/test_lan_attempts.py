@@ -116,24 +116,24 @@ def test_whatever_comes_it_keeps_little_and_never_lets_a_host_wait_longer_than_p
 def test_silence_is_a_fault_only_when_questions_stay_without_answer():
     passage = Passage()
     for _ in range(10):
-        passage.heard(outside=True, inside=False)
+        passage.count_statuses(outside=True, inside=False)
     assert (passage.doubtful, passage.broken) == (True, False)
     passage.asked(answered=False)
     passage.asked(answered=True)
     assert not passage.doubtful
     for _ in range(10):
-        passage.heard(outside=True, inside=False)
+        passage.count_statuses(outside=True, inside=False)
         if passage.doubtful:
             passage.asked(answered=False)
     assert passage.broken
-    passage.heard(outside=True, inside=True)
+    passage.count_statuses(outside=True, inside=True)
     assert not passage.broken
 
 
 def test_nothing_is_concluded_where_nothing_was_heard_outside_either():
     passage = Passage()
     for _ in range(100):
-        passage.heard(outside=False, inside=False)
+        passage.count_statuses(outside=False, inside=False)
     assert not passage.doubtful
 
 

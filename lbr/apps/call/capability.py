@@ -107,12 +107,12 @@ class Call(Capability[CallSettings]):
             self._media.show(received.message.data, received.arrived)
 
     def _note(self, happened: "Happened") -> None:
-        if happened.what == "answer":
+        if happened.outcome == "answer":
             self._desk.answered(happened.id, happened.text)
-        elif happened.what == "connected":
+        elif happened.outcome == "connected":
             self._desk.connected(happened.id)
         else:
-            code: Code = "malformed" if happened.what == "refused" else "unreachable"
+            code: Code = "malformed" if happened.outcome == "refused" else "unreachable"
             self._desk.lost(happened.id, Reason(code, happened.text))
 
     def _carry_out(self) -> None:
@@ -131,33 +131,33 @@ class Call(Capability[CallSettings]):
         """Add how picture and sound are."""
         if not reply.accepted or reply.phase == "idle":
             return reply
-        hears, sound = self._heard
+        hears, sound = self._sound
         fields = {name: getattr(reply, name) for name in ("id", "phase", "answer")}
         return RingReply(
             accepted=True, picture=self._no_picture(), hears=hears, sound=sound, seen=self._desk.displays > 0, **fields
         )
 
     @property
-    def _heard(self) -> tuple[Hears, str]:
+    def _sound(self) -> tuple[Hears, str]:
         return (self._media.hears, self._media.sound) if self._media is not None else ("silence", "")
 
     def _no_picture(self) -> str:
-        """Return why there is no picture; empty if there is."""
+        """Return the reason of a missing picture; empty if there is one."""
         if self.ctx.clock() - self._seen_s <= CURRENT_S:
             return self._media.broken if self._media is not None else ""
-        there = {name: state for name, state in self._cameras.items() if self.ctx.alive(name)}
-        if not there:
+        cameras = {name: state for name, state in self._cameras.items() if self.ctx.alive(name)}
+        if not cameras:
             return "no camera is there"
-        if on := [name for name, state in there.items() if state.on]:
+        if on := [name for name, state in cameras.items() if state.on]:
             name = on[0]
-            return f"{name.removeprefix(PREFIX)}: {there[name].reason or 'no picture comes'}"
+            return f"{name.removeprefix(PREFIX)}: {cameras[name].reason or 'no picture comes'}"
         return "the camera is off: the call does not switch it on"
 
     def _tell(self, now: float) -> None:
-        desk, caller, (hears, sound) = self._desk, self._desk.caller, self._heard
+        desk, caller, (hears, sound) = self._desk, self._desk.caller, self._sound
         state = CallState(
             phase=desk.phase,
-            caller=caller.who if caller is not None else "",
+            caller=caller.name if caller is not None else "",
             at_once=self.ctx.settings.answer == "at_once",
             by_webrtc=desk.pictured,
             most=self.ctx.settings.most,

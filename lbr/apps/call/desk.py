@@ -25,11 +25,11 @@ ENDED_KEPT = 16
 
 @dataclass(slots=True)
 class Guest:
-    """A page that rang: what for, who it is, and how far it came."""
+    """A page that rang: its purpose, its name, and the phase of its call."""
 
     id: str
     purpose: Purpose
-    who: str
+    name: str
     offer: str
     heard_s: float
     until_s: float
@@ -113,7 +113,7 @@ class Desk:
         guest = Guest(
             id=self._make_id(),
             purpose=command.purpose,
-            who=command.by or "a page",
+            name=command.by or "a page",
             offer=command.offer,
             heard_s=now,
             until_s=now + (self._settings.ring_s if waits else CONNECT_S),
@@ -122,15 +122,15 @@ class Desk:
         self._guests[guest.id] = guest
         if waits:
             said = "/call/answer or /call/decline"
-            self.news.append(News("call_rings", f"{guest.who} calls: {said}", "warning"))
+            self.news.append(News("call_rings", f"{guest.name} calls: {said}", "warning"))
         else:
             if guest.purpose == "talk":
-                self.news.append(News("call_answered", f"{guest.who} calls, and is answered at once, as the row says"))
+                self.news.append(News("call_answered", f"{guest.name} calls, and is answered at once, as the row says"))
             self._connect(guest, now)
-        return self._told(guest)
+        return self._reply(guest)
 
     def keep(self, id: str, now: float, *, leave: bool = False) -> RingReply:
-        """Note that a page is there, or leaves; say how its call is."""
+        """Note that a page is connected, or leaves; return the state of its call."""
         guest = self._guests.get(id)
         if guest is None and (why := self._ended.get(id)) is not None:
             return RingReply(accepted=True, id=id, phase="idle", reason=why.text, code=why.code)
@@ -139,16 +139,16 @@ class Desk:
             return RingReply(accepted=False, reason=text, code="unknown_name")
         guest.heard_s = now
         if leave:
-            self._end(guest, Reason("done", f"{guest.who} hung up"))
+            self._end(guest, Reason("done", f"{guest.name} hung up"))
             return self.keep(id, now)
-        return self._told(guest)
+        return self._reply(guest)
 
     def answer(self, by: str, now: float) -> Reason | None:
         """Answer the call that rings; return why that is not possible."""
         guest = self.caller
         if guest is None or guest.phase != "ringing":
             return Reason("idle", "no call rings")
-        self.news.append(News("call_answered", f"{by} answered the call of {guest.who}"))
+        self.news.append(News("call_answered", f"{by} answered the call of {guest.name}"))
         self._connect(guest, now)
         return None
 
@@ -172,7 +172,7 @@ class Desk:
         if (guest := self._guests.get(id)) is not None:
             guest.phase, guest.until_s = "talking", inf
             if guest.purpose != "display":
-                self.news.append(News("call_connected", f"{guest.who} is connected ({_MEANS[guest.purpose]})"))
+                self.news.append(News("call_connected", f"{guest.name} is connected ({_MEANS[guest.purpose]})"))
 
     def lost(self, id: str, why: Reason) -> None:
         """Note that a guest's connection failed, or is over."""
@@ -183,7 +183,7 @@ class Desk:
         """End what has taken too long."""
         for guest in list(self._guests.values()):
             if now - guest.heard_s > SILENT_S:
-                self._end(guest, Reason("holder_gone", f"the page of {guest.who} fell silent"))
+                self._end(guest, Reason("holder_gone", f"the page of {guest.name} fell silent"))
             elif now > guest.until_s:
                 self._end(guest, _LATE[guest.phase])
 
@@ -206,7 +206,7 @@ class Desk:
     def _no_picture(self, purpose: Purpose) -> Reason | None:
         caller, most = self.caller, self._settings.most
         if purpose == "talk" and caller is not None:
-            return Reason("busy", f"{caller.who} is in a call with the robot", holder=caller.who)
+            return Reason("busy", f"{caller.name} is in a call with the robot", holder=caller.name)
         if self.pictured >= most:
             return Reason("busy", f"{most} get the picture by WebRTC already, the most that the row allows")
         return None
@@ -231,13 +231,13 @@ class Desk:
             del self._ended[next(iter(self._ended))]
         self.orders.append(Close(guest.id))
         if guest.purpose != "display":
-            self.news.append(News("call_ended", f"{guest.who} ({_MEANS[guest.purpose]}): {why}", code=why.code))
+            self.news.append(News("call_ended", f"{guest.name} ({_MEANS[guest.purpose]}): {why}", code=why.code))
         if guest.purpose == "talk":
             self.last = why
             for one in [one for one in self._guests.values() if one.purpose == "display"]:
                 self._end(one, Reason("done", "the call is over"))
 
-    def _told(self, guest: Guest) -> RingReply:
+    def _reply(self, guest: Guest) -> RingReply:
         return RingReply(accepted=True, id=guest.id, phase=guest.phase, answer=guest.answer)
 
 

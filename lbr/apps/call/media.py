@@ -42,7 +42,7 @@ class Happened:
     """The result of a connection; `text` is the answer to the offer, or why there is no answer."""
 
     id: str
-    what: Literal["answer", "refused", "connected", "lost"]
+    outcome: Literal["answer", "refused", "connected", "lost"]
     text: str = ""
 
 

@@ -96,7 +96,7 @@ class Door(BaseRoute):
         if chosen is None:
             raise Refused(400, f"this speaks {' and '.join(protocol.PROTOCOLS)}", code="not_possible")
         web = WebSocket(scope, receive, send)
-        with self._viewers.taken(who(client)):
+        with self._viewers.turn(who(client)):
             await web.accept(chosen)
             if (connection := connection_of(scope)) is not None:
                 connection.mark("watching")

@@ -24,15 +24,15 @@ def listen(host: str, port: int) -> list[socket.socket]:
     origin.
     """
     for _ in range(TRIES):
-        found = [_listen(host, port)]
-        address, taken = found[0].getsockname()[:2]
+        sockets = [_listen(host, port)]
+        address, chosen = sockets[0].getsockname()[:2]
         beside = BESIDE.get(address, "")
         if not beside or not is_here(beside):
-            return found
+            return sockets
         try:
-            return [*found, _listen(beside, taken)]
+            return [*sockets, _listen(beside, chosen)]
         except InputError:
-            found[0].close()
+            sockets[0].close()
             if port:
                 raise
     raise InputError(f"no port is free both at {host} and at this machine's other loopback")

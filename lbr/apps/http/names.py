@@ -22,11 +22,11 @@ def origin(host: str, port: int, *, tls: bool = True) -> str:
 
 def parsed(host: str) -> tuple[str, int | None] | None:
     """Return name and port of a Host header, in small letters and without brackets; None for what is no host."""
-    found = _HOST.fullmatch(host)
-    if found is None:
+    match = _HOST.fullmatch(host)
+    if match is None:
         return None
-    port = int(found["port"]) if found["port"] else None
-    return (found["bracketed"] or found["name"]).lower(), port
+    port = int(match["port"]) if match["port"] else None
+    return (match["bracketed"] or match["name"]).lower(), port
 
 
 def is_ours(host: str, names: AbstractSet[str] = frozenset(), *, loopback: bool = False) -> bool:
@@ -71,8 +71,8 @@ def is_local(host: str) -> bool:
     return host == "localhost" or is_loopback(host)
 
 
-def who(address: str) -> str:
-    """Return what counts as one asker: an address; of the loopback's many, this machine."""
+def peer_name(address: str) -> str:
+    """Return the name by which a peer's requests are counted: its address, or "this machine" for the loopback's."""
     ip = plain(address)
     return address if ip is None else "this machine" if ip.is_loopback else str(ip)
 
@@ -80,11 +80,11 @@ def who(address: str) -> str:
 def plain(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
     """Return an address without zone, and as IPv4 where it is that; None for what is not an address."""
     try:
-        found = ipaddress.ip_address(address.partition("%")[0])
+        ip = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:
         return None
-    mapped = found.ipv4_mapped if isinstance(found, ipaddress.IPv6Address) else None
-    return mapped or found
+    mapped = ip.ipv4_mapped if isinstance(ip, ipaddress.IPv6Address) else None
+    return mapped or ip
 
 
 @cache

@@ -105,7 +105,9 @@ def is_held(connection: socket.socket) -> bool:
 
 def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> int | None:
     """Return the user of the socket at the other end; None if the kernel does not know, or it is closed."""
-    wanted = {(_shown(client, family), _shown(server, family)) for family in (socket.AF_INET, socket.AF_INET6)}
+    wanted = {
+        (_kernel_form(client, family), _kernel_form(server, family)) for family in (socket.AF_INET, socket.AF_INET6)
+    }
     for table in tables:
         try:
             lines = table.read_text(encoding="ascii").splitlines()[1:]
@@ -118,7 +120,7 @@ def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Pa
     return None
 
 
-def _shown(end: tuple[str, int], family: int) -> str:
+def _kernel_form(end: tuple[str, int], family: int) -> str:
     """Return an address and port as the kernel's tables have them; empty if the family has no such address."""
     ip = names.plain(end[0])
     if ip is None or (family == socket.AF_INET and ip.version != 4):

@@ -30,12 +30,12 @@ class Rates:
         self._rate_hz = rate_hz
         self._buckets: OrderedDict[str, Bucket] = OrderedDict()
 
-    def take(self, who: str, now: float) -> bool:
-        """Say whether a client may ask now."""
-        bucket = self._buckets.get(who)
+    def take(self, client: str, now: float) -> bool:
+        """Tell whether a client may send a request now."""
+        bucket = self._buckets.get(client)
         if bucket is None:
-            bucket = self._buckets[who] = Bucket(self._rate_hz, now)
+            bucket = self._buckets[client] = Bucket(self._rate_hz, now)
             if len(self._buckets) > MOST_KNOWN:
                 self._buckets.popitem(last=False)
-        self._buckets.move_to_end(who)
+        self._buckets.move_to_end(client)
         return bucket.take(now)

@@ -85,7 +85,9 @@ class Server(uvicorn.Server):
     def admit(self, transport: asyncio.Transport) -> None:
         """Take a new connection in, and cut another for it if need be."""
         peer = transport.get_extra_info("peername")
-        slot = Slot(names.who(str(peer[0]) if peer else ""), transport.abort, transport.is_closing, time.monotonic())
+        slot = Slot(
+            names.peer_name(str(peer[0]) if peer else ""), transport.abort, transport.is_closing, time.monotonic()
+        )
         victim = self.slots.enter(slot)
         if victim is not None:
             victim.cut()

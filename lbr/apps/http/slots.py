@@ -26,12 +26,12 @@ _CUT_FIRST: tuple[frozenset[Phase], ...] = (frozenset({"leaving"}), _WAITS, froz
 
 @dataclass(eq=False, slots=True)
 class Slot:
-    """A connection of `who`: what it does, since when, how to end it at once, and whether it is being ended.
+    """A connection of `peer`: its phase and since when, how to end it at once, and whether it is being ended.
 
     `watching` is what goes on by itself, and is bounded elsewhere.
     """
 
-    who: str
+    peer: str
     cut: Callable[[], None]
     closes: Callable[[], bool]
     since: float
@@ -49,7 +49,7 @@ class Slots:
         return len(self._held)
 
     def enter(self, slot: Slot) -> Slot | None:
-        """Take one in; return the one that has to go for it."""
+        """Add a connection; return the one that has to end for it."""
         bounded = [one for one in self._held if one.phase != "watching"]
         self._held[slot] = None
         if len(bounded) < self._most:
@@ -59,7 +59,7 @@ class Slots:
         return victim
 
     def leave(self, slot: Slot) -> None:
-        """Count one less."""
+        """Remove a connection."""
         self._held.pop(slot, None)
 
     def to(self, slot: Slot, phase: Phase, now: float) -> None:
@@ -68,21 +68,21 @@ class Slots:
             slot.phase, slot.since = phase, now
 
     def overdue(self, now: float) -> list[Slot]:
-        """Return those that take too long for what they do; they count no more."""
-        for one in self._held:
-            if one.closes():
-                self.to(one, "leaving", now)
-        late = [one for one in self._held if now - one.since > LIMIT_S.get(one.phase, float("inf"))]
-        for one in late:
-            self.leave(one)
+        """Remove and return the connections that take too long in their phase."""
+        for slot in self._held:
+            if slot.closes():
+                self.to(slot, "leaving", now)
+        late = [slot for slot in self._held if now - slot.since > LIMIT_S.get(slot.phase, float("inf"))]
+        for slot in late:
+            self.leave(slot)
         return late
 
 
 def _victim(held: list[Slot]) -> Slot:
     """Return the oldest of the least important ones, of the peer with most of these; stops are cut last."""
     for phases in _CUT_FIRST:
-        found = [one for one in held if one.phase in phases]
-        if found:
-            counts = Counter(one.who for one in found)
-            return min(found, key=lambda one: (-counts[one.who], one.since))
-    return min(held, key=lambda one: one.since)
+        candidates = [slot for slot in held if slot.phase in phases]
+        if candidates:
+            counts = Counter(slot.peer for slot in candidates)
+            return min(candidates, key=lambda slot: (-counts[slot.peer], slot.since))
+    return min(held, key=lambda slot: slot.since)

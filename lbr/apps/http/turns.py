@@ -17,19 +17,19 @@ class Turns:
         self.most = most
         self._taken: Counter[str] = Counter()
 
-    def why_not(self, who: str) -> str:
+    def why_not(self, client: str) -> str:
         """Return why there is no turn for a client now; empty if there is."""
-        if self._taken[who] >= self.most_of_one:
+        if self._taken[client] >= self.most_of_one:
             return f"{self.most_of_one} of one asker"
         return f"{self.most}" if self._taken.total() >= self.most else ""
 
     @contextmanager
-    def taken(self, who: str) -> Iterator[None]:
+    def turn(self, client: str) -> Iterator[None]:
         """Have a turn for the time of a `with`."""
-        self._taken[who] += 1
+        self._taken[client] += 1
         try:
             yield
         finally:
-            self._taken[who] -= 1
-            if not self._taken[who]:
-                del self._taken[who]
+            self._taken[client] -= 1
+            if not self._taken[client]:
+                del self._taken[client]

@@ -1,4 +1,4 @@
-"""Connections that showed a wrong token: counted, told and slowed down by the host that they came from. Pure.
+"""Connections that showed a wrong token: counted, reported and slowed down by their host. Pure.
 
 The bus library says in its log whom it let in, and that a user or a password was wrong; which connection was wrong it
 does not say. The oldest that is still being looked at is blamed: a host that is blamed wrongly loses some seconds at
@@ -58,7 +58,7 @@ class Attempts:
         self._hosts: OrderedDict[str, _Host] = OrderedDict()
 
     def knock(self, address: str, now: float) -> bool:
-        """Say whether a new connection may be looked at now."""
+        """Tell whether the router may look at a new connection now."""
         host = self._hosts.get(host_of(address))
         if host is not None and now < host.until_s:
             return False
@@ -67,14 +67,14 @@ class Attempts:
         return True
 
     def read(self, line: str, now: float) -> Refusal | None:
-        """Take in a line; a host that has to wait is told of at most once in ten seconds."""
+        """Read a line of the log; a host that has to wait is reported once in ten seconds at most."""
         line = _COLOURS.sub("", line)
-        if found := _LET_IN.search(line):
-            self._pending.pop(found[1], None)
-        elif found := _REFUSED.search(line):
+        if match := _LET_IN.search(line):
+            self._pending.pop(match[1], None)
+        elif match := _REFUSED.search(line):
             self._forget(now)
             address = self._pending.popitem(last=False)[0] if self._pending else UNKNOWN
-            return self._note(host_of(address), now, unknown_name=found[1] == "user")
+            return self._note(host_of(address), now, unknown_name=match[1] == "user")
         return None
 
     def _note(self, name: str, now: float, *, unknown_name: bool) -> Refusal | None:

@@ -108,7 +108,7 @@ class Lan(Capability[LanSettings]):
         users = {name: user.secret for name, user in self._users.items()}
         users |= {guest.credentials.user: guest.credentials.password for guest in lan.guests}
         try:
-            found = session.open_router(
+            router = session.open_router(
                 Router(
                     listen=(*lan.listen, lan.inside),
                     robot=robot,
@@ -128,7 +128,7 @@ class Lan(Capability[LanSettings]):
             )
         except BusError as err:
             raise DeviceError(str(err)) from err
-        return self._opened(found)
+        return self._opened(router)
 
     def _opened(self, opened: Session) -> Session:
         self._sessions.append(opened)
@@ -153,7 +153,7 @@ class Lan(Capability[LanSettings]):
 
     def _check(self) -> None:
         """The robot's status comes every second on both sides of the door, and the relay goes round."""
-        self._passage.heard(outside=bool(self._outer.take()), inside=bool(self._inner.take()))
+        self._passage.count_statuses(outside=bool(self._outer.take()), inside=bool(self._inner.take()))
         if self._question is not None and (self._question.replies or self._question.done):
             self._passage.asked(answered=bool(self._question.replies))
             self._question = None

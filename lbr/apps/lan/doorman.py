@@ -93,12 +93,12 @@ def _sockets() -> Iterator[socket.socket]:
         try:
             if not stat.S_ISSOCK(os.fstat(int(name)).st_mode):
                 continue
-            found = socket.socket(fileno=os.dup(int(name)))
+            tcp = socket.socket(fileno=os.dup(int(name)))
         except OSError:  # it was closed meanwhile
             continue
-        with found:
-            if found.family in {socket.AF_INET, socket.AF_INET6} and found.type == socket.SOCK_STREAM:
-                yield found
+        with tcp:
+            if tcp.family in {socket.AF_INET, socket.AF_INET6} and tcp.type == socket.SOCK_STREAM:
+                yield tcp
 
 
 def _written(peer: tuple[str, int]) -> str:

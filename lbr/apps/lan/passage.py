@@ -26,8 +26,8 @@ class Passage(Struct):
         """Say whether nothing passes any more."""
         return self.unanswered >= BROKEN_AFTER
 
-    def heard(self, *, outside: bool, inside: bool) -> None:
-        """Take in whether a status came from the robot, and whether one came through the door."""
+    def count_statuses(self, *, outside: bool, inside: bool) -> None:
+        """Count a round: whether a status came from the robot, and whether one came through the door."""
         if inside:
             self.missed = self.unanswered = 0
         elif outside:

@@ -99,7 +99,7 @@ class Relay:
         if why_not:
             self._refuse(lane, request, Reason("busy", why_not))
             return
-        attachment = stamp.passed_on(request.attachment, self._via, self._who(request))
+        attachment = stamp.passed_on(request.attachment, self._via, self._token(request))
         if not request.answerable:
             wire.forward(self._bus, request.key, request.payload, attachment)
             return
@@ -114,12 +114,12 @@ class Relay:
         )
         lane.under_way.append((request, question))
 
-    def _who(self, request: wire.Request) -> str:
-        """Return the token that a message's seal proves, if any: what a message says of itself proves nothing."""
-        found = stamp.read(request.attachment)
-        secret = self._secrets.get(found.token) if found is not None else None
-        proven = secret is not None and stamp.genuine(found, request.payload, secret)
-        return found.token if found is not None and proven else ""
+    def _token(self, request: wire.Request) -> str:
+        """Return the token that a message's seal proves; empty if it proves none."""
+        seal = stamp.read(request.attachment)
+        secret = self._secrets.get(seal.token) if seal is not None else None
+        proven = secret is not None and stamp.genuine(seal, request.payload, secret)
+        return seal.token if seal is not None and proven else ""
 
     def _too_much(self, lane: Lane, request: wire.Request, now: float) -> str:
         if len(request.payload) > wire.MAX_COMMAND_BYTES:

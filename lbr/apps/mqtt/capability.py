@@ -1,8 +1,8 @@
-"""MQTT as a capability: tells the broker how the robot is, has done what is asked there and allowed by the row, and
+"""MQTT as a capability: reports the robot's state to the broker, does the words that its row allows, and
 answers.
 
 Motion is borrowed by leases as by anyone, one goal at a time, and ends when this process does. It ends, too, when the
-broker is lost: who asked for it could not stop it any more.
+broker is lost: the person who asked for it could not stop it any more.
 """
 
 from contextlib import suppress
@@ -33,8 +33,8 @@ from lbr.messages.system import Role
 from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 ASK_S = 3.0
-TELL_S = 1.0
-TELL_NEWS_S = 0.25
+PUBLISH_S = 1.0
+PUBLISH_NEWS_S = 0.25
 SETTLES_S = 1.2
 """Values that come once a second have come by then: the first report is not empty."""
 LARGEST_ASK = 2048
@@ -58,7 +58,7 @@ class Waiting(NamedTuple):
 
 
 class Mqtt(Capability[MqttSettings]):
-    """A robot's word to the broker, and the broker's to the robot."""
+    """Carries the robot's state to the broker, and words of the broker to the robot."""
 
     woken_by_streams = False
 
@@ -67,7 +67,7 @@ class Mqtt(Capability[MqttSettings]):
         settings = ctx.settings
         self._topic = settings.topic or f"lbr/{ctx.robot}"
         self._session: Session | None = None
-        self._echo = Echo() if settings.words and self._says_whether_available else None
+        self._echo = Echo() if settings.words and self._has_own_topics else None
         self._shadow: ShadowState | None = None
         if settings.shadow is not None:
             mark = f"{ctx.robot}-{ctx.name}-{int(ctx.clock() * 1000)}"
@@ -77,9 +77,11 @@ class Mqtt(Capability[MqttSettings]):
         self._waiting: list[Waiting] = []
         self._answer: dict[str, Any] = {}
         self._desired: Any = None
-        self._heard = MqttState(connected=False, broker=f"{settings.host}:{settings.port}" if settings.host else "")
-        self._told: MqttState | None = None
-        self._told_at = -inf
+        self._connection = MqttState(
+            connected=False, broker=f"{settings.host}:{settings.port}" if settings.host else ""
+        )
+        self._published: MqttState | None = None
+        self._published_at = -inf
         self._count = self._reported = self._asked = self._refused = 0
         self._state: report.Report = {}
         self._state_at = self._picture_at = -inf
@@ -89,8 +91,8 @@ class Mqtt(Capability[MqttSettings]):
     @property
     def _role(self) -> Role | None:
         """The rights of the row's token; one for another machine is for nothing here."""
-        found = next((one for one in self.ctx.rows(TokenRight) if one.name == self.ctx.settings.token), None)
-        return found.role if found is not None and found.role != "host" else None
+        token = next((row for row in self.ctx.rows(TokenRight) if row.name == self.ctx.settings.token), None)
+        return token.role if token is not None and token.role != "host" else None
 
     def open(self) -> None:
         """Begin to look for the broker."""
@@ -105,25 +107,25 @@ class Mqtt(Capability[MqttSettings]):
         self._session.start()
 
     def step(self) -> None:
-        """Do one round: what came, what moves, what is to be told."""
+        """Do one round: handle messages, renew motion, publish the state."""
         now = self.ctx.clock()
         self._look_after_connection()
         if self._session is not None:
             for message in self._session.take():
-                self._hear(message, now)
+                self._handle(message, now)
             self._listen_for_echo(self._session, now)
         self._go_on()
         self._read_answers()
         if self._session is not None and self._session.connected and now >= self._report_from:
             self._report(now)
-        self._tell(now)
+        self._publish_state(now)
 
     def close(self) -> None:
-        """Stop what is moved in its name, and say goodbye."""
+        """Stop its motion, and publish that the robot is offline."""
         self._end_motion(Reason("shutting_down", "the connection to the broker is shut down"))
         session, self._session = self._session, None
         if session is not None:
-            session.close([self._available(discovery.OFFLINE)] if self._says_whether_available else [])
+            session.close([self._available(discovery.OFFLINE)] if self._has_own_topics else [])
 
     # The connection.
 
@@ -138,17 +140,17 @@ class Mqtt(Capability[MqttSettings]):
             tls=secured(settings.ca, settings.certificate, settings.key) if settings.tls else None,
             user=settings.user,
             password=secret(settings.password) if settings.password else "",
-            will=self._available(discovery.OFFLINE) if self._says_whether_available else None,
+            will=self._available(discovery.OFFLINE) if self._has_own_topics else None,
             topics=topics,
         )
 
     @property
-    def _says_whether_available(self) -> bool:
+    def _has_own_topics(self) -> bool:
         """True if topics of its own are used: a shadow alone works with no rights to any other."""
         return self.ctx.settings.home_assistant is not None or self.ctx.settings.shadow is None
 
     def _asked_on(self) -> tuple[str, ...]:
-        if not self._says_whether_available:
+        if not self._has_own_topics:
             return ()
         echo = (f"{self._topic}/echo",) if self._echo is not None else ()
         return (f"{self._topic}/ask", f"{self._topic}/ask/+", *echo)
@@ -160,7 +162,7 @@ class Mqtt(Capability[MqttSettings]):
         session = self._session
         health = NO_BROKER if session is None else self._silence() if session.connected else session.trouble
         if session is not None and health:
-            health = f"the broker {self._heard.broker}: {health}"
+            health = f"the broker {self._connection.broker}: {health}"
         if health != self._health:
             self._health = health
             if health:
@@ -173,10 +175,10 @@ class Mqtt(Capability[MqttSettings]):
             self._end_motion(Reason("unreachable", "the broker is gone, and with it who could stop this"))
         elif session.count != self._count:
             self._count = session.count
-            self._introduce(session)
+            self._publish_all(session)
 
     def _silence(self) -> str:
-        """Say that a broker which is there sends nothing back: what is asked by it is refused then."""
+        """Return why words are refused while the broker sends nothing back; empty if it does."""
         if self._echo is None or not self._echo.stands_still(self.ctx.clock()) or self._session is None:
             return ""
         if self._session.count != self._count:
@@ -197,33 +199,33 @@ class Mqtt(Capability[MqttSettings]):
         if self._echo.stands_still(now):
             self._end_motion(Reason("unreachable", STANDS_STILL))
 
-    def _introduce(self, session: Session) -> None:
-        """Tell a broker that is there now what it may have forgotten."""
+    def _publish_all(self, session: Session) -> None:
+        """Publish all that a broker may have forgotten before this connection."""
         self._state, self._state_at = {}, -inf
         if self._echo is not None:
             self._echo.connected(self.ctx.clock())
         if self._shadow is not None:
             self._shadow.connected()
-        if self._says_whether_available:
+        if self._has_own_topics:
             session.publish(self._available(discovery.ONLINE))
-        found = self.ctx.settings.home_assistant
-        if found is not None:
-            said = discovery.document(
+        home_assistant = self.ctx.settings.home_assistant
+        if home_assistant is not None:
+            device = discovery.document(
                 self.ctx.robot,
-                found.name,
+                home_assistant.name,
                 self._topic,
                 self.ctx.settings.report,
                 self.ctx.settings.words,
                 picture=bool(self.ctx.sources("frames")),
                 version=version("lbr"),
             )
-            key = f"{found.prefix}/device/lbr_{self.ctx.robot}/config"
-            session.publish(Outgoing(key, msgspec.json.encode(said), retain=True))
+            key = f"{home_assistant.prefix}/device/lbr_{self.ctx.robot}/config"
+            session.publish(Outgoing(key, msgspec.json.encode(device), retain=True))
 
-    # What is asked.
+    # Words.
 
     def _may_stop(self, message: Incoming) -> bool:
-        """Say whether a message is a stop, or a shadow's, which may desire one; called on the connection's thread."""
+        """Tell whether a message is a stop, or a shadow's, which may desire one; called on the connection's thread."""
         if self._shadow is not None and message.topic.startswith(f"{self._shadow.root}/"):
             return True
         name = self._word_in(message.topic)
@@ -236,21 +238,21 @@ class Mqtt(Capability[MqttSettings]):
         """Return the word that a topic of our own names, if any."""
         return topic.removeprefix(f"{self._topic}/ask").lstrip("/")
 
-    def _hear(self, message: Incoming, now: float) -> None:
-        """Do what a message asks for; whatever is wrong with it is said with its topic."""
+    def _handle(self, message: Incoming, now: float) -> None:
+        """Handle a message; report its faults with its topic."""
         try:
             if self._shadow is not None and message.topic.startswith(f"{self._shadow.root}/"):
-                if asked := self._shadow.hear(message.topic, message.payload, now):
+                if asked := self._shadow.receive(message.topic, message.payload, now):
                     self._desire(message.topic, asked)
             elif self._echo is not None and message.topic == f"{self._topic}/echo":
-                self._echo.hear(message.payload, now)
+                self._echo.receive(message.payload, now)
             else:
                 self._serve(message, now)
         except InputError as err:
             self._complain(message.topic, str(err), err.code)
 
     def _serve(self, message: Incoming, now: float) -> None:
-        """Take a word that came on a topic of our own: named by it, or in the message."""
+        """Do a word that came on one of our own topics: the topic names it, or the message."""
         name = self._word_in(message.topic)
         ask = Ask(word=name[:LONGEST_WORD])
         try:
@@ -264,7 +266,7 @@ class Mqtt(Capability[MqttSettings]):
             self._complain(message.topic, str(err), err.code, ask)
 
     def _desire(self, topic: str, asked: Asked) -> None:
-        """Take what a shadow desires; it is answered whatever it is, so that it is not asked again."""
+        """Do the desire of a shadow; each desire is answered, so that the shadow does not repeat it."""
         assert self._shadow is not None
         self._desired = self._shadow.done(asked.raw)
         ask = Ask(word="")
@@ -276,7 +278,7 @@ class Mqtt(Capability[MqttSettings]):
             self._complain(topic, str(err), err.code, ask)
 
     def _do(self, ask: Ask, topic: str, *, late: bool = False) -> None:
-        """Have done what is asked for; what may be late is done only if it is a stop."""
+        """Do a word; one that may be late is done only if it is a stop."""
         self._asked += 1
         order = words.order(ask, self.ctx.settings.words, self._role)
         if isinstance(order, StopCommand):
@@ -310,7 +312,7 @@ class Mqtt(Capability[MqttSettings]):
             raise InputError(f"'{ask.word}': this robot has nothing that does it", "not_possible")
 
     def _go_on(self) -> None:
-        """Renew what moves, and tell how it ended."""
+        """Renew the motion, and report its end."""
         ended = self._holder.step([one.message for one in self.ctx.take("results")])
         if self._moving is not None and ended is not None:
             (ask, _topic), self._moving = self._moving, None
@@ -323,18 +325,20 @@ class Mqtt(Capability[MqttSettings]):
             self._reply(ask, "failed", why)
 
     def _read_answers(self) -> None:
-        for one in [one for one in self._waiting if one.question.answers() is not None]:
-            self._waiting.remove(one)
-            answers = one.question.answers() or {}
+        for waiting in [waiting for waiting in self._waiting if waiting.question.answers() is not None]:
+            self._waiting.remove(waiting)
+            answers = waiting.question.answers() or {}
             replies = [reply for reply in answers.values() if isinstance(reply, CommandReply)]
             refusals = [reply.why for reply in replies if not reply.accepted]
             silent = [name for name, reply in answers.items() if reply is None]
             if refusals or silent or not replies:
                 lost = Reason("unreachable", f"no answer from {', '.join(silent) or 'anything'}")
-                self._complain(one.by, str(refusals[0] if refusals else lost), (refusals or [lost])[0].code, one.ask)
+                self._complain(
+                    waiting.by, str(refusals[0] if refusals else lost), (refusals or [lost])[0].code, waiting.ask
+                )
             else:
                 text = "; ".join(dict.fromkeys(reply.reason for reply in replies if reply.reason))
-                self._reply(one.ask, "done", heard("done", text or "done"))
+                self._reply(waiting.ask, "done", heard("done", text or "done"))
 
     def _complain(self, topic: str, text: str, code: str, ask: Ask | None = None) -> None:
         """Refuse a message on a topic: at the console, and to listeners there."""
@@ -352,29 +356,29 @@ class Mqtt(Capability[MqttSettings]):
             "code": why.code,
             "reason": why.text[:LONGEST_REASON],
         }
-        if self._session is not None and self._says_whether_available:
+        if self._session is not None and self._has_own_topics:
             self._session.publish(Outgoing(f"{self._topic}/answer", msgspec.json.encode(self._answer)))
 
-    # What is told.
+    # Reports.
 
     def _report(self, now: float) -> None:
         assert self._session is not None
         settings = self.ctx.settings
         wired = [name for name in report.SOURCES if self.ctx.sources(name)]
-        found = report.report(settings.report, self.ctx.latest, wired, now)
-        if self._says_whether_available and found != self._state and now - self._state_at >= settings.every_s:
-            self._state, self._state_at = found, now
+        state = report.report(settings.report, self.ctx.latest, wired, now)
+        if self._has_own_topics and state != self._state and now - self._state_at >= settings.every_s:
+            self._state, self._state_at = state, now
             self._reported += 1
-            self._session.publish(Outgoing(f"{self._topic}/state", msgspec.json.encode(found), retain=True))
+            self._session.publish(Outgoing(f"{self._topic}/state", msgspec.json.encode(state), retain=True))
         if self._shadow is not None:
             answered = {"ask": self._desired, "answer": self._answer} if self._answer else {}
-            for topic, payload in self._shadow.publish(found | answered, now):
+            for topic, payload in self._shadow.publish(state | answered, now):
                 self._reported += topic.endswith("/update")
                 self._session.publish(Outgoing(topic, payload))
         if settings.home_assistant is not None and now - self._picture_at >= settings.home_assistant.picture_s:
-            self._show(now)
+            self._publish_picture(now)
 
-    def _show(self, now: float) -> None:
+    def _publish_picture(self, now: float) -> None:
         """Send a picture, unless it is an old one."""
         frame = self.ctx.latest("frames")
         if frame is None or not frame.age_s(now) <= OLD_PICTURE_S or self._session is None:
@@ -382,11 +386,11 @@ class Mqtt(Capability[MqttSettings]):
         self._picture_at = now
         self._session.publish(Outgoing(f"{self._topic}/picture", frame.message.data, sure=False))
 
-    def _tell(self, now: float) -> None:
+    def _publish_state(self, now: float) -> None:
         session, moving = self._session, self._moving
-        self._heard = MqttState(
+        self._connection = MqttState(
             connected=session is not None and session.connected,
-            broker=self._heard.broker,
+            broker=self._connection.broker,
             reason=self._health or "",
             connections=self._count,
             reported=self._reported,
@@ -397,9 +401,9 @@ class Mqtt(Capability[MqttSettings]):
             doing=moving[0].word if moving is not None else "",
             version=self._shadow.version if self._shadow is not None else None,
         )
-        if now - self._told_at >= (TELL_S if self._heard == self._told else TELL_NEWS_S):
-            self._told, self._told_at = self._heard, now
-            self.ctx.publish("state", self._heard)
+        if now - self._published_at >= (PUBLISH_S if self._connection == self._published else PUBLISH_NEWS_S):
+            self._published, self._published_at = self._connection, now
+            self.ctx.publish("state", self._connection)
 
 
 def _refuse_unfit(message: Incoming) -> None:

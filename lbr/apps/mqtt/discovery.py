@@ -18,8 +18,11 @@ def document(
 ) -> dict[str, Any]:
     """Return the device with its sensors, for the parts that are reported, and its buttons, for the words of its
     row."""
-    sensors = {key: _known(topic, **one) for key, one in _sensors(parts).items()}
-    components = {**sensors, **{f"ask_{said}": _asking(said, word, topic) for said, word in words.items()}}
+    sensors = {key: _known(topic, **sensor) for key, sensor in _sensors(parts).items()}
+    components = {
+        **sensors,
+        **{f"ask_{name_of_word}": _asking(name_of_word, word, topic) for name_of_word, word in words.items()},
+    }
     components["answer"] = {
         "p": "sensor",
         "name": "Last answer",
@@ -34,12 +37,12 @@ def document(
         "o": {"name": "lbr", "sw": version},
         "availability": [{"topic": f"{topic}/available"}],
         "qos": 1,
-        "cmps": {key: {"unique_id": f"lbr_{robot}_{key}", **one} for key, one in components.items()},
+        "cmps": {key: {"unique_id": f"lbr_{robot}_{key}", **component} for key, component in components.items()},
     }
 
 
 def _sensors(parts: Collection[str]) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, dict[str, Any]]] = {
+    by_part: dict[str, dict[str, dict[str, Any]]] = {
         "battery": {
             "battery": _measured("Battery", "battery", "charge_percent", unit="%", device_class="battery"),
             "voltage": _measured("Battery voltage", "battery", "voltage_v", unit="V", device_class="voltage"),
@@ -59,12 +62,12 @@ def _sensors(parts: Collection[str]) -> dict[str, dict[str, Any]]:
             "faults": {
                 "name": "Faults",
                 "value": _value("faults"),
-                "shown": "(v | join('; '))[:250] or 'none'",
+                "template": "(v | join('; '))[:250] or 'none'",
                 "icon": "mdi:alert",
             },
         },
     }
-    return {key: one for part in parts for key, one in found[part].items()}
+    return {key: sensor for part in parts for key, sensor in by_part[part].items()}
 
 
 def _value(part: str, name: str = "") -> str:
@@ -83,7 +86,7 @@ def _binary(name: str, value: str, **more: str) -> dict[str, Any]:
 
 
 def _known(
-    topic: str, *, name: str, value: str, shown: str = "v", platform: str = "sensor", **more: str
+    topic: str, *, name: str, value: str, template: str = "v", platform: str = "sensor", **more: str
 ) -> dict[str, Any]:
     """Return a sensor that is available while the robot is there and the value is known."""
     state, read = f"{topic}/state", f"{{% set v = {value} %}}"
@@ -92,21 +95,21 @@ def _known(
         "p": platform,
         "name": name,
         "state_topic": state,
-        "value_template": f"{read}{{{{ 'None' if v is none else {shown} }}}}",
+        "value_template": f"{read}{{{{ 'None' if v is none else {template} }}}}",
         "availability": [{"topic": f"{topic}/available"}, is_known],
         "availability_mode": "all",
         **more,
     }
 
 
-def _asking(said: str, word: Word, topic: str) -> dict[str, Any]:
+def _asking(word_name: str, word: Word, topic: str) -> dict[str, Any]:
     """Return a button for a word that stands alone, and a field for one with which something comes."""
-    name, wanted = said.replace("_", " ").capitalize(), bounds(word)
-    found = {"name": name, "command_topic": f"{topic}/ask/{said}"}
+    name, wanted = word_name.replace("_", " ").capitalize(), bounds(word)
+    component = {"name": name, "command_topic": f"{topic}/ask/{word_name}"}
     if wanted is None:
         kind = str(word.__struct_config__.tag)
-        return {"p": "button", **found, "payload_press": PRESSED, "icon": ICONS.get(kind, "mdi:arrow-all")}
+        return {"p": "button", **component, "payload_press": PRESSED, "icon": ICONS.get(kind, "mdi:arrow-all")}
     if wanted.text:
-        return {"p": "text", **found, "min": 1, "max": LONGEST_TEXT, "icon": ICONS["say"]}
+        return {"p": "text", **component, "min": 1, "max": LONGEST_TEXT, "icon": ICONS["say"]}
     range_ = {"min": wanted.least, "max": wanted.most, "step": 1, "mode": "box", "unit_of_measurement": wanted.unit}
-    return {"p": "number", **found, **range_}
+    return {"p": "number", **component, **range_}

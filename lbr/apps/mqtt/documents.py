@@ -1,4 +1,4 @@
-"""The documents of an AWS IoT device shadow: bytes from the broker to what they say. Pure; whatever comes, it is an
+"""Reads the documents of an AWS IoT device shadow. Pure: any bytes become an
 answer or an InputError.
 
 https://docs.aws.amazon.com/iot/latest/developerguide/device-shadow-document.html
@@ -18,7 +18,7 @@ MOST_VERSION = 2**53
 
 
 class Document(Struct, frozen=True, kw_only=True):
-    """A shadow as `get/accepted` tells it. `ask` is what is desired of the key `ask`, and `age_s` for how long it has
+    """A shadow of `get/accepted`. `ask` is the desired value of the key `ask`, and `age_s` for how long it has
     been, by the service's own clock; None is not told."""
 
     version: int
@@ -42,41 +42,41 @@ def read(payload: bytes) -> dict[str, Any]:
     if len(payload) > LARGEST_BYTES:
         raise InputError(f"it has {len(payload)} bytes, and a document {LARGEST_BYTES} at most", "malformed")
     try:
-        found = msgspec.json.decode(keyed_once(payload))
+        content = msgspec.json.decode(keyed_once(payload))
     except RecursionError as err:
         raise InputError("its JSON is too deep", "malformed") from err
     except UNREADABLE as err:
         raise InputError(f"it is no JSON ({err})", "malformed") from err
-    return _object(found, "it")
+    return _object(content, "it")
 
 
-def version_of(said: dict[str, Any]) -> int:
+def version_of(fields: dict[str, Any]) -> int:
     """Return a document's version."""
-    found = said.get("version")
-    if type(found) is not int or not 0 <= found <= MOST_VERSION:
+    version = fields.get("version")
+    if type(version) is not int or not 0 <= version <= MOST_VERSION:
         raise InputError("its version is no count", "malformed")
-    return found
+    return version
 
 
-def document(said: dict[str, Any]) -> Document:
-    """Return what `get/accepted` tells."""
-    state = _object(said.get("state") or {}, "state")
+def document(fields: dict[str, Any]) -> Document:
+    """Return the document of `get/accepted`."""
+    state = _object(fields.get("state") or {}, "state")
     desired = _object(state.get("desired") or {}, "state.desired")
     reported = _object(state.get("reported") or {}, "state.reported")
     return Document(
-        version=version_of(said),
+        version=version_of(fields),
         reported=reported,
         ask=desired.get("ask"),
-        age_s=_age_s(said) if "ask" in desired else None,
+        age_s=_age_s(fields) if "ask" in desired else None,
     )
 
 
-def answer(said: dict[str, Any]) -> Answer:
-    """Return what `update/accepted`, `update/rejected` or `get/rejected` says."""
-    token, code, text = said.get("clientToken"), said.get("code"), said.get("message")
+def answer(fields: dict[str, Any]) -> Answer:
+    """Return the answer in `update/accepted`, `update/rejected` or `get/rejected`."""
+    token, code, text = fields.get("clientToken"), fields.get("code"), fields.get("message")
     return Answer(
         token=token if isinstance(token, str) else "",
-        version=version_of(said) if "version" in said else None,
+        version=version_of(fields) if "version" in fields else None,
         code=code if type(code) is int else 0,
         text=text[:200] if isinstance(text, str) else "",
     )
@@ -88,12 +88,12 @@ def _object(value: Any, what: str) -> dict[str, Any]:
     return value
 
 
-def _age_s(said: dict[str, Any]) -> float | None:
-    """Return for how long the newest part of what is asked has been there: both times are the service's."""
-    metadata = said.get("metadata")
+def _age_s(fields: dict[str, Any]) -> float | None:
+    """Return the age of the newest part of a desire: both times are the service's."""
+    metadata = fields.get("metadata")
     desired = metadata.get("desired") if isinstance(metadata, dict) else None
     stamps = list(_stamps(desired.get("ask") if isinstance(desired, dict) else None))
-    sent = said.get("timestamp")
+    sent = fields.get("timestamp")
     if sent is None or not stamps or not _is_time(sent):
         return None
     return float(max(0, sent - max(stamps)))
@@ -101,16 +101,16 @@ def _age_s(said: dict[str, Any]) -> float | None:
 
 def _stamps(metadata: Any) -> list[float]:
     """Return all times in metadata, however deep: the reader of JSON has bounded that."""
-    found, waiting = [], [metadata]
+    stamps, waiting = [], [metadata]
     while waiting:
-        one = waiting.pop()
-        if isinstance(one, dict):
-            waiting += [value for name, value in one.items() if name != "timestamp" or isinstance(value, dict)]
-            if _is_time(one.get("timestamp")):
-                found.append(one["timestamp"])
-        elif isinstance(one, list):
-            waiting += one
-    return found
+        part = waiting.pop()
+        if isinstance(part, dict):
+            waiting += [value for name, value in part.items() if name != "timestamp" or isinstance(value, dict)]
+            if _is_time(part.get("timestamp")):
+                stamps.append(part["timestamp"])
+        elif isinstance(part, list):
+            waiting += part
+    return stamps
 
 
 def _is_time(value: Any) -> bool:

@@ -23,7 +23,7 @@ class Echo:
         self._mark = ""
         self._number = 0
         self._sent: dict[str, float] = {}
-        self._heard_from = -inf
+        self._received_s = -inf
         """When the newest word was sent that has come back."""
         self._late_until = -inf
         self._next = -inf
@@ -31,9 +31,9 @@ class Echo:
         """True once anything has come back since the broker was reached last."""
 
     def connected(self, now: float) -> None:
-        """Begin again: what was said to an earlier connection does not come back."""
+        """Begin again: words of an earlier connection do not come back."""
         self._mark, self._number, self._sent = secrets.token_hex(4), 0, {}
-        self._heard_from, self._late_until, self._next = now, -inf, now
+        self._received_s, self._late_until, self._next = now, -inf, now
         self.ever = False
 
     def word(self, now: float) -> str:
@@ -48,21 +48,21 @@ class Echo:
             del self._sent[next(iter(self._sent))]
         return word
 
-    def hear(self, payload: bytes, now: float) -> None:
-        """Take a message that came back; a foreign one, or one that came back before, counts for nothing."""
+    def receive(self, payload: bytes, now: float) -> None:
+        """Handle a message that came back; a foreign or repeated one counts for nothing."""
         sent = self._sent.pop(payload.decode(errors="replace"), None)
         if sent is None:
             return
         self.ever = True
-        self._heard_from = max(self._heard_from, sent)
+        self._received_s = max(self._received_s, sent)
         self._sent = {word: at for word, at in self._sent.items() if at > sent}
         if now - sent > LATE_S:
             self._late_until = now + CALM_S
 
     def late(self, now: float) -> bool:
-        """Say whether what comes now may have been asked for long ago."""
+        """Tell whether a message of now may be old."""
         return self.stands_still(now) or now < self._late_until
 
     def stands_still(self, now: float) -> bool:
-        """Say whether nothing has come back that was sent of late."""
-        return not now - self._heard_from <= LATE_S + EVERY_S  # this way round, NaN is late
+        """Tell whether none of the latest words has come back."""
+        return not now - self._received_s <= LATE_S + EVERY_S  # this way round, NaN is late

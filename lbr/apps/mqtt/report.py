@@ -17,9 +17,9 @@ MOST_FAULTS = 10
 
 
 def report(parts: Collection[str], latest: Latest, wired: Collection[str], now: float) -> Report:
-    """Return these parts of what is known; `wired` are the streams that somebody feeds, and null is not known."""
+    """Return these parts of the state; `wired` are the streams with a source, and null is not known."""
     seen = {name: _fresh(latest(name), now) for name in SOURCES}
-    told: Mapping[str, Callable[[], Any]] = {
+    makers: Mapping[str, Callable[[], Any]] = {
         "battery": lambda: _battery(seen["battery"]),
         "docked": lambda: _docked(seen["battery"]),
         "position": lambda: _position(seen["odometry"], seen["attitude"]),
@@ -27,35 +27,35 @@ def report(parts: Collection[str], latest: Latest, wired: Collection[str], now: 
         "behaviour": lambda: _behaviour(seen["behaviour"]),
         "faults": lambda: _faults(seen, wired),
     }
-    return {name: make() for name, make in told.items() if name in parts}
+    return {name: make() for name, make in makers.items() if name in parts}
 
 
 def difference(before: Report, now: Report) -> Report:
-    """Return what a shadow must merge into `before` to have `now`: what is new or otherwise, and null for what is
+    """Return the change that a shadow merges into `before` to have `now`: added and changed values, and null for those
     gone."""
-    found: Report = {name: None for name, value in before.items() if name not in now and value is not None}
+    change: Report = {name: None for name, value in before.items() if name not in now and value is not None}
     for name, value in now.items():
-        old = before.get(name)
-        if isinstance(value, dict) and isinstance(old, dict):
-            if inner := difference(old, value):
-                found[name] = inner
-        elif not _same(value, old):
-            found[name] = value
-    return found
+        known = before.get(name)
+        if isinstance(value, dict) and isinstance(known, dict):
+            if inner := difference(known, value):
+                change[name] = inner
+        elif not _same(value, known):
+            change[name] = value
+    return change
 
 
 def merged(before: Report, change: Report) -> Report:
-    """Return what a shadow makes of a document and a change to it: null takes away, and objects are merged."""
-    found = dict(before)
+    """Return a document as a shadow merges a change into it: null removes a value, and objects are merged."""
+    document = dict(before)
     for name, value in change.items():
         if value is None:
-            found.pop(name, None)
+            document.pop(name, None)
         elif isinstance(value, dict):
-            old = found.get(name)
-            found[name] = merged(old if isinstance(old, dict) else {}, value)
+            known = document.get(name)
+            document[name] = merged(known if isinstance(known, dict) else {}, value)
         else:
-            found[name] = value
-    return found
+            document[name] = value
+    return document
 
 
 def _same(one: object, other: object) -> bool:
@@ -103,11 +103,11 @@ def _position(odometry: Any, attitude: Any) -> Report:
 
 def _motion(seen: Mapping[str, Any]) -> Report:
     movers = [seen[name] for name in ("drive", "joints") if seen[name] is not None]
-    holder = next((one.holder for one in movers if one.holder), None)
+    holder = next((mover.holder for mover in movers if mover.holder), None)
     return {
-        "moving": any(one.moving for one in movers) if movers else None,
+        "moving": any(mover.moving for mover in movers) if movers else None,
         "holder": None if holder is None else holder[:LONGEST],
-        "stopped_for_good": any(one.estop for one in movers) if movers else None,
+        "stopped_for_good": any(mover.estop for mover in movers) if movers else None,
     }
 
 
@@ -123,24 +123,24 @@ def _behaviour(behaviour: Any) -> Report | None:
 
 
 def _faults(seen: Mapping[str, Any], wired: Collection[str]) -> list[str] | None:
-    """Return what is wrong, for people, the worst first; None where no stream is wired that would tell."""
+    """Return the faults, for people, the worst first; None where no stream is wired that reports any."""
     if not any(name in wired for name in SOURCES):
         return None
-    found = [f"{name}: it says nothing" for name in SOURCES if name in wired and seen[name] is None]
+    faults = [f"{name}: it says nothing" for name in SOURCES if name in wired and seen[name] is None]
     drive, joints, motors = seen["drive"], seen["joints"], seen["motors"]
     battery, odometry, attitude = seen["battery"], seen["odometry"], seen["attitude"]
-    if any(one is not None and one.estop for one in (drive, joints)):
-        found.insert(0, "the emergency stop is engaged")
+    if any(mover is not None and mover.estop for mover in (drive, joints)):
+        faults.insert(0, "the emergency stop is engaged")
     if motors is not None:
-        found += [f"motors: {fault}" for fault in motors.faults]
+        faults += [f"motors: {fault}" for fault in motors.faults]
     if seen["motions"] is not None and seen["motions"].fallen:
-        found.append(f"it lies on its {seen['motions'].fallen}")
+        faults.append(f"it lies on its {seen['motions'].fallen}")
     if battery is not None and not battery.valid:
-        found.append(f"battery: {battery.reason or 'it is not known'}")
+        faults.append(f"battery: {battery.reason or 'it is not known'}")
     if battery is not None and battery.valid and battery.level == "critical" and not battery.charging:
-        found.append("battery: almost empty")
+        faults.append("battery: almost empty")
     if odometry is not None and odometry.stalled:
-        found.append("the wheels are stalled")
+        faults.append("the wheels are stalled")
     if attitude is not None and not attitude.valid:
-        found.append(f"attitude: {attitude.reason or 'it is not known'}")
-    return [one[:LONGEST] for one in found[:MOST_FAULTS]]
+        faults.append(f"attitude: {attitude.reason or 'it is not known'}")
+    return [fault[:LONGEST] for fault in faults[:MOST_FAULTS]]

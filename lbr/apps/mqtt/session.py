@@ -71,27 +71,22 @@ class Broker(Struct, frozen=True, kw_only=True):
     will: Outgoing | None = None
     topics: tuple[str, ...] = ()
 
-    @property
-    def told(self) -> str:
-        """Where it is, for people."""
-        return f"{self.host}:{self.port}"
-
 
 def secured(ca: str, certificate: str, key: str) -> ssl.SSLContext:
     """Return TLS by files in `credentials/`; InputError says which of them is not there, not ours alone, or wrong."""
     paths = {name: _credential(name) for name in (ca, certificate, key) if name}
     try:
-        found = ssl.create_default_context(cafile=paths.get(ca))
-        found.minimum_version = ssl.TLSVersion.TLSv1_2
+        context = ssl.create_default_context(cafile=paths.get(ca))
+        context.minimum_version = ssl.TLSVersion.TLSv1_2
         if ca:  # one's own by OpenSSL's usual words lacks the key usage that Python 3.13 and newer ask an authority for
-            found.verify_flags &= ~ssl.VERIFY_X509_STRICT
+            context.verify_flags &= ~ssl.VERIFY_X509_STRICT
         if certificate:
-            found.load_cert_chain(paths[certificate], paths[key], password="")  # else it would ask at the terminal
+            context.load_cert_chain(paths[certificate], paths[key], password="")  # else it would ask at the terminal
     except (ssl.SSLError, OSError, ValueError) as err:
         raise InputError(
             f"{', '.join(map(str, paths.values()))}: TLS cannot be spoken with these files ({err})"
         ) from err
-    return found
+    return context
 
 
 def secret(name: str) -> str:
@@ -159,7 +154,7 @@ class Session:
             try:
                 self._connection()
             except Exception as err:  # noqa: BLE001 - of the network, the broker or its library: it is tried again
-                self.trouble = _told(err)
+                self.trouble = _reason(err)
             self.connected = False
             self._wake()
             tries = 0 if self._clock() - began > STEADY_S else tries + 1
@@ -221,19 +216,19 @@ class Session:
     def _send(self, client: mqtt.Client) -> None:
         with suppress(IndexError):
             while True:
-                one = self._outbox.popleft()
-                sent = client.publish(one.topic, one.payload, qos=int(one.sure), retain=one.retain)
+                message = self._outbox.popleft()
+                sent = client.publish(message.topic, message.payload, qos=int(message.sure), retain=message.retain)
                 if sent.rc == mqtt.MQTT_ERR_QUEUE_SIZE:
                     raise ConnectionError("it acknowledges nothing")
 
     def _leave(self, client: mqtt.Client) -> None:
-        """Say the last words, and wait for a moment until they are heard."""
+        """Send the last messages, and wait for a moment until they are acknowledged."""
         if not self.connected:
             return
         self._send(client)
-        sent = [client.publish(one.topic, one.payload, qos=1, retain=one.retain) for one in self._last]
+        sent = [client.publish(message.topic, message.payload, qos=1, retain=message.retain) for message in self._last]
         until = self._clock() + 0.2
-        while not all(one.is_published() for one in sent) and self._clock() < until:
+        while not all(message.is_published() for message in sent) and self._clock() < until:
             if client.loop(0.02) != mqtt.MQTT_ERR_SUCCESS:
                 return
 
@@ -276,8 +271,8 @@ def _limits() -> Properties:
     return found
 
 
-def _told(err: Exception) -> str:
-    """Say what went wrong, for people, in one line."""
+def _reason(err: Exception) -> str:
+    """Return the reason of an error for people, in one line."""
     text = " ".join(str(err).split())[:200] or type(err).__name__
     if isinstance(err, ssl.SSLCertVerificationError):
         return f"its certificate is not one that we know ({err.verify_message})"

@@ -1,4 +1,4 @@
-"""One device shadow: what is reported to it, and what it desires. Decides by what was heard and the time; no I/O.
+"""One device shadow: its reported and its desired state. Decides by its messages and the time; no I/O.
 
     connected ──► get ──► get/accepted: version, what is reported, what is desired ──► asked
     delta ─────► get again: a delta names only what differs, and may be older than what is known
@@ -25,7 +25,7 @@ AGAIN_S = 1.0
 REJECTED_S = 30.0
 LARGEST_ECHO = 512
 CONFLICT, NOT_THERE = 409, 404
-_HEARD = ("get/accepted", "get/rejected", "update/accepted", "update/rejected", "update/delta")
+_SUBSCRIBED = ("get/accepted", "get/rejected", "update/accepted", "update/rejected", "update/delta")
 
 
 class Asked(NamedTuple):
@@ -54,28 +54,28 @@ class ShadowState:
     @property
     def topics(self) -> tuple[str, ...]:
         """The topics to subscribe."""
-        return tuple(f"{self.root}/{one}" for one in _HEARD)
+        return tuple(f"{self.root}/{one}" for one in _SUBSCRIBED)
 
     def connected(self) -> None:
         """Begin as if nothing were known: a shadow may have been another's meanwhile. Done desires stay done."""
         self.version, self._known, self._wanted = None, {}, True
         self._get, self._update, self._next_get = ("", -inf), ("", -inf, {}), -inf
 
-    def hear(self, topic: str, payload: bytes, now: float) -> Asked | None:
-        """Take a message of one of the topics; return what is asked by it. InputError says what is wrong with it."""
-        said = documents.read(payload)
+    def receive(self, topic: str, payload: bytes, now: float) -> Asked | None:
+        """Handle a message of one of the topics; return its desire, if any. InputError names the fault of the message."""
+        document = documents.read(payload)
         match topic.removeprefix(f"{self.root}/"):
             case "update/delta":
-                if self.version is None or documents.version_of(said) > self.version:
+                if self.version is None or documents.version_of(document) > self.version:
                     self._wanted = True
             case "get/accepted":
-                return self._fetched(said)
+                return self._fetched(document)
             case "get/rejected":
-                self._not_fetched(documents.answer(said), now)
+                self._not_fetched(documents.answer(document), now)
             case "update/accepted":
-                self._updated(documents.answer(said))
+                self._updated(documents.answer(document))
             case "update/rejected":
-                self._not_updated(documents.answer(said), now)
+                self._not_updated(documents.answer(document), now)
         return None
 
     def publish(self, report: Report, now: float) -> Iterator[tuple[str, bytes]]:
@@ -92,28 +92,28 @@ class ShadowState:
         if not change:
             return
         self._update, self._next_update = (self._token(), now, change), now + self._every_s
-        said = {"state": {"reported": change}, "version": self.version, "clientToken": self._update[0]}
+        update = {"state": {"reported": change}, "version": self.version, "clientToken": self._update[0]}
         if self.version == 0:
-            del said["version"]  # there is none of a shadow that is not there yet
-        yield f"{self.root}/update", msgspec.json.encode(said)
+            del update["version"]  # a shadow that does not exist yet has no version
+        yield f"{self.root}/update", msgspec.json.encode(update)
 
     def done(self, raw: Any) -> Any:
-        """Note that what is asked was answered, and return what is to be reported of it: itself, unless it is too
+        """Note that a desire was answered, and return its report: the desire itself, unless it is too
         long."""
         self._handled = _text(raw)
         return raw if len(self._handled) <= LARGEST_ECHO else "too long to be told"
 
-    def _fetched(self, said: dict[str, Any]) -> Asked | None:
-        if said.get("clientToken") != self._get[0] or not self._get[0]:
+    def _fetched(self, fields: dict[str, Any]) -> Asked | None:
+        if fields.get("clientToken") != self._get[0] or not self._get[0]:
             return None  # somebody else has asked for it
         self._get = ("", -inf)
-        found = documents.document(said)
-        if self.version is not None and found.version < self.version:
-            raise InputError(f"its version is {found.version}, and {self.version} was there before", "repeated")
-        self.version, self._known = found.version, found.reported
-        if found.ask is None or _text(found.ask) in {self._handled, _text(found.reported.get("ask"))}:
+        document = documents.document(fields)
+        if self.version is not None and document.version < self.version:
+            raise InputError(f"its version is {document.version}, and {self.version} was there before", "repeated")
+        self.version, self._known = document.version, document.reported
+        if document.ask is None or _text(document.ask) in {self._handled, _text(document.reported.get("ask"))}:
             return None
-        return Asked(found.ask, found.age_s)
+        return Asked(document.ask, document.age_s)
 
     def _not_fetched(self, answer: documents.Answer, now: float) -> None:
         if answer.token != self._get[0] or not self._get[0]:

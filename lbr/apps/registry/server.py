@@ -39,7 +39,7 @@ class Service:
         return Starlette(routes=[Route(PATH, self._robots, methods=["GET", "POST", "DELETE"])])
 
     async def _robots(self, request: Request) -> Response:
-        address, now = names.who(request.client.host if request.client else ""), self._clock()
+        address, now = names.peer_name(request.client.host if request.client else ""), self._clock()
         if not self._rates.take(address, now):
             return _said(429, "busy", "too many requests from there; wait a second")
         try:

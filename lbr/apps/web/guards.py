@@ -116,7 +116,7 @@ class Limits:
                 connection.mark("stopping")
             await self._app(scope, receive, send)
             return
-        who = names.who(address_of(scope))
+        who = names.peer_name(address_of(scope))
         if not self._rates.take(who, time.monotonic()):
             await asyncio.sleep(TOO_OFTEN_S)
             raise Refused(429, "too many requests a second from this address", {"Retry-After": "1"})
@@ -127,7 +127,7 @@ class Limits:
             raise Refused(
                 503, f"{busy} are being answered already", {"Retry-After": "1", "Connection": "close"}, "busy"
             )
-        with self._turns.taken(who):
+        with self._turns.turn(who):
             await self._app(scope, receive, send)
 
 

@@ -41,7 +41,7 @@ class Viewing(BaseRoute, Generic[W]):
         """Serve one WebSocket; raise Refused."""
         client, wanted = await self.entry(scope)
         socket = WebSocket(scope, receive, send)
-        with self._viewers.taken(who(client)), suppress(WebSocketDisconnect, OSError):
+        with self._viewers.turn(who(client)), suppress(WebSocketDisconnect, OSError):
             await socket.accept(self._protocol if self._protocol in scope.get("subprotocols", ()) else None)
             if (connection := connection_of(scope)) is not None:
                 connection.mark("watching")
@@ -70,4 +70,4 @@ def shown_token(scope: Scope) -> str:
 
 def who(client: Client) -> str:
     """Return whose viewers are counted together."""
-    return f"token {client.name}" if client.name else names.who(client.address)
+    return f"token {client.name}" if client.name else names.peer_name(client.address)

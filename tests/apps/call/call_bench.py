@@ -128,6 +128,6 @@ def news(media: Media, what: str, name: str) -> str | None:
     """Return the text of what happened to a connection, once it has; what else happened is passed over."""
     while media.news:
         found = media.news.popleft()
-        if (found.id, found.what) == (name, what):
+        if (found.id, found.outcome) == (name, what):
             return found.text
     return None

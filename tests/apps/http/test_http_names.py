@@ -82,4 +82,4 @@ def test_any_text_is_a_name_of_ours_or_not(host, loopback):
     ],
 )
 def test_all_addresses_of_the_loopback_are_one_asker(address, who):
-    assert names.who(address) == who
+    assert names.peer_name(address) == who

@@ -23,7 +23,7 @@ def test_of_several_askers_the_one_with_most_makes_room():
     for at, who in enumerate(("b", "a", "a", "a")):
         slots.enter(made(who, float(at)))
     victim = slots.enter(made("c", 9.0))
-    assert (victim.who, victim.since) == ("a", 1.0)
+    assert (victim.peer, victim.since) == ("a", 1.0)
 
 
 @pytest.mark.parametrize(
@@ -73,10 +73,10 @@ def test_what_is_being_closed_and_is_not_read_is_cut():
 
 def test_turns_are_bounded_for_one_and_for_all():
     turns = Turns(2, 3)
-    with turns.taken("a"), turns.taken("a"):
+    with turns.turn("a"), turns.turn("a"):
         assert turns.why_not("a") == "2 of one asker"
         assert not turns.why_not("b")
-        with turns.taken("b"):
+        with turns.turn("b"):
             assert turns.why_not("c") == "3"
         assert not turns.why_not("c")
     assert not turns.why_not("a")

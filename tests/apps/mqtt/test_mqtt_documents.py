@@ -132,7 +132,7 @@ class Service:
         return [(topic.rpartition("shadow/")[2], json.loads(payload)) for topic, payload in found]
 
     def hears(self, topic, **body):
-        return self.shadow.hear(f"{self.shadow.root}/{topic}", json.dumps(body).encode(), self.now)
+        return self.shadow.receive(f"{self.shadow.root}/{topic}", json.dumps(body).encode(), self.now)
 
     def token(self):
         ((topic, body),) = [one for one in self.said() if one[0] == "get"]
@@ -220,7 +220,7 @@ def test_whatever_a_service_says_it_is_a_sentence_at_worst_and_desired_is_never_
     shadow = ShadowState("rob", "x", 5.0, "m")
     for now in (0.0, 20.0):
         with suppress(InputError):
-            shadow.hear(topic, payload, now)
+            shadow.receive(topic, payload, now)
         for where, body in shadow.publish({"docked": True}, now):
             assert where.endswith("/get") or set(json.loads(body)["state"]) == {"reported"}
 

@@ -21,7 +21,7 @@ def test_a_broker_that_sends_back_at_once_is_not_late():
     for turn in range(1000):
         now = 100.0 + turn * STEP_S
         if word := echo.word(now):
-            echo.hear(word.encode(), now + 0.3)
+            echo.receive(word.encode(), now + 0.3)
         assert not echo.late(now)
 
 
@@ -38,7 +38,7 @@ def test_a_word_goes_once_a_second():
 def test_what_a_standstill_held_back_is_late_wherever_it_comes_among_our_words(still_s, asked_after, begins_s):
     echo = echo_at(0.0)
     first = echo.word(0.0)
-    echo.hear(first.encode(), 0.0)
+    echo.receive(first.encode(), 0.0)
     now, held = begins_s, []
     while now < begins_s + still_s:
         held += [word for word in [echo.word(now)] if word]
@@ -46,10 +46,10 @@ def test_what_a_standstill_held_back_is_late_wherever_it_comes_among_our_words(s
     for number, word in enumerate([*held, ""]):
         if number == min(asked_after, len(held)):
             assert echo.late(now + number * 0.001)
-        echo.hear(word.encode(), now + number * 0.001)
+        echo.receive(word.encode(), now + number * 0.001)
     assert not echo.stands_still(now + 0.1)
     for turn in range(round((CALM_S + EVERY_S) / STEP_S)):
-        echo.hear(echo.word(now + turn * STEP_S).encode(), now + turn * STEP_S + 0.01)
+        echo.receive(echo.word(now + turn * STEP_S).encode(), now + turn * STEP_S + 0.01)
     assert not echo.late(now + CALM_S + EVERY_S)
 
 
@@ -67,13 +67,13 @@ def test_words_of_others_and_of_an_earlier_connection_say_nothing(payloads):
     earlier = echo.word(0.0)
     echo.connected(10.0)
     for payload in [earlier.encode(), *payloads]:
-        echo.hear(payload, 10.0 + LATE_S + EVERY_S + 0.1)
+        echo.receive(payload, 10.0 + LATE_S + EVERY_S + 0.1)
     assert echo.stands_still(10.0 + LATE_S + EVERY_S + 0.1)
 
 
 def test_a_word_that_comes_back_twice_counts_once():
     echo = echo_at(0.0)
     word = echo.word(0.0).encode()
-    echo.hear(word, 0.1)
-    echo.hear(word, 0.1 + LATE_S + EVERY_S)
+    echo.receive(word, 0.1)
+    echo.receive(word, 0.1 + LATE_S + EVERY_S)
     assert echo.stands_still(0.2 + LATE_S + EVERY_S)

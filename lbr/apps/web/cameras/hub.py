@@ -75,7 +75,7 @@ class Hub:
             if self._end is None:
                 self._loop = asyncio.get_running_loop()
                 self._end = self._begin(self.deal)
-            with self._turns.taken(who):
+            with self._turns.turn(who):
                 yield viewer
         finally:
             self._viewers.discard(viewer)

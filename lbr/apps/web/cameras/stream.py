@@ -40,7 +40,7 @@ class Stream(Response):
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send pictures, the newest only; Refused (503) if too many watch."""
-        who, what = names.who(self._client.address), self._camera or "the camera that is on"
+        who, what = names.peer_name(self._client.address), self._camera or "the camera that is on"
         if full := self._hub.full(who):
             text = f"{full} are watching already; come back when one has left"
             raise Refused(503, text, {"Retry-After": "10"}, "busy")

@@ -44,7 +44,7 @@ class Who:
     @classmethod
     def of(cls, request: Request) -> "Who":
         """Return the client."""
-        return cls(names.who(request.client.address), request.client.name, request.headers.get("user-agent", ""))
+        return cls(names.peer_name(request.client.address), request.client.name, request.headers.get("user-agent", ""))
 
     def is_heard_by(self, asker: "Who") -> bool:
         """Say whether a request is a sign of life of this client: its own token, or none and the same program."""
