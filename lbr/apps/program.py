@@ -38,15 +38,15 @@ class Robot:
 def connected(program: str) -> Iterator[Robot]:
     """Come in to the robot that called this program, or else to the only one that runs here."""
     wanted = os.environ.get("LBR_ROBOT")
-    here = [one for one in home.running() if wanted in {None, "", one.robot}]
-    if not here:
+    runs = [run for run in home.running() if wanted in {None, "", run.robot}]
+    if not runs:
         raise BusError(f"robot '{wanted}' does not run here" if wanted else "no robot runs here; 'lbr run' starts one")
-    if len(here) > 1:
-        names = ", ".join(one.robot for one in here)
+    if len(runs) > 1:
+        names = ", ".join(run.robot for run in runs)
         raise InputError(f"several robots run here ({names}); say which with LBR_ROBOT=NAME")
-    bus = session.open_client(here[0].endpoints)
+    bus = session.open_client(runs[0].endpoints)
     try:
-        yield Robot(bus, here[0].robot, f"{program}:{os.getpid()}", _told_s("LBR_STARTED_S"), _origin())
+        yield Robot(bus, runs[0].robot, f"{program}:{os.getpid()}", _told_s("LBR_STARTED_S"), _origin())
     finally:
         bus.close()
 

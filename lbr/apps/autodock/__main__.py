@@ -46,8 +46,8 @@ def run(robot: Robot, table: str) -> tuple[bool, str]:
 
 
 def _watched(states: wire.Subscription, table: str) -> tuple[bool, str]:
-    """Tell of each state until the table is over."""
-    heard_s, told, decoder = time.monotonic(), "", Decoder(BehaviourState)
+    """Report each state until the table ends."""
+    heard_s, reported, decoder = time.monotonic(), "", Decoder(BehaviourState)
     runs = False
     while time.monotonic() - heard_s < SILENT_S:
         for raw in states.take():
@@ -60,9 +60,9 @@ def _watched(states: wire.Subscription, table: str) -> tuple[bool, str]:
             runs = runs or (mine and state.phase in {"running", "paused"})
             if runs and not mine:
                 return False, "the table is gone: the behaviours started over"
-            if runs and state.state != told:
-                told = state.state
-                _tell(told)
+            if runs and state.state != reported:
+                reported = state.state
+                _tell(reported)
             if runs and state.phase in {"ended", "resting"}:
                 return bool(state.good), state.reason
         time.sleep(LOOK_S)

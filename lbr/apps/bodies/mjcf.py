@@ -51,7 +51,7 @@ def parse(text: str) -> Body:
 
 
 @dataclass
-class _Found:
+class _Parts:
     """The parts found so far."""
 
     links: list[Link] = field(default_factory=list)
@@ -65,32 +65,32 @@ class _Reader:
 
     def __init__(self, root: ET.Element) -> None:
         compiler: dict[str, str] = {}
-        for one in root.findall("compiler"):
-            compiler |= one.attrib
+        for element in root.findall("compiler"):
+            compiler |= element.attrib
         self._radians = 1.0 if compiler.get("angle", "degree") == "radian" else pi / 180
         self._order = compiler.get("eulerseq", "xyz")
         self._defaults: dict[str, dict[str, dict[str, str]]] = {"": {}, "main": {}}
-        for one in root.findall("default"):
-            self._read_defaults(one, {}, top=True)
+        for element in root.findall("default"):
+            self._read_defaults(element, {}, top=True)
         self._materials = {
-            one.attrib["name"]: one.attrib.get("rgba", "1 1 1 1")
-            for one in root.iterfind("asset/material")
-            if "name" in one.attrib
+            material.attrib["name"]: material.attrib.get("rgba", "1 1 1 1")
+            for material in root.iterfind("asset/material")
+            if "name" in material.attrib
         }
-        self._found = _Found()
+        self._parts = _Parts()
 
     def body(self, world: ET.Element) -> Body:
-        """Return what hangs on the world."""
+        """Return the body of a world's elements."""
         shapes = self._shapes(world, "", Place())
         if shapes:
-            self._found.links.append(Link(name="world", shapes=shapes))
+            self._parts.links.append(Link(name="world", shapes=shapes))
         self._children(world, "world" if shapes else "", "", Place())
-        found = self._found
+        parts = self._parts
         return Body(
-            links=tuple(found.links),
-            joints=found.joints,
-            sensors=tuple(found.sensors),
-            left_out=tuple(f"{count} {what}" for what, count in found.left_out.items()),
+            links=tuple(parts.links),
+            joints=parts.joints,
+            sensors=tuple(parts.sensors),
+            left_out=tuple(f"{count} {what}" for what, count in parts.left_out.items()),
         )
 
     def _children(self, element: ET.Element, parent: str, style: str, at: Place) -> None:
@@ -105,7 +105,7 @@ class _Reader:
                 self._leave_out(f"<{child.tag}>")
 
     def _body(self, element: ET.Element, parent: str, style: str, at: Place) -> None:
-        name = element.attrib.get("name") or f"body {len(self._found.links)}"
+        name = element.attrib.get("name") or f"body {len(self._parts.links)}"
         joints, whole = list(self._joints(element, style)), False
         for number, joint in enumerate(joints, 1):
             anchor = _xyz(joint, "pos")
@@ -129,11 +129,11 @@ class _Reader:
         else:
             at = at.then(Place((-rest * x, -rest * y, -rest * z)))
         if name:
-            self._found.joints[name] = kind
+            self._parts.joints[name] = kind
         self._add(replace(link, joint=name, axis=(x, y, z)), at)
 
     def _add(self, link: Link, at: Place) -> None:
-        self._found.links.append(replace(link, origin_xyz=at.xyz, origin_rpy=rpy(at.turn)))
+        self._parts.links.append(replace(link, origin_xyz=at.xyz, origin_rpy=rpy(at.turn)))
 
     def _joints(self, element: ET.Element, style: str) -> Iterator[Attributes]:
         for child in element.findall("joint"):
@@ -144,15 +144,15 @@ class _Reader:
                 self._leave_out(f"joint of type {joint['type']}")
 
     def _shapes(self, element: ET.Element, style: str, at: Place) -> tuple[Shape, ...]:
-        found: list[Shape] = []
+        shapes: list[Shape] = []
         for child in element:
             if child.tag == "geom":
                 shape = self._shape(self._with_defaults(child, style), at)
-                found += [shape] if shape is not None else []
+                shapes += [shape] if shape is not None else []
             elif child.tag == "frame":
                 inner = at.then(self._place(child.attrib))
-                found += self._shapes(child, child.attrib.get("childclass", style), inner)
-        return tuple(found)
+                shapes += self._shapes(child, child.attrib.get("childclass", style), inner)
+        return tuple(shapes)
 
     def _shape(self, geom: Attributes, at: Place) -> Shape | None:
         kind = geom.get("type", "mesh" if "mesh" in geom else "sphere")
@@ -186,12 +186,12 @@ class _Reader:
             place = at.then(self._place(given))
             if child.tag == "camera":
                 turn, fov = product(place.turn, _LOOKING), float(given.get("fovy", "45")) * pi / 180
-                self._found.sensors.append(
+                self._parts.sensors.append(
                     Sensor(name=name, kind="camera", link=link, xyz=place.xyz, rpy=rpy(turn), fov_rad=fov)
                 )
             else:
                 kind = "imu" if name == "imu" else "site"
-                self._found.sensors.append(Sensor(name=name, kind=kind, link=link, xyz=place.xyz, rpy=rpy(place.turn)))
+                self._parts.sensors.append(Sensor(name=name, kind=kind, link=link, xyz=place.xyz, rpy=rpy(place.turn)))
 
     def _place(self, given: Attributes) -> Place:
         return Place(_xyz(given, "pos"), self._turn(given))
@@ -228,7 +228,7 @@ class _Reader:
             self._read_defaults(child, own)
 
     def _leave_out(self, what: str) -> None:
-        self._found.left_out[what] = self._found.left_out.get(what, 0) + 1
+        self._parts.left_out[what] = self._parts.left_out.get(what, 0) + 1
 
 
 def _between(kind: ShapeKind, ends: list[float], size: list[float]) -> tuple[Place, list[float]]:

@@ -25,40 +25,40 @@ def model(
     robot: str, file: Path | None, joints: Sequence[Joint], wheels: Sequence[Wheel], sensors: Sequence[RangeSensor]
 ) -> RobotModel:
     """Return a robot's body with the limits of its rows; without one, why."""
-    found, reason = Body(), ""
+    body, reason = Body(), ""
     if file is not None:
         try:
-            found = mjcf.read(file)
+            body = mjcf.read(file)
         except InputError as err:
             reason = str(err)
     elif not joints:
-        found = wheeled.body(wheels, sensors)
+        body = wheeled.body(wheels, sensors)
     else:
         reason = (
             f"no package brings a body for '{robot}': put one, as MJCF, into models/{robot}.xml of the robot's home"
         )
     return RobotModel(
         robot=robot,
-        links=found.links,
-        joints=_ranges(found, joints),
-        sensors=found.sensors,
-        left_out=found.left_out,
+        links=body.links,
+        joints=_ranges(body, joints),
+        sensors=body.sensors,
+        left_out=body.left_out,
         reason=reason,
     )
 
 
-def _ranges(found: Body, rows: Iterable[Joint]) -> dict[str, JointRange]:
+def _ranges(body: Body, rows: Iterable[Joint]) -> dict[str, JointRange]:
     """Return each joint of a row, and each wheel; joints of the body that no row names stay at 0."""
     ranges = {
         row.name: JointRange(
             lower=row.lower_rad,
             upper=row.upper_rad,
-            kind=found.joints.get(row.name, "hinge"),
+            kind=body.joints.get(row.name, "hinge"),
             side=row.side,
             speed_rps=row.speed_rps,
-            drawn=row.name in found.joints,
+            drawn=row.name in body.joints,
         )
         for row in rows
     }
-    wheels = {name: JointRange(kind="wheel") for name, kind in found.joints.items() if kind == "wheel"}
+    wheels = {name: JointRange(kind="wheel") for name, kind in body.joints.items() if kind == "wheel"}
     return {**wheels, **ranges}

@@ -109,12 +109,12 @@ def _of_columns(ex: Sequence[float], ey: Sequence[float], ez: Sequence[float]) -
     parts = (trace, ex[0], ey[1], ez[2])
     largest = parts.index(max(parts))
     if largest == 0:
-        found = (1 + trace, ey[2] - ez[1], ez[0] - ex[2], ex[1] - ey[0])
+        components = (1 + trace, ey[2] - ez[1], ez[0] - ex[2], ex[1] - ey[0])
     elif largest == 1:
-        found = (ey[2] - ez[1], 1 + 2 * ex[0] - trace, ex[1] + ey[0], ez[0] + ex[2])
+        components = (ey[2] - ez[1], 1 + 2 * ex[0] - trace, ex[1] + ey[0], ez[0] + ex[2])
     elif largest == 2:
-        found = (ez[0] - ex[2], ex[1] + ey[0], 1 + 2 * ey[1] - trace, ey[2] + ez[1])
+        components = (ez[0] - ex[2], ex[1] + ey[0], 1 + 2 * ey[1] - trace, ey[2] + ez[1])
     else:
-        found = (ex[1] - ey[0], ez[0] + ex[2], ey[2] + ez[1], 1 + 2 * ez[2] - trace)
-    w, x, y, z = unit(found)
+        components = (ex[1] - ey[0], ez[0] + ex[2], ey[2] + ez[1], 1 + 2 * ez[2] - trace)
+    w, x, y, z = unit(components)
     return w, x, y, z

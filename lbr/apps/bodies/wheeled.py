@@ -46,12 +46,12 @@ def body(wheels: Sequence[Wheel], sensors: Sequence[RangeSensor]) -> Body:
     base = Link(
         name="base",
         origin_xyz=(0.0, 0.0, axle),
-        shapes=(deck, nose, *_casters(driven, length, axle), *(_eye(one, axle) for one in sensors)),
+        shapes=(deck, nose, *_casters(driven, length, axle), *(_eye(sensor, axle) for sensor in sensors)),
     )
     return Body(
-        links=(base, *(_wheel(one, axle) for one in driven)),
-        joints={one.name: "wheel" for one in driven},
-        sensors=tuple(_sensor(one, axle) for one in sensors),
+        links=(base, *(_wheel(wheel, axle) for wheel in driven)),
+        joints={wheel.name: "wheel" for wheel in driven},
+        sensors=tuple(_sensor(sensor, axle) for sensor in sensors),
     )
 
 

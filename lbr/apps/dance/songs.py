@@ -28,7 +28,7 @@ class Song(Struct, frozen=True):
 
 
 def load(music: Path, name: str) -> Song:
-    """Return a song; raise InputError naming the file, and the line or beat, that is not as it should be."""
+    """Return a song; InputError names the file, and the line or beat at fault."""
     names.checked(name, "song")
     sound, beats = music / f"{name}.wav", music / f"{name}.json"
     if not sound.is_file():
@@ -39,11 +39,11 @@ def load(music: Path, name: str) -> Song:
     if not beats.is_file():
         raise InputError(f'{beats} is missing: {{"BEATS": [0.5, 1.0]}} says when the beats are, in seconds')
     duration_s = wav.read(sound).duration_s
-    found = parse(_text(beats), str(beats))
-    if found[-1] > duration_s + AFTER_THE_END_S:
-        why = f"{found[-1]:g} s is after the end of the song, {duration_s:.1f} s"
-        raise InputError(f"{beats}: {KEY}[{len(found) - 1}] {why}")
-    return Song(name, found, duration_s)
+    times = parse(_text(beats), str(beats))
+    if times[-1] > duration_s + AFTER_THE_END_S:
+        why = f"{times[-1]:g} s is after the end of the song, {duration_s:.1f} s"
+        raise InputError(f"{beats}: {KEY}[{len(times) - 1}] {why}")
+    return Song(name, times, duration_s)
 
 
 def parse(text: str, where: str) -> tuple[float, ...]:

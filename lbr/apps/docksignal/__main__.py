@@ -10,8 +10,8 @@ from lbr.messages.dock import DockHeard
 BEAMS = ("left", "right", "power")
 
 
-def heard(words: list[str]) -> DockHeard:
-    """Return what the words say; raise InputError saying what is allowed."""
+def signal(words: list[str]) -> DockHeard:
+    """Return the beams that the words name; InputError lists the allowed words."""
     beams = [word.removesuffix("_signal") for word in words]
     wrong = next((word for word, beam in zip(words, beams, strict=True) if beam not in BEAMS), None)
     if wrong is not None:
@@ -23,7 +23,7 @@ def heard(words: list[str]) -> DockHeard:
 
 def main() -> int:
     """Tell the robot's capability `dock`."""
-    message = heard(sys.argv[1:])
+    message = signal(sys.argv[1:])
     with program.connected("docksignal") as robot:
         answers = wire.ask(robot.bus, keys.port(robot.name, "dock", "heard"), message, source=robot.source)
     if not answers:

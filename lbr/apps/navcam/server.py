@@ -56,15 +56,15 @@ def serve(robot: Robot, host: str, port: int, own_names: Iterable[str]) -> None:
         server = Server(_app(face, login, secret, own_names), tls=tls)
         server.face = face
         page = f"{names.origin(host, port, tls=tls)}/index.html#token={secret}"
-        told = home.directory("run") / f"{robot.name}-navcam.url"
-        home.write_private(told, f"{page}\n".encode())
-        _say(f"navcam is at {page}", f"this address is in {told} too")
+        url_file = home.directory("run") / f"{robot.name}-navcam.url"
+        home.write_private(url_file, f"{page}\n".encode())
+        _say(f"navcam is at {page}", f"this address is in {url_file} too")
         if tls:
             _say(f"the certificate's SHA-256 fingerprint is {_fingerprint(Path(listening.certificate()[1]))}")
         try:
             asyncio.run(server.serve(sockets=sockets))
         finally:
-            told.unlink(missing_ok=True)
+            url_file.unlink(missing_ok=True)
 
 
 def _app(face: CamerasFace, login: Login, secret: str, own_names: Iterable[str]) -> ASGIApp:
@@ -77,12 +77,12 @@ def _app(face: CamerasFace, login: Login, secret: str, own_names: Iterable[str])
         rates=Rates(REQUESTS_PER_S),
         own_names=frozenset(name.lower() for name in own_names),
         counts=Counts(),
-        in_loop=_here,
+        in_loop=_awaited,
         names_are="by --name in the row of navcam",
     )
 
 
-async def _here(work: Coroutine[Any, Any, Response], *, timeout_s: float) -> Response:
+async def _awaited(work: Coroutine[Any, Any, Response], *, timeout_s: float) -> Response:
     """Run a handler on the server's thread: there is no other loop."""
     return await asyncio.wait_for(work, timeout_s)
 

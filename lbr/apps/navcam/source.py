@@ -37,20 +37,20 @@ class Door:
 
     async def states(self) -> dict[str, CameraState]:
         """Return how each camera is, by its short name."""
-        found = {}
+        states = {}
         for raw in await asyncio.to_thread(self._asked, "state"):
             with suppress(MalformedError):
-                found[name_in(raw.key)] = _states.decode(raw.payload)
-        return dict(sorted(found.items()))
+                states[name_in(raw.key)] = _states.decode(raw.payload)
+        return dict(sorted(states.items()))
 
     async def snapshot(self, camera: str) -> bytes | None:
         """Return the newest picture of a camera, or of any; None if no fresh one came."""
-        taken = [
+        snapshots = [
             (stamp.sent_s(stamp.read(raw.attachment), raw.arrived), raw.payload)
             for raw in await asyncio.to_thread(self._asked, "frame")
             if camera in {"", name_in(raw.key)} and pictures.is_whole(raw.payload)
         ]
-        at, picture = max(taken, default=(0.0, None))
+        at, picture = max(snapshots, default=(0.0, None))
         return picture if time.monotonic() - at <= OLDEST_S else None
 
     def step(self) -> None:

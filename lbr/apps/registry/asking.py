@@ -26,7 +26,7 @@ class NotTakenError(LbrError):
 def ask(
     url: str, token: Token, method: Literal["GET", "POST", "DELETE"], body: bytes = b"", *, within_s: float = ANSWER_S
 ) -> bytes:
-    """Return what the service answers; NotTakenError if it says no, BusError if it is not there or is another."""
+    """Return the answer of the service; NotTakenError if it refuses, BusError if it is not there or is another."""
     try:
         where = urlsplit(url)
         scheme, host, port = where.scheme, where.hostname, where.port or 443
@@ -41,7 +41,7 @@ def ask(
         headers = {"Authorization": f"Bearer {token}", "Content-Type": "application/json"}
         connection.request(method, PATH, body=body or None, headers=headers)
         answer = connection.getresponse()
-        said = answer.read(LARGEST_BYTES)
+        content = answer.read(LARGEST_BYTES)
     except UnicodeError as err:  # an empty or too long part between dots, bytes that are no text
         raise InputError(f"'{host[:80]}' is no name or address of a machine") from err
     except (OSError, http.client.HTTPException) as err:
@@ -49,17 +49,17 @@ def ask(
     finally:
         connection.close()
     if answer.status != http.client.OK:
-        raise NotTakenError(f"the registry at {url} says no ({answer.status}): {_reason(said)}")
-    return said
+        raise NotTakenError(f"the registry at {url} says no ({answer.status}): {_reason(content)}")
+    return content
 
 
 def _whichever() -> ssl.SSLContext:
     """Return TLS with any certificate: the token's fingerprint tells whether it is the right one."""
-    found = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-    found.minimum_version = ssl.TLSVersion.TLSv1_2
-    found.check_hostname = False
-    found.verify_mode = ssl.CERT_NONE
-    return found
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    context.check_hostname = False
+    context.verify_mode = ssl.CERT_NONE
+    return context
 
 
 def _check(connection: http.client.HTTPSConnection, url: str, token: Token) -> None:

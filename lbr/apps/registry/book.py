@@ -28,7 +28,7 @@ class Entry(Struct, frozen=True, kw_only=True):
 
 
 class Listed(Struct, frozen=True, kw_only=True):
-    """A robot in the list: its token's name, whether it is up, what it said of itself, from where, and how long ago."""
+    """A robot in the list: its token's name, whether it is up, its entry, its address, and the age of the entry."""
 
     name: str
     up: bool
@@ -45,7 +45,7 @@ class _Known(Struct, frozen=True):
     entry: Entry
     address: str
     at: float
-    left: bool = False
+    shutting_down: bool = False
 
 
 class Book:
@@ -55,7 +55,7 @@ class Book:
         self._known: dict[str, _Known] = {}
 
     def register(self, name: str, address: str, entry: Entry, now: float) -> bool:
-        """Take what a robot says; False if there is no room for one more."""
+        """Register a robot; False if there is no room for one more."""
         self._forget(now)
         if name not in self._known and len(self._known) >= MOST_ROBOTS:
             return False
@@ -63,9 +63,9 @@ class Book:
         return True
 
     def leave(self, name: str) -> None:
-        """Take a robot's word that it is shutting down."""
+        """Note that a robot shuts down."""
         if name in self._known:
-            self._known[name] = replace(self._known[name], left=True)
+            self._known[name] = replace(self._known[name], shutting_down=True)
 
     def keep(self, names: Collection[str]) -> None:
         """Forget all robots but those whose tokens still count."""
@@ -74,21 +74,21 @@ class Book:
     def listed(self, now: float) -> tuple[Listed, ...]:
         """Return all robots, those that are up first."""
         self._forget(now)
-        found = [
+        listed = [
             Listed(
                 name=name,
-                up=not one.left and now - one.at <= SILENT * one.entry.every_s,
-                robot=one.entry.robot,
-                version=one.entry.version,
-                urls=one.entry.urls,
-                endpoints=one.entry.endpoints,
-                address=one.address,
-                up_s=round(one.entry.up_s, 1),
-                seen_s=round(now - one.at, 1),
+                up=not known.shutting_down and now - known.at <= SILENT * known.entry.every_s,
+                robot=known.entry.robot,
+                version=known.entry.version,
+                urls=known.entry.urls,
+                endpoints=known.entry.endpoints,
+                address=known.address,
+                up_s=round(known.entry.up_s, 1),
+                seen_s=round(now - known.at, 1),
             )
-            for name, one in self._known.items()
+            for name, known in self._known.items()
         ]
-        return tuple(sorted(found, key=lambda one: (not one.up, one.name)))
+        return tuple(sorted(listed, key=lambda robot: (not robot.up, robot.name)))
 
     def _forget(self, now: float) -> None:
         for name in [name for name, one in self._known.items() if now - one.at > KEPT_S]:

@@ -52,7 +52,7 @@ class Herald:
         """Begin."""
         self._thread.start()
 
-    def tell(self, entry: Entry) -> None:
+    def register(self, entry: Entry) -> None:
         """Say something else from now on, at once."""
         if entry != self.entry:
             self.entry = entry
@@ -119,7 +119,7 @@ class Registrar(Capability[RegistrarSettings]):
             self._web[received.source] = received.message
         herald = self._herald
         if herald is not None:
-            herald.tell(self._entry())
+            herald.register(self._entry())
         health = NO_SERVICE if herald is None else herald.trouble
         if health != self._health:
             self._health = health
@@ -172,14 +172,14 @@ def _is_reached(url: str) -> bool:
 
 
 def _token(name: str) -> Token:
-    """Return the token in a file of `credentials/`; InputError says what is wrong with it."""
-    found = home.given_credentials(name)
-    if not found:
+    """Return the token in a file of `credentials/`; InputError names its fault."""
+    files = home.given_credentials(name)
+    if not files:
         where = home.directory("credentials") / name
         raise InputError(f"{where} is not there: put what `lbr registry add NAME` printed into it")
     try:
-        return tokens.parse(found[0].read_text(encoding="ascii", errors="replace"))
+        return tokens.parse(files[0].read_text(encoding="ascii", errors="replace"))
     except InputError as err:
-        raise InputError(f"{found[0]}: {err}") from err
+        raise InputError(f"{files[0]}: {err}") from err
     except OSError as err:
-        raise InputError(f"{found[0]} cannot be read ({err.strerror})") from err
+        raise InputError(f"{files[0]} cannot be read ({err.strerror})") from err

@@ -72,17 +72,17 @@ class Guests:
 
     def _now(self) -> dict[str, Guest]:
         try:
-            found = self.path.stat()
+            status = self.path.stat()
         except FileNotFoundError:
             self._known = {}
             return self._known
-        if (found.st_mtime_ns, found.st_ino) != self._read:
+        if (status.st_mtime_ns, status.st_ino) != self._read:
             ownership.refuse(ownership.faults(self.path, secret=True))
             try:
                 self._known = msgspec.json.decode(self.path.read_bytes(), type=dict[str, Guest])
             except (OSError, *UNREADABLE) as err:
                 raise InputError(f"{self.path} cannot be read ({err}): remove it, and give new tokens") from err
-            self._read = (found.st_mtime_ns, found.st_ino)
+            self._read = (status.st_mtime_ns, status.st_ino)
         return self._known
 
     @contextmanager

@@ -41,35 +41,37 @@ class Service:
     async def _robots(self, request: Request) -> Response:
         address, now = names.peer_name(request.client.host if request.client else ""), self._clock()
         if not self._rates.take(address, now):
-            return _said(429, "busy", "too many requests from there; wait a second")
+            return _answer(429, "busy", "too many requests from there; wait a second")
         try:
-            whose = self._guests.proven(_shown(request))
+            whose = self._guests.proven(_token_of(request))
             self._book.keep(self._guests.names())
         except InputError as err:
-            return _said(503, "failed", str(err))
+            return _answer(503, "failed", str(err))
         if not whose:
-            return _said(401, "token", "show a token: 'Authorization: Bearer TOKEN'; `lbr registry add NAME` makes one")
+            return _answer(
+                401, "token", "show a token: 'Authorization: Bearer TOKEN'; `lbr registry add NAME` makes one"
+            )
         if request.method == "POST":
             return await self._registered(request, whose, address)
         if request.method == "DELETE":
             self._book.leave(whose)
-            return _said(200, "done", f"'{whose}' has left")
+            return _answer(200, "done", f"'{whose}' has left")
         return Response(msgspec.json.encode(self._book.listed(now)), media_type="application/json")
 
     async def _registered(self, request: Request, whose: str, address: str) -> Response:
         try:
             body = await request.body()
         except ClientDisconnect:
-            return _said(400, "malformed", "the request has no end")
+            return _answer(400, "malformed", "the request has no end")
         if len(body) > LARGEST_BYTES:
-            return _said(413, "malformed", f"a robot tells {LARGEST_BYTES} bytes at most, not {len(body)}")
+            return _answer(413, "malformed", f"a robot tells {LARGEST_BYTES} bytes at most, not {len(body)}")
         try:
             entry = msgspec.json.decode(body, type=Entry)
         except UNREADABLE as err:
-            return _said(400, "malformed", f"this registers no robot: {str(err)[:200]}")
+            return _answer(400, "malformed", f"this registers no robot: {str(err)[:200]}")
         if not self._book.register(whose, address, entry, self._clock()):
-            return _said(503, "limit", f"{MOST_ROBOTS} robots are listed, and there is no room for one more")
-        return _said(200, "done", f"listed as '{whose}'")
+            return _answer(503, "limit", f"{MOST_ROBOTS} robots are listed, and there is no room for one more")
+        return _answer(200, "done", f"listed as '{whose}'")
 
 
 def serve(host: str, port: int, say: Callable[[str], None]) -> None:
@@ -89,11 +91,11 @@ def _interrupt(_number: int, _frame: object) -> None:
     raise KeyboardInterrupt
 
 
-def _shown(request: Request) -> str:
+def _token_of(request: Request) -> str:
     scheme, _, shown = request.headers.get("authorization", "").partition(" ")
     return shown.strip() if scheme.lower() == "bearer" else ""
 
 
-def _said(status: int, code: str, reason: str) -> Response:
+def _answer(status: int, code: str, reason: str) -> Response:
     body = {"accepted": code == "done", "code": code, "reason": reason}
     return Response(msgspec.json.encode(body), status, media_type="application/json")

@@ -67,13 +67,13 @@ def _samples(frames: Any) -> Iterator[bytes]:
 
 def _write(target: Path, pieces: Iterator[bytes], source: Path) -> int:
     written = 0
-    with wave.open(str(target), "wb") as out:
-        out.setparams((1, 2, RATE_HZ, 0, "NONE", ""))
+    with wave.open(str(target), "wb") as recording:
+        recording.setparams((1, 2, RATE_HZ, 0, "NONE", ""))
         for piece in pieces:
             written += len(piece)
             if written > LONGEST_S * RATE_HZ * 2:
                 raise InputError(f"{source} would play for more than {LONGEST_S:.0f} s; cut it")
-            out.writeframesraw(piece)
+            recording.writeframesraw(piece)
     return written
 
 

@@ -8,11 +8,11 @@ from lbr.errors import InputError
 _ALLOWED = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 
 
-def checked(name: str, what: str) -> str:
+def checked(name: str, subject: str) -> str:
     """Return a name that cannot lead out of its folder; raise InputError saying what is allowed."""
     if not _ALLOWED.fullmatch(name):
         readable = "".join(char if char.isprintable() else "?" for char in name[:40])
-        raise InputError(f"{what} '{readable}': letters, digits, _ and - are allowed, 64 at most")
+        raise InputError(f"{subject} '{readable}': letters, digits, _ and - are allowed, 64 at most")
     return name
 
 

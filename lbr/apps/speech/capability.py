@@ -39,7 +39,7 @@ class Speech(Capability[SpeechSettings]):
         super().__init__(ctx)
         self._speaker: Speaker | None = None
         self._jobs = Jobs(ctx.settings.queue)
-        self._saying: Job | None = None
+        self._current: Job | None = None
         self._farewell: Path | None = None
         self._spoken = self._failed = 0
         self._greeted = False
@@ -72,12 +72,12 @@ class Speech(Capability[SpeechSettings]):
             self._written(job, why)
         result = speaker.poll()
         if result is not None:
-            self._said(result)
+            self._finish(result)
         self._greet()
         self._drop_what_cannot_be()
         self._writer.go_on()
         self._play_next(speaker)
-        idle = self._greeted and speaker.proven and self._saying is None and not len(self._jobs)
+        idle = self._greeted and speaker.proven and self._current is None and not len(self._jobs)
         self.rate_hz = IDLE_HZ if idle else BUSY_HZ
         self._tell()
 
@@ -110,7 +110,7 @@ class Speech(Capability[SpeechSettings]):
         self._writer.close()
         self._decoder.close()
         self._jobs.clear()
-        self._saying = None
+        self._current = None
         shutil.rmtree(self._scratch, ignore_errors=True)
 
     def _opened(self) -> Speaker:
@@ -128,7 +128,7 @@ class Speech(Capability[SpeechSettings]):
         if why := self._why_not(job):
             raise DeviceError(why)
         cut = self._silence() if command.interrupt and job.keep is None else ""
-        ahead = len(self._jobs) + (self._saying is not None)
+        ahead = len(self._jobs) + (self._current is not None)
         self._jobs.add(job)
         if job.keep is not None:
             return f"will be sounds/{job.keep.name}"
@@ -148,32 +148,32 @@ class Speech(Capability[SpeechSettings]):
         sound, speaker = files.song(self._home, command.song), self._opened()
         if why := speaker.trouble or ("" if speaker.proven else "the speaker is still being tried; ask again"):
             raise DeviceError(why)
-        self._stop_saying()
+        self._stop_current()
         began = speaker.start(sound)
-        self._saying = Job(song=command.song, sound=sound)
+        self._current = Job(song=command.song, sound=sound)
         return PlayReply(accepted=True, began_s=began, duration_s=round(sound.duration_s, 3))
 
     def _hush(self, command: HushCommand) -> str:
         if not command.song:
             return self._silence() or "nothing was being said"
-        if self._saying is None or self._saying.song != command.song:
+        if self._current is None or self._current.song != command.song:
             return f"'{command.song[:80]}' was not being played"
-        self._stop_saying()
+        self._stop_current()
         return ""
 
     def _silence(self) -> str:
         """End what is being said and what waits; return what that was."""
         ended = self._jobs.clear()
-        if self._saying is not None:
-            ended.insert(0, self._saying)
-        self._stop_saying()
+        if self._current is not None:
+            ended.insert(0, self._current)
+        self._stop_current()
         self._forget(ended)
         more = f" and {len(ended) - 1} more" if len(ended) > 1 else ""
         return f"ended {ended[0].title}{more}" if ended else ""
 
-    def _stop_saying(self) -> None:
+    def _stop_current(self) -> None:
         self._opened().stop()
-        saying, self._saying = self._saying, None
+        saying, self._current = self._current, None
         self._forget([saying] if saying else [])
 
     def _why_not(self, job: Job) -> str:
@@ -191,7 +191,7 @@ class Speech(Capability[SpeechSettings]):
             self.ctx.event("saved", f"{job.title} is sounds/{job.keep.name}")
 
     def _play_next(self, speaker: Speaker) -> None:
-        if self._saying is not None or not speaker.proven:
+        if self._current is not None or not speaker.proven:
             return
         job = self._jobs.to_play()
         if job is None or job.sound is None:
@@ -201,10 +201,10 @@ class Speech(Capability[SpeechSettings]):
         except DeviceError as err:
             self._fail(job, str(err))
         else:
-            self._saying = job
+            self._current = job
 
-    def _said(self, result: str) -> None:
-        job, self._saying = self._saying, None
+    def _finish(self, result: str) -> None:
+        job, self._current = self._current, None
         if job is None:
             return
         self._forget([job])
@@ -279,7 +279,7 @@ class Speech(Capability[SpeechSettings]):
             yield writer.note
 
     def _state(self, reason: str) -> SpeechState:
-        saying, device = self._saying, self.ctx.device
+        saying, device = self._current, self.ctx.device
         return SpeechState(
             speaking=saying is not None and not saying.song,
             text=saying.text[:TEXT_TOLD] if saying else "",

@@ -44,7 +44,7 @@ class Decoder:
         if code is None:
             why = f"{job.source} was not decoded within {LIMIT_S:.0f} s"
         elif code != 0:
-            why = self._said() or f"the decoder died ({code})"
+            why = self._last_line() or f"the decoder died ({code})"
         self._end()
         if not why and not hushed:
             try:
@@ -94,12 +94,12 @@ class Decoder:
         if words is not None:
             words.close()
 
-    def _said(self) -> str:
+    def _last_line(self) -> str:
         assert self._words is not None
         self._words.seek(0)
         lines = self._words.read(_WORDS_BYTES).decode("utf-8", "replace").splitlines()
-        said = next((line.strip() for line in reversed(lines) if line.strip()), "")
-        return "".join(char if char.isprintable() else "?" for char in said[:400])
+        line_of_decoder = next((line.strip() for line in reversed(lines) if line.strip()), "")
+        return "".join(char if char.isprintable() else "?" for char in line_of_decoder[:400])
 
     def _path(self) -> Path:
         return self._scratch / f"decoded{self._count}.wav"

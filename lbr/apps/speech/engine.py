@@ -26,7 +26,7 @@ ESPEAK = "espeak"
 
 
 class Engine:
-    """pyttsx3, and what it does not say by itself."""
+    """pyttsx3, with errors that it does not report by itself."""
 
     def __init__(self) -> None:
         import pyttsx3  # noqa: PLC0415 - whether it can be imported is the question
@@ -42,7 +42,7 @@ class Engine:
         wav.read(Path(request.path))
 
     def _sounds(self, request: Request) -> bool:
-        """Write what is to be heard, and say whether there is any sound in it.
+        """Write the sound of a text, and tell whether there is any sound in it.
 
         Rarely, after a voice that it does not have, the library writes silence in place of a text.
         """
@@ -78,13 +78,13 @@ class Voices:
         self._others: dict[str, Polly | Piper] = {"polly": Polly(), "piper": Piper()}
 
     def write(self, request: Request) -> str:
-        """Write the sound; return why another voice has spoken, or nothing. Raise LbrError if none could."""
-        other = self._others.get(request.engine)
-        if other is None:
+        """Write the sound; return the reason if another voice speaks instead. Raise LbrError if none can."""
+        voice = self._others.get(request.engine)
+        if voice is None:
             self._local.write(request)
             return ""
         try:
-            other.write(request)
+            voice.write(request)
             wav.read(Path(request.path))
         except LbrError as err:
             self._local.write(request)
@@ -116,11 +116,11 @@ def serve(requests: BinaryIO, answer: Callable[[Answer], None]) -> None:
 
 def main() -> None:
     """Serve the process that started this one."""
-    out = os.dup(1)
+    output = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
     def answer(message: Any) -> None:
-        os.write(out, msgspec.json.encode(message) + b"\n")
+        os.write(output, msgspec.json.encode(message) + b"\n")
 
     serve(sys.stdin.buffer, answer)
 

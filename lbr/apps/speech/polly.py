@@ -39,27 +39,27 @@ class Polly:
         self._client: Any = None
 
     def write(self, request: Request) -> None:
-        """Write what a voice says; raise LbrError if it cannot be had in time."""
-        kept = Path(request.cloud.cache) / f"{_digest(request)}.wav"
-        if not kept.is_file():
-            self._fetch(request, kept)
+        """Write the sound of a voice; raise LbrError if it does not come in time."""
+        file = Path(request.cloud.cache) / f"{_digest(request)}.wav"
+        if not file.is_file():
+            self._fetch(request, file)
         try:
-            kept.touch()
-            samples = array("h", wav.samples(kept))
+            file.touch()
+            samples = array("h", wav.samples(file))
             if request.volume < 1.0:
                 samples = array("h", (int(sample * request.volume) for sample in samples))
             wav.write(Path(request.path), samples.tobytes(), RATE_HZ, width=2)
         except (OSError, ValueError) as err:
-            kept.unlink(missing_ok=True)
+            file.unlink(missing_ok=True)
             raise LbrError(f"what the cloud said before cannot be read ({err})") from err
 
-    def _fetch(self, request: Request, kept: Path) -> None:
+    def _fetch(self, request: Request, file: Path) -> None:
         if len(request.text) > MOST_CHARACTERS:
             raise LbrError(f"the cloud takes {MOST_CHARACTERS} characters at once; this text has {len(request.text)}")
         if self._clock() < self._again_at:
             raise LbrError(self._why)
         ended: queue.SimpleQueue[str] = queue.SimpleQueue()
-        threading.Thread(target=self._ask, args=(request, kept, ended), name="cloud", daemon=True).start()
+        threading.Thread(target=self._ask, args=(request, file, ended), name="cloud", daemon=True).start()
         try:
             why = ended.get(timeout=request.cloud.timeout_s)
         except queue.Empty:
@@ -68,13 +68,13 @@ class Polly:
             self._why, self._again_at = why, self._clock() + RETRY_S
             raise LbrError(why)
 
-    def _ask(self, request: Request, kept: Path, ended: "queue.SimpleQueue[str]") -> None:
-        """Keep what the cloud says, in a thread of its own: an answer that is late is there for the next time."""
+    def _ask(self, request: Request, file: Path, ended: "queue.SimpleQueue[str]") -> None:
+        """Store the cloud's sound, in a thread of its own: a late answer is there for the next time."""
         try:
-            sound = self._said(request)
-            kept.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            wav.write(kept, sound, RATE_HZ, width=2)
-            _drop_oldest(kept.parent)
+            sound = self._synthesised(request)
+            file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            wav.write(file, sound, RATE_HZ, width=2)
+            _drop_oldest(file.parent)
         except ImportError:
             ended.put(f"the cloud's voices cannot be had; {INSTALL}")
         except LbrError as err:
@@ -85,7 +85,7 @@ class Polly:
             self._again_at = 0.0
             ended.put("")
 
-    def _said(self, request: Request) -> bytes:
+    def _synthesised(self, request: Request) -> bytes:
         percent = round(100 * request.words_per_min / USUAL_WORDS_PER_MIN)
         rate = min(max(percent, SLOWEST_PERCENT), FASTEST_PERCENT)
         answer = self._connected(request).synthesize_speech(

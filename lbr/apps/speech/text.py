@@ -19,9 +19,9 @@ def sayable(text: str) -> str:
     """Return a text without control characters and pictures; raise InputError if nothing is left to say."""
     if len(text) > MOST_CHARACTERS:
         raise InputError(f"the text has {len(text)} characters; {MOST_CHARACTERS} can be said at once")
-    kept = " ".join("".join(map(_said, text)).split())
-    if any(char.isalnum() or char in _SPOKEN_SIGNS or unicodedata.category(char)[0] == "S" for char in kept):
-        return kept
+    spoken = " ".join("".join(map(_spoken, text)).split())
+    if any(char.isalnum() or char in _SPOKEN_SIGNS or unicodedata.category(char)[0] == "S" for char in spoken):
+        return spoken
     raise InputError("there is nothing in it that can be said" if text.strip() else "there is nothing to say")
 
 
@@ -55,7 +55,7 @@ def voice_of(language: str, voices: Mapping[str, str]) -> str:
     return voices.get(language) or voices.get(language.partition("-")[0], "")
 
 
-def _said(char: str) -> str:
+def _spoken(char: str) -> str:
     category, code = unicodedata.category(char), ord(char)
     if char.isspace() or category in {"Zl", "Zp"}:
         return " "

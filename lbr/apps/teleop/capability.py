@@ -52,7 +52,7 @@ class Teleop(Capability[TeleopSettings]):
         held_up_s, self._stepped_at = now - self._stepped_at, now
         for received in self.ctx.take("pad"):
             assert isinstance(received.message, GamepadState)
-            for word in presses(self._hand.hear(received.message, received.arrived), self.ctx.settings):
+            for word in presses(self._hand.receive(received.message, received.arrived), self.ctx.settings):
                 self._say(word, now)
         if not held_up_s <= self.ctx.settings.ttl_s:  # what it held has lapsed, and the hand may be gone
             self._hand.let_go()
@@ -85,7 +85,7 @@ class Teleop(Capability[TeleopSettings]):
                 self._lines.halt(BY_HAND)
                 self._stops.append(self.ctx.ask("stop_all", StopCommand(reason=BY_HAND, whole=True), STOP_S))
             case line:
-                self._lines.say(line, self._hand.stands(now))
+                self._lines.send(line, self._hand.stands(now))
 
     def _drive(self, twist: Twist) -> None:
         rests = self._why if twist == REST else None
@@ -123,7 +123,7 @@ class Teleop(Capability[TeleopSettings]):
         driving = self._holder.asks
         why = self._ended if self._ended is not None and not driving else self._why
         state = TeleopState(
-            pad=self._hand.heard,
+            pad=self._hand.has_pad,
             dead_man=self._hand.dead_man,
             driving=driving,
             line=self._lines.moving,

@@ -1,7 +1,7 @@
 """The meaning of a hand on a gamepad: which twist, which buttons were pressed, and why the robot is to stand. Pure.
 
 The robot moves only while all of this is so: the dead-man button is held, and was seen released since the gamepad came;
-the sticks were seen at rest since then; the gamepad is heard. An unknown value, and anything but a number, is rest.
+the sticks were seen at rest since then; the gamepad is connected. An unknown value, and anything but a number, is rest.
 """
 
 from collections.abc import Iterable
@@ -42,16 +42,16 @@ class Hand:
 
     @property
     def dead_man(self) -> bool:
-        """Say whether the dead-man button is held, as far as is known."""
+        """Tell whether the dead-man button is held, as far as is known."""
         return self._pad is not None and self._settings.dead_man in self._pad.pressed
 
     @property
-    def heard(self) -> bool:
-        """Say whether there is a gamepad."""
+    def has_pad(self) -> bool:
+        """Tell whether there is a gamepad."""
         return self._pad is not None
 
-    def hear(self, pad: GamepadState, sent_s: float) -> tuple[Button, ...]:
-        """Take what the gamepad's driver says; return which buttons were pressed since it spoke last.
+    def receive(self, pad: GamepadState, sent_s: float) -> tuple[Button, ...]:
+        """Receive a state of the gamepad; return the buttons that were pressed since the last one.
 
         A button that is held already when a gamepad comes was not pressed.
         """

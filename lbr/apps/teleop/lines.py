@@ -24,17 +24,17 @@ COMMANDS = {
 """By which requests the motion of a command is renewed and halted."""
 
 
-class _Said(NamedTuple):
+class _SentLine(NamedTuple):
     line: str
     question: PendingReply
 
 
 class Lines:
-    """Says lines, one after the other, and holds what the last of them moves."""
+    """Sends lines to the console, and renews the motion that the last of them began."""
 
     def __init__(self, ctx: Context[Any]) -> None:
         self._ctx = ctx
-        self._said: list[_Said] = []
+        self._sent: list[_SentLine] = []
         self._holder = Holder(ctx)
         self._line = self._key = ""
 
@@ -43,40 +43,40 @@ class Lines:
         """Return the line whose motion goes on."""
         return self._line if self._holder.asks else ""
 
-    def say(self, line: str, stands: Reason | None) -> None:
-        """Say a line, unless there is a reason why nothing may move; too many that wait for answers are nobody who
+    def send(self, line: str, stands: Reason | None) -> None:
+        """Send a line, unless there is a reason why nothing may move; too many that wait for answers are nobody who
         means it."""
-        if stands is not None or len(self._said) >= MOST_WAITING:
-            self._tell(line, stands or Reason("busy", "too many lines wait for their answer"))
+        if stands is not None or len(self._sent) >= MOST_WAITING:
+            self._report(line, stands or Reason("busy", "too many lines wait for their answer"))
             return
-        self._said.append(_Said(line, self._ctx.ask("say", LineCommand(line=line), SAY_S)))
+        self._sent.append(_SentLine(line, self._ctx.ask("say", LineCommand(line=line), SAY_S)))
 
     def step(self, results: list[GoalResult], stands: Reason | None) -> None:
         """Read answers, and renew what moves, unless there is a reason why nothing may."""
-        for one in [one for one in self._said if one.question.answers() is not None]:
-            self._said.remove(one)
-            self._hear(one, next(iter((one.question.answers() or {}).values()), None))
+        for sent in [sent for sent in self._sent if sent.question.answers() is not None]:
+            self._sent.remove(sent)
+            self._read_answer(sent, next(iter((sent.question.answers() or {}).values()), None))
         ended = self._holder.step(results, stands)
         if ended is not None and not self._holder.good:
-            self._tell(self._line, ended)
+            self._report(self._line, ended)
 
     def halt(self, why: str) -> None:
-        """Have what a line moves stand."""
+        """Stop the motion of a line."""
         self._holder.release(why)
 
-    def _hear(self, said: _Said, answer: object) -> None:
+    def _read_answer(self, sent: _SentLine, answer: object) -> None:
         if not isinstance(answer, ConsoleResult):
-            self._tell(said.line, Reason("unreachable", "it was not answered: is `say` wired to executive.line?"))
+            self._report(sent.line, Reason("unreachable", "it was not answered: is `say` wired to executive.line?"))
         elif answer.code != 0:
-            self._tell(said.line, heard(answer.reason_code, answer.text))
+            self._report(sent.line, heard(answer.reason_code, answer.text))
         elif answer.hold is not None:
-            self._hold(said.line, answer.hold)
+            self._hold(sent.line, answer.hold)
 
     def _hold(self, line: str, hold: Hold) -> None:
         capability, command = hold.key.split("/")[-2:]
         motion, halt, kind = COMMANDS.get(command, ("", "", ""))
         if capability not in (self._ctx.targets(motion) if motion else ()):
-            self._tell(line, Reason("not_possible", f"what {capability}/{command} moves cannot be held by a gamepad"))
+            self._report(line, Reason("not_possible", f"what {capability}/{command} moves cannot be held by a gamepad"))
             return
         if not self._key.startswith(hold.key.rpartition("/")[0]):
             self.halt("another line moves something else")
@@ -86,5 +86,5 @@ class Lines:
         payload = {name: value for name, value in hold.payload.items() if name != "lease"}
         self._holder.begin(target, payload, given=given)
 
-    def _tell(self, line: str, why: Reason) -> None:
+    def _report(self, line: str, why: Reason) -> None:
         self._ctx.event("teleop_line", f"'{line}': {why}", level="warning", code=why.code)

@@ -55,9 +55,9 @@ class Glance:
     def _show(self, call: Call, looked: "Future[Sketch]") -> None:
         self._looking = None
         try:
-            found = looked.result()
-            path = picture_files.save_now(self._ctx.home, self._ctx.name, found.picture)
+            drawing = looked.result()
+            path = picture_files.save_now(self._ctx.home, self._ctx.name, drawing.picture)
         except InputError as err:
             call.reply(SnapshotReply(accepted=False, reason=str(err), code=err.code))
         else:
-            call.reply(SnapshotReply(accepted=True, reason=f"{found.text}; saved as {path}", path=str(path)))
+            call.reply(SnapshotReply(accepted=True, reason=f"{drawing.text}; saved as {path}", path=str(path)))

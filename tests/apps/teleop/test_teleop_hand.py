@@ -29,7 +29,7 @@ def held(*states, settings=SETTINGS):
     """Return a hand that has heard these states, the last one now."""
     hand = Hand(settings)
     for state in states:
-        hand.hear(state, NOW)
+        hand.receive(state, NOW)
     return hand
 
 
@@ -39,7 +39,7 @@ READY = (pad(), pad("tl"))
 def test_it_drives_while_the_dead_man_button_is_held_and_stands_once_it_is_let_go():
     hand = held(*READY, pad("tl", left_y=1.0))
     assert moves(hand) == (Twist(vx_mps=0.5), "done")
-    hand.hear(pad(left_y=1.0), NOW)
+    hand.receive(pad(left_y=1.0), NOW)
     assert moves(hand) == (REST, "idle")
 
 
@@ -68,8 +68,8 @@ def test_a_base_that_can_goes_sideways_and_the_other_stick_turns_it():
 def test_a_stick_that_is_pushed_before_the_dead_man_button_goes_to_its_centre_first():
     hand = held(pad(left_y=1.0), pad("tl", left_y=1.0))
     assert moves(hand) == (REST, "rest_first")
-    hand.hear(pad("tl"), NOW)
-    hand.hear(pad("tl", left_y=1.0), NOW)
+    hand.receive(pad("tl"), NOW)
+    hand.receive(pad("tl", left_y=1.0), NOW)
     assert moves(hand)[0].vx_mps == 0.5
 
 
@@ -77,7 +77,7 @@ def test_a_dead_man_button_that_is_held_while_it_starts_is_pressed_anew():
     hand = held(pad("tl"), pad("tl", left_y=1.0))
     assert moves(hand) == (REST, "rest_first")
     for state in (*READY, pad("tl", left_y=1.0)):
-        hand.hear(state, NOW)
+        hand.receive(state, NOW)
     assert moves(hand)[0].vx_mps == 0.5
 
 
@@ -87,17 +87,17 @@ def test_after_a_loss_nothing_moves_before_the_dead_man_button_is_pressed_anew(g
     if gone is None:
         assert moves(hand, NOW + SETTINGS.stale_s + 0.01) == (REST, "stale_sensor")
     else:
-        hand.hear(gone, NOW)
+        hand.receive(gone, NOW)
         assert moves(hand) == (REST, "unreachable")
-    hand.hear(pad("tl"), NOW)
-    hand.hear(pad("tl", left_y=1.0), NOW)
+    hand.receive(pad("tl"), NOW)
+    hand.receive(pad("tl", left_y=1.0), NOW)
     assert moves(hand) == (REST, "rest_first")
 
 
 def test_a_gamepad_on_which_nothing_is_held_is_heard_of_more_seldom_and_a_press_on_it_counts():
     hand = held(pad())
     assert moves(hand, NOW + 0.6) == (REST, "idle")
-    assert hand.hear(pad("b"), NOW + 0.6) == ("b",)
+    assert hand.receive(pad("b"), NOW + 0.6) == ("b",)
     assert moves(held(pad()), NOW + 2.1) == (REST, "stale_sensor")
 
 
@@ -120,28 +120,28 @@ def test_an_axis_that_says_what_is_no_number_is_rest(axis, value):
 )
 def test_a_pad_by_radio_that_says_nothing_for_long_stands_until_it_speaks(link, wireless, stands):
     hand = held(*READY, settings=msgspec.structs.replace(SETTINGS, wireless=wireless))
-    hand.hear(pad("tl", left_y=1.0, link=link, silent_s=1.9), NOW)
+    hand.receive(pad("tl", left_y=1.0, link=link, silent_s=1.9), NOW)
     assert moves(hand)[0].vx_mps == 0.5
-    hand.hear(pad("tl", left_y=1.0, link=link, silent_s=2.1), NOW)
+    hand.receive(pad("tl", left_y=1.0, link=link, silent_s=2.1), NOW)
     assert (moves(hand) == (REST, "stale_sensor")) == stands
-    hand.hear(pad("tl", left_y=1.0, link=link, silent_s=0.0), NOW)
+    hand.receive(pad("tl", left_y=1.0, link=link, silent_s=0.0), NOW)
     assert moves(hand)[0].vx_mps == 0.5
 
 
 def test_a_button_that_stops_has_the_dead_man_button_pressed_anew():
     hand = held(*READY, pad("tl", left_y=1.0), pad("tl", "b", left_y=1.0))
     assert moves(hand) == (REST, "stopped")
-    hand.hear(pad("tl", left_y=1.0), NOW)
+    hand.receive(pad("tl", left_y=1.0), NOW)
     assert moves(hand) == (REST, "rest_first")
 
 
 def test_presses_are_told_once_and_what_is_held_when_a_pad_comes_is_none():
     hand = Hand(SETTINGS)
-    assert hand.hear(pad("b"), NOW) == ()
-    assert hand.hear(pad("b", "y"), NOW) == ("y",)
-    assert hand.hear(pad("b", "y"), NOW) == ()
-    assert hand.hear(nothing, NOW) == ()
-    assert hand.hear(pad("y"), NOW) == ()
+    assert hand.receive(pad("b"), NOW) == ()
+    assert hand.receive(pad("b", "y"), NOW) == ("y",)
+    assert hand.receive(pad("b", "y"), NOW) == ()
+    assert hand.receive(nothing, NOW) == ()
+    assert hand.receive(pad("y"), NOW) == ()
 
 
 def test_stops_are_asked_before_lines():
@@ -190,7 +190,7 @@ def test_whatever_a_hand_does_it_moves_only_by_a_button_that_was_pressed_anew_an
     hand, now, phase = Hand(SETTINGS), 0.0, "lost"
     for state, wait_s in told:
         now += wait_s
-        hand.hear(state, now)
+        hand.receive(state, now)
         if not state.connected:
             phase = "lost"
         elif "tl" not in state.pressed:

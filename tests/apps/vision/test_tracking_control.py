@@ -81,7 +81,7 @@ def test_a_line_remembers_where_it_was_and_how_far_it_went():
 
 def test_nobody_knows_where_a_head_looks_that_was_never_measured_nor_told():
     gaze = Gaze()
-    gaze.hear(JointState(id=23), JointState(id=24, position_rad=0.1), 1.0)
+    gaze.add(JointState(id=23), JointState(id=24, position_rad=0.1), 1.0)
     assert gaze.at(1.0) is None
 
 
@@ -115,7 +115,7 @@ class Watching:
                     JointState(id=n, position_rad=measured[n] if self.trusted else None, goal_rad=goal[n], age_s=0.0)
                     for n in (0, 1)
                 ]
-                self.gaze.hear(*states, at)
+                self.gaze.add(*states, at)
             while self.pictures and self.pictures[0][0] + self.late_s <= now:
                 at, seen = self.pictures.pop(0)
                 pose = self.gaze.at(at + self.wrong_s)

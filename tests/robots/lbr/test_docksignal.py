@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from lbr import home
-from lbr.apps.docksignal.__main__ import heard
+from lbr.apps.docksignal.__main__ import signal
 from lbr.bus import codec, session, wire
 from lbr.errors import InputError
 from lbr.messages.dock import DockHeard
@@ -24,13 +24,13 @@ from tests.support.robot import environment
     ],
 )
 def test_beams_are_named(words, expected):
-    assert heard(words) == expected
+    assert signal(words) == expected
 
 
 @pytest.mark.parametrize("words", [[], ["front"], ["left", ""]])
 def test_anything_else_is_refused_with_what_is_allowed(words):
     with pytest.raises(InputError, match="left, right or power"):
-        heard(words)
+        signal(words)
 
 
 def program(place, *words: str) -> "subprocess.Popen[str]":

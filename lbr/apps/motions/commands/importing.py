@@ -114,15 +114,15 @@ def _robot(rows: Database, robot: str | None, given: Sequence[Given]) -> str:
     return fitting[0]
 
 
-def _fits(given: Given, here: Here, rows: RobotRows) -> bool:
+def _fits(given: Given, present: Here, rows: RobotRows) -> bool:
     if isinstance(given.motions, MotionFile):
         named = {name for frame in given.motions.motion.frames for name in frame.positions}
-        if any(row["name"] == given.motions.robot for row in here.tables["robot"]):
-            return given.motions.robot == here.robot
+        if any(row["name"] == given.motions.robot for row in present.tables["robot"]):
+            return given.motions.robot == present.robot
         return named <= {row.name for row in rows.of(Joint)} != set()
     if given.motions is not None:
         return given.motions.fits(rows)
-    return given.old is not None and given.old.fits(here)
+    return given.data is not None and given.data.fits(present)
 
 
 def _planned(
@@ -136,7 +136,7 @@ def _planned(
 ) -> Imported:
     """Return what all files together would write; InputError names what of a person's is in the way."""
     tables, _ = rows.tables()
-    here = wanted_rows.Here(tables, robot)
+    present = wanted_rows.Here(tables, robot)
     wants: list[Want] = []
     motions: list[Motion] = []
     notes: list[Note] = []
@@ -148,21 +148,21 @@ def _planned(
                 some, more = file.motions.motions(of_robot)
                 motions += some
                 notes += more
-            elif file.old is not None:
-                wanted, why = file.old.wants(here, choice)
+            elif file.data is not None:
+                wanted, why = file.data.wants(present, choice)
                 wants += wanted
                 notes += why
         except InputError as err:
             raise InputError(f"{file.path}: {err}") from err
     first, _ = shipped()
     imported = (
-        wanted_rows.take(wants, here, first, replacing=replacing),
+        wanted_rows.take(wants, present, first, replacing=replacing),
         wanted_rows.take_motions(motions, of_robot, first, replacing=replacing),
     )
-    if kept := [text for part in imported for text in part.kept]:
-        more_of = f", and {len(kept) - 10} more" if len(kept) > 10 else ""
+    if conflicts := [text for part in imported for text in part.conflicts]:
+        more_of = f", and {len(conflicts) - 10} more" if len(conflicts) > 10 else ""
         raise InputError(
-            f"what a person has set would be written over: {'; '.join(kept[:10])}{more_of}. Nothing is written; "
+            f"what a person has set would be written over: {'; '.join(conflicts[:10])}{more_of}. Nothing is written; "
             "--replace takes what the file says"
         )
     return wanted_rows.Imported(

@@ -28,7 +28,7 @@ class Given(NamedTuple):
     path: Path
     format: str
     motions: MakersMotion | MotionFile | None = None
-    old: OldData | None = None
+    data: OldData | None = None
     why: str = ""
 
 
@@ -42,7 +42,7 @@ def formats() -> dict[str, str]:
 def understood(path: Path, wanted: str | None = None) -> Given:
     """Return what is in a file; InputError says what is wrong with one of a known format, or of the wanted one."""
     content = given_files.read(path, LARGEST_BYTES)
-    makers, old = registry.motion_formats(), registry.old_formats()
+    makers, old_formats = registry.motion_formats(), registry.old_formats()
     if wanted is not None and wanted not in formats():
         raise InputError(f"there is no format '{wanted}': {', '.join(formats())}", "unknown_name")
     try:
@@ -54,9 +54,9 @@ def understood(path: Path, wanted: str | None = None) -> Given:
         source = _source(path, content)
         if wanted == OWN or (isinstance(source.json, dict) and source.json.get("format") == "lbr-motion"):
             return Given(path, OWN, motion_files.read(content))
-        for name in [wanted] if wanted is not None else old:
-            if (data := _function(old[name].read)(source)) is not None:
-                return Given(path, name, old=data)
+        for name in [wanted] if wanted is not None else old_formats:
+            if (data := _function(old_formats[name].read)(source)) is not None:
+                return Given(path, name, data=data)
         why = _unknown(source, wanted)
     except InputError as err:
         raise InputError(f"{path}: {err}") from err

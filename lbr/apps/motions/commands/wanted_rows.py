@@ -42,7 +42,7 @@ class Imported(Struct, frozen=True, kw_only=True):
 
     rows: tuple[Row, ...] = ()
     notes: tuple[Note, ...] = ()
-    kept: tuple[str, ...] = ()
+    conflicts: tuple[str, ...] = ()
 
 
 def without(imported: Imported, robot: str, problems: Iterable[Problem]) -> Imported:
@@ -56,7 +56,7 @@ def without(imported: Imported, robot: str, problems: Iterable[Problem]) -> Impo
     notes = [note for note in imported.notes if (note.table, note.row) not in refused]
     notes += [Note("no_place", *whole, problem.column, _without_advice(problem)) for whole, problem in refused.items()]
     rows = tuple(row for row in imported.rows if _whole(row) not in refused)
-    return Imported(rows=rows, notes=tuple(notes), kept=imported.kept)
+    return Imported(rows=rows, notes=tuple(notes), conflicts=imported.conflicts)
 
 
 def _without_advice(problem: Problem) -> str:
@@ -95,7 +95,7 @@ class _Taking:
         self._states: dict[tuple[str, str], _State] = {}
         self._wanted: dict[tuple[str, str, str], Any] = {}
         self._notes: list[Note] = []
-        self._kept: list[str] = []
+        self._conflicts: list[str] = []
 
     def add(self, want: Want) -> None:
         """Apply a want, and note what became of it."""
@@ -128,7 +128,7 @@ class _Taking:
             except (WrongError, msgspec.ValidationError) as err:
                 self._notes = [one for one in self._notes if (one.table, one.row) != (table, row_name)]
                 self._notes.append(Note("no_place", table, row_name, "", _plain(str(err))))
-        return Imported(rows=tuple(rows), notes=tuple(self._notes), kept=tuple(self._kept))
+        return Imported(rows=tuple(rows), notes=tuple(self._notes), conflicts=tuple(self._conflicts))
 
     def _state(self, want: Want, key: tuple[Any, ...]) -> _State:
         if (want.table, _row_name(key)) not in self._states:
@@ -147,16 +147,20 @@ class _Taking:
                 self._notes.append(Note("no_place", *place, text))
             return False
         self._wanted[place] = value
-        old = _get(state.after, column)
-        if state.before is not None and old == value:
+        present = _get(state.after, column)
+        if state.before is not None and present == value:
             self._notes.append(Note("same", want.table, row_name, column, want.source))
             return False
-        if state.before is not None and not self._replacing and old != _get(state.shipped or {}, column):
-            self._kept.append(f"{want.table} '{row_name}', {column} is {shown(old)} here, and {shown(value)} there")
+        if state.before is not None and not self._replacing and present != _get(state.shipped or {}, column):
+            self._conflicts.append(
+                f"{want.table} '{row_name}', {column} is {shown(present)} here, and {shown(value)} there"
+            )
             return False
         _set(state.after, column.split("."), value)
         if state.before is not None:
-            text = f"{want.source}: {'nothing' if old is None or old == '' else shown(old)} -> {shown(value)}"
+            text = (
+                f"{want.source}: {'nothing' if present is None or present == '' else shown(present)} -> {shown(value)}"
+            )
             self._notes.append(Note("changed", want.table, row_name, column, text))
         return True
 
@@ -170,7 +174,7 @@ def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables,
     joints = rows.of(Joint)
     written: list[Row] = []
     notes: list[Note] = []
-    kept: list[str] = []
+    conflicts: list[str] = []
     for asked in motions:
         motion, _ = motion_files.within_limits(replace(asked, builtin=False), joints, clip=True)
         motion_files.summary(motion, joints)
@@ -180,12 +184,12 @@ def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables,
             notes.append(Note("same", "motion", motion.name, "", "its key frames are there"))
             continue
         if before is not None and not replacing and before not in as_shipped:
-            kept.append(f"motion '{motion.name}' is there already")
+            conflicts.append(f"motion '{motion.name}' is there already")
         count = len(motion.frames)
         text = f"{count} key frame{'s' if count != 1 else ''}, {sum(frame.duration_s for frame in motion.frames):.2f} s"
         notes.append(Note("changed" if before is not None else "added", "motion", motion.name, "", text))
         written += motion.rows
-    return Imported(rows=tuple(written), notes=tuple(notes), kept=tuple(kept))
+    return Imported(rows=tuple(written), notes=tuple(notes), conflicts=tuple(conflicts))
 
 
 def _row_name(key: Iterable[Any]) -> str:

@@ -67,11 +67,11 @@ def revoke(name: str) -> int:
 @json_option
 def list_tokens(as_json: bool) -> int:
     """List whose tokens there are; the tokens themselves are nowhere."""
-    found = Guests().names()
+    tokens_since = Guests().names()
     if as_json:
-        print_json([{"name": name, "since": since} for name, since in found.items()])
+        print_json([{"name": name, "since": since} for name, since in tokens_since.items()])
         return 0
-    for name, since in found.items():
+    for name, since in tokens_since.items():
         click.echo(f"{name}  since {since}")
     return 0
 
@@ -84,20 +84,20 @@ def list_tokens(as_json: bool) -> int:
 @json_option
 def list_robots(url: str, token_file: Path | None, as_json: bool) -> int:
     """List the robots that the service at URL knows, such as https://HOST:9147, those that are up first."""
-    said = asking.ask(url, _token(token_file), "GET")
+    answer = asking.ask(url, _token(token_file), "GET")
     try:
-        found = msgspec.json.decode(said, type=tuple[Listed, ...])
+        robots = msgspec.json.decode(answer, type=tuple[Listed, ...])
     except UNREADABLE as err:
         raise InputError(f"{url} does not answer as a registry does ({err})", "malformed") from err
     if as_json:
-        print_json(found)
+        print_json(robots)
         return 0
-    if not found:
+    if not robots:
         click.echo("no robot has registered there")
-    for one in found:
-        ways = ", ".join((*one.urls, *one.endpoints)) or "no way in from other machines"
-        state = "up" if one.up else f"gone for {one.seen_s:.0f} s"
-        click.echo(_printable(f"{one.name}  {one.robot}  {state}  {ways}  (from {one.address})"))
+    for robot in robots:
+        ways = ", ".join((*robot.urls, *robot.endpoints)) or "no way in from other machines"
+        state = "up" if robot.up else f"gone for {robot.seen_s:.0f} s"
+        click.echo(_printable(f"{robot.name}  {robot.robot}  {state}  {ways}  (from {robot.address})"))
     return 0
 
 

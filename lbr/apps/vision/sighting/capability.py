@@ -60,12 +60,12 @@ class Sighting(Capability[SightingSettings]):
             super().command(call)
             return
         try:
-            said = self._asked(call.message)
+            answer = self._asked(call.message)
         except InputError as err:
             call.refuse(str(err), err.code)
             return
         self._tell()
-        call.reply(CommandReply(accepted=True, reason=said))
+        call.reply(CommandReply(accepted=True, reason=answer))
 
     def close(self) -> None:
         """Look no longer."""
@@ -139,16 +139,16 @@ class Sighting(Capability[SightingSettings]):
 
 
 def where(seen: Seen, settings: SightingSettings) -> dict[str, float | None]:
-    """Return where something is and how wide it appears, as the state has it."""
+    """Return the direction, apparent width and distance of a target, as fields of the state."""
     field_rad = radians(settings.field_deg)
     camera = Angles(radians(settings.yaw_deg), radians(settings.pitch_deg))
-    found = direction(camera, seen, field_rad)
+    centre = direction(camera, seen, field_rad)
     aside = direction(Angles(0.0, 0.0), seen, field_rad)
     off_axis = cos(aside.yaw_rad) * cos(aside.pitch_rad)
     half_rad = atan(tan(radius_rad(seen, field_rad)) * off_axis**2)  # away from the middle things are drawn out
     diameter_m = settings.diameter_m if half_rad > LEAST_WIDE_RAD else None
     return {
-        "bearing_deg": round(-degrees(remainder(found.yaw_rad, 2.0 * pi)), 1),
+        "bearing_deg": round(-degrees(remainder(centre.yaw_rad, 2.0 * pi)), 1),
         "wide_deg": round(2.0 * degrees(half_rad), 2),
         "distance_m": round(diameter_m / 2.0 / sin(half_rad), 3) if diameter_m is not None else None,
     }

@@ -145,7 +145,7 @@ class Tracking(Capability[TrackingSettings]):
         settings, state = self.ctx.settings, received.message
         assert isinstance(state, JointsState)
         yaw, pitch = (state.joints.get(name) for name in (settings.yaw_joint, settings.pitch_joint))
-        gaze.hear(yaw, pitch, received.arrived)
+        gaze.add(yaw, pitch, received.arrived)
 
     def _see(self, following: _Following, look: Look, now: float) -> None:
         if look.seen is not None and following.looking.counts(look, now):

@@ -15,7 +15,7 @@ KEPT_S = 3.0
 SLACK_S = 0.1
 """So much the time of a picture and that of a measurement may be apart although they are said to be the same."""
 LAG_S = 0.3
-"""So much a joint may be behind what it is told."""
+"""So much a joint may lag behind its goal."""
 CURRENT_S = 0.5
 """A measurement from longer before a picture does not count for it."""
 SETTLED_S = 0.6
@@ -33,7 +33,7 @@ class Line:
 
     @property
     def newest_s(self) -> float:
-        """Return when it was told last; minus infinity before the first."""
+        """Return the time of the last value; minus infinity before the first."""
         return self._times[-1] if self._times else -inf
 
     def add(self, at_s: float, value: float) -> None:
@@ -73,37 +73,37 @@ class _Where(NamedTuple):
 
 
 class JointPast:
-    """The late reports of one joint: where it was measured, and where it was told to be."""
+    """The late reports of one joint: its measured positions and its goals."""
 
     def __init__(self) -> None:
-        self._measured, self._told = Line(), Line()
+        self._measured, self._goals = Line(), Line()
         self._beside_rad = 0.0
 
-    def hear(self, state: JointState, sent_s: float) -> None:
-        """Take in what was sent then."""
+    def add(self, state: JointState, sent_s: float) -> None:
+        """Add a state of the joint."""
         if state.position_rad is not None:
             self._measured.add(sent_s - (state.age_s or 0.0), state.position_rad)
         if state.goal_rad is not None:
-            self._told.add(sent_s, state.goal_rad)
+            self._goals.add(sent_s, state.goal_rad)
 
     def at(self, taken_s: float) -> _Where | None:
         """Return where it was; None if unknown."""
-        told, measured = self._told, self._measured
+        goals, measured = self._goals, self._measured
         if taken_s - measured.newest_s < CURRENT_S:
             unsure = measured.spread(taken_s - SLACK_S, taken_s + SLACK_S)
             if measured.newest_s < taken_s + SLACK_S:
-                unsure += told.spread(measured.newest_s - SLACK_S, taken_s + SLACK_S)
+                unsure += goals.spread(measured.newest_s - SLACK_S, taken_s + SLACK_S)
             self._rest(taken_s, unsure)
             return _Where(measured.at(taken_s), unsure, self._beside_rad)
-        if told.newest_s == -inf:
+        if goals.newest_s == -inf:
             return None
-        return _Where(told.at(taken_s), told.spread(taken_s - LAG_S, taken_s + SLACK_S), 0.0)
+        return _Where(goals.at(taken_s), goals.spread(taken_s - LAG_S, taken_s + SLACK_S), 0.0)
 
     def _rest(self, taken_s: float, unsure_rad: float) -> None:
         """Learn how far beside its goal the joint comes to rest, such as by the weight of the head."""
-        told = self._told.spread(taken_s - SETTLED_S, taken_s + SLACK_S)
-        if unsure_rad < REST_RAD and told < REST_RAD and self._told.newest_s > -inf:
-            beside = self._measured.at(taken_s) - self._told.at(taken_s)
+        spread_rad = self._goals.spread(taken_s - SETTLED_S, taken_s + SLACK_S)
+        if unsure_rad < REST_RAD and spread_rad < REST_RAD and self._goals.newest_s > -inf:
+            beside = self._measured.at(taken_s) - self._goals.at(taken_s)
             self._beside_rad = min(max(beside, -MOST_BESIDE_RAD), MOST_BESIDE_RAD)
 
 
@@ -113,11 +113,11 @@ class Gaze:
     def __init__(self) -> None:
         self._yaw, self._pitch = JointPast(), JointPast()
 
-    def hear(self, yaw: JointState | None, pitch: JointState | None, sent_s: float) -> None:
-        """Take in what was told of them then."""
+    def add(self, yaw: JointState | None, pitch: JointState | None, sent_s: float) -> None:
+        """Add states of both joints."""
         for past, state in ((self._yaw, yaw), (self._pitch, pitch)):
             if state is not None:
-                past.hear(state, sent_s)
+                past.add(state, sent_s)
 
     def at(self, taken_s: float) -> Pose | None:
         """Return how the head stood; None if unknown."""
