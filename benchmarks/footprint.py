@@ -2,7 +2,7 @@
 
 `python -m benchmarks footprint --seconds 20 --profile bioloid-sim`. Private memory (USS) stands beside as many processes that have a zenoh
 session and nothing else. The world and what draws its pictures are listed and left out of the sum: a real robot has
-none. The cameras are switched off first, unless `--cameras`. Wake-ups are how often a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
+none. The cameras are switched off first, unless `--cameras`. A humanoid stands with `--say /torque/on --settle 5`. Wake-ups are how often a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
 """
 
 import argparse
@@ -53,6 +53,8 @@ def options(parser: argparse.ArgumentParser) -> None:
     """Add how long, and of what."""
     parser.add_argument("--seconds", type=float, default=20.0, help="how long it is idle (default %(default)s)")
     parser.add_argument("--profile", default="lbr-sim", help="which robot (default %(default)s)")
+    parser.add_argument("--say", action="append", default=[], help="a line said to it first, such as /torque/on")
+    parser.add_argument("--settle", type=float, default=2.0, help="seconds until it is at rest (default %(default)s)")
     parser.add_argument("--apart", action="store_true", help="give each capability a process of its own")
     parser.add_argument("--cameras", action="store_true", help="leave the cameras as they come")
 
@@ -70,7 +72,9 @@ def measure(given: argparse.Namespace) -> Measured:
         try:
             if not given.cameras:
                 robot.line("/camera/off")
-            costs = _costs(robot, given.seconds)
+            for line in given.say:
+                robot.line(line)
+            costs = _costs(robot, given.seconds, given.settle)
         finally:
             let_go(robot)
     with _bare(len(costs)) as bare:
@@ -86,9 +90,9 @@ def _apart(database: Path) -> None:
         rows.execute("UPDATE capability SET process = ''")
 
 
-def _costs(robot: Robot, seconds: float) -> dict[str, Cost]:
+def _costs(robot: Robot, seconds: float, settle_s: float) -> dict[str, Cost]:
     """Return what each process costs while nothing is asked of it."""
-    Bench.pass_time(2.0)
+    Bench.pass_time(settle_s)
     names = _names(robot)
     before = {pid: (_cpu_s(psutil.Process(pid)), _woken(pid)) for pid in names}
     began = time.monotonic()

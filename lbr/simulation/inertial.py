@@ -31,6 +31,10 @@ class InertialUnit:
         else:
             self._true += (data.sensordata[:9] - self._true) * _SMOOTHING
 
+    def settle(self, data: Any) -> None:
+        """Take in that the physics stands."""
+        self._true = np.array(data.sensordata[:9])
+
     def read(self, step: int) -> ImuReading:
         """Return what it measures at a step."""
         true = np.zeros(9) if self._true is None else self._true.copy()

@@ -1,7 +1,9 @@
 """The capability `humanoid_world`: a body on a floor, and an emulated twin for each device row that has one."""
 
 from functools import partial
-from math import degrees
+from math import degrees, inf
+
+from msgspec.structs import replace
 
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
@@ -21,6 +23,9 @@ from lbr.simulation.requests import (
 )
 from lbr.simulation.world import SimulatedWorld
 
+SAME_POSE_S = 0.5
+"""The pace of reports of a robot that does not move."""
+
 
 class HumanoidWorld(SimulatedWorld[HumanoidWorldSettings]):
     """A body on a floor; tells the bus how it stands."""
@@ -30,19 +35,23 @@ class HumanoidWorld(SimulatedWorld[HumanoidWorldSettings]):
         self._engine: HumanoidEngine | None = None
         self._physics: HumanoidPhysics | None = None
         self._was: HumanoidPose | None = None
+        self._still: HumanoidPose | None = None
+        self._posed_at = -inf
 
     def open(self) -> None:
         """Put the body where it begins, plug the twins in and let time run."""
-        self._was = None
+        self._was = self._still = None
         engine = self._engine = HumanoidEngine(self.ctx.settings, self.ctx.rows(Joint), self.ctx.home)
         self._physics = self.begin(engine, partial(HumanoidPhysics, engine), mounts=engine.body.cameras)
 
     def tell_pose(self, now: float) -> None:
-        """Publish how it stands, and say what a bystander would."""
-        del now
+        """Publish how it stands, less often while nothing moves, and say what a bystander would."""
         physics, _ = self._running()
         pose = physics.pose
-        self.ctx.publish("pose", pose)
+        still = replace(pose, supply_v=0.0, time_s=0.0)  # these two never stand still
+        if still != self._still or now - self._posed_at >= SAME_POSE_S:
+            self._still, self._posed_at = still, now
+            self.ctx.publish("pose", pose)
         self._tell(pose)
 
     def command(self, call: Call) -> None:

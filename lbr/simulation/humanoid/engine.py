@@ -16,6 +16,7 @@ from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, heading_rad, l
 from lbr.simulation.humanoid.grip import Grip
 from lbr.simulation.humanoid.servos import Floats, Servo, Servos
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
+from lbr.simulation.humanoid.stillness import Stillness
 from lbr.simulation.inertial import InertialUnit
 from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
 from lbr.simulation.messages import HumanoidPose
@@ -51,6 +52,7 @@ class HumanoidEngine:
         self._imu = InertialUnit(settings.imu, settings.seed)
         self._owed_s = self._driven_s = 0.0
         self._steps = 0
+        self._stillness = Stillness(self._data.qpos)
         self._floor = self._model.geom(FLOOR).id
         mujoco.mj_kinematics(self._model, self._data)
         self._tall_m = float(self._data.xpos[self.body.trunk, 2])
@@ -71,6 +73,11 @@ class HumanoidEngine:
         """Say whether a hand or a stand holds it."""
         return bool(self._data.eq_active[0])
 
+    @property
+    def resting(self) -> bool:
+        """Say whether nothing moves, nor is about to: then time passes without the physics."""
+        return self._stillness.rests(self.battery.voltage_v) and self.grip.still
+
     def put(self, angles: Sequence[float], foot: str = "") -> None:
         """Put it on the floor with its joints there, at rest and in no hand: upright, or with a foot flat on the
         floor."""
@@ -86,6 +93,7 @@ class HumanoidEngine:
         data.eq_active[0] = False
         mujoco.mj_forward(self._model, data)
         self._imu.follow(data)
+        self._stillness.end()
 
     def turn(self, roll_rad: float, pitch_rad: float, yaw_rad: float, above_m: float) -> None:
         """Turn it as it is, so that its lowest part is so far above the floor."""
@@ -96,10 +104,12 @@ class HumanoidEngine:
         data.qpos[2] += above_m - self._lowest_m()
         mujoco.mj_forward(self._model, data)
         self._imu.follow(data)
+        self._stillness.end()
 
     def push(self, ahead_mps: float, left_mps: float) -> None:
         """Have something knock against the trunk, so that all of it goes so much faster."""
         self._data.qvel[:2] += (ahead_mps, left_mps)
+        self._stillness.end()
 
     def pick_up(self) -> None:
         """Put it as it began where it is and as it looks: limp joints at zero, or as it rests.
@@ -125,15 +135,28 @@ class HumanoidEngine:
         self.balls.apply(data)
         mujoco.mj_forward(self._model, data)
         self._imu.follow(data)
+        self._stillness.end()
 
     def step(self, drives: Mapping[Servo, ServoDrive], dt_s: float) -> None:
         """Run the world for `dt_s` with the servos driven like this."""
         if self._servos.follow(drives):
             self._model.dof_damping[self.body.speeds] = self._servos.damping_nms
+            self._stillness.end()
         self._owed_s += dt_s
+        if self.resting:
+            self._pass_time()
         while self._owed_s >= TIMESTEP_S - 1e-9:
             self._owed_s -= TIMESTEP_S
             self._step_once()
+
+    def driven(self, drives: Mapping[Servo, ServoDrive]) -> bool:
+        """Say whether the servos are driven like this already."""
+        return self._servos.driven(drives)
+
+    def rest(self, dt_s: float) -> None:
+        """Let time pass that it stood: it is that before an order which has just come."""
+        self._owed_s += dt_s
+        self._pass_time()
 
     def felt(self) -> dict[Servo, ServoFelt]:
         """Return what the servos measure now."""
@@ -178,6 +201,17 @@ class HumanoidEngine:
     def _joints(self) -> tuple[Floats, Floats]:
         return self._data.qpos[self.body.positions], self._data.qvel[self.body.speeds]
 
+    def _pass_time(self) -> None:
+        """Pass the time that is owed without a step: the battery, the balls and what noise there is go on."""
+        steps = int(self._owed_s / TIMESTEP_S + 1e-6)
+        self._owed_s -= steps * TIMESTEP_S
+        self._steps += steps
+        self._data.time += steps * TIMESTEP_S
+        self.battery.draw(self._servos.amps(), steps * TIMESTEP_S)
+        if not self.balls.still:
+            self.balls.apply(self._data)
+            mujoco.mj_kinematics(self._model, self._data)
+
     def _step_once(self) -> None:
         position, speed = self._joints()
         torque = self._servos.torques(position, speed, self.battery.voltage_v, TIMESTEP_S)
@@ -191,6 +225,24 @@ class HumanoidEngine:
             self.balls.apply(self._data)
             if self.held and not self.settings.stand:
                 self._hold()
+            if self._stillness.look(self._data.qpos, self.time_s, self.battery.voltage_v, about_to=self._about_to):
+                self._stand_still()
+
+    @property
+    def _about_to(self) -> bool:
+        """Say whether servos are on their way, or the hand may open soon."""
+        return self._servos.on_their_way or (self.held and not self.settings.stand and not self._servos.limp.any())
+
+    def _stand_still(self) -> None:
+        """Take out what is left of motion, which is that of the model's contacts, and of what an inertial unit feels of
+        it."""
+        data = self._data
+        data.qvel[:] = 0.0
+        mujoco.mj_forward(self._model, data)
+        data.qacc[:] = 0.0
+        mujoco.mj_rnePostConstraint(self._model, data)
+        mujoco.mj_sensorAcc(self._model, data)
+        self._imu.settle(data)
 
     def _hold(self) -> None:
         """Move the helper's hand so that the feet are on the floor, and open it when all is well."""

@@ -21,6 +21,12 @@ class Grip:
         self._names = list(names)
         self._free, self._nothing = np.full(len(names), np.nan), np.zeros(len(names))
         self._goal = self._at = self._free
+        self._followed = self._free
+
+    @property
+    def still(self) -> bool:
+        """Say whether nothing was asked of it that it has not begun."""
+        return self._goal is self._followed
 
     def take(self, request: HandRequest) -> str:
         """Move a joint, or leave all, and say so; raise InputError if there is no such joint."""
@@ -37,7 +43,7 @@ class Grip:
 
     def torques(self, position: Floats, speed: Floats, dt_s: float) -> Floats:
         """Return what the hand does to each joint; 0 where it is not."""
-        goal = self._goal
+        goal = self._followed = self._goal
         if goal is self._free:
             self._at = goal
             return self._nothing

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.humanoid.body import TIMESTEP_S
 from lbr.simulation.humanoid.engine import HumanoidEngine
-from lbr.simulation.humanoid.servos import servo
-from lbr.simulation.measured import ImuReading, Sensed, ServoFelt
+from lbr.simulation.humanoid.servos import Servo, servo
+from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
 from lbr.simulation.messages import HumanoidPose
 from lbr.simulation.twins import PowerSwitch, ServoBus, Twin
 
@@ -31,9 +31,7 @@ class HumanoidPhysics:
         if self.pick_up:
             self.pick_up = False
             self._engine.pick_up()
-        self._engine.step(
-            {servo(name, number): drive for name, bus in self._buses for number, drive in bus.drives(now).items()}, dt_s
-        )
+        self._engine.step(self._drives(now), dt_s)
         felt: dict[str, dict[int, ServoFelt]] = {name: {} for name, _ in self._buses}
         for one, measured in self._engine.felt().items():
             name, number = one if isinstance(one, tuple) else ("", one)
@@ -42,12 +40,13 @@ class HumanoidPhysics:
         for name, bus in self._buses:
             bus.feel_servos(felt[name], supply_v, now)
 
-    def resting(self, now: float) -> bool:  # noqa: ARG002
-        """Say that it does not: its servos hold it, and every step of that is physics."""
-        return False
+    def resting(self, now: float) -> bool:
+        """Say whether nothing moves, and the servos' registers want nothing else."""
+        return not self.pick_up and self._engine.resting and self._engine.driven(self._drives(now))
 
     def rest(self, dt_s: float) -> None:
-        """Nothing: it never rests."""
+        """Let time pass in which nothing has moved."""
+        self._engine.rest(dt_s)
 
     def imu(self) -> ImuReading:
         """Return what the inertial unit measures at the newest step."""
@@ -67,3 +66,7 @@ class HumanoidPhysics:
     def at_rest(self, now: float) -> bool:  # noqa: ARG002
         """Say so: a servo's motion ends with its bus."""
         return True
+
+    def _drives(self, now: float) -> dict[Servo, ServoDrive]:
+        """Return what the motor of each servo does."""
+        return {servo(name, number): drive for name, bus in self._buses for number, drive in bus.drives(now).items()}

@@ -17,6 +17,7 @@ _LIMP_NMS = 0.01
 """Damping of a motor without supply; one that is driven or shorted brakes by what it generates."""
 
 _ANY_SPEED_RPS = 1e6
+_THERE_RAD = 1e-6
 
 
 def servo(bus: str, number: int) -> Servo:
@@ -46,6 +47,15 @@ class Servos:
         self.limp = np.full(count, True)
         self.damping_nms = np.full(count, _LIMP_NMS)
         self.load = np.zeros(count)
+
+    @property
+    def on_their_way(self) -> bool:
+        """Say whether the target of any still goes to its goal."""
+        return bool((~self.limp & (np.abs(self._target - self._goal) > _THERE_RAD)).any())
+
+    def driven(self, drives: Mapping[Servo, ServoDrive]) -> bool:
+        """Return whether the registers are as they were at the last step."""
+        return drives == self._drives
 
     def follow(self, drives: Mapping[Servo, ServoDrive]) -> bool:
         """Take over what the registers say; say whether that is anything new."""
