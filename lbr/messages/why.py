@@ -58,8 +58,23 @@ class Link(Struct, frozen=True, kw_only=True):
     do: str = ""
 
 
+class Repair(Struct, frozen=True, kw_only=True):
+    """A part to mend: the reason, and what to do. `waits` names the parts that are not well because of it.
+
+    `device`: its device is away, and not its process.
+    """
+
+    part: str
+    text: str
+    do: str = ""
+    device: bool = False
+    waits: tuple[str, ...] = ()
+
+
 class Chain(Struct, frozen=True, kw_only=True):
     """Why a part stands still, in one sentence: that of the first link that holds it. `first` is its place in `links`.
+
+    Of the whole robot, `repairs` are the parts to mend, the one that holds the most first.
 
     `state` is that link's. `ok`: nothing holds it. `source` says what could be asked: the robot's bus, or its rows
     alone because nothing of it answers.
@@ -76,3 +91,4 @@ class Chain(Struct, frozen=True, kw_only=True):
     first: int | None = None
     source: Literal["bus", "rows"] = "bus"
     links: tuple[Link, ...] = ()
+    repairs: tuple[Repair, ...] = ()

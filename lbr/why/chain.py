@@ -11,6 +11,7 @@ from lbr.messages.why import Chain, Link, LinkName
 from lbr.names import did_you_mean
 from lbr.why import bodies
 from lbr.why.parts import enable
+from lbr.why.repairs import repairs
 from lbr.why.snapshot import ITSELF, Facts, Part, Saying, Snapshot
 from lbr.why.telling import ago
 from lbr.why.walk import Walk
@@ -37,9 +38,11 @@ def explain(now: Snapshot, part: str = "") -> Chain:
     since = _since(edits)
     source: Literal["bus", "rows"] = "bus" if now.executive == "up" else "rows"
     told = wanted or now.facts.robot
+    to_mend = () if wanted else repairs(now, explain)
     if first is None:
+        text = _well(links) + since
         return Chain(
-            robot=now.facts.robot, part=told, state="ok", text=_well(links) + since, source=source, links=links
+            robot=now.facts.robot, part=told, state="ok", text=text, source=source, links=links, repairs=to_mend
         )
     one = links[first]
     return Chain(
@@ -54,6 +57,7 @@ def explain(now: Snapshot, part: str = "") -> Chain:
         first=first,
         source=source,
         links=links,
+        repairs=to_mend,
     )
 
 
