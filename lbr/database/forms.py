@@ -54,6 +54,11 @@ def wanted(robot: str, forms: Sequence[RowChange], classes: Classes) -> Wanted:
     return lambda tables, schema: changes.between(tables, changed(tables, schema, robot, forms, classes), schema)
 
 
+def undoing(before: RawTables, after: RawTables, schema: Schema, classes: Classes) -> list[RowChange]:
+    """Return the forms that take a change back, of the columns that it changed alone."""
+    return [_form(of(one.table, schema, classes), one) for one in changes.between(after, before, schema)]
+
+
 def changed(tables: RawTables, schema: Schema, robot: str, forms: Sequence[RowChange], classes: Classes) -> RawTables:
     """Return the tables after some changes. InputError names the row in the way, with the reason."""
     after: dict[str, Sequence[RawRow]] = dict(tables)
@@ -74,6 +79,15 @@ def of(table: str, schema: Schema, classes: Classes) -> type[Row]:
     if table not in known:
         raise InputError(f"there is no table '{shown(table)}': {', '.join(known)}", "unknown_name")
     return classes[table]
+
+
+def _form(row: type[Row], change: changes.Change) -> RowChange:
+    was = None if change.before is None else json_row(row, change.before)
+    then = None if change.after is None else json_row(row, change.after)
+    if was is not None and then is not None:
+        names = [name for name in then if name in row.KEY or then[name] != was[name]]
+        was, then = {name: was[name] for name in names}, {name: then[name] for name in names}
+    return RowChange(table=row.TABLE, before=was, after=then)
 
 
 def _class_of(change: RowChange, schema: Schema, classes: Classes) -> type[Row]:

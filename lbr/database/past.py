@@ -68,6 +68,12 @@ def at(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow]) -> RawTa
     return {table: [rows[key] for key in sorted(rows)] for table, rows in found.items()}
 
 
+def around(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow], last: int) -> tuple[RawTables, RawTables]:
+    """Return the tables before and after the revisions up to `last`; `newer` are these and all since, oldest first."""
+    after = at(tables, schema, [revision for revision in newer if revision.id > last])
+    return at(after, schema, [revision for revision in newer if revision.id <= last]), after
+
+
 def of_revision(revision: RevisionRow) -> Difference:
     """Return one revision as people read it; a row that got another name was changed."""
     row = "/".join(map(shown, revision.row_key))

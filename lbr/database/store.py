@@ -285,6 +285,22 @@ class Database:
             with short_values(connection):
                 return past.at(tables, schema, history.revisions(connection, revision))
 
+    def around(self, revision: int, source: str) -> tuple[RawTables, RawTables, Schema]:
+        """Return the rows before and after the change that ended with a revision; InputError if that cannot be told.
+
+        It must have been made for `source`, by this program.
+        """
+        author = (history.storable(source)[: history.LONGEST], self.program)
+        with self.reading() as connection:
+            made = (one for one in history.makers(connection) if one.last_revision == revision)
+            change = next((one for one in made if (one.source, one.program) == author), None)
+            if change is None:
+                raise InputError(f"revision {revision} ends no change of '{source}'", "unknown_name")
+            tables, schema = read_tables(connection)
+            with short_values(connection):
+                newer = history.revisions(connection, change.first_revision - 1)
+            return *past.around(tables, schema, newer, revision), schema
+
     def tokens(self) -> tuple[TokenRow, ...]:
         """Return every token's row, revoked and expired ones too."""
         with self.reading() as connection:

@@ -95,8 +95,7 @@ def _take_back(connection: Connection, trial: Trial) -> None:
     now, schema = read_tables(connection)
     with short_values(connection):
         since = history.revisions(connection, trial.back)
-    tried = past.at(now, schema, [revision for revision in since if revision.id > trial.revision])
-    before = past.at(tried, schema, [revision for revision in since if revision.id <= trial.revision])
+    before, tried = past.around(now, schema, since, trial.revision)
     others = {(change.table, change.key) for change in changes.between(tried, now, schema)}
     back = [one for one in changes.between(tried, before, schema) if (one.table, one.key) not in others]
     changes.write_exactly(connection, back, schema)

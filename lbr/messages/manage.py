@@ -39,6 +39,13 @@ class ChangeRows(Struct, frozen=True, kw_only=True, tag_field="ask", tag="change
     by: Asker = ""
 
 
+class UndoRows(Struct, frozen=True, kw_only=True, tag_field="ask", tag="undo"):
+    """Take a change of rows back: the one of the same asker that ended with this revision."""
+
+    revision: Annotated[int, Meta(ge=1)]
+    by: Asker = ""
+
+
 class LookAtTokens(Struct, frozen=True, kw_only=True, tag_field="ask", tag="tokens"):
     """Tell which tokens there are, without what proves them."""
 
@@ -70,7 +77,9 @@ class LookAtDevices(Struct, frozen=True, kw_only=True, tag_field="ask", tag="dev
     it."""
 
 
-ManageCommand = LookAtDevices | LookAtRows | ChangeRows | LookAtTokens | RevokeToken | LookAtLog | LookAtEvents
+ManageCommand = (
+    LookAtDevices | LookAtRows | ChangeRows | UndoRows | LookAtTokens | RevokeToken | LookAtLog | LookAtEvents
+)
 
 
 class RowProblem(Struct, frozen=True, kw_only=True):

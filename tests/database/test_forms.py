@@ -9,6 +9,7 @@ from lbr.database.proposals import propose
 from lbr.database.reading import Problem
 from lbr.database.rows import CORE, ChannelRow, DeviceRow
 from lbr.errors import InputError
+from lbr.messages.calibration import CalibrationValue
 from lbr.messages.manage import RowChange
 
 
@@ -23,6 +24,7 @@ SCHEMA = Schema(
     device=("robot", "name", "type", "address", "settings"),
     channel=("robot", "source", "target"),
 )
+SCHEMA.keys_of = {"robot": ("name",), "device": ("robot", "name"), "channel": ("robot", "source", "target")}
 CLASSES = {row.TABLE: row for row in CORE}
 TABLES = {
     "robot": [{"name": "lbr", "model": "a"}, {"name": "other", "model": "b"}],
@@ -114,3 +116,26 @@ def test_what_refers_to_a_deleted_row_goes_with_it_and_bad_rows_are_mended_one_a
     assert (len(tried.changes), tried.revision, tried.problems) == (1, database.revision(), ())
     assert propose(database, wanted, lambda _rows: [bad], robot="lbr").revision == tried.revision + 2
     assert not [row for row in database.tables()[0]["calibration"] if row["device"] == "spare"]
+
+
+def test_a_change_is_taken_back_with_the_rows_that_went_with_it(database, client):
+    client.execute("INSERT INTO device (robot, name, type, address) VALUES ('lbr', 'spare', 'roboteq', '/dev/spare')")
+    client.execute("INSERT INTO calibration (robot, device, name, value) VALUES ('lbr', 'spare', 'scale', 1.0)")
+    tables, _ = database.tables()
+    spare = forms.json_row(DeviceRow, next(row for row in tables["device"] if row["name"] == "spare"))
+    classes = {**CLASSES, CalibrationValue.TABLE: CalibrationValue}
+    taken_out = forms.wanted("lbr", [RowChange(table="device", before=spare)], classes)
+    revision = propose(database, taken_out, lambda _rows: [], robot="lbr", by="ann").revision
+    with pytest.raises(InputError, match="'bob'"):
+        database.around(revision, "bob")
+    back = forms.undoing(*database.around(revision, "ann"), classes)
+    assert [one.table for one in back] == ["device", "calibration"]
+    assert not propose(database, forms.wanted("lbr", back, classes), lambda _rows: [], robot="lbr").problems
+    assert database.tables()[0] == tables
+
+
+def test_only_the_columns_that_a_change_wrote_are_taken_back():
+    after = changed(RowChange(table="device", before=BOARD, after={"address": "/dev/c"}))
+    (back,) = forms.undoing(TABLES, after, SCHEMA, CLASSES)
+    assert back.before == {"name": "board", "address": "/dev/c"}
+    assert back.after == {"name": "board", "address": "/dev/a"}

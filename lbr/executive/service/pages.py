@@ -45,6 +45,7 @@ from lbr.messages.manage import (
     RevokeToken,
     RowProblem,
     Touched,
+    UndoRows,
 )
 from lbr.messages.rows import Row, shown
 from lbr.messages.unreadable import UNREADABLE
@@ -70,6 +71,7 @@ class Pages:
         self._answers: dict[type[Struct], Callable[[Any], ManageReply]] = {
             LookAtRows: self._rows,
             ChangeRows: self._change,
+            UndoRows: self._undo,
             LookAtTokens: self._tokens,
             LookAtDevices: self._devices,
             RevokeToken: self._revoke,
@@ -93,6 +95,10 @@ class Pages:
         match command:
             case ChangeRows(write=True) if reply.accepted:
                 text = f"{command.by or 'a page'} changed {_listed(command)}"
+                self._happened("edit", EXECUTIVE, text, data=revision)
+                return True
+            case UndoRows() if reply.accepted:
+                text = f"{command.by} took the change of rows with revision {command.revision} back"
                 self._happened("edit", EXECUTIVE, text, data=revision)
                 return True
             case RevokeToken() if reply.accepted:
@@ -168,6 +174,12 @@ class Pages:
                 accepted=False, reason=reason, code="bad_value", revision=revision, problems=told, touched=touched
             )
         return ManageReply(accepted=True, revision=revision, touched=touched)
+
+    def _undo(self, command: UndoRows) -> ManageReply:
+        with Database.open(self._path, program="executive") as database:
+            before, after, schema = database.around(command.revision, command.by)
+        forms_back = forms.undoing(before, after, schema, self._classes())
+        return self._change(ChangeRows(changes=forms_back, write=True, by=command.by))
 
     def _changed(self, database: Database, err: forms.ChangedError) -> ManageReply:
         """Return the refusal of a change of a row that has changed meanwhile: with the author and the time."""

@@ -264,3 +264,23 @@ def test_the_end_of_a_log_is_told_and_no_other_file(owner, robot):
     assert owner.get("/api/logs/drive").json()["data"]["text"].startswith("the first line\n"), "nothing was left out"
     for name in ("nonsense", "..%2Frobot.db", "%2Fetc%2Fpasswd"):
         assert owner.get(f"/api/logs/{name}").status_code == 404
+
+
+def undo(owner: httpx.Client, revision: int) -> httpx.Response:
+    return owner.post("/api/rows/undo", json={"revision": revision})
+
+
+def test_a_change_is_taken_back_by_its_revision_but_not_what_others_changed_since(owner):
+    name = {"name": "lbr"}
+    owner_was, text_was = (row(owner, "robot", **name)[one] for one in ("owner", "description"))
+    first = change(owner, "robot", name, {"owner": "Ann"}).json()
+    second = change(owner, "robot", name, {"description": "by Ann"}).json()
+    assert undo(owner, first["revision"]).json()["accepted"]
+    kept = row(owner, "robot", **name)
+    assert (kept["owner"], kept["description"]) == (owner_was, "by Ann")
+    change(owner, "robot", name, {"description": "by Bob"})
+    refused = undo(owner, second["revision"])
+    assert (refused.status_code, refused.json()["code"]) == (409, "changed")
+    assert row(owner, "robot", **name)["description"] == "by Bob"
+    change(owner, "robot", name, {"description": text_was})
+    assert undo(owner, 1).status_code == 404, "rows that the page did not write"

@@ -20,6 +20,7 @@ from lbr.messages.manage import (
     ManageReply,
     RevokeToken,
     RowChange,
+    UndoRows,
 )
 
 ANSWER_S = 10.0
@@ -42,6 +43,12 @@ class ManageRefusal(ManageReply, frozen=True, kw_only=True):
 
 
 Managed = Annotated[Response, {200: ManageReply, **dict.fromkeys((400, 404, 409, 503), ManageRefusal)}]
+
+
+class UndoBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A change of rows, by the revision that its answer told."""
+
+    revision: Annotated[int, Meta(ge=1)]
 
 
 class NameBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -88,6 +95,14 @@ class Managing:
         A row that is not any more as `before` says is refused with `changed`, and nothing is written.
         """
         return await self._ask(client, ChangeRows(changes=body.changes, write=body.write, by=source_of(client)))
+
+    @post("/api/rows/undo", role="admin", within_s=WITHIN_S)
+    async def _undo(self, client: Client, body: UndoBody) -> Managed:
+        """Take back a change of rows that the same client made.
+
+        What others have changed since in its columns is refused with `changed`, and nothing is written.
+        """
+        return await self._ask(client, UndoRows(revision=body.revision, by=source_of(client)))
 
     @post("/api/devices", role="admin", within_s=WITHIN_S)
     async def _devices(self, client: Client) -> Managed:

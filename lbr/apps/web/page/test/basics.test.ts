@@ -1,10 +1,9 @@
-// Settings for people: which there are, what is written for one, and the way back.
+// Settings for people: which there are, and what is written for one.
 import "./stage";
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { basicsOf, groupsOf, isShare, valueAt, withValue } from "../src/views/system/basics";
 import { fieldsOf, problems, type Schema } from "../src/views/system/schema";
-import { inverse } from "../src/views/system/undo";
 
 const SCHEMA: Schema = {
   $ref: "#/$defs/Settings",
@@ -36,11 +35,4 @@ test("one thing of a list is another, and all others are written as they were", 
   assert.equal(valueAt(fields, {}, ["rules", 1, "stop_m"]), 0.2);
   assert.equal(valueAt(fields, { max_power: 0.5 }, ["max_power"]), 0.5);
   assert.deepEqual([...problems(fields, { rules: [{ direction: "forward", stop_m: 0 }, {}] }).keys()], ["rules.0.stop_m", "rules.1.direction"]);
-});
-
-test("the way back of a change is of the columns that it changed, and of no other", () => {
-  const row = { name: "lbr", owner: "Ann", last_start: "yesterday" };
-  assert.deepEqual(inverse({ table: "robot", before: row, after: { owner: "Bob" } }, ["name"]), { table: "robot", before: { name: "lbr", owner: "Bob" }, after: { name: "lbr", owner: "Ann" } });
-  assert.deepEqual(inverse({ table: "phrase", before: null, after: { name: "hi" } }, ["name"]), { table: "phrase", before: { name: "hi" }, after: null });
-  assert.deepEqual(inverse({ table: "phrase", before: row, after: null }, ["name"]), { table: "phrase", before: null, after: row });
 });

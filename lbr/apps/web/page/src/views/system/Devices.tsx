@@ -22,7 +22,7 @@ export function Devices() {
     ask(null);
     const answer = await changeAll(offer.changes, true);
     if (answer.ok) notice(t("devices.written"), "good");
-    if (answer.ok) noteMade(t("devices.written"), offer.changes, offer.changes.map((one) => Object.keys(one.before ?? {})));
+    if (answer.ok) noteMade(t("devices.written"), answer);
     await look();
   };
   const offered = (address: string): Offer | undefined => found?.proposals.find((one) => one.address === address);

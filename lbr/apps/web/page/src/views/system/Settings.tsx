@@ -85,7 +85,7 @@ function Basics() {
     const answer = await changeAll(changes, true, true);
     again(asked + 1);
     if (!answer.ok) { tell({ reply: answer.data, refused: told(answer) }); return; }
-    noteMade(t("rows.saved", { name: [...new Set(all.map(({ basic }) => basic.title))].join(", ") }), changes, changes.map(() => ["name"]));
+    noteMade(t("rows.saved", { name: [...new Set(all.map(({ basic }) => basic.title))].join(", ") }), answer);
     setCapabilities((known) => known && after(known, changes));
     setRobots((known) => known && after(known, changes));
     type({});

@@ -8,7 +8,7 @@ export interface TableOf { table: string; rows: number; fixed: string }
 export interface Table { table: string; key: string[]; fixed: string; schema: Schema; settings: Record<string, Schema>; rows: Row[] }
 export interface RowProblem { table: string; row: string; column: string; text: string }
 export interface Touched { start: string[]; stop: string[]; restart: string[]; plug: string[] }
-export interface Reply<T> { accepted: boolean; reason: string; code: string; problems: RowProblem[]; touched: Touched | null; data: T }
+export interface Reply<T> { accepted: boolean; reason: string; code: string; revision?: number; problems: RowProblem[]; touched: Touched | null; data: T }
 export interface Token { name: string; role: string; created_at: string; revoked_at: string | null; expires_at: string | null; good_for: string; paired_from: string | null }
 export interface RowChange { table: string; before: Row | null; after: Row | null }
 
@@ -20,6 +20,7 @@ export interface Looked { devices: Device[]; proposals: Offer[]; hints: string[]
 export const devices = (): Promise<Answer<Reply<Looked>>> => fetchJson("api/devices", { method: "POST", timeoutMs: 12_000 });
 export const changeAll = (changes: RowChange[], write: boolean, quiet = false): Promise<Answer<Reply<null>>> =>
   fetchJson("api/rows", { method: "POST", body: { changes, write }, quiet, timeoutMs: 12_000 });
+export const takeBack = (revision: number): Promise<Answer<Reply<null>>> => fetchJson("api/rows/undo", { method: "POST", body: { revision }, timeoutMs: 12_000 });
 export const tokens = (): Promise<Answer<Reply<{ tokens: Token[] }>>> => fetchJson("api/tokens", { timeoutMs: 12_000 });
 export const revoke = (name: string): Promise<Answer<Reply<null>>> => fetchJson("api/tokens/revoke", { method: "POST", body: { name }, timeoutMs: 12_000 });
 export const log = (name: string): Promise<Answer<Reply<{ name: string; text: string }>>> => fetchJson(`api/logs/${encodeURIComponent(name)}`, { timeoutMs: 12_000 });

@@ -1,30 +1,23 @@
-// Changes of rows that this page has made, and their way back.
+// Changes of rows that this page has made, and their way back, which the robot knows.
 import { signal } from "@preact/signals";
 import { notice } from "../../notices";
 import { t } from "../../words";
-import { changeAll, type Row, type RowChange } from "./manage";
+import type { Answer } from "../../access";
+import { takeBack, type Reply } from "./manage";
 
-export interface Made { name: string; changes: RowChange[] }
+export interface Made { name: string; revision: number }
 /** What was saved here since the page was opened, the newest last. */
 export const made = signal<Made[]>([]);
 
-/** The change that takes one back, of the columns that it changed alone. `key` names the row's columns that never change. Pure. */
-export function inverse({ table, before, after }: RowChange, key: string[]): RowChange {
-  if (before === null || after === null) return { table, before: after, after: before };
-  const names = [...new Set([...key, ...Object.keys(after)])];
-  const only = (row: Row): Row => Object.fromEntries(names.filter((name) => row[name] !== undefined).map((name) => [name, row[name]]));
-  return { table, before: only({ ...before, ...after }), after: only(before) };
-}
-
-export const noteMade = (name: string, changes: RowChange[], keys: string[][]): void => {
-  made.value = [...made.value, { name, changes: changes.map((one, at) => inverse(one, keys[at] ?? [])).reverse() }];
+export const noteMade = (name: string, answer: Answer<Reply<null>>): void => {
+  if (answer.data?.revision) made.value = [...made.value, { name, revision: answer.data.revision }];
 };
 
 /** Takes the newest change back; whatever another has changed since in these columns keeps it from that. */
 export async function undo(): Promise<boolean> {
   const newest = made.value.at(-1);
   if (!newest) return false;
-  const answer = await changeAll(newest.changes, true);
+  const answer = await takeBack(newest.revision);
   if (answer.status !== 0) made.value = made.value.filter((one) => one !== newest); // one that did not arrive can be said again
   if (answer.ok) notice(t("rows.undone", { name: newest.name }), "good");
   return answer.ok;
