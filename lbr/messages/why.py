@@ -40,7 +40,7 @@ LinkState = Literal["ok", "past", "doubt", "held", "unknown"]
 was under way. `unknown`: nothing says."""
 
 
-class Link(Struct, frozen=True, kw_only=True):
+class Link(Struct, frozen=True):
     """A link of the chain: of whom it tells, how that is and why, in one sentence with its code.
 
     `since_s` is for how long it has been so, null: not known. `age_s` is how old the newest word of it is. `evidence`

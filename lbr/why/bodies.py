@@ -49,7 +49,7 @@ def joint(now: Snapshot, part: Part, name: str) -> Iterator[Link]:
     if state is None:
         text = f"'{part.name}' has no joint '{name}': its row names the bus of another driver"
         row, do = f"row joint.{name}", "correct column bus of that row"
-        yield Link(name="row", about=name, state="held", text=text, code="unknown_name", evidence=row, do=do)
+        yield Link("row", name, "held", text, "unknown_name", evidence=row, do=do)
         return
     of_joint = replace(report, about=name, topic=f"{report.topic}: joints.{name}", age_s=state.age_s)
     yield from _joint(of_joint, name, state)

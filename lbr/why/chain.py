@@ -10,7 +10,7 @@ from lbr.errors import InputError
 from lbr.messages.why import Chain, Link, LinkName
 from lbr.names import did_you_mean
 from lbr.why import bodies
-from lbr.why.parts import enable
+from lbr.why.parts import update
 from lbr.why.repairs import repairs
 from lbr.why.snapshot import ITSELF, Facts, Part, Saying, Snapshot
 from lbr.why.telling import ago
@@ -151,7 +151,7 @@ def _away_from_dock(facts: Facts, link: Link) -> Link:
 def _joint(now: Snapshot, walk: Walk, name: str) -> Iterator[Link]:
     """Yield the links of the operation that moves a joint: what that says of others does not hold this one."""
     row = f"row joint.{name}"
-    yield Link(name="row", about=name, state="ok", text=f"'{name}' is a joint of this robot", evidence=row)
+    yield Link("row", name, "ok", f"'{name}' is a joint of this robot", evidence=row)
     for owner in (one for one in now.facts.parts.values() if "JointsState" in one.outputs.values()):
         yield from walk.asker(owner)
         yield from (link for link in walk.of(owner.name) if not _of_others(link, owner))
@@ -167,10 +167,10 @@ def _program(facts: Facts, name: str) -> Link:
     row = f"row external_command.{name}"
     if facts.programs[name]:
         text = f"'{name}' is a program that runs when it is said"
-        return Link(name="row", about=name, state="ok", text=text, evidence=row)
-    do = enable("external_command", f"name = '{name}'", facts.robot)
+        return Link("row", name, "ok", text, evidence=row)
+    do = update("external_command", f"name = '{name}'", facts.robot)
     text = f"'{name}' is switched off by its row: enabled is 0"
-    return Link(name="row", about=name, state="held", text=text, code="off", evidence=row, do=do)
+    return Link("row", name, "held", text, "off", evidence=row, do=do)
 
 
 def _word(line: str) -> str:
@@ -183,7 +183,7 @@ def _saying(walk: Walk, facts: Facts, said: list[Saying]) -> Iterator[Link]:
     for owner in dict.fromkeys(one.target_part for one in said):
         asked = "the robot itself" if owner == ITSELF else f"'{owner}'"
         text, row = f"'{said[0].word}' asks {asked}", f"row verb.{said[0].word}"
-        yield Link(name="row", about=said[0].word, state="ok", text=text, evidence=row)
+        yield Link("row", said[0].word, "ok", text, evidence=row)
         if owner in facts.parts:
             yield from walk.asker(facts.parts[owner])
         if owner != ITSELF:

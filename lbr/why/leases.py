@@ -65,11 +65,11 @@ def refusal(now: Snapshot, part: Part) -> Iterator[Link]:
             return
         if event.kind == "refused" and event.about and event.code not in RENEWALS:
             yield Link(
-                name="refused",
-                about=part.name,
-                state="past",
-                text=f"'{part.name}' refused what was asked last, by {event.text}",
-                code=event.code,
+                "refused",
+                part.name,
+                "past",
+                f"'{part.name}' refused what was asked last, by {event.text}",
+                event.code,
                 since_s=ago_s,
                 evidence="event refused",
                 do="mend that, and say it again",

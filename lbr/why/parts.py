@@ -21,36 +21,30 @@ def row(now: Snapshot, part: Part) -> Link:
     """Tell whether its row and the launch profile have it run."""
     if not part.enabled:
         return Link(
-            name="row",
-            about=part.name,
-            state="held",
-            text=f"'{part.name}' is switched off by its row: enabled is 0",
-            code="off",
+            "row",
+            part.name,
+            "held",
+            f"'{part.name}' is switched off by its row: enabled is 0",
+            "off",
             since_s=now.since_s(part.name, ("stopped",)),
             evidence=f"row capability.{part.name}",
-            do=enable("capability", f"name = '{part.name}'", now.facts.robot),
+            do=update("capability", f"name = '{part.name}'", now.facts.robot),
         )
     if not part.runs:
         simulated = part.family == "simulation"
         text = f"'{part.name}' is left out by the launch profile"
         return Link(
-            name="row",
-            about=part.name,
-            state="ok" if simulated else "held",
-            text=f"{text}, which simulates nothing" if simulated else text,
-            code="" if simulated else "off",
+            "row",
+            part.name,
+            "ok" if simulated else "held",
+            f"{text}, which simulates nothing" if simulated else text,
+            "" if simulated else "off",
             evidence=f"profile {now.facts.profile}".strip(),
             do=""
             if simulated
             else "take it out of `without`, or into `only`, of the launch profile, and start the robot again",
         )
-    return Link(
-        name="row",
-        about=part.name,
-        state="ok",
-        text=f"enabled, of kind {part.kind}",
-        evidence=f"row capability.{part.name}",
-    )
+    return Link("row", part.name, "ok", f"enabled, of kind {part.kind}", evidence=f"row capability.{part.name}")
 
 
 def process(now: Snapshot, part: Part) -> Link:
@@ -60,11 +54,11 @@ def process(now: Snapshot, part: Part) -> Link:
         nothing = "nothing says how its process is" if now.executive != "up" else "it has no process"
         held = now.executive == "up"
         return Link(
-            name="process",
-            about=part.name,
-            state="held" if held else "unknown",
-            text=f"'{part.name}': {nothing}",
-            code="unreachable" if held else "",
+            "process",
+            part.name,
+            "held" if held else "unknown",
+            f"'{part.name}': {nothing}",
+            "unreachable" if held else "",
             evidence="@status" if held else "",
             do=f"/restart/{part.name}" if held else "",
         )
@@ -90,11 +84,11 @@ def _ready(now: Snapshot, part: Part, unit: CapabilityStatus) -> Link:
     often = sum(one.kind in UNASKED and (now.ago_s(one) or 0.0) <= RECENT_S for one in now.newest(part.name))
     if lately and often >= OFTEN:
         return Link(
-            name="process",
-            about=part.name,
-            state="doubt",
-            text=f"'{part.name}' ends again and again, {often} times within a minute: {unit.last_end}",
-            code=unit.end_code or "failed",
+            "process",
+            part.name,
+            "doubt",
+            f"'{part.name}' ends again and again, {often} times within a minute: {unit.last_end}",
+            unit.end_code or "failed",
             since_s=unit.uptime_s,
             evidence=f"@status: {unit.restarts} restarts; events {' or '.join(UNASKED)}",
             do=f"read {_log(now, unit)}, and see what ends it",
@@ -103,11 +97,11 @@ def _ready(now: Snapshot, part: Part, unit: CapabilityStatus) -> Link:
     if lately:
         text = f"'{part.name}' was started again, what it did is over: {unit.last_end}"
     return Link(
-        name="process",
-        about=part.name,
-        state="past" if lately else "ok",
-        text=text,
-        code=unit.end_code or "failed" if lately else "",
+        "process",
+        part.name,
+        "past" if lately else "ok",
+        text,
+        unit.end_code or "failed" if lately else "",
         since_s=unit.uptime_s,
         evidence=f"@status: {unit.restarts} restarts",
         do="say again what it shall do" if lately else "",
@@ -133,11 +127,11 @@ def _link(now: Snapshot, part: Part, unit: CapabilityStatus, text: str, *kinds: 
     code = unit.code or (unit.end_code if unit.last_end else "") or ("not_ready" if again else "failed")
     log = _log(now, unit)
     return Link(
-        name="process",
-        about=part.name,
-        state="held",
-        text=text,
-        code=code,
+        "process",
+        part.name,
+        "held",
+        text,
+        code,
         since_s=now.since_s(part.name, kinds),
         evidence=f"@status: phase {unit.phase}, {unit.restarts} restarts",
         do=f"wait; if it lasts, read {log}" if again else f"read {log}, mend it, then /restart/{part.name}",
@@ -152,24 +146,17 @@ def line(now: Snapshot, part: Part) -> Link | None:
     address = now.facts.devices.get(part.device, "")
     evidence = f"@status: {part.name} is {unit.phase}; row device.{part.device} = {address}"
     if unit.phase != "degraded":
-        return Link(
-            name="line",
-            about=part.device,
-            state="ok",
-            text=f"connected at {address}",
-            since_s=unit.uptime_s,
-            evidence=evidence,
-        )
+        return Link("line", part.device, "ok", f"connected at {address}", since_s=unit.uptime_s, evidence=evidence)
     own = unit.code not in {"unreachable", *REFUSED, ""}
     works = said.works(now, part)
     return Link(
-        name="fault" if own else "port" if unit.code in REFUSED else "line",
-        about=part.device,
-        state="doubt" if works else "held",
-        text=f"'{part.name}' {'works in part' if works else 'has no device'}: {unit.reason}"
+        "fault" if own else "port" if unit.code in REFUSED else "line",
+        part.device,
+        "doubt" if works else "held",
+        f"'{part.name}' {'works in part' if works else 'has no device'}: {unit.reason}"
         if not own
         else f"'{part.name}': {unit.reason}",
-        code=unit.code or "unreachable",
+        unit.code or "unreachable",
         since_s=now.since_s(part.name, ("degraded",)),
         evidence=evidence,
         do="what it says; lbr doctor looks at this machine's side of it",
@@ -183,16 +170,16 @@ def silence(now: Snapshot, part: Part) -> Iterator[Link]:
     if not topics or unit is None or unit.phase != "ready" or any(topic in now.said for topic in topics):
         return
     yield Link(
-        name="process",
-        about=part.name,
-        state="doubt",
-        text=f"'{part.name}' runs and does not answer: it hangs, is starved, or has said nothing yet",
-        code="timeout",
+        "process",
+        part.name,
+        "doubt",
+        f"'{part.name}' runs and does not answer: it hangs, is starved, or has said nothing yet",
+        "timeout",
         evidence=f"no answer on {topics[0]}",
         do="ask again in a second: what hangs is ended and started again",
     )
 
 
-def enable(table: str, where: str, robot: str) -> str:
-    """Return what to type to switch a row on."""
-    return f"sqlite3 ~/.lbr/robot.db \"UPDATE {table} SET enabled = 1 WHERE robot = '{robot}' AND {where}\""  # noqa: S608 - told to people
+def update(table: str, where: str, robot: str, column: str = "enabled = 1") -> str:
+    """Return what to type to change a row: to switch it on, if nothing else is said."""
+    return f"sqlite3 ~/.lbr/robot.db \"UPDATE {table} SET {column} WHERE robot = '{robot}' AND {where}\""  # noqa: S608 - told to people

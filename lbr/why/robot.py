@@ -17,19 +17,9 @@ def executive(now: Snapshot) -> Link:
         text = f"the robot '{robot}' runs and does not answer: its executive hangs, is stopped, or is starved"
         evidence = f"it holds the robot's lock, and did not answer within {now.waited_s:.1f} s"
         do = "lbr stop, then lbr run; a debugger or SIGSTOP may hold its process"
-        return Link(
-            name="executive",
-            about="executive",
-            state="held",
-            text=text,
-            code="unreachable",
-            evidence=evidence,
-            do=do,
-        )
+        return Link("executive", "executive", "held", text, "unreachable", evidence=evidence, do=do)
     up_s = status.uptime_s if status is not None else None
-    return Link(
-        name="executive", about="executive", state="ok", text="the robot runs", since_s=up_s, evidence="@status"
-    )
+    return Link("executive", "executive", "ok", "the robot runs", since_s=up_s, evidence="@status")
 
 
 def _down(now: Snapshot, robot: str, run: str) -> Link:
@@ -44,11 +34,11 @@ def _down(now: Snapshot, robot: str, run: str) -> Link:
     else:
         text += ", and was not shut down: its process was killed, or the machine lost its power"
     return Link(
-        name="executive",
-        about="executive",
-        state="held",
-        text=text,
-        code="shutting_down" if facts.last_start and in_order else "unreachable",
+        "executive",
+        "executive",
+        "held",
+        text,
+        "shutting_down" if facts.last_start and in_order else "unreachable",
         since_s=now.ago_iso_s(facts.last_shutdown) if in_order else None,
         evidence="no process holds the robot's lock; last_start and last_shutdown of its row",
         do=run,
@@ -62,11 +52,11 @@ def machine(now: Snapshot) -> Iterator[Link]:
             return
         if event.kind == "too_busy":
             yield Link(
-                name="machine",
-                about="machine",
-                state="doubt",
-                text=event.text,
-                code="busy",
+                "machine",
+                "machine",
+                "doubt",
+                event.text,
+                "busy",
                 since_s=now.ago_s(event),
                 evidence="event too_busy",
                 do="end what else computes there; lbr status shows who has the processor",
@@ -81,13 +71,11 @@ def rows(now: Snapshot) -> Iterator[Link]:
     problems = status.problems if status is not None else now.facts.problems
     for index, problem in enumerate(problems):
         yield Link(
-            name="rows",
-            about="rows",
-            state="doubt" if now.executive == "up" else "held",
-            text=f"an edit of the rows is not in force: {problem}"
-            if status is not None
-            else f"the rows are bad: {problem}",
-            code=codes[index] if index < len(codes) else "bad_value",
+            "rows",
+            "rows",
+            "doubt" if now.executive == "up" else "held",
+            f"an edit of the rows is not in force: {problem}" if status is not None else f"the rows are bad: {problem}",
+            codes[index] if index < len(codes) else "bad_value",
             since_s=now.since_s("rows", ("rows_refused",)),
             evidence="@status" if status is not None else "the rows",
             do="correct that row; lbr db check tells of all",
@@ -102,21 +90,19 @@ def estop(now: Snapshot) -> Link:
         text = f"the emergency stop is latched, by the rows, and stays so after a start: {why}"
         evidence = f"row robot.{now.facts.robot}"
         do = "start the robot, then reset, once nothing is in danger"
-        return Link(name="estop", about="estop", state="held", text=text, code="estop", evidence=evidence, do=do)
+        return Link("estop", "estop", "held", text, "estop", evidence=evidence, do=do)
     if status is None:
-        return Link(
-            name="estop", about="estop", state="unknown", text="whether the emergency stop is latched is not known"
-        )
+        return Link("estop", "estop", "unknown", "whether the emergency stop is latched is not known")
     latch = status.estop
     if not latch.engaged:
-        return Link(name="estop", about="estop", state="ok", text="the emergency stop is released", evidence="@status")
+        return Link("estop", "estop", "ok", "the emergency stop is released", evidence="@status")
     by = f" by {latch.source}" if latch.source else ""
     return Link(
-        name="estop",
-        about="estop",
-        state="held",
-        text=latch.text if latch.overdue else f"the emergency stop is latched{by}: {latch.reason or 'no reason given'}",
-        code="estop",
+        "estop",
+        "estop",
+        "held",
+        latch.text if latch.overdue else f"the emergency stop is latched{by}: {latch.reason or 'no reason given'}",
+        "estop",
         since_s=now.since_s("estop", ("estop",)) or now.since_s("executive", ("estop",)),
         evidence="@status: estop",
         do="use the hardware switch" if latch.overdue else "reset, once nothing is in danger",

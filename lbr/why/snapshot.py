@@ -201,11 +201,11 @@ class Report(Generic[State_co]):
     ) -> Link:
         """Return a link with this state as its evidence; `since` are the kinds of events that began it."""
         return Link(
-            name=name,
-            about=about or self.about or self.part.name,
-            state=state,
-            text=text,
-            code=code,
+            name,
+            about or self.about or self.part.name,
+            state,
+            text,
+            code,
             since_s=self.now.since_s(self.part.name, since) if since else since_s,
             age_s=self.age_s,
             evidence=evidence or self.topic,

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from msgspec.structs import replace
 
 from lbr.messages.system import RANKS
-from lbr.messages.why import Link
+from lbr.messages.why import Link, LinkState
 from lbr.why import leases, parts, robot, said
 from lbr.why.snapshot import Channel, Part, Snapshot
 
@@ -73,10 +73,10 @@ class Walk:
                 continue
             if not touched or self._seen.intersection(touched):
                 yield Link(
-                    name="rows",
-                    about="rows",
-                    state="ok",
-                    text=f"the rows were changed: {event.text}",
+                    "rows",
+                    "rows",
+                    "ok",
+                    f"the rows were changed: {event.text}",
                     since_s=self.now.ago_s(event),
                     evidence="event rows_changed",
                     do="lbr db history tells what was changed; lbr db undo takes it back",
@@ -88,7 +88,7 @@ class Walk:
         if part.moves and RANKS[self.now.role] < RANKS["operate"]:
             text = f"who asks has the role '{self.now.role}', which may look and stop; to move '{part.name}' takes 'operate'"
             do = "come in with another token: lbr token add NAME --role operate, at the robot"
-            yield Link(name="asker", about=self.now.asker, state="held", text=text, code="role", do=do)
+            yield Link("asker", self.now.asker, "held", text, "role", do=do)
 
     def _supply(self) -> Iterator[Link]:
         """Yield what cuts the power of all that moves: a relay, or a shutdown that has begun."""
@@ -116,7 +116,7 @@ class Walk:
             wires = [one for one in self.facts.channels if one.target == f"{part.name}.{port}"]
             live = [one for one in wires if one.enabled]
             if not live and wires:
-                yield self._cut(part, port, wires[0].source, wires[0].source_part in part.needs)
+                yield self._cut(wires[0], part.name, needed=wires[0].source_part in part.needs)
             for wire in live:
                 yield from self._thinned(part, port, wire)
                 source = self.facts.parts.get(wire.source_part)
@@ -131,17 +131,13 @@ class Walk:
         oldest_s = said.oldest_s(part, part.inputs[port])
         if oldest_s is None or wire.rate_hz is None or 1.0 / wire.rate_hz < oldest_s:
             return
-        row = f"robot = '{self.facts.robot}' AND source = '{wire.source}' AND target = '{wire.target}'"
-        yield Link(
-            name="wire",
-            about=part.name,
-            state="doubt",
-            text=f"the channel from {wire.source} to {wire.target} lets {wire.rate_hz:g} messages a second through by its"
-            f" row, and '{part.name}' goes by none that is older than {oldest_s:g} s",
-            code="wiring",
-            evidence=f"row channel {wire.source} -> {wire.target}: rate_hz",
-            do=f'sqlite3 ~/.lbr/robot.db "UPDATE channel SET rate_hz = NULL WHERE {row}"',  # noqa: S608 - told to people
+        text = (
+            f"the channel from {wire.source} to {wire.target} lets {wire.rate_hz:g} messages a second through by its"
+            f" row, and '{part.name}' goes by none that is older than {oldest_s:g} s"
         )
+        do = self._edited_channel(wire, "rate_hz = NULL")
+        row = f"row channel {wire.source} -> {wire.target}: rate_hz"
+        yield Link("wire", part.name, "doubt", text, "wiring", evidence=row, do=do)
 
     def _coming(self, part: Part, end: str, source: Part) -> Iterator[Link]:
         """Yield whether a driver's stream still comes."""
@@ -152,46 +148,26 @@ class Walk:
         found = self.now.said.get(topic)
         if found is None:
             text = f"nothing is heard on {topic}, which '{part.name}' goes by"
-            yield Link(
-                name="input",
-                about=source.name,
-                state="doubt",
-                text=text,
-                code="stale_sensor",
-                evidence=topic,
-                do=f"lbr topic hz {topic}",
-            )
+            yield Link("input", source.name, "doubt", text, "stale_sensor", evidence=topic, do=f"lbr topic hz {topic}")
         elif found.age_s is not None and found.age_s > FRESH_S:
-            text = f"{topic}, which '{part.name}' goes by, is {found.age_s:.1f} s old"
-            yield Link(
-                name="input",
-                about=source.name,
-                state="held",
-                text=text,
-                code="stale_sensor",
-                since_s=found.age_s,
-                age_s=found.age_s,
-                evidence=topic,
-                do=f"/restart/{source.name}",
+            age_s, text = found.age_s, f"{topic}, which '{part.name}' goes by, is {found.age_s:.1f} s old"
+            link = Link(
+                "input", source.name, "held", text, "stale_sensor", evidence=topic, do=f"/restart/{source.name}"
             )
+            yield replace(link, since_s=age_s, age_s=age_s)
         else:
-            yield Link(
-                name="input", about=source.name, state="ok", text=f"{topic} comes", age_s=found.age_s, evidence=topic
-            )
+            yield Link("input", source.name, "ok", f"{topic} comes", age_s=found.age_s, evidence=topic)
 
-    def _cut(self, part: Part, port: str, source: str, needed: bool) -> Link:
-        text = f"the channel from {source} to {part.name}.{port} is switched off by its row: enabled is 0"
-        where = f"source = '{source}' AND target = '{part.name}.{port}'"
-        return Link(
-            name="wire",
-            about=part.name,
-            state="held" if needed else "doubt",
-            text=text,
-            code="wiring",
-            since_s=self.now.since_s(part.name, ("stopped",)),
-            evidence=f"row channel {source} -> {part.name}.{port}",
-            do=parts.enable("channel", where, self.facts.robot),
-        )
+    def _cut(self, wire: Channel, about: str, *, needed: bool = True) -> Link:
+        text = f"the channel from {wire.source} to {wire.target} is switched off by its row: enabled is 0"
+        state: LinkState = "held" if needed else "doubt"
+        since_s, row = self.now.since_s(wire.target_part, ("stopped",)), f"row channel {wire.source} -> {wire.target}"
+        do = self._edited_channel(wire, "enabled = 1")
+        return Link("wire", about, state, text, "wiring", since_s=since_s, evidence=row, do=do)
+
+    def _edited_channel(self, wire: Channel, change: str) -> str:
+        where = f"source = '{wire.source}' AND target = '{wire.target}'"
+        return parts.update("channel", where, self.facts.robot, change)
 
     def _fed(self, part: Part) -> tuple[str, ...]:
         """Return the capabilities whose setpoint a part feeds: the last ones of its chain."""
@@ -215,63 +191,30 @@ class Walk:
     def _unsent(self, part: Part) -> Link:
         off = [one for one in self.facts.channels if one.source == f"{part.name}.setpoint" and not one.enabled]
         if off:
-            return replace(
-                self._cut(
-                    self.facts.parts.get(off[0].target_part, part), off[0].target.partition(".")[2], off[0].source, True
-                ),
-                about=part.name,
-            )
-        return Link(
-            name="wire",
-            about=part.name,
-            state="held",
-            text=f"no channel takes the setpoint of '{part.name}' to a driver",
-            code="wiring",
-            evidence="rows of channel",
-            do=f"add a row to channel: source '{part.name}.setpoint', target the driver's setpoint; lbr graph shows all",
-        )
+            return self._cut(off[0], part.name)
+        text = f"no channel takes the setpoint of '{part.name}' to a driver"
+        do = f"add a row to channel: source '{part.name}.setpoint', target the driver's setpoint; lbr graph shows all"
+        return Link("wire", part.name, "held", text, "wiring", evidence="rows of channel", do=do)
 
     def _published(self, part: Part) -> Link:
         unit = self.now.unit(part.name)
         rate = unit.rates_hz.get("setpoint", 0.0) if unit is not None else 0.0
         young = unit is not None and (unit.uptime_s or 0.0) < FRESH_S
         if rate > 0.0 or young:
-            return Link(
-                name="setpoint",
-                about=part.name,
-                state="ok",
-                text=f"its setpoint is sent {rate:.0f} times a second",
-                evidence="@status: rates_hz",
-            )
-        text = f"'{part.name}' sends no setpoint"
-        return Link(
-            name="setpoint",
-            about=part.name,
-            state="held",
-            text=text,
-            code="failed",
-            evidence="@status: rates_hz",
-            do=f"/restart/{part.name}",
-        )
+            text = f"its setpoint is sent {rate:.0f} times a second"
+            return Link("setpoint", part.name, "ok", text, evidence="@status: rates_hz")
+        text, do = f"'{part.name}' sends no setpoint", f"/restart/{part.name}"
+        return Link("setpoint", part.name, "held", text, "failed", evidence="@status: rates_hz", do=do)
 
     def _sender(self, part: Part, port: str) -> Iterator[Link]:
         """Yield who sends a driver's setpoint, where that is not how we came here."""
         wires = [one for one in self.facts.channels if one.target == f"{part.name}.{port}"]
         live = [one for one in wires if one.enabled]
-        if not live:
-            if wires:
-                yield self._cut(part, port, wires[0].source, True)
-            else:
-                text = f"no channel feeds the setpoint of '{part.name}'"
-                yield Link(
-                    name="wire",
-                    about=part.name,
-                    state="held",
-                    text=text,
-                    code="wiring",
-                    evidence="rows of channel",
-                    do="add a row to channel; lbr graph shows all",
-                )
+        if not live and wires:
+            yield self._cut(wires[0], part.name)
+        elif not live:
+            text, do = f"no channel feeds the setpoint of '{part.name}'", "add a row to channel; lbr graph shows all"
+            yield Link("wire", part.name, "held", text, "wiring", evidence="rows of channel", do=do)
         for wire in live:
             yield from self.of(wire.source_part, asked=False)
 
@@ -283,12 +226,4 @@ def doubted(links: Iterable[Link]) -> Iterator[Link]:
 
 def _no_row(name: str) -> Link:
     text = f"there is no row of capability '{name}', and it is needed"
-    return Link(
-        name="row",
-        about=name,
-        state="held",
-        text=text,
-        code="unknown_name",
-        evidence="rows of capability",
-        do="lbr db check",
-    )
+    return Link("row", name, "held", text, "unknown_name", evidence="rows of capability", do="lbr db check")
