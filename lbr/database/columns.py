@@ -67,6 +67,8 @@ class Column:
             return None
         if self.is_text and not self._meant:
             self._check_text(value)
+            if self.info.min_length and not value.strip():
+                raise WrongError("is empty")
         if self.is_flag and not (isinstance(value, int) and value in (0, 1)):
             raise WrongError(f"'{shown(value)}' is neither 0 nor 1")
         plain = bool(value) if self.is_flag else self._json(value) if self.is_json else value
@@ -106,14 +108,9 @@ class Column:
             raise WrongError(f"is {_type(value)}, not a text")
         if fault := text_fault(value):
             raise WrongError(fault)
-        if self.info.min_length and not value.strip():
-            raise WrongError("is empty")
 
     def _json(self, value: Any) -> Any:
-        if not isinstance(value, str):
-            raise WrongError(f"is {_type(value)}, not a text")
-        if fault := text_fault(value):
-            raise WrongError(fault)
+        self._check_text(value)
         try:
             return json_strictly(value)
         except RecursionError:

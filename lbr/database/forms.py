@@ -158,13 +158,7 @@ def _raw(row: type[Row], schema: Schema, robot: str, existing: RawRow | None, af
 
 
 def _defaults(row: type[Row]) -> dict[str, Any]:
-    values: dict[str, Any] = {}
-    for field in msgspec.structs.fields(row):
-        if field.default is not msgspec.NODEFAULT:
-            values[field.name] = columns(row)[field.name].write(field.default)
-        elif field.default_factory is not msgspec.NODEFAULT:
-            values[field.name] = columns(row)[field.name].write(field.default_factory())
-    return values
+    return {name: one.write(one.stand_in) for name, one in columns(row).items() if not one.field.required}
 
 
 def _json_value(column: Column, value: Any) -> Any:

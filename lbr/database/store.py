@@ -286,10 +286,7 @@ class Database:
                 return past.at(tables, schema, history.revisions(connection, revision))
 
     def around(self, revision: int, source: str) -> tuple[RawTables, RawTables, Schema]:
-        """Return the rows before and after the change that ended with a revision; InputError if that cannot be told.
-
-        It must have been made for `source`, by this program.
-        """
+        """Return the rows before and after a change that this program made for `source`, by its last revision."""
         author = (history.storable(source)[: history.LONGEST], self.program)
         with self.reading() as connection:
             made = (one for one in history.makers(connection) if one.last_revision == revision)

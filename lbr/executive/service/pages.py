@@ -91,21 +91,18 @@ class Pages:
 
     def _end(self, command: Any, reply: Reply) -> bool:
         """Report what was written; return whether rows were."""
-        revision = {"revision": reply.revision}
         match command:
-            case ChangeRows(write=True) if reply.accepted:
-                text = f"{command.by or 'a page'} changed {_listed(command)}"
-                self._happened("edit", EXECUTIVE, text, data=revision)
-                return True
-            case UndoRows() if reply.accepted:
-                text = f"{command.by} took the change of rows with revision {command.revision} back"
-                self._happened("edit", EXECUTIVE, text, data=revision)
-                return True
-            case RevokeToken() if reply.accepted:
-                text = f"{command.by or 'a page'} revoked the token '{command.name}'"
-                self._happened("token", EXECUTIVE, text, data=revision)
-                return True
-        return False
+            case ChangeRows(write=True):
+                kind, text = "edit", f"{command.by or 'a page'} changed {_listed(command)}"
+            case UndoRows():
+                kind, text = "edit", f"{command.by} took the change of rows with revision {command.revision} back"
+            case RevokeToken():
+                kind, text = "token", f"{command.by or 'a page'} revoked the token '{command.name}'"
+            case _:
+                return False
+        if reply.accepted:
+            self._happened(kind, EXECUTIVE, text, data={"revision": reply.revision})
+        return reply.accepted
 
     def _classes(self) -> dict[str, type[Row]]:
         read = (read.row for kind in self._plan().kinds.values() for read in kind.reads)
@@ -137,7 +134,7 @@ class Pages:
     def _settings(self, row: type[Row], plan: Plan) -> dict[str, Any]:
         """Return the schemas of what the column `settings` holds, by the row's name."""
         if row is CapabilityRow:
-            return {name: _schema(kind.settings) for name, kind in plan.kinds.items()}
+            return {name: msgspec.json.schema(kind.settings) for name, kind in plan.kinds.items()}
         if row is DeviceRow:
             return {one.name: found for one in plan.rows.devices if (found := _of_twin(one.type)) is not None}
         return {}
@@ -169,10 +166,8 @@ class Pages:
                 RowProblem(**asdict(replace(one, row=one.row.removeprefix(f"{before.robot}/")))) for one in problems
             )
             more = f"; and {len(problems) - 1} more" * (len(problems) > 1)
-            reason = f"{problems[0]}{more}"
-            return ManageReply(
-                accepted=False, reason=reason, code="bad_value", revision=revision, problems=told, touched=touched
-            )
+            refusal = self.refused(f"{problems[0]}{more}", "bad_value")
+            return replace(refusal, revision=revision, problems=told, touched=touched)
         return ManageReply(accepted=True, revision=revision, touched=touched)
 
     def _undo(self, command: UndoRows) -> ManageReply:
@@ -184,11 +179,8 @@ class Pages:
     def _changed(self, database: Database, err: forms.ChangedError) -> ManageReply:
         """Return the refusal of a change of a row that has changed meanwhile: with the author and the time."""
         at, by = database.last_change(self._plan().robot, err.table, err.key) or ("", "")
-        reason = f"{err} (by {by})" if by else str(err)
-        revision = database.revision()
-        return ManageReply(
-            accepted=False, reason=reason, code=err.code, revision=revision, changed_by=by, changed_at=at
-        )
+        refusal = self.refused(f"{err} (by {by})" if by else str(err), err.code)
+        return replace(refusal, revision=database.revision(), changed_by=by, changed_at=at)
 
     def _events(self, command: LookAtEvents) -> ManageReply:
         levels = history.LEVELS[history.LEVELS.index(command.level) :]
@@ -262,16 +254,12 @@ def _own(tables: Any, table: str, robot: str) -> list[Any]:
     return [row for row in tables.get(table, ()) if row.get(name, robot) == robot]
 
 
-def _schema(struct: type[Struct]) -> dict[str, Any]:
-    return msgspec.json.schema(struct)
-
-
 def _of_twin(device: str) -> dict[str, Any] | None:
     try:
         found = twins.find(device)
     except KindError:
         return None
-    return _schema(found.row) if found is not None else None
+    return msgspec.json.schema(found.row) if found is not None else None
 
 
 def _touched(before: Plan, new: Plan | None) -> Touched | None:
