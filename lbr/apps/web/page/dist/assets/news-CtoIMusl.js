@@ -1,1 +1,0 @@
-import{At as e,Et as t}from"./parts-i-7eQLj8.js";import{l as n}from"./index-kUM1EXQj.js";function r(r){let[i,a]=e(``);return t(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
