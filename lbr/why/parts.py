@@ -181,5 +181,5 @@ def silence(now: Snapshot, part: Part) -> Iterator[Link]:
 
 
 def update(table: str, where: str, robot: str, column: str = "enabled = 1") -> str:
-    """Return what to type to change a row: to switch it on, if nothing else is said."""
+    """Return what to type to change a row; by default, to switch it on."""
     return f"sqlite3 ~/.lbr/robot.db \"UPDATE {table} SET {column} WHERE robot = '{robot}' AND {where}\""  # noqa: S608 - told to people

@@ -9,7 +9,7 @@ ILL = frozenset({"failed", "degraded"})
 
 
 def repairs(now: Snapshot, explain: Callable[[Snapshot, str], Chain]) -> tuple[Repair, ...]:
-    """Return what to mend, the part that holds the most first; `explain` tells why one part stands still."""
+    """Return what to mend, the part that holds the most first; `explain` gives the reason of one part."""
     units = now.status.capabilities if now.status is not None else ()
     ill = {unit.name: unit for unit in units if unit.phase in ILL and unit.name in now.facts.parts}
     chains = {name: explain(now, name) for name in ill}
@@ -52,14 +52,14 @@ def _without_device(now: Snapshot, chain: Chain, code: str) -> bool:
 
 def _roots(name: str, sources: dict[str, set[str]], devices: set[str]) -> set[str]:
     """Return the parts that hold one: those without their device, and those that nothing else holds."""
-    roots, seen, left = set(), set(), [name]
-    while left:
-        part = left.pop()
+    roots, seen, ahead = set(), set(), [name]
+    while ahead:
+        part = ahead.pop()
         if part in seen:
             continue
         seen.add(part)
         if part in devices or not sources[part]:
             roots.add(part)
         else:
-            left.extend(sources[part])
+            ahead.extend(sources[part])
     return roots

@@ -46,7 +46,7 @@ Managed = Annotated[Response, {200: ManageReply, **dict.fromkeys((400, 404, 409,
 
 
 class UndoBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A change of rows, by the revision that its answer told."""
+    """A change of rows, by the revision in its answer."""
 
     revision: Annotated[int, Meta(ge=1)]
 
@@ -100,7 +100,7 @@ class Managing:
     async def _undo(self, client: Client, body: UndoBody) -> Managed:
         """Take back a change of rows that the same client made.
 
-        What others have changed since in its columns is refused with `changed`, and nothing is written.
+        If others have changed its columns since, it is refused with `changed`, and nothing is written.
         """
         return await self._ask(client, UndoRows(revision=body.revision, by=source_of(client)))
 
