@@ -82,9 +82,9 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
 
 
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A line from a process to its executive. A line with a number alone is a bare heartbeat.
+    """A line from a process to its executive. A line without phase, counts and rows is a bare heartbeat.
 
-    `number` is that of the order which started the capability. `code` classifies `reason`, by the list of codes.
+    `at` is when the loop went round, on this machine's monotonic clock. `number` is that of the order which started the capability. `code` classifies `reason`, by the list of codes.
     `learnt` are rows to write down, by table. `thread` is the kernel's number of the thread that the loop runs in.
     """
 
@@ -95,6 +95,7 @@ class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
     counts: dict[str, int] = {}
     learnt: dict[str, Raw] = {}
     thread: int = 0
+    at: float = 0.0
 
 
 class Order(Struct, frozen=True, kw_only=True, omit_defaults=True):

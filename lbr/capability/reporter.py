@@ -42,7 +42,6 @@ class Reporter:
     def __init__(self, fd: int, number: int = 0) -> None:
         self._fd = fd
         self._number = number
-        self._beat = _encode(Report(number=number))
         self._beat_at = 0.0
         self._counts_at = 0.0
         self.reported: Phase = ("", "", "")
@@ -74,9 +73,9 @@ class Reporter:
         self._beat_at = now + BEAT_S - EARLY_S
         if now >= self._counts_at:
             self._counts_at = now + COUNTS_S
-            self._write(_encode(Report(counts=counts, number=self._number)))
         else:
-            self._write(self._beat)
+            counts = {}
+        self._write(_encode(Report(counts=counts, number=self._number, at=now)))
 
     def _write(self, line: bytes) -> None:
         with contextlib.suppress(OSError):  # a full or closed pipe: the lifeline tells if the executive is gone

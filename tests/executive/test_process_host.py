@@ -101,6 +101,27 @@ def test_what_is_still_reported_of_an_earlier_start_is_nobodys(crew: Crew) -> No
     assert phases(second) == ["ready"]
 
 
+def test_processes_without_news_are_not_asked_and_every_news_is_seen_in_one_look(
+    reaper: Reaper, tmp_path: Path
+) -> None:
+    host = ProcessHost(tmp_path, reaper)
+    with closing(Crew(reaper, tmp_path / "one")) as one, closing(Crew(reaper, tmp_path / "two")) as two:
+        host.watch(one.process)
+        host.watch(two.process)
+        ann, bob = one.start("ann", 1), two.start("bob", 2)
+        host.poll()
+        assert (one.process.quiet, two.process.quiet) == (True, True)
+        one.says(1, "ready")
+        assert phases(ann) == []
+        host.poll()
+        assert (phases(ann), phases(bob)) == (["ready"], [])
+        two.popen.kill()
+        until(lambda: [host.poll(), bob.reports(), bob.returncode()][-1] == -signal.SIGKILL)
+        assert ann.returncode() is None
+        one.popen.kill()
+        until(lambda: [host.poll(), ann.reports(), ann.returncode()][-1] == -signal.SIGKILL)
+
+
 def test_who_is_asked_to_end_leaves_the_others_and_the_last_ends_with_the_process(crew: Crew) -> None:
     ann, bob = crew.start("ann", 1), crew.start("bob", 2)
     ann.terminate()

@@ -180,6 +180,17 @@ def test_a_hang_is_killed_and_told_apart_from_a_crash():
     assert [kind for kind, *_ in stage.told][-1] == "hung"
 
 
+def test_a_silence_counts_from_the_date_of_the_last_beat_however_late_that_is_read():
+    stage = Stage(unit("motors", moves=True))
+    stage.says("motors")
+    stage.now += 0.7
+    stage.processes["motors"].said.append(Report(at=stage.now - 0.65))
+    stage.supervisor.step()
+    assert ("kill", "motors") not in stage.log
+    stage.passes(0.4)
+    assert ("kill", "motors") in stage.log
+
+
 def test_what_moves_something_is_given_less_time():
     stage = Stage(unit("motors", moves=True))
     stage.says("motors")

@@ -11,6 +11,7 @@ import contextlib
 import fcntl
 import itertools
 import os
+import select
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -57,6 +58,21 @@ class ProcessHost:
         self._forks = forks
         self._numbers = itertools.count(1)
         self._processes: dict[str, Process] = {}
+        self._open: list[Process] = []
+
+    def watch(self, process: "Process") -> None:
+        """Have `poll` look at a process from now on."""
+        self._open.append(process)
+
+    def poll(self) -> None:
+        """See in one call which processes have news; the others are not asked before the next one."""
+        self._open = [process for process in self._open if not process.closed]
+        poll = select.poll()
+        for fd in {fd for process in self._open for fd in process.fds}:
+            poll.register(fd, select.POLLIN)
+        ready = {fd for fd, _ in poll.poll(0)}
+        for process in self._open:
+            process.quiet = ready.isdisjoint(process.fds)
 
     def start(self, spec: ProcessSpec, config: ProcessConfig) -> "Child":
         """Start a capability in its process; raise ValueError if its order is too large.
@@ -70,6 +86,7 @@ class ProcessHost:
         process = self._processes.get(spec.process)
         if process is None or process.over or not process.reaches(config):
             process = self._processes[spec.process] = self._begin(spec, config)
+            self.watch(process)
         return process.start(spec, config, number, order)
 
     def _begin(self, spec: ProcessSpec, config: ProcessConfig) -> "Process":
@@ -90,6 +107,8 @@ class Process:
         self.name = name
         self.culprit: Child | None = None
         """The capability that has ended the process."""
+        self.quiet = self.closed = False
+        """`quiet`: it had not ended, nor reported anything, when it was last looked at."""
         self._children: dict[int, Child] = {}
         self._override = needs_override(config.places)
         self._running = running
@@ -125,7 +144,7 @@ class Process:
 
     def code(self) -> int | None:
         """Return its exit code, or None while it runs."""
-        return self._running.poll()
+        return None if self.quiet else self._running.poll()
 
     def start(self, spec: ProcessSpec, config: ProcessConfig, number: int, order: bytes) -> "Child":
         """Order it to start a capability, and return that."""
@@ -151,7 +170,7 @@ class Process:
         """Hand every capability its reports."""
         self._rank.retry()
         self._send(b"")
-        for report in self._reports.take():
+        for report in () if self.quiet else self._reports.take():
             if (child := self._children.get(report.number)) is None:  # it was released
                 continue
             child.take(report)
@@ -174,6 +193,7 @@ class Process:
             self._signal(signal.SIGKILL)
             os.close(self._pid_fd)
             self._close()
+            self.closed = True
 
     def _end_with_all(self) -> None:
         """Ask it to end, once each of its capabilities has ended or is asked to."""

@@ -62,7 +62,8 @@ class RobotProcesses(Service):
         self._begun = begun
         self._journal = journal
         self._host = ProcessHost(home.directory("logs"), reaper, forks)
-        self.supervisor = Supervisor(self._start, journal.happened, present, learnt=learnt, at_once=machine.at_once())
+        at_once, poll = machine.at_once(), self._host.poll
+        self.supervisor = Supervisor(self._start, journal.happened, present, learnt=learnt, at_once=at_once, poll=poll)
         self._overview = Overview(self.supervisor)
         self._look_at = 0.0
 

@@ -31,9 +31,8 @@ HANG_DEGRADED_S = 4.0
 DEGRADED_PATIENCE_S = 1.5
 WAY_S = 0.02
 LOOK_AGAIN_S = 0.2
-HEARTBEATS_S = 0.08
-"""The reports of ready processes that move nothing are read together, so often; an end is noticed at once. A beat that is
-read so late is no suspicious silence yet."""
+HEARTBEATS_S = 0.1
+"""The reports of ready processes are read together, so often. Each has its date; an end is noticed at once."""
 LOAD_S, BUSY_SHARE = 3.0, 0.4
 """A process whose main thread waited for this share of the time is late with everything; a start costs others less."""
 SETTLING_S = 2.5
@@ -50,7 +49,7 @@ class Supervisor:
 
     A capability is ready for others once it is `present(name)` on the bus. `learnt(name, rows)` receives the rows that
     it has learnt, by table. `start(spec)` returns None while its router is being opened. At most `at_once` start at a
-    time; what moves, drives a device or serves does not wait for that.
+    time; what moves, drives a device or serves does not wait for that. `poll()` sees which processes have news.
     """
 
     def __init__(
@@ -64,6 +63,7 @@ class Supervisor:
         learnt: Callable[[str, dict[str, Raw]], None] = lambda _name, _rows: None,
         at_once: int = 1000,
         look: Callable[..., Look] | None = None,
+        poll: Callable[[], None] = lambda: None,
     ) -> None:
         self.parts: dict[str, Part] = {}
         self._leaving: list[Part] = []
@@ -74,6 +74,7 @@ class Supervisor:
         self._learnt = learnt
         self._at_once = at_once
         self._look = look or starving.Looker().look
+        self._poll = poll
         self._busy = Busy()
         self._load_at = 0.0
         self._clock = clock
@@ -111,7 +112,7 @@ class Supervisor:
         for part, child in self.children():
             if child.has_reports:
                 timeout_s = 0.0
-            if part.phase == "ready" and not part.spec.moves:
+            if part.phase == "ready":
                 timeout_s = min(timeout_s, HEARTBEATS_S)
                 fds.add(child.fds[0])
             else:
@@ -142,6 +143,7 @@ class Supervisor:
     def step(self) -> float:
         """Do what is due; return the seconds until the next thing that may be due without news from a process."""
         now = self._clock()
+        self._poll()
         for part, child in self.children():
             self._listen(part, child, now)
             code = child.returncode()
@@ -219,7 +221,7 @@ class Supervisor:
 
     def _listen(self, part: Part, child: Child, now: float) -> None:
         for report in child.reports():
-            part.beat_at = now
+            part.beat_at = max(part.beat_at, min(now, report.at or now))
             if report.counts:
                 self._count(part, report.counts, now)
             if report.learnt:

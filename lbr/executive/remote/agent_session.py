@@ -79,14 +79,15 @@ class AgentSession:
         self._presence = wire.Presence(bus, found.robot, lambda _name, _alive: main.wake())
         self._token = wire.alive(bus, found.robot, keys.agent(host))
         self._links = Links(bus, ("tls", "tcp"), main.wake)
+        self._processes = ProcessHost(home.directory("logs"), reaper, forks)
         self._supervisor = Supervisor(
             self._start,
             self._happened,
             lambda name: name in self._presence.names,
             learnt=self._learnt,
             at_once=machine.at_once(),
+            poll=self._processes.poll,
         )
-        self._processes = ProcessHost(home.directory("logs"), reaper, forks)
         self._overview = Overview(self._supervisor)
         self._since = self._heard_at = time.monotonic()
         self._accepted = False
