@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from statistics import median
 
 from benchmarks import Measured, listed
 from benchmarks.instruments import browsers as launched
@@ -41,6 +42,8 @@ WHAT = {
     "loss": "50 ms and 2 % loss",
     "gaps": "50 ms and gaps of 0.5 s",
 }
+LOOKS = 300
+"""What the page shows is read when the motors stop, or after so many looks at them."""
 PROMISES = {
     f"LK{number} {link}": Promise(what=f"{what}: {how}", unit=unit)
     for link, how in WHAT.items()
@@ -48,6 +51,7 @@ PROMISES = {
         (1, "stick moved, to the motors' bytes", "ms"),
         (2, "stick held: time in which the motors turn", "%"),
         (3, "thumb lifted, to motor zero", "ms"),
+        (4, "stick held: power of the motors", "%"),
     )
 }
 
@@ -97,7 +101,9 @@ def slowed(url: str, link: str) -> Iterator[int]:
 
 
 class Drive(Stage):
-    """A page that drives over a link."""
+    """A page that drives over a link, which may leave it a part of its speed."""
+
+    moving = 0.05
 
     def drive(self, link: str, moves: int, seconds: float) -> str:
         """Move the stick, hold it, let go; return what the page showed meanwhile."""
@@ -127,14 +133,16 @@ class Drive(Stage):
                 self._again(page)
 
     def _hold(self, page: OpenPage, link: str, seconds: float) -> str:
-        turned, looks, stops, turning, shown = 0, 0, 0, True, ""
+        turned, looks, stops, turning, shown, powers = 0, 0, 0, True, "", [0.0]
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            turns = not self.trace.now().zero
+            turns = not (told := self.trace.now()).zero
+            powers.append(told.most)
             stops += turning and not turns
             turned, looks, turning = turned + turns, looks + 1, turns
-            if not turns and not shown:
+            if (not turns or looks == LOOKS) and not shown:
                 shown = " / ".join(page.page.locator("[role=status], [role=alert]").all_inner_texts())
             Bench.pass_time(0.01)
         self.results.sample(f"LK2 {link}", 100.0 * turned / looks)
+        self.results.sample(f"LK4 {link}", 100.0 * median(powers))
         return f"{stops} stops in {seconds:g} s; {' '.join(shown.split()) or 'nothing'}"

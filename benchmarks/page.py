@@ -111,6 +111,9 @@ def measure(given: argparse.Namespace) -> Measured:
 class Stage:
     """A robot, browsers that drive it, and what is measured."""
 
+    moving = MOVING
+    """The power from which a motor counts as turning after a push."""
+
     def __init__(
         self,
         robot: Robot,
@@ -268,7 +271,7 @@ class Stage:
     def _grip(self, one: OpenPage) -> None:
         for _ in range(TRIES):
             one.grip()
-            if wait_for(lambda: self.trace.now().least >= MOVING, 2.0):
+            if wait_for(lambda: self.trace.now().least >= self.moving, 2.0):
                 return
             one.release()
             self.results.repeated.append("a push of the stick: the motors did not follow")

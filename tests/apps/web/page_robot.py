@@ -145,6 +145,8 @@ class PageRobot:
         """Which page the robot says that it has; empty: it does not say."""
         self.altered: set[str] = set()
         """Files that come as others than they were built."""
+        self.link: dict[str, Any] = {}
+        """What it says of the age of what a hand drives by."""
         self.silent_s = SILENT_S
         self.period_s = 0.04
         self._pictures: dict[int, bytes] = {}
@@ -394,7 +396,7 @@ class PageRobot:
                     heard["keys"] = said["hear"]
                     self.hears.append(said["hear"])
                 if "hold" in said:
-                    await socket.send_json({"hold": self.move(viewer, said["hold"])})
+                    await socket.send_json({"hold": self.move(viewer, said["hold"])} | self.link)
                 if said.get("release"):
                     self.stopped.discard(viewer)
                     self.halt(viewer)

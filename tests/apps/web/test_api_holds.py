@@ -25,10 +25,13 @@ class Bench:
         self.now = 100.0
         self.lender = Lender(lambda: self.now)
         self.lost = False
-        self.holds = Holds(self._transport, self._keys, lambda: self.now, self._patience_s)
+        self.holds = Holds(self._transport, self._keys, lambda: self.now, self._patience_s, self._slowed)
 
     def _patience_s(self, wanted):
         return BOUNDED_S if wanted.to == "motions/play" else SILENT_S
+
+    def _slowed(self, wanted, speed):
+        return {name: value * speed for name, value in wanted.message.items()}
 
     def _transport(self, source, keys, origin):
         if self.lost:
@@ -151,6 +154,19 @@ def test_a_new_wish_after_silence_begins_again(bench):
     bench.want(hand, 2)
     assert bench.lender.moving
     assert (last(hand).n, last(hand).holds) == (2, True)
+
+
+def test_the_speed_that_the_age_of_its_words_leaves_holds_from_the_first_on_and_is_told_once(bench):
+    hand = bench.hand()
+    hand.hold(Wanted(to="drive/command", message={"power": 0.4}, n=1), bench.now, 0.5)
+    bench.run(1.0)
+    assert bench.lender.moves[0][2]["power"] == 0.2
+    hand.hold(Wanted(to="drive/command", message={"power": 0.4}, n=2), bench.now, 0.5)
+    bench.run(ROUND_S)
+    for speed in (0.5, 0.25, 0.25, 1.0, 1.0):
+        hand.keep(2, bench.now, speed)
+        bench.run(2 * ROUND_S)
+    assert [move["power"] for _, _, move in bench.lender.moves if "power" in move][-3:] == [0.2, 0.1, 0.4]
 
 
 def test_letting_go_halts_at_once(bench):

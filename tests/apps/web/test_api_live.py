@@ -15,6 +15,7 @@ from websockets.sync.client import connect
 from lbr.apps.http import serving
 from lbr.apps.web import viewing
 from lbr.apps.web.api import live
+from lbr.apps.web.api.link_age import FULL_S
 from lbr.apps.web.page import files
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import Event
@@ -251,6 +252,21 @@ def test_what_a_network_held_back_begins_nothing(served, age_ms, held):
         one.say(hold=FORWARD, t=t - age_ms)
         told = one.hold(n=1)
         assert (told["holds"], told["code"]) == (held, "" if held else "late")
+
+
+@pytest.mark.parametrize(("age_ms", "slowed"), [(0, False), (300, True)])
+def test_a_hand_whose_words_are_old_is_slowed_and_told_how_old_they_are(served, age_ms, slowed):
+    said, links = iter(range(1, 10_000)), []
+
+    def slows(frame):
+        one.say(hold=FORWARD | {"n": next(said)}, t=frame["t"] - age_ms)
+        links.extend([frame["link"]] if "link" in frame else [])
+        moves = [move["power"] for _, _, move in served.bus.lent.moves if "power" in move]
+        return links and moves and (moves[-1] < FORWARD["message"]["power"]) is slowed
+
+    with page(served) as one:
+        one.until(slows, HANG_S)
+    assert (links[-1]["speed"] < 1, links[-1]["age_ms"] > FULL_S * 1000) == (slowed, slowed)
 
 
 def test_rubbish_is_told_and_the_socket_goes_on(served):

@@ -152,6 +152,22 @@ def test_a_move_by_a_value_ends_with_its_page(opened, robot, how):
     assert stands(other, robot)
 
 
+@pytest.mark.parametrize("size", ["desk", "phone"])
+def test_a_slow_link_says_how_slow_it_drives_and_how_late_all_comes(opened, robot, size):
+    robot.link = {"link": {"age_ms": 310, "speed": 0.5}}
+    page = opened.page(size)
+    grip(page)
+    why = page.locator(".drive-why")
+    expect(why).to_contain_text("Slow link: half speed")
+    expect(why).to_contain_text("You see what you do 0.3 s later")
+    expect(page.locator(".drive-stick")).to_have_attribute("data-slow", "true")
+    robot.link = {"link": {"age_ms": 40, "speed": 1.0}}
+    page.mouse.move(page.viewport_size["width"] / 2, 0, steps=4)
+    expect(why).to_contain_text("You drive")
+    page.mouse.up()
+    assert stands(page, robot)
+
+
 def test_songs_are_played_and_danced_to(opened, robot):
     page = opened.page()
     shown(page)

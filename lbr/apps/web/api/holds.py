@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from math import nan
+from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -26,8 +27,6 @@ from lbr.errors import BusError
 from lbr.leases.client import LeaseClient, LeaseTarget, Transport
 from lbr.messages.codes import Reason
 
-OLDEST_S = 0.5
-"""A page answers a frame at once; on a bad line of a phone that takes a third of a second."""
 AGAIN_S = 0.1
 """A stick that is pushed against a refusal asks ten times a second at most."""
 ENDED_BY_OTHERS: frozenset[str] = frozenset(
@@ -63,11 +62,15 @@ class HoldNews(Struct, frozen=True, kw_only=True):
 
 
 class Said(Struct, frozen=True, kw_only=True):
-    """The last word of a page: what it wants, since when, and when it said so; `rests` counts how often it released."""
+    """The last word of a page: what it wants, since when, and when it said so; `rests` counts how often it released.
+
+    `speed` is the share that the age of its messages leaves.
+    """
 
     wanted: Wanted | None = None
     since: float = nan
     at: float = nan
+    speed: float = 1.0
     rests: int = 0
     gone: bool = False
 
@@ -105,16 +108,16 @@ class Hand:
         self.rests = 0
         self.refused_s = nan
 
-    def hold(self, wanted: Wanted, at: float) -> None:
-        """Want motion."""
+    def hold(self, wanted: Wanted, at: float, speed: float = 1.0) -> None:
+        """Want motion, at a share of its speed."""
         before = self.said.wanted
         since = self.said.since if before is not None and before.n == wanted.n else at
-        self.said = replace(self.said, wanted=wanted, since=since, at=at)
+        self.said = replace(self.said, wanted=wanted, since=since, at=at, speed=speed)
 
-    def keep(self, n: int, at: float) -> None:
+    def keep(self, n: int, at: float, speed: float = 1.0) -> None:
         """Go on wanting what has that number."""
         if self.said.wanted is not None and self.said.wanted.n == n:
-            self.said = replace(self.said, at=at)
+            self.said = replace(self.said, at=at, speed=speed)
 
     def release(self, *, gone: bool = False) -> None:
         """Want no motion; `gone`: never again."""
@@ -131,6 +134,7 @@ class Holds:
     - `transport`: borrows motion for a source, dated by the hand's `Origin`. Every later stop ends the motion, also a
       stop by the same source, which may have other hands.
     - `keys`: those of the held command (`motion`) and of its capability's stop (`halt`, if it has one).
+    - `slowed`: returns a wanted message with a share of its speed.
     - `patience_s`: how long a page may be silent during a motion, which begins by a message of the last `SILENT_S`.
     """
 
@@ -140,7 +144,9 @@ class Holds:
         keys: Callable[[Wanted], Mapping[str, str]],
         clock: Callable[[], float] = time.monotonic,
         patience_s: Callable[[Wanted], float] = lambda _wanted: SILENT_S,
+        slowed: Callable[[Wanted, float], Mapping[str, Any]] = lambda wanted, _speed: wanted.message,
     ) -> None:
+        self._slowed = slowed
         self._patience_s = patience_s
         self._transport = transport
         self._keys = keys
@@ -224,13 +230,14 @@ class Holds:
             keys = self._keys(wanted)
             target = LeaseTarget("motion", halt="halt" if "halt" in keys else "")
             with self._bus_of(hand):
+                message = self._slowed(wanted, hand.said.speed)
                 origin = Origin(f"a hand of {hand.source}", hand.said.since)
-                hand.lease = LeaseClient(self._transport(hand.source, keys, origin), target, wanted.message)
+                hand.lease = LeaseClient(self._transport(hand.source, keys, origin), target, message)
 
     def _keep(self, hand: Hand, lease: LeaseClient, wanted: Wanted) -> None:
         hand.wanted = wanted
         with self._bus_of(hand):
-            lease.keep(wanted.message)
+            lease.keep(self._slowed(wanted, hand.said.speed))
         if hand.lease is not None and lease.holds:
             self._tell(hand, HoldNews(n=wanted.n, holds=True))
 

@@ -7,6 +7,7 @@ A task of its own reads the page's messages, so that one that reads slowly can s
 import asyncio
 from collections import deque
 from contextlib import suppress
+from math import isnan
 from typing import Protocol
 
 import msgspec
@@ -18,7 +19,8 @@ from lbr.apps.http.rates import Bucket
 from lbr.apps.http.turns import Turns
 from lbr.apps.web.api.catalog import EVENT
 from lbr.apps.web.api.feeds import KEPT_S, Feeds
-from lbr.apps.web.api.holds import OLDEST_S, Hand, HoldNews
+from lbr.apps.web.api.holds import Hand, HoldNews
+from lbr.apps.web.api.link_age import OLDEST_S, LinkAge, LinkNews
 from lbr.apps.web.api.page_message import USUAL_HZ, PageMessage, Rubbish, Wanted, parse
 from lbr.apps.web.api.requests import source_of
 from lbr.apps.web.api.service import NO_BUS, Api
@@ -36,6 +38,10 @@ MOST_NEWS = 16
 PULSE_S = 0.2
 """A page gets a frame this often at least, for the time that it quotes: older than `OLDEST_S` it would begin
 nothing."""
+HELD_PULSE_S = 0.05
+"""While its hand is on, the time that it quotes waits no longer for a frame."""
+LINK_S = 0.5
+"""A page hears the age of what it drives by this often, and at once when its speed changes."""
 LOOK_S = 1.0
 _encode = msgspec.json.Encoder().encode
 
@@ -129,6 +135,9 @@ class _Viewer:
         self._frame_s = 0.0
         self._hand = Hand(source_of(client), api.may(client), self._tell_from_loop)
         self._has_hand = False
+        self._age = LinkAge(PULSE_S)
+        self._link: LinkNews | None = None
+        self._link_s = 0.0
         self._often = Bucket(SAID_HZ, self._loop.time(), SAID_AT_ONCE)
 
     async def hear_out(self, receive: Receive) -> str:
@@ -150,7 +159,7 @@ class _Viewer:
         parts = [part for part in (self._streams(now), self._events()) if part]
         if self._news:
             parts.append(self._news.popleft())
-        if not parts and now - self._frame_s < PULSE_S:
+        if not parts and now - self._frame_s < (HELD_PULSE_S if self._hand.said.wanted is not None else PULSE_S):
             return ""
         self._frame_s = now
         return b"".join((b'{"t":%d' % int(now * 1000), *(b"," + part for part in parts), b"}")).decode()
@@ -196,8 +205,11 @@ class _Viewer:
     def _move(self, message: PageMessage) -> None:
         now = self._api.now()
         late = message.t is not UNSET and not 0.0 <= now - message.t / 1000 <= OLDEST_S
+        if message.t is not UNSET and (message.hold is not UNSET or message.keep is not UNSET):
+            self._age.note(now - message.t / 1000, now)
         if message.release is True:
             self._hand.release()
+            self._age, self._link = LinkAge(PULSE_S), None
         elif message.hold is not UNSET and late:
             self._hand.release()
             text = f"this came more than {OLDEST_S:g} s after it was said, or quotes no time of this server's"
@@ -205,17 +217,28 @@ class _Viewer:
         elif message.hold is not UNSET:
             self._hold(message.hold, now)
         elif message.keep is not UNSET and not late:
-            self._hand.keep(message.keep, now)
+            self._hand.keep(message.keep, now, self._age.share)
+            self._tell_link(now)
             return
         else:
             return
         self._api.wake()
 
     def _hold(self, wanted: Wanted, now: float) -> None:
-        self._hand.hold(wanted, now)
+        self._hand.hold(wanted, now, self._age.share)
+        self._tell_link(now)
         if not self._has_hand:
             self._has_hand = True
             self._api.holds.add(self._hand)
+
+    def _tell_link(self, now: float) -> None:
+        """Tell the page how old what it drives by is, and what that leaves of its speed."""
+        if isnan(self._age.age_s):
+            return
+        news, before = self._age.news, self._link
+        if before is None or news.speed != before.speed or (news != before and now - self._link_s >= LINK_S):
+            self._link, self._link_s = news, now
+            self._tell(b'"link":' + _encode(news))
 
     def _want(self) -> None:
         """Hear what was asked for, as far as it is there."""

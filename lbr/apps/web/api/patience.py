@@ -22,7 +22,7 @@ _END_BY_THEMSELVES = frozenset(message.__name__ for message in (PlayCommand, Tur
 
 def silent_s(command: CommandDescription | None, message: Mapping[str, Any]) -> float:
     """Return for how long a page may say nothing while a command of its goes on: longer where that ends by itself."""
-    name = _type_of(command.schema) if command is not None else ""
+    name = type_of(command.schema) if command is not None else ""
     if name == DriveCommand.__name__:
         bounded = any(message.get(bound) for bound in ("distance_cm", "range_cm", "interval_s"))
     elif name == JointsCommand.__name__:
@@ -32,7 +32,7 @@ def silent_s(command: CommandDescription | None, message: Mapping[str, Any]) -> 
     return BOUNDED_S if bounded else SILENT_S
 
 
-def _type_of(schema: Schema) -> str:
+def type_of(schema: Schema) -> str:
     """Return the name of the message that a schema is of."""
     title, ref = schema.get("title"), schema.get("$ref")
     return str(title or str(ref or "").rpartition("/")[2])

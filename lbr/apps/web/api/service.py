@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import msgspec
 
@@ -11,6 +11,7 @@ from lbr.apps.web.api.catalog import EVENT, STATUS, Catalog
 from lbr.apps.web.api.feeds import Feeds
 from lbr.apps.web.api.handover import Handover
 from lbr.apps.web.api.holds import Holds
+from lbr.apps.web.api.link_age import slowed
 from lbr.apps.web.api.managing import Managing
 from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.patience import silent_s
@@ -61,7 +62,7 @@ class Api:
         self._stops = Stops()
         self.known: Catalog | None = None
         self.feeds = Feeds(bus, self._key, robot.ctx.name, robot.now) if bus is not None else None
-        self.holds = Holds(self._transport, self._keys_of, robot.now, self._silent_s)
+        self.holds = Holds(self._transport, self._keys_of, robot.now, self._silent_s, self._slowed)
 
     def routes(self) -> list[Route]:
         """Return what is answered."""
@@ -168,6 +169,10 @@ class Api:
     def _silent_s(self, wanted: Wanted) -> float:
         command = self.known.commands.get(wanted.to) if self.known is not None else None
         return silent_s(command, wanted.message)
+
+    def _slowed(self, wanted: Wanted, speed: float) -> Mapping[str, Any]:
+        command = self.known.commands.get(wanted.to) if self.known is not None else None
+        return slowed(command, wanted.message, speed)
 
     def _keys_of(self, wanted: Wanted) -> Mapping[str, str]:
         stop = f"{wanted.capability}/{STOP}"

@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals";
 import { told } from "./access";
 import { OLD, outdated } from "./build";
-import { heardTime, link, onHold, onLink, send, silentMs, type HoldNews } from "./live";
+import { heardTime, link, onHold, onLink, pace, send, silentMs, type HoldNews } from "./live";
 import { notice } from "./notices";
 import { t } from "./words";
 
@@ -122,6 +122,7 @@ function release(): void {
   active = over = once = asleep = false;
   beatAt = 0;
   if (begun) send({ release: true });
+  pace.value = null;
   begun = false;
   wanted = told_ = "";
   toldAt = changedAt = 0;

@@ -9,9 +9,13 @@ import { look, robot } from "./robot";
 
 export type Link = "connecting" | "open" | "quiet" | "lost" | "hidden";
 export interface Sample<T> { message: T; at: number; ageMs(): number; stale(ms?: number): boolean }
+/** How old what is driven by is, there and back, and the share of the speed that the robot's server leaves it. */
+export interface Pace { age_ms: number; speed: number }
 export interface HoldNews { n: number; holds: boolean; code: string; reason: string; holder: string }
 
 export const link = signal<Link>("connecting");
+/** Told while a hand is on. */
+export const pace = signal<Pace | null>(null);
 export const status = signal<Status | null>(null);
 export const events = signal<(Event & { id: number })[]>([]);
 /** Performance time, four times a second, for what shows ages. */
@@ -142,7 +146,7 @@ export function disconnect(): void {
   onLink.forEach((fn) => fn(false));
 }
 
-interface Told { t?: number; page?: string; error?: { code: string; reason: string }; streams?: Record<string, { age_ms: number; message: unknown }>; events?: Event[]; hold?: HoldNews }
+interface Told { t?: number; page?: string; error?: { code: string; reason: string }; streams?: Record<string, { age_ms: number; message: unknown }>; events?: Event[]; hold?: HoldNews; link?: Pace }
 
 function hear(text: string): void {
   let told: Told;
@@ -168,6 +172,7 @@ function hear(text: string): void {
     told.events.forEach((event) => onEvent.forEach((fn) => fn(event)));
     events.value = [...fresh.reverse(), ...events.value].slice(0, MOST_EVENTS);
   }
+  if (told.link) pace.value = told.link;
   if (told.hold) onHold.forEach((fn) => fn(told.hold!));
 }
 

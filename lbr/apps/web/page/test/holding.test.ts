@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { compare, noteBuild, outdated, unsaved } from "../src/build";
 import { holding } from "../src/holding";
-import { connect, disconnect, link, status } from "../src/live";
+import { connect, disconnect, link, pace, status } from "../src/live";
 
 const TO = "drive/command";
 let socket: Socket;
@@ -161,6 +161,16 @@ test("a cut line takes the hand off, and a new one moves nothing by itself", () 
   next.tell({});
   pass(1000);
   assert.deepEqual(next.said.filter((one) => "hold" in one || "keep" in one), []);
+});
+
+test("how old what is driven by is, and what that leaves of the speed, is known while the hand is on", () => {
+  holding.move(TO, { power: 0.3 });
+  socket.tell({ link: { age_ms: 310, speed: 0.5 } });
+  assert.deepEqual(pace.value, { age_ms: 310, speed: 0.5 });
+  live(500);
+  assert.equal(pace.value?.speed, 0.5);
+  holding.release();
+  assert.equal(pace.value, null);
 });
 
 test("a refusal ends it until the hand has rested, and says who has it", () => {

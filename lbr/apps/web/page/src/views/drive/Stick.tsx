@@ -1,6 +1,7 @@
 // The joystick: a round field for one thumb. Who lifts the thumb, loses the page or the window, drives no more.
 import { useEffect, useRef } from "preact/hooks";
 import { may, role } from "../../robot";
+import { pace } from "../../live";
 import { DEAD } from "../../stick";
 import { t } from "../../words";
 import { hand, push, refused, sideways } from "./pilot";
@@ -44,7 +45,7 @@ export function Stick() {
   return (
     <div
       ref={field} class="drive-stick" role="application" aria-label={allowed ? t(sideways() ? "drive.stick.aside" : "drive.stick") : t("drive.stick.view", { role: t(`role.${role.value ?? "view"}`) })}
-      aria-disabled={!allowed} tabIndex={0} data-active={way > DEAD || undefined} data-refused={refused.value || undefined}
+      aria-disabled={!allowed} tabIndex={0} data-active={way > DEAD || undefined} data-refused={refused.value || undefined} data-slow={(pace.value?.speed ?? 1) < 1 || undefined}
       onPointerDown={(event) => {
         if (!allowed || finger.current !== null || (event.pointerType === "mouse" && event.button !== 0)) return;
         finger.current = event.pointerId;

@@ -4,10 +4,10 @@ import { useState } from "preact/hooks";
 import { told } from "../../access";
 import { Mend } from "../../mend";
 import { notices } from "../../notices";
-import { plain } from "../../format";
+import { number, percent, plain } from "../../format";
 import { named } from "../../handover";
 import { holding } from "../../holding";
-import { clock, useStream } from "../../live";
+import { clock, pace, useStream, type Pace } from "../../live";
 import type { DriveState } from "../../messages";
 import { useNews } from "../../news";
 import { Button, Icon, Stale, type IconName } from "../../parts";
@@ -70,7 +70,7 @@ function said(drive: DriveState | null, fresh: boolean): Line {
     case "limited":
       return { tone: "warn", icon: "warn", head: t("drive.limited", { by: plain(drive!.limited_by!) }), text: drive!.reason };
     case "mine":
-      return { tone: "good", icon: "drive", head: t("drive.you"), text: drive?.goal ?? "" };
+      return slow(pace.value) ?? { tone: "good", icon: "drive", head: t("drive.you"), text: drive?.goal ?? "" };
     case "other":
       return { tone: "calm", icon: "person", head: t("drive.holder", { holder: named(drive!.holder ?? "?") }), text: drive!.goal ?? drive!.reason, code: "held" };
     case "ended": {
@@ -85,6 +85,12 @@ function said(drive: DriveState | null, fresh: boolean): Line {
     default:
       return rest(drive, fresh);
   }
+}
+
+/** That the link is slow, what that leaves of the speed, and why. */
+function slow(told: Pace | null): Line | null {
+  if (!told || told.speed >= 1) return null;
+  return { tone: "warn", icon: "link", head: t("drive.slow", { speed: told.speed === 0.5 ? t("drive.slow.half") : percent(told.speed) }), text: t("drive.slow.age", { age: number(told.age_ms / 1000, 1) }) };
 }
 
 const heldBy = (holder: string | null | undefined): string => (holder ? t("drive.holder", { holder: named(holder) }) : t("code.held"));
