@@ -74,12 +74,12 @@ def share(age_s: float) -> float:
     return 1.0 if age_s <= FULL_S else FULL_S / age_s
 
 
-def slowed(command: CommandDescription | None, message: Mapping[str, Any], left: float) -> Mapping[str, Any]:
+def slowed(command: CommandDescription | None, message: Mapping[str, Any], speed: float) -> Mapping[str, Any]:
     """Return a stick's message with a share of its speed; what ends by itself is as it was."""
     names = _SPEEDS.get(type_of(command.schema), ()) if command is not None else ()
-    if left >= 1.0 or silent_s(command, message) > SILENT_S:
+    if speed >= 1.0 or silent_s(command, message) > SILENT_S:
         return message
-    return {name: value * left if name in names and _is_number(value) else value for name, value in message.items()}
+    return {name: value * speed if name in names and _is_number(value) else value for name, value in message.items()}
 
 
 def _is_number(value: object) -> bool:
