@@ -1,1 +1,0 @@
-import{At as e,Et as t}from"./parts-Bj1GUPPy.js";import{l as n}from"./index-Dv9r-hJA.js";function r(r){let[i,a]=e(``);return t(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
