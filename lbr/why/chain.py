@@ -120,7 +120,7 @@ def _links(now: Snapshot, walk: Walk, part: str) -> Iterator[Link]:
 def _whole(now: Snapshot, walk: Walk) -> Iterator[Link]:
     """Yield the links of all that moves."""
     parts = now.facts.parts.values()
-    movers = [one for one in parts if one.moves and one.enabled and one.family == "operation"]
+    movers = [one for one in parts if one.moves and one.enabled and one.runs and one.family == "operation"]
     for mover in movers or [one for one in parts if one.moves and one.enabled]:
         yield from (_away_from_dock(now.facts, link) for link in walk.of(mover.name))
 

@@ -75,6 +75,15 @@ def test_a_profile_may_name_another_address_for_a_device(rows):
     assert planned(rows, profile).units["motors"].config.devices[0].address == "/dev/ttyACM1"
 
 
+def test_a_profile_may_have_capabilities_share_other_processes_than_their_rows(rows):
+    small = planned(rows, load("lbr-small"))
+    assert small.units["imu"].process == small.units["ranges"].process == "sensors"
+    assert small.units["motors"].process == planned(rows, REAL).units["motors"].process == "base"
+    text = "\n".join(problems(rows, Profile(robot="lbr", processes={"web": "base", "wing": "sensors"})))
+    assert "there is no capability 'wing'" in text
+    assert "'web'" in text
+
+
 def kept_by_attitude(rows, profile):
     found = planned(rows, profile).units["attitude"].config.rows[CalibrationValue.TABLE].rows
     return values(msgspec.json.decode(found, type=list[CalibrationValue]))

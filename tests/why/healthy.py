@@ -42,9 +42,9 @@ def robot_rows(folder: Path) -> dict[str, RobotRows]:
         return {name: database.load(name) for name in database.robots()}
 
 
-def facts_of(rows: RobotRows) -> Facts:
-    """Return what rows say, which must be good."""
-    plan, problems = planner.make(rows, Profile(robot=rows.robot.name, simulate=True), SITE)
+def facts_of(rows: RobotRows, without: tuple[str, ...] = ()) -> Facts:
+    """Return what rows say, which must be good, under a profile without these capabilities."""
+    plan, problems = planner.make(rows, Profile(robot=rows.robot.name, simulate=True, without=without), SITE)
     assert plan is not None, problems
     return facts(plan, f"{rows.robot.name}-sim")
 

@@ -341,6 +341,12 @@ def test_a_part_that_is_missing_in_the_rows_is_told_with_what_may_be_meant(robot
     assert err.value.code == "unknown_name"
 
 
+def test_what_the_profile_leaves_out_is_told_who_asks_for_it_alone(all_rows):
+    now = healthy.snapshot(healthy.facts_of(all_rows["lbr"], without=("beacon", "dance")))
+    assert explain(now).state == "ok"
+    assert told(now, "beacon") == ("row", "beacon", "off")
+
+
 @pytest.mark.parametrize("word", ["t", "/t/30", "/twist/0.1/0/0"])
 def test_a_word_of_the_console_is_explained_by_what_it_asks(robots, word):
     now = with_said(robots["lbr"], "drive/state", holder="page", code="held", reason="page drives")

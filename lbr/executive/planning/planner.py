@@ -64,7 +64,11 @@ def make(
     problems += check_verbs(rows, kinds, settings)
     problems += words.faults(kinds.values())
     problems += _check_tables(rows, kinds)
-    chosen = [row for row in rows.capabilities if row.name in kinds and _runs(row, kinds[row.name], profile)]
+    chosen = [
+        replace(row, process=profile.processes.get(row.name, row.process))
+        for row in rows.capabilities
+        if row.name in kinds and _runs(row, kinds[row.name], profile)
+    ]
     problems += check_devices(rows, chosen, kinds, settings)
     problems += check_device_settings(rows, kinds, simulated=profile.simulate)
     problems += _check_profile(rows, profile)
@@ -197,12 +201,15 @@ def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Proble
 def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:
     names, devices = rows.names("capability"), rows.names("device")
     there_are = f"(there is: {', '.join(sorted(devices))})"
-    bad_names = sorted({*(profile.only or ()), *profile.without} - names)
+    bad_names = sorted({*(profile.only or ()), *profile.without, *profile.processes} - names)
     bad_devices = [
         (field, name) for field in ("devices", "calibration") for name in sorted({*getattr(profile, field)} - devices)
     ]
     return [
-        *(Problem("profile", profile.robot, "only/without", f"there is no capability '{name}'") for name in bad_names),
+        *(
+            Problem("profile", profile.robot, "only/without/processes", f"there is no capability '{name}'")
+            for name in bad_names
+        ),
         *(
             Problem("profile", profile.robot, field, f"there is no device row '{name}' {there_are}")
             for field, name in bad_devices

@@ -23,6 +23,8 @@ LARGEST_BYTES = 1_000_000
 class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A launch profile. `only` and `without` name capabilities; `devices` replaces addresses; `listen` opens the bus.
 
+    `processes` names the process of a capability, in place of its row's.
+
     `calibration` holds the values of devices that have no row of that table, such as those that a simulated world made.
 
     `hosts` says which capabilities another machine runs, by that host's name; `plugged_in_elsewhere` which of them own
@@ -34,6 +36,7 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     simulate: bool = False
     only: tuple[str, ...] | None = None
     without: tuple[str, ...] = ()
+    processes: dict[str, str] = {}
     devices: dict[str, str] = {}
     calibration: dict[str, dict[str, float]] = {}
     listen: tuple[str, ...] = ()
@@ -45,7 +48,7 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         return next((host for host, names in self.hosts.items() if name in names), "")
 
 
-_KEYED: dict[str, Any] = {"devices": str, "calibration": dict[str, float], "hosts": tuple[str, ...]}
+_KEYED: dict[str, Any] = {"processes": str, "devices": str, "calibration": dict[str, float], "hosts": tuple[str, ...]}
 """Fields whose keys are names, and what is at each."""
 
 
