@@ -40,18 +40,18 @@ class Rights(Struct, frozen=True, kw_only=True):
     watch: tuple[str, ...] = ()
     trusted: bool = False
 
-    def and_of(self, other: "Rights") -> "Rights":
-        """Return what one may who has these and the other's: nothing is taken back that one of the two has."""
+    def and_of(self, more: "Rights") -> "Rights":
+        """Return the rights of both together: a right that one of the two has stays."""
         return Rights(
-            put=_either(self.put, other.put),
-            never_put=tuple(key for key in self.never_put if key in other.never_put),
-            ask=_either(self.ask, other.ask),
-            serve=_either(self.serve, other.serve),
-            hear=_either(self.hear, other.hear),
-            never_hear=tuple(key for key in self.never_hear if key in other.never_hear),
-            alive=_either(self.alive, other.alive),
-            watch=_either(self.watch, other.watch),
-            trusted=self.trusted or other.trusted,
+            put=_either(self.put, more.put),
+            never_put=tuple(key for key in self.never_put if key in more.never_put),
+            ask=_either(self.ask, more.ask),
+            serve=_either(self.serve, more.serve),
+            hear=_either(self.hear, more.hear),
+            never_hear=tuple(key for key in self.never_hear if key in more.never_hear),
+            alive=_either(self.alive, more.alive),
+            watch=_either(self.watch, more.watch),
+            trusted=self.trusted or more.trusted,
         )
 
 
@@ -137,22 +137,22 @@ def control(robot: str, users: Mapping[str, Rights], links: Mapping[str, Rights]
 
 
 def _rules(label: str, rights: Rights, all_keys: tuple[str, ...]) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = []
+    rules: list[dict[str, Any]] = []
     if rights.never_put:
-        found.append(_rule(f"{label}: never", ("ingress",), _IN["put"], rights.never_put, permission="deny"))
+        rules.append(_rule(f"{label}: never", ("ingress",), _IN["put"], rights.never_put, permission="deny"))
     if rights.never_hear:
-        found.append(_rule(f"{label}: unheard", ("egress",), _IN["put"], rights.never_hear, permission="deny"))
+        rules.append(_rule(f"{label}: unheard", ("egress",), _IN["put"], rights.never_hear, permission="deny"))
     if rights.trusted:
-        return [*found, _rule(f"{label}: all", ("ingress", "egress"), _EVERYTHING, all_keys)]
-    found += [
+        return [*rules, _rule(f"{label}: all", ("ingress", "egress"), _EVERYTHING, all_keys)]
+    rules += [
         _rule(f"{label}: {what}", ("ingress",), messages, allowed)
         for what, messages in _IN.items()
         if (allowed := getattr(rights, what))
     ]
     given = tuple(dict.fromkeys((*rights.hear, *rights.ask, *rights.watch)))
     if given:
-        found.append(_rule(f"{label}: given", ("egress",), _GIVEN, given))
-    return [*found, _rule(f"{label}: told", ("egress",), _ANNOUNCED, all_keys)]
+        rules.append(_rule(f"{label}: given", ("egress",), _GIVEN, given))
+    return [*rules, _rule(f"{label}: told", ("egress",), _ANNOUNCED, all_keys)]
 
 
 def _rule(
@@ -167,18 +167,18 @@ def _rule(
     }
 
 
-def limits(found: Limits) -> dict[str, Any]:
+def limits(bounds: Limits) -> dict[str, Any]:
     """Return Zenoh's filters for what comes in over a kind of link."""
-    common = {"link_protocols": list(found.protocols), "flows": ["ingress"]}
-    rules = [{"key_expr": key, "freq": hz} for key, hz in found.puts_hz.items()]
+    common = {"link_protocols": list(bounds.protocols), "flows": ["ingress"]}
+    rules = [{"key_expr": key, "freq": hz} for key, hz in bounds.puts_hz.items()]
     return {
         "low_pass_filter": [
             {
                 "id": "size",
                 **common,
                 "messages": ["put", "delete", "query", "reply"],
-                "key_exprs": list(found.keys),
-                "size_limit": found.bytes,
+                "key_exprs": list(bounds.keys),
+                "size_limit": bounds.bytes,
             }
         ],
         "downsampling": [{"id": "rate", **common, "messages": ["put", "delete"], "rules": rules}],

@@ -18,13 +18,13 @@ class Latest(NamedTuple):
 
 
 def ask(bus: Session, keys: Iterable[str], *, source: str, timeout_s: float) -> dict[str, Latest]:
-    """Return the newest message of each stream by its topic; what does not answer in time is left out."""
-    found: dict[str, Latest] = {}
+    """Return the newest message of each stream by its topic; streams without an answer in time are left out."""
+    newest: dict[str, Latest] = {}
     for raw in wire.ask_all(bus, keys, source=source, timeout_s=timeout_s):
-        said = stamp.read(raw.attachment)
-        age_s = (time.monotonic_ns() - said.mono_ns) / 1e9 if said and said.boot == stamp.boot_id() else None
+        sent = stamp.read(raw.attachment)
+        age_s = (time.monotonic_ns() - sent.mono_ns) / 1e9 if sent and sent.boot == stamp.boot_id() else None
         with contextlib.suppress(MalformedError):  # what a program publishes may be anything
             value = codec.decode(raw.payload)
             if isinstance(value, dict):
-                found[raw.key.partition("/")[2]] = Latest(value, age_s)
-    return found
+                newest[raw.key.partition("/")[2]] = Latest(value, age_s)
+    return newest

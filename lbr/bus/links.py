@@ -12,9 +12,9 @@ MOST_WAITING = 256
 
 
 class Coming(Struct, frozen=True):
-    """A client came (or went): from where, and its session's id."""
+    """A client connected, or left: its address, and its session's id."""
 
-    here: bool
+    connected: bool
     address: str
     session_id: str
 

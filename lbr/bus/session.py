@@ -191,18 +191,18 @@ def _connect(endpoints: Sequence[str], timeout_s: float) -> dict[str, Any]:
     }
 
 
-def _open(settings: dict[str, Any], what: str) -> Session:
+def _open(settings: dict[str, Any], subject: str) -> Session:
     if _opened_by - {os.getpid()}:
         raise BusError(FORKED)
     _opened_by.add(os.getpid())
     try:
         return zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
     except zenoh.ZError as err:
-        raise BusError(f"{what}: {plain(err)}") from err
+        raise BusError(f"{subject}: {plain(err)}") from err
     except BaseException as err:
         if type(err).__name__ != PANIC:
             raise
-        raise BusError(f"{what}: the bus library does not start ({err}); free memory, or raise 'ulimit -u'") from err
+        raise BusError(f"{subject}: the bus library does not start ({err}); free memory, or raise 'ulimit -u'") from err
 
 
 def leaf_environment() -> dict[str, str]:

@@ -31,9 +31,9 @@ class SharedSession:
     def enter(self) -> Session:
         """Return a part of it."""
         self._parts += 1
-        return cast("Session", Part(self._session, self._left))
+        return cast("Session", Part(self._session, self._leave))
 
-    def _left(self) -> None:
+    def _leave(self) -> None:
         with self._lock:
             self._parts -= 1
             last = not self._parts
@@ -48,7 +48,7 @@ class Part:
 
     def __init__(self, session: Session, left: Callable[[], None]) -> None:
         self._session = session
-        self._left = left
+        self._leave = left
         self._declared: list[Any] = []
         self._look_at = LOOK_AFTER
         self._open = True
@@ -78,7 +78,7 @@ class Part:
         for one in self._declared:
             _take_back(one)
         self._declared.clear()
-        self._left()
+        self._leave()
 
     def _keep(self, declared: Any) -> Any:
         if len(self._declared) >= self._look_at:

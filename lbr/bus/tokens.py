@@ -33,12 +33,12 @@ class Token(Struct, frozen=True, kw_only=True):
 
 def parse(text: str) -> Token:
     """Return the token that a text is; raise InputError without repeating the text."""
-    found = _SHAPE.fullmatch(text.strip())
-    if found is None:
+    match = _SHAPE.fullmatch(text.strip())
+    if match is None:
         raise InputError(
             "this is not a token: tokens look like NAME.SECRET.FINGERPRINT, and 'lbr token add' prints them"
         )
-    return Token(name=found[1], secret=found[2], fingerprint=found[3])
+    return Token(name=match[1], secret=match[2], fingerprint=match[3])
 
 
 def is_one(text: str) -> bool:

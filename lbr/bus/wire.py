@@ -207,13 +207,13 @@ class PolledSubscription:
 
     def take(self) -> list[RawMessage]:
         """Return what arrived since the last call, oldest first."""
-        taken: list[RawMessage] = []
+        messages: list[RawMessage] = []
         now = time.monotonic()
         while (sample := self._received()) is not None:
             attachment = sample.attachment
             stamp = attachment.to_bytes() if attachment is not None else b""
-            taken.append(RawMessage(self._key or str(sample.key_expr), sample.payload.to_bytes(), stamp, now))
-        return taken
+            messages.append(RawMessage(self._key or str(sample.key_expr), sample.payload.to_bytes(), stamp, now))
+        return messages
 
     def close(self) -> None:
         """Stop receiving."""

@@ -102,16 +102,16 @@ class AsyncRobot:
         Raise RefusalError if it is refused, or ends otherwise than it was meant to. Cancelled, it stops what it moves.
         """
         robot = self.blocking
-        said = _apart(robot.say_kept, line, hold_s=hold_s, beat=lambda: None)  # the loop beats
+        result = _apart(robot.say_kept, line, hold_s=hold_s, beat=lambda: None)  # the loop beats
         try:
-            while not said.done():
+            while not result.done():
                 robot.operator.ear.beat()
-                await asyncio.wait([said], timeout=POLL_S)
+                await asyncio.wait([result], timeout=POLL_S)
         except asyncio.CancelledError:
-            said.add_done_callback(lambda late: late.cancelled() or late.exception())
+            result.add_done_callback(lambda late: late.cancelled() or late.exception())
             await asyncio.shield(_apart(robot.operator.release, "the program cancelled it"))
             raise
-        return said.result()
+        return result.result()
 
     def hold(self, name: str, *, at_most_s: float = AT_MOST_S, **message: Any) -> "AsyncMotion":
         """Return a motion for an `async with`: kept by a task meanwhile, for `at_most_s`, and released at the end."""
@@ -151,18 +151,18 @@ class AsyncRobot:
             with suppress(RuntimeError):  # the loop is closed: nothing reads on
                 loop.call_soon_threadsafe(came.set)
 
-        heard = wire.Subscription(robot.session, robot.key(name), wake=wake)
+        subscription = wire.Subscription(robot.session, robot.key(name), wake=wake)
         try:
             while True:
                 async with asyncio.timeout(within_s):
                     await came.wait()
                 came.clear()
-                for raw in heard.take():
+                for raw in subscription.take():
                     yield raw.payload
         except TimeoutError:
             raise BusError(f"nothing came on '{name}' for {within_s:g} s") from None
         finally:
-            heard.close()
+            subscription.close()
 
 
 class AsyncMotion:

@@ -32,8 +32,8 @@ def find(*, within_s: float = 2.0) -> list[Found]:
     A robot tells the network of itself once its page is open to it (`web`), and of its door once that has a row
     (`lan`).
     """
-    here = [Found(one.robot) for one in home.running()]
-    return here + _of_network(within_s)
+    local = [Found(one.robot) for one in home.running()]
+    return local + _of_network(within_s)
 
 
 def _of_network(within_s: float) -> list[Found]:
@@ -41,10 +41,10 @@ def _of_network(within_s: float) -> list[Found]:
         from zeroconf import ServiceBrowser, Zeroconf  # noqa: PLC0415 - an extra
     except ImportError:
         return []
-    heard: set[str] = set()
+    services: set[str] = set()
 
     def hear(name: str, **_rest: object) -> None:
-        heard.add(name)
+        services.add(name)
 
     try:
         network = Zeroconf()
@@ -53,11 +53,11 @@ def _of_network(within_s: float) -> list[Found]:
     try:
         ServiceBrowser(network, KIND, handlers=[hear])
         time.sleep(within_s)
-        infos = [network.get_service_info(KIND, name, timeout=1000) for name in sorted(heard)]
+        infos = [network.get_service_info(KIND, name, timeout=1000) for name in sorted(services)]
     finally:
         network.close()
-    here = _interfaces()
-    return [_found(info, here) for info in infos if info is not None and info.parsed_addresses()]
+    interfaces = _interfaces()
+    return [_robot_of(info, interfaces) for info in infos if info is not None and info.parsed_addresses()]
 
 
 def _interfaces() -> list[IPv4Interface | IPv6Interface]:
@@ -67,21 +67,23 @@ def _interfaces() -> list[IPv4Interface | IPv6Interface]:
     return [ip_interface(f"{one.ip if one.is_IPv4 else one.ip[0]}/{one.network_prefix}") for one in every]
 
 
-def near(addresses: list[str], here: Sequence[IPv4Interface | IPv6Interface]) -> str:
+def near(addresses: list[str], interfaces: Sequence[IPv4Interface | IPv6Interface]) -> str:
     """Return the address at which a machine is reached: the first that is in a network of ours, and not our own; else
     the first.
 
     A machine that is in several networks tells all its addresses in each of them.
     """
-    own = {one.ip for one in here}
-    found = (one for one in addresses if (ip := ip_address(one)) not in own and any(ip in one.network for one in here))
-    return next(found, addresses[0])
+    own = {interface.ip for interface in interfaces}
+    nearby = (
+        one for one in addresses if (ip := ip_address(one)) not in own and any(ip in one.network for one in interfaces)
+    )
+    return next(nearby, addresses[0])
 
 
-def _found(info: Any, here: Sequence[IPv4Interface | IPv6Interface]) -> Found:
-    said = {key.decode(): (value or b"").decode(errors="replace") for key, value in info.properties.items()}
-    host = near(info.parsed_addresses(), here)
+def _robot_of(info: Any, interfaces: Sequence[IPv4Interface | IPv6Interface]) -> Found:
+    properties = {key.decode(): (value or b"").decode(errors="replace") for key, value in info.properties.items()}
+    host = near(info.parsed_addresses(), interfaces)
     at = f"[{host}]" if ":" in host else host
-    scheme = "https" if said.get("tls") == "1" else "http"
-    door = f"tls/{at}:{said['door']}" if said.get("door", "").isdecimal() else ""
-    return Found(said.get("robot", info.name), host, door, f"{scheme}://{at}:{info.port}/")
+    scheme = "https" if properties.get("tls") == "1" else "http"
+    door = f"tls/{at}:{properties['door']}" if properties.get("door", "").isdecimal() else ""
+    return Found(properties.get("robot", info.name), host, door, f"{scheme}://{at}:{info.port}/")

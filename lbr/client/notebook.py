@@ -40,19 +40,19 @@ def show(robot: Robot, camera: str = "camera_front", *, for_s: float = 10.0) -> 
 
 
 def plot(robot: Robot, *fields: str, for_s: float = 10.0) -> dict[str, list[tuple[float, Number]]]:
-    """Plot numbers such as `drive/state.power` over time, and return their samples: seconds since the start, value."""
+    """Plot numbers such as `drive/state.power` over time; return their samples: seconds since the start, value."""
     if not fields:
         raise InputError("name what is to be plotted, such as 'drive/state.power'")
     samples: dict[str, list[tuple[float, Number]]] = {field: [] for field in fields}
     began = time.monotonic()
 
     def look() -> None:
-        for field, found in samples.items():
-            found.append((time.monotonic() - began, _number(robot, field)))
+        for field, values in samples.items():
+            values.append((time.monotonic() - began, _number(robot, field)))
 
     def draw(axes: Axes) -> None:
-        for field, found in samples.items():
-            axes.plot([t for t, _ in found], [_nan(value) for _, value in found], label=field)
+        for field, values in samples.items():
+            axes.plot([t for t, _ in values], [_nan(value) for _, value in values], label=field)
         axes.set_xlabel("s")
         axes.legend(loc="upper left")
 
@@ -98,11 +98,11 @@ def _png(figure: Figure) -> Image:
     return Image(data=drawn.getvalue(), format="png")  # type: ignore[no-untyped-call]
 
 
-def _drawn(place: DisplayHandle | None, what: object) -> DisplayHandle | None:
+def _drawn(place: DisplayHandle | None, content: object) -> DisplayHandle | None:
     if place is not None:
-        place.update(what)  # type: ignore[no-untyped-call]
+        place.update(content)  # type: ignore[no-untyped-call]
         return place
-    shown: DisplayHandle | None = display(what, display_id=True)  # type: ignore[no-untyped-call]
+    shown: DisplayHandle | None = display(content, display_id=True)  # type: ignore[no-untyped-call]
     return shown
 
 

@@ -46,16 +46,16 @@ class Picture(bytes):
 class Robot:
     """A robot that is connected to; `role` is the most that it lets us do. Use it in a `with`, from one thread."""
 
-    def __init__(self, found: target.Target, source: str) -> None:
-        self.name = found.robot
-        self.role = found.role
+    def __init__(self, place: target.Target, source: str) -> None:
+        self.name = place.robot
+        self.role = place.role
         self.source = source
-        self._by_token = found.proof is not None
-        self._running = found.running
+        self._by_token = place.proof is not None
+        self._running = place.running
         self._process = os.getpid()
-        self._session = open_client(found.endpoints, found.credentials, certificate=found.certificate)
+        self._session = open_client(place.endpoints, place.credentials, certificate=place.certificate)
         self._operator = BusOperator(
-            self._session, found.robot, source, role=found.role, proof=found.proof, listen=False
+            self._session, place.robot, source, role=place.role, proof=place.proof, listen=False
         )
         self._words: Words[Said] | None = None
         self._leave = partial(_leave, ref(self))
@@ -93,18 +93,18 @@ class Robot:
     @property
     def why_unanswered(self) -> str:
         """Return why a command that is there may not answer us; empty where nothing keeps us from it."""
-        if self._gone:
+        if self._has_restarted:
             return GONE
         # the bus says nothing when it drops what a role does not allow (docs/bus.md)
         return f"the role '{self.role}' may be too low for it" if self._by_token and self.role != "admin" else ""
 
     @property
-    def _gone(self) -> bool:
-        """Say whether the run of the robot that this is connected to is over: the next one has another password."""
+    def _has_restarted(self) -> bool:
+        """Tell whether the robot's run of this connection is over: the next one has another password."""
         return self._running is not None and self._running.pid not in {one.pid for one in home.running()}
 
-    def _told(self, why: str) -> BusError:
-        return BusError(f"{why}; {GONE}" if self._gone else why)
+    def _bus_error(self, why: str) -> BusError:
+        return BusError(f"{why}; {GONE}" if self._has_restarted else why)
 
     def key(self, name: str) -> str:
         """Return the whole key of `drive/state`, `@status` and their like."""
@@ -126,8 +126,8 @@ class Robot:
         for raw in wire.ask(self.session, self.key(name), message or None, source=self.source):
             found: Message = msgspec.json.decode(raw.payload)
             return found
-        hint = f"{why}; " if why and not self._gone else ""
-        raise self._told(f"nothing answers on '{name}'; {hint}{WHAT_THERE_IS}")
+        hint = f"{why}; " if why and not self._has_restarted else ""
+        raise self._bus_error(f"nothing answers on '{name}'; {hint}{WHAT_THERE_IS}")
 
     def stream(self, name: str, *, within_s: float = 2.0) -> Generator[Message, None, None]:
         """Yield the messages of a stream as they come, always the newest; raise BusError after a silence."""
@@ -158,7 +158,7 @@ class Robot:
                 self.operator, line, hold_s=hold_s, announce=lambda _result: None, beat=beat
             )
         except BusError as err:
-            raise self._told(str(err)) from err
+            raise self._bus_error(str(err)) from err
         if code != 0:
             said = ending or result
             raise RefusalError((ending.code if ending else result.reason_code) or "failed", said.text)
@@ -210,15 +210,15 @@ class Robot:
 
     def _payloads(self, name: str, within_s: float) -> Generator[bytes, None, None]:
         came = Event()
-        heard = wire.Subscription(self.session, self.key(name), wake=came.set)
+        subscription = wire.Subscription(self.session, self.key(name), wake=came.set)
         try:
             while came.wait(within_s):
                 came.clear()
-                for raw in heard.take():
+                for raw in subscription.take():
                     yield raw.payload
-            raise self._told(f"nothing came on '{name}' for {within_s:g} s")
+            raise self._bus_error(f"nothing came on '{name}' for {within_s:g} s")
         finally:
-            heard.close()
+            subscription.close()
 
 
 def _leave(robot: "ref[Robot]") -> None:

@@ -56,7 +56,7 @@ class Word(Generic[R]):
 
     def __init__(self, word: str, entries: list[Entry], say: Callable[[str], R]) -> None:
         self.__name__ = word
-        self.__doc__ = "\n".join(_told(entry) for entry in entries)
+        self.__doc__ = "\n".join(_described(entry) for entry in entries)
         self.__signature__ = _signature(entries)
         self._entries = entries
         self._say = say
@@ -89,7 +89,7 @@ def _text(value: Any) -> str:
     return text
 
 
-def _told(entry: Entry) -> str:
+def _described(entry: Entry) -> str:
     fields = [field for field in entry.get("fields") or [] if field.get("choices")]
     choices = "; ".join(f"{field['name']}: {_listed(field['choices'])}" for field in fields)
     if not fields and entry.get("choices"):

@@ -42,7 +42,7 @@ def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> tuple[Row,
 
 def names(rows: Iterable[Row]) -> str:
     """Return the names of these rows, for people."""
-    return ", ".join(row.told for row in rows if not row.PART_OF)
+    return ", ".join(row.full_name for row in rows if not row.PART_OF)
 
 
 def write_rows(
@@ -142,16 +142,16 @@ def _with_rows(
     for row in rows:
         key = row.TABLE, _texts(row.key)
         if key in written:
-            raise InputError(f"{row.told} is there twice")
+            raise InputError(f"{row.full_name} is there twice")
         written.add(key)
         if not row.PART_OF:
             _refuse(row, existing[row.TABLE].get(key[1]), create, parts.pop(key, ()))
             if key in changed:
-                raise InputError(f"{row.told} has changed since revision {revision}: look at it again", "changed")
+                raise InputError(f"{row.full_name} has changed since revision {revision}: look at it again", "changed")
     if parts:
         (table, whole), (part, *_) = next(iter(parts.items()))
         raise InputError(
-            f"{part.told} is a part of {table} '{'/'.join(whole)}', which this edit does not have", "bad_value"
+            f"{part.full_name} is a part of {table} '{'/'.join(whole)}', which this edit does not have", "bad_value"
         )
     after: dict[str, Sequence[RawRow]] = dict(tables)
     for table, of_table in by_table.items():
@@ -177,9 +177,9 @@ def _learnt(row: Row, robot: str, known: Mapping[RowKey, Mapping[str, Any]], sch
 def _refuse(row: Row, existing: RawRow | None, create: bool | None, parts: Sequence[Row]) -> None:
     """Raise InputError if a row may not be written."""
     if create is True and existing is not None:
-        raise InputError(f"{row.told} is there already", "exists")
+        raise InputError(f"{row.full_name} is there already", "exists")
     if (create is False or row.TABLE == ROBOT) and existing is None:
-        raise InputError(f"there is no {row.told}", "unknown_name")
+        raise InputError(f"there is no {row.full_name}", "unknown_name")
     if why := row.refusal(existing, parts):
         raise InputError(*why)
 

@@ -31,7 +31,7 @@ class Ask(Struct, Generic[M], frozen=True, kw_only=True):
     def confirms(self) -> Lease[M] | None:
         """Return the offer that it confirms. The motion must be just the offered one."""
         offer = self.quotes if self.wants == "begin" else None
-        return offer if offer is not None and offer.what == self.request.what else None
+        return offer if offer is not None and offer.content == self.request.content else None
 
     @property
     def streams(self) -> bool:
@@ -75,7 +75,7 @@ def _wants(leases: LeaseTable[M], request: LeaseRequest, lease: Lease[M] | None)
         return "offer" if request.remote else "begin"
     if lease is not leases.live:
         return "begin"
-    return "renewal" if request.what == lease.what else "change"
+    return "renewal" if request.content == lease.content else "change"
 
 
 def _behind_s(request: LeaseRequest, lease: Lease[M] | None) -> float:

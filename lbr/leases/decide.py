@@ -56,7 +56,7 @@ def _change(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
     held = leases.live
     assert held is not None
     lease = replace(_new_lease(ask, motion), id=held.id, source=held.source)
-    lease = replace(lease, said=max(held.said, lease.said))
+    lease = replace(lease, asked_s=max(held.asked_s, lease.asked_s))
     ended = Ended(lease=held, how="superseded", why=ANOTHER, held=False)
     return _keep(leases, _quoting(ask, lease), ask.now), (ended,)
 
@@ -74,7 +74,7 @@ def _begin(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
             replaced = (Ended(lease=offer, how="superseded", why=ANOTHER, held=False),)
         leases = replace(leases, offers=tuple(one for one in leases.offers if one is not offer))
     leases, ended = end(leases, "superseded", why, now, heir=source) if why else (leases, ())
-    leases = _keep(replace(leases, begun=max(leases.begun, lease.said)), lease, now)
+    leases = _keep(replace(leases, begun=max(leases.begun, lease.asked_s)), lease, now)
     leases, told = tell_holder(leases, now, took=source, lost=before.source if before else "", why=why)
     return leases, ended + replaced + told
 
@@ -97,7 +97,7 @@ def stop(leases: LeaseTable[M], event: Stop, now: float) -> Decision[M]:
     sent = min(now, event.received)  # this way round, NaN means now
     own = event.own or (leases.live is not None and leases.live.source == event.source)
     if event.whole or not own:
-        leases = replace(leases, halts=leases.halts.heard(sent, event.by or event.source))
+        leases = replace(leases, halts=leases.halts.noted(sent, event.by or event.source))
     if sent >= leases.stopped:
         leases = replace(leases, stopped=sent, stopped_by=event.source)
     leases = forget_persistent(leases, event.source)
@@ -114,7 +114,7 @@ def latch(leases: LeaseTable[M], event: EstopChanged, now: float) -> Decision[M]
     stopped = max(leases.stopped, now)
     leases = replace(leases, estop=event.engaged, estop_reason=event.reason, stopped=stopped, stopped_by="")
     by = event.by or ("the emergency stop" if event.engaged else "the emergency stop's reset")
-    leases = replace(leases, halts=leases.halts.heard(now, by))
+    leases = replace(leases, halts=leases.halts.noted(now, by))
     why = f"emergency stop: {event.reason or 'no reason given'}" if event.engaged else "the emergency stop was reset"
     return end_all(leases, "fault", Reason("estop", why), now)
 
@@ -159,10 +159,10 @@ def _new_lease(ask: Ask[M], motion: M) -> Lease[M]:
     return Lease(
         id=request.new_lease,
         source=request.source,
-        what=request.what,
+        content=request.content,
         motion=motion,
         ttl_s=ask.ttl_s,
         changed=ask.now,
-        said=ask.sent,
+        asked_s=ask.sent,
         take_over=request.take_over,
     )

@@ -48,27 +48,27 @@ def end_all(leases: LeaseTable[M], how: Ending, why: Reason, now: float) -> Deci
 
 def lapse(leases: LeaseTable[M], now: float) -> Decision[M]:
     """End what was not quoted or renewed in time; comparisons are such that NaN ends it."""
-    said: Said[M] = ()
+    messages: Said[M] = ()
     lapsed = tuple(offer for offer in leases.offers if not now < offer.expires)
     if lapsed:
         why = Reason("lapsed", f"not confirmed within {lapsed[0].ttl_s:g} s")
-        leases, said = drop_offers(leases, lapsed, "lapsed", why)
+        leases, messages = drop_offers(leases, lapsed, "lapsed", why)
     lease = leases.live
     if lease is None or now < lease.expires:
-        return leases, said
+        return leases, messages
     why = Reason("lapsed", f"it lapsed, not renewed within {lease.ttl_s:g} s")
     leases, ended = end(leases, "lapsed", why, now)
-    return leases, said + ended
+    return leases, messages + ended
 
 
 def drop_offers(leases: LeaseTable[M], offers: tuple[Lease[M], ...], how: Ending, why: Reason) -> Decision[M]:
     """Take offers back."""
-    said: Said[M] = ()
+    messages: Said[M] = ()
     for offer in offers:
-        left = tuple(one for one in leases.offers if one is not offer)
-        leases = revoke(replace(leases, offers=left), offer.id, why)
-        said = (*said, Ended(lease=offer, how=how, why=why, held=False))
-    return leases, said
+        offered = tuple(one for one in leases.offers if one is not offer)
+        leases = revoke(replace(leases, offers=offered), offer.id, why)
+        messages = (*messages, Ended(lease=offer, how=how, why=why, held=False))
+    return leases, messages
 
 
 def lose_time(leases: LeaseTable[M], why: Reason, clock: float, now: float) -> Decision[M]:
@@ -94,24 +94,24 @@ def happened(ended: Ended[M], kind: str = "") -> Happened:
 def tell_holder(
     leases: LeaseTable[M], now: float, *, took: str = "", lost: str = "", why: Reason | None = None
 ) -> Decision[M]:
-    """Report the new holder and the one before; in a flood of changes, how many were left out."""
+    """Report the new holder and the one before; in a flood of changes, the number of those not reported."""
     tally, noun = leases.tally, leases.phrasing.noun
-    refilled = tally.left + TELLINGS_PER_S * max(0.0, now - tally.at)  # this way round, NaN is no time
-    left = min(TELLINGS, refilled)
-    if left < 1.0:
-        return replace(leases, tally=Tally(left=left, at=now, untold=tally.untold + 1)), ()
+    refilled = tally.budget + TELLINGS_PER_S * max(0.0, now - tally.at)  # this way round, NaN is no time
+    budget = min(TELLINGS, refilled)
+    if budget < 1.0:
+        return replace(leases, tally=Tally(budget=budget, at=now, untold=tally.untold + 1)), ()
     text = f"{lost} lost {noun}: {why}" if not took else f"{took} took {noun}" + (f" from {lost}" if lost else "")
     if tally.untold:
         text += f" (and {tally.untold} changes of holder before that)"
     data = {"took": took, "lost": lost, "why": str(why or "")}
-    told = Happened(
+    change = Happened(
         kind="holder",
         text=text,
-        data={name: said for name, said in data.items() if said},
+        data={name: value for name, value in data.items() if value},
         code=why.code if why else "",
         about=lost or took,
     )
-    return replace(leases, tally=Tally(left=left - 1.0, at=now)), (told,)
+    return replace(leases, tally=Tally(budget=budget - 1.0, at=now)), (change,)
 
 
 def revoke(leases: LeaseTable[M], lease_id: str, why: Reason) -> LeaseTable[M]:

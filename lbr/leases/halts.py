@@ -14,8 +14,8 @@ class Halts(Struct, frozen=True, kw_only=True):
     before: float = -inf
     before_source: str = ""
 
-    def heard(self, at: float, source: str) -> "Halts":
-        """Return what is known after one more; an empty source is not one that may ask."""
+    def noted(self, at: float, source: str) -> "Halts":
+        """Return the stops with one more; an empty source is not one that may ask."""
         if source and source == self.source:
             return Halts(at=max(at, self.at), source=source, before=self.before, before_source=self.before_source)
         if at >= self.at:

@@ -84,17 +84,17 @@ class Holder:
         if self.lease is not None:
             self.lease.keep(motion)
 
-    def step(self, results: Iterable[GoalResult] = (), gone: Reason | None = None) -> Reason | None:
-        """Read the answers, and renew unless the motion's user is `gone`. Return the reason if the motion ended now."""
+    def step(self, results: Iterable[GoalResult] = (), lost: Reason | None = None) -> Reason | None:
+        """Read the answers, and renew unless the motion's user is `lost`. Return the reason if the motion ended now."""
         lease = self.lease
         if lease is None or lease.ended is not None:
             return None
         for result in results:
             lease.hear(result)
         lease.step()
-        if lease.ended is None and gone is not None:
-            lease.release(gone.text, lost=gone.code == "holder_gone")
-            return gone
+        if lease.ended is None and lost is not None:
+            lease.release(lost.text, lost=lost.code == "holder_gone")
+            return lost
         if self._renewal is None:
             lease.keep(self.motion)
         elif lease.renewal_due:

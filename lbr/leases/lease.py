@@ -34,7 +34,7 @@ class Phrasing(Struct, frozen=True, kw_only=True):
 class LeaseRequest(Struct, frozen=True, kw_only=True):
     """A command as far as leases are concerned; it was sent, or else came in, at `received`.
 
-    `what` it asks for, apart from sender, lease and lifetime; `moves` says that it is not standing still. `remote`:
+    `content`: the command apart from sender, lease and lifetime; `moves` says that it is not standing still. `remote`:
     from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: the sender waits for the
     reply. `new_lease` is for what it may begin. It may be `patience_s` old. For `waited_s` before it was sent it had
     waited at its sender, as a line does that was typed ahead. `by` asked its sender for it, if anybody did.
@@ -42,7 +42,7 @@ class LeaseRequest(Struct, frozen=True, kw_only=True):
 
     source: str
     lease: str
-    what: Hashable
+    content: Hashable
     moves: bool
     received: float
     new_lease: str
@@ -85,17 +85,17 @@ class EstopChanged(Struct, frozen=True, kw_only=True):
 class Lease(Struct, Generic[M], frozen=True, kw_only=True):
     """A live lease, what its holder asked for, and the motion that the kernel made of it.
 
-    `said` is when that was asked, `renewed` when the newest that quoted the lease was (NaN: none yet), `changed` when
+    `asked_s` is when that was asked, `renewed` when the newest that quoted the lease was (NaN: none yet), `changed` when
     it was accepted. `offset_s` is the least that a remote sender's clock was seen to be behind ours.
     """
 
     id: str
     source: str
-    what: Hashable
+    content: Hashable
     motion: M
     ttl_s: float
     changed: float
-    said: float
+    asked_s: float
     expires: float = nan
     renewed: float = nan
     offset_s: float = inf
@@ -110,9 +110,9 @@ class PersistentSender(Struct, frozen=True, kw_only=True):
 
 
 class Tally(Struct, frozen=True, kw_only=True):
-    """A budget for telling changes of holder: how many may be told now, and how many were not."""
+    """A budget for reports of a new holder: how many may be reported now, and how many were not."""
 
-    left: float = TELLINGS
+    budget: float = TELLINGS
     at: float = -inf
     untold: int = 0
 

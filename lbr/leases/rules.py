@@ -126,7 +126,7 @@ def _order(ask: Ask[M], lease: Lease[M]) -> Reason | None:
     """Refuse what quotes a lease a second time, or after something newer; standing still always counts."""
     if not ask.request.moves:
         return None
-    newest = max(lease.said, lease.renewed)  # this way round, NaN is no renewal yet
+    newest = max(lease.asked_s, lease.renewed)  # this way round, NaN is no renewal yet
     return None if ask.sent > newest else TWICE
 
 

@@ -23,7 +23,7 @@ class CalibrationValue(Row, frozen=True, kw_only=True):
     measured_at: Annotated[str, NOW, "when"]
 
     @property
-    def told(self) -> str:
+    def full_name(self) -> str:
         """Return whose it is: the many numbers of one measurement are told once."""
         return f"calibration of '{self.device}'"
 

@@ -36,7 +36,7 @@ class Motor(Row, frozen=True, kw_only=True):
     builtin: Annotated[bool, "changed here only, not from the network"] = False
 
     @property
-    def told(self) -> str:
+    def full_name(self) -> str:
         """Which servo of which layer."""
         return f"motor {self.id} of layer '{self.layer}'"
 
@@ -55,7 +55,7 @@ class Button(Row, frozen=True, kw_only=True):
     builtin: Annotated[bool, "changed here only, not from the network"] = False
 
     @property
-    def told(self) -> str:
+    def full_name(self) -> str:
         """Return which number."""
         return f"button {self.id}"
 

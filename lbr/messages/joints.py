@@ -135,14 +135,14 @@ class MotionRow(Row, frozen=True, kw_only=True):
         if why := super().refusal(before, parts):
             return why
         if (self.slot, self.slot_s, self.limp) != (None, None, False):
-            text = f"{self.told} would be in a slot: what the controller keeps is entered at the robot itself"
+            text = f"{self.full_name} would be in a slot: what the controller keeps is entered at the robot itself"
             return text, "not_possible"
         if (before or {}).get("slot") is not None:
             return (
-                f"{self.told} is in a slot, kept by the controller: its row is edited at the robot itself",
+                f"{self.full_name} is in a slot, kept by the controller: its row is edited at the robot itself",
                 "read_only",
             )
-        return None if parts else (f"{self.told} has no key frames", "bad_value")
+        return None if parts else (f"{self.full_name} has no key frames", "bad_value")
 
 
 def _joints(row: "MotionStep", others: Others) -> Iterator[Fault]:
@@ -179,7 +179,7 @@ class MotionStep(Row, frozen=True, kw_only=True):
     stable: Annotated[bool, "it stands here; a stopped motion goes on to here"] = False
 
     @property
-    def told(self) -> str:
+    def full_name(self) -> str:
         """Which key frame of which motion."""
         return f"key frame {self.step} of '{self.motion}'"
 

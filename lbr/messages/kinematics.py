@@ -157,12 +157,12 @@ def differential(track_m: float) -> Base:
         Wheel(name="left", motor="left", y_m=half, diameter_m=1.0),
         Wheel(name="right", motor="right", y_m=-half, diameter_m=1.0),
     )
-    found = _base("differential", wheels, 1.0)
+    base = _base("differential", wheels, 1.0)
     return Base(
         kind="differential",
         motors=TWO,
-        per_twist=found.per_twist,
-        per_speed=found.per_speed,
+        per_twist=base.per_twist,
+        per_speed=base.per_speed,
         diameters_m=(None, None),
         track_m=track_m,
     )
@@ -255,13 +255,13 @@ def _solved(kind: BaseKind, per_twist: Sequence[Vector]) -> tuple[Vector, ...] |
     inverse = _inverted(normal)
     if inverse is None:
         return None
-    found: list[Vector] = []
+    shares_of_motors: list[Vector] = []
     for row in per_twist:
         shares = dict(
             zip(axes, (sum(w * row[b] for w, b in zip(line, axes, strict=True)) for line in inverse), strict=True)
         )
-        found.append((shares[0], shares.get(1, 0.0), shares[2]))
-    return tuple(found)
+        shares_of_motors.append((shares[0], shares.get(1, 0.0), shares[2]))
+    return tuple(shares_of_motors)
 
 
 def _inverted(matrix: list[list[float]]) -> list[list[float]] | None:

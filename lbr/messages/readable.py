@@ -35,13 +35,13 @@ def _value(value: Any, unit: str) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, Mapping):
-        told = {name: one for name, one in value.items() if one not in EMPTY}
-        inner = (f"{name} {_value(one, unit)}" if unit else _field(name, one) for name, one in told.items())
+        filled = {name: entry for name, entry in value.items() if entry not in EMPTY}
+        inner = (f"{name} {_value(entry, unit)}" if unit else _field(name, entry) for name, entry in filled.items())
         return _bounded(f"({', '.join(inner)})", value)
     if isinstance(value, Sequence):
-        if value and all(isinstance(one, int | float) for one in value):
+        if value and all(isinstance(item, int | float) for item in value):
             return _bounded(_with(f"[{' '.join(map(_number, value))}]", unit), value)
-        return _bounded(", ".join(_value(one, unit) for one in value), value)
+        return _bounded(", ".join(_value(item, unit) for item in value), value)
     return (
         _with(_number(value), unit) if isinstance(value, int | float) and not isinstance(value, bool) else _word(value)
     )

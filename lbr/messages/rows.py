@@ -68,8 +68,8 @@ class Row(Struct, frozen=True, kw_only=True):
         return tuple(getattr(self, column) for column in self.KEY)
 
     @property
-    def told(self) -> str:
-        """Return which row it is, for people."""
+    def full_name(self) -> str:
+        """Return the row's table and key, for people."""
         return f"{self.TABLE} '{'/'.join(map(str, self.key))}'"
 
     def refusal(self, before: Mapping[str, Any] | None, parts: Sequence["Row"]) -> tuple[str, Code] | None:  # noqa: ARG002
@@ -78,7 +78,7 @@ class Row(Struct, frozen=True, kw_only=True):
         `before` are the columns that are there now, `parts` the rows of other tables that come as parts of this one.
         """
         if getattr(self, "builtin", False) or (before or {}).get("builtin", 0) != 0:
-            return f"{self.told} is built in, and stays as it is", "read_only"
+            return f"{self.full_name} is built in, and stays as it is", "read_only"
         return None
 
 
@@ -112,16 +112,16 @@ def by_table(rows: Iterable[Row]) -> dict[str, Raw]:
 
 
 def changed(before: Mapping[str, RowSet], after: Mapping[str, RowSet]) -> RowsChanged:
-    """Return what is another in the rows of tables."""
-    rows, gone = {}, {}
+    """Return the differences between the rows of tables."""
+    rows, removed = {}, {}
     for table, now in after.items():
         if before.get(table) == now:
             continue
-        old = _by_key(before[table]) if table in before else {}
-        new = _by_key(now)
-        rows[table] = msgspec.json.encode([row for key, row in new.items() if old.get(key) != row]).decode()
-        gone[table] = msgspec.json.encode([key for key in old if key not in new]).decode()
-    return RowsChanged(rows=rows, gone=gone)
+        known = _by_key(before[table]) if table in before else {}
+        present = _by_key(now)
+        rows[table] = msgspec.json.encode([row for key, row in present.items() if known.get(key) != row]).decode()
+        removed[table] = msgspec.json.encode([key for key in known if key not in present]).decode()
+    return RowsChanged(rows=rows, gone=removed)
 
 
 def changes(known: Mapping[str, RowSet], told: Mapping[str, Raw]) -> dict[str, Raw]:
@@ -132,13 +132,17 @@ def changes(known: Mapping[str, RowSet], told: Mapping[str, Raw]) -> dict[str, R
 
 def _changes(before: RowSet, rows: Raw) -> Raw:
     known = _by_key(before)
-    found = []
+    changed_rows = []
     for row in msgspec.json.decode(rows, type=list[dict[str, Any]]):
-        old = known.get(tuple(row[column] for column in before.key), {})
-        found.append(
-            {name: row[name] for name in row if name in before.key or name not in old or old[name] != row[name]}
+        known_row = known.get(tuple(row[column] for column in before.key), {})
+        changed_rows.append(
+            {
+                name: row[name]
+                for name in row
+                if name in before.key or name not in known_row or known_row[name] != row[name]
+            }
         )
-    return Raw(msgspec.json.encode(found))
+    return Raw(msgspec.json.encode(changed_rows))
 
 
 def with_rows(known: Mapping[str, RowSet], new: Mapping[str, Raw]) -> dict[str, RowSet]:
@@ -151,12 +155,12 @@ def with_rows(known: Mapping[str, RowSet], new: Mapping[str, Raw]) -> dict[str, 
     }
 
 
-def _with(before: RowSet, table: str, told: Mapping[str, list[dict[str, Any]]]) -> RowSet:
-    old = _by_key(before)
-    keyed = ((tuple(row[column] for column in before.key), row) for row in told.get(table, ()))
-    new = {key: {**old.get(key, {}), **row} for key, row in keyed}
-    wholes = {row[before.key[0]] for row in new.values()} if before.part_of in told else set()
-    rows = {key: row for key, row in old.items() if row[before.key[0]] not in wholes} | new
+def _with(before: RowSet, table: str, tables: Mapping[str, list[dict[str, Any]]]) -> RowSet:
+    known = _by_key(before)
+    keyed = ((tuple(row[column] for column in before.key), row) for row in tables.get(table, ()))
+    added = {key: {**known.get(key, {}), **row} for key, row in keyed}
+    wholes = {row[before.key[0]] for row in added.values()} if before.part_of in tables else set()
+    rows = {key: row for key, row in known.items() if row[before.key[0]] not in wholes} | added
     return msgspec.structs.replace(before, rows=Raw(msgspec.json.encode([rows[key] for key in sorted(rows)])))
 
 

@@ -35,20 +35,20 @@ def names() -> tuple[str, ...]:
 
 def every() -> tuple[Found, ...]:
     """Return all robots, lbr's own first, and those that are refused."""
-    return tuple(map(_found, plugins.every("robots")))
+    return tuple(map(_loaded, plugins.every("robots")))
 
 
 def find(name: str) -> Found | None:
     """Return the robot of a name, or why it cannot be used; None if no package declares it."""
     point = plugins.find("robots", name)
-    return _found(point) if point is not None else None
+    return _loaded(point) if point is not None else None
 
 
 def of_profile(profile: str) -> Iterator[Found]:
     """Yield the robots whose launch profile may have that name, the longest name first; others are not imported."""
     known = plugins.installed("robots")
     for name in sorted(_begin(profile), key=len, reverse=True):
-        yield _found(known[name])
+        yield _loaded(known[name])
 
 
 def profiles(robot: Robot) -> dict[str, Path]:
@@ -80,7 +80,7 @@ def old_formats() -> dict[str, OldFormat]:
 
 
 @plugins.remembered
-def _found(point: Plugin) -> Found:
+def _loaded(point: Plugin) -> Found:
     try:
         return Found(name=point.name, package=point.package, robot=_whole(point, point.load()))
     except PluginError as err:
@@ -90,7 +90,7 @@ def _found(point: Plugin) -> Found:
 def _whole(point: Plugin, declared: object) -> Robot:
     """Return a declared robot if nothing is wrong with it."""
     robot = point.checked(declared, Robot)
-    if faults := tuple(_faults(point, robot)) or tuple(_taken(point, robot)):
+    if faults := tuple(_faults(point, robot)) or tuple(_taken_names(point, robot)):
         raise PluginError(point, "; ".join(faults))
     return robot
 
@@ -125,16 +125,16 @@ def _unreadable(robot: Robot) -> Iterator[str]:
             yield f"'old_formats' has {old!r}: each is an OldFormat(name='my-program', …), of small letters, digits and dashes"
 
 
-def _taken(point: Plugin, robot: Robot) -> Iterator[str]:
+def _taken_names(point: Plugin, robot: Robot) -> Iterator[str]:
     """Yield which of its profiles a robot with a shorter name has already: `arm-left` may be that of `arm`."""
     mine = {plain(name) for name in (robot.name, *profiles(robot))}
     for name in () if point.ours else _begin(robot.name):
-        other = _found(plugins.installed("robots")[name]) if name != robot.name else None
-        if other is None or other.robot is None:
+        holder = _loaded(plugins.installed("robots")[name]) if name != robot.name else None
+        if holder is None or holder.robot is None:
             continue
-        for profile in profiles(other.robot):
+        for profile in profiles(holder.robot):
             if plain(profile) in mine:
-                yield f"robot '{name}' of package '{other.package}' has a launch profile '{profile}' already"
+                yield f"robot '{name}' of package '{holder.package}' has a launch profile '{profile}' already"
 
 
 def _begin(said: str) -> list[str]:

@@ -82,11 +82,11 @@ def plugged(
 
     `live` is called two hundred times a second to tell it what it measures; without it, it lies at rest.
     """
-    found = Plugged(Device(name, type_, f"{scheme}{folder / name}", settings or {}), live)
+    device = Plugged(Device(name, type_, f"{scheme}{folder / name}", settings or {}), live)
     try:
-        yield found
+        yield device
     finally:
-        found.close()
+        device.close()
 
 
 @dataclass

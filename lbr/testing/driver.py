@@ -69,7 +69,7 @@ class DriverBench:
         self.driver: Capability[Any] = kind.load()(self.ctx)
         self.errors: list[DeviceError] = []
         self._opened = False
-        device.drivers.append(self._left)
+        device.drivers.append(self._close_opened)
 
     def until(self, condition: Callable[[], object], what: str) -> None:
         """Step until something is so; a lost device is opened again, as by the runtime."""
@@ -130,8 +130,8 @@ class DriverBench:
         self.until(armed, "its driver is armed by a zero")
         self.until(turning, "its wheels are told to turn")
 
-    def told(self, powers: Powers = POWER) -> dict[str, Any]:
-        """Return it as JSON tells it to another process, which drives wheels with these powers."""
+    def as_json(self, powers: Powers = POWER) -> dict[str, Any]:
+        """Return the bench as JSON for another process, which drives wheels with these powers."""
         return {
             "powers": powers,
             "kind": self.kind.name,
@@ -149,7 +149,7 @@ class DriverBench:
         self._opened = False
         self.driver.close()
 
-    def _left(self) -> None:
+    def _close_opened(self) -> None:
         if self._opened:
             self.close()
 
@@ -187,7 +187,7 @@ def says_what_it_reads(bench: DriverBench) -> None:
     bench.close()
 
 
-def ends_as_often_as_it_is_told(bench: DriverBench) -> None:
+def closes_twice(bench: DriverBench) -> None:
     """It may be closed before it was opened, and twice."""
     bench.close()
     bench.works()
@@ -201,19 +201,19 @@ def names_a_device_that_is_not_there(bench: DriverBench) -> None:
     absent = Device(device.name, device.type, f"{device.address}-absent", device.settings)
     ctx = RealTimeContext(bench.kind, bench.ctx.settings, device=absent, devices=(absent,), given=bench.ctx.given)
     driver = bench.kind.load()(ctx)
-    end, said = time.monotonic() + WITHIN_S, ""
+    end, reported = time.monotonic() + WITHIN_S, ""
     try:
         driver.open()
-        while not said and time.monotonic() < end:
+        while not reported and time.monotonic() < end:
             driver.step()
-            said = next((told for told in ctx.health if absent.name in told or absent.address in told), "")
+            reported = next((text for text in ctx.health if absent.name in text or absent.address in text), "")
             time.sleep(0.005)
     except DeviceError as err:
-        said = str(err)
+        reported = str(err)
     finally:
         driver.close()
-    assert said, f"{bench.kind.name}: a device that is not there is not missed"
-    assert absent.name in said or absent.address in said, f"it does not say which device: {said}"
+    assert reported, f"{bench.kind.name}: a device that is not there is not missed"
+    assert absent.name in reported or absent.address in reported, f"it does not say which device: {reported}"
 
 
 def misses_its_device_and_comes_back(bench: DriverBench) -> None:
@@ -292,7 +292,7 @@ def may_be_killed(bench: DriverBench) -> None:
     """When it is killed, wheels stop by what is left of it or by their controller; the next one has the device at
     once."""
     twin = bench.device.twin
-    process = driver_process.started(bench.told())
+    process = driver_process.started(bench.as_json())
     try:
         driver_process.wait_until_it_works(process, WITHIN_S)
         if isinstance(twin, WheelDrive):
@@ -325,7 +325,7 @@ def _finite(value: Any) -> bool:
 
 CHECKS: tuple[Callable[[DriverBench], None], ...] = (
     says_what_it_reads,
-    ends_as_often_as_it_is_told,
+    closes_twice,
     names_a_device_that_is_not_there,
     misses_its_device_and_comes_back,
     acknowledges_the_emergency_stop,

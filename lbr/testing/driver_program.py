@@ -19,25 +19,26 @@ from lbr.testing.driver_process import WORKS
 STEP_S = 0.01
 
 
-def main(said: dict[str, Any]) -> None:
-    """Run the driver, and say once that it works."""
+def main(bench_json: dict[str, Any]) -> None:
+    """Run the driver, and report once that it works."""
     bench = DriverBench(
-        registry.find(said["kind"], Path(said["home"])),
-        said["settings"],
-        elsewhere(Device(**said["device"])),
-        wired={port: tuple(names) for port, names in said["wired"].items()},
+        registry.find(bench_json["kind"], Path(bench_json["home"])),
+        bench_json["settings"],
+        elsewhere(Device(**bench_json["device"])),
+        wired={port: tuple(names) for port, names in bench_json["wired"].items()},
         given=tuple(
-            msgspec.convert(row, getattr(importlib.import_module(module), name)) for module, name, row in said["given"]
+            msgspec.convert(row, getattr(importlib.import_module(module), name))
+            for module, name, row in bench_json["given"]
         ),
     )
     turns = bench.kind.setpoints.get("setpoint") is MotorSetpoint
     bench.works()
     if turns:
-        bench.drives(said["powers"])
+        bench.drives(bench_json["powers"])
     print(WORKS, flush=True)
     while True:
         if turns:
-            bench.drive(said["powers"])
+            bench.drive(bench_json["powers"])
         bench.runs(STEP_S)
 
 

@@ -144,8 +144,8 @@ def running(profile: str = "lbr-sim", *, edits: Iterable[str] = (), home: Path |
 
 def _started(home: Path, profile: str) -> Robot:
     argv = dying_with_parent((sys.executable, "-m", "lbr.start", "run", profile, "--no-console"))
-    said = home / "stderr.txt"
-    with said.open("ab") as errors:
+    errors_file = home / "stderr.txt"
+    with errors_file.open("ab") as errors:
         popen = subprocess.Popen(
             argv,
             env=environ | {"LBR_HOME": str(home), "PYTHONUNBUFFERED": "1"},
@@ -158,9 +158,9 @@ def _started(home: Path, profile: str) -> Robot:
         assert popen.stdout is not None
         end = time.monotonic() + READY_S
         while not select.select([popen.stdout], [], [], 0.1)[0]:
-            assert time.monotonic() < end, f"not ready within {READY_S:g} s: {said.read_text()[-2000:]}"
+            assert time.monotonic() < end, f"not ready within {READY_S:g} s: {errors_file.read_text()[-2000:]}"
         line = popen.stdout.readline()
-        assert line, f"no ready line: {said.read_text()[-2000:]}"
+        assert line, f"no ready line: {errors_file.read_text()[-2000:]}"
         return Robot(home, popen, json.loads(line))
     except BaseException:  # also when the time of the test is over
         popen.kill()

@@ -209,15 +209,15 @@ def moves_nothing_when_it_opens(servos: ServosBench) -> None:
     """Before a setpoint wants it, no servo gets torque; and the driver says truly where each is."""
     servos.works()
     began = servos.shafts.at()
-    servos.until(lambda: _told(servos), "each servo's position is told")
+    servos.until(lambda: _positions_known(servos), "each servo's position is told")
     servos.steps(WATCHED_S)
     assert not any(servos.shafts.torque().values()), "a servo got torque that nobody wanted"
     assert servos.moved_rad(began) == 0.0
-    for one in servos.state.servos:
-        true = began[one.id]
-        assert one.position_rad is not None
-        assert abs(one.position_rad - true) < AT_RAD, (
-            f"servo {one.id} is at {true:.3f} rad and the driver says {one.position_rad:.3f}: driver and twin read the "
+    for servo in servos.state.servos:
+        true = began[servo.id]
+        assert servo.position_rad is not None
+        assert abs(servo.position_rad - true) < AT_RAD, (
+            f"servo {servo.id} is at {true:.3f} rad and the driver says {servo.position_rad:.3f}: driver and twin read the "
             "data sheet in two ways"
         )
 
@@ -239,7 +239,7 @@ def switches_torque_on_where_the_servos_are(servos: ServosBench) -> None:
         servos.limp()
 
 
-def goes_where_it_is_told(servos: ServosBench) -> None:
+def follows_its_goals(servos: ServosBench) -> None:
     """Goals are followed to their end, and told truly."""
     servos.energised()
     for way_rad in (0.5, -0.8):
@@ -310,13 +310,13 @@ def is_outlived_by_its_guard(servos: ServosBench) -> None:
 
     The driver runs in a process of its own, so the kind is to be installed.
     """
-    told = {"kind": servos.kind.name, "ids": servos.ids, "row": {**servos.row, "guard": True}}
+    bench_json = {"kind": servos.kind.name, "ids": servos.ids, "row": {**servos.row, "guard": True}}
     place = {
         "name": servos.device.device.name,
         "type": servos.device.device.type,
         "address": servos.device.device.address,
     }
-    argv = dying_with_parent((sys.executable, "-m", "lbr.testing.servos", json.dumps({**told, "device": place})))
+    argv = dying_with_parent((sys.executable, "-m", "lbr.testing.servos", json.dumps({**bench_json, "device": place})))
     began = servos.shafts.at()
     process = subprocess.Popen(argv, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     try:
@@ -343,7 +343,7 @@ CHECKS: tuple[Callable[[ServosBench], None], ...] = (
     *driver.CHECKS,
     moves_nothing_when_it_opens,
     switches_torque_on_where_the_servos_are,
-    goes_where_it_is_told,
+    follows_its_goals,
     stays_where_it_is_stopped,
     holds_in_an_emergency_stop,
     lets_go_of_what_nobody_moves,
@@ -353,7 +353,7 @@ CHECKS: tuple[Callable[[ServosBench], None], ...] = (
 """All of it, what every driver has to do included."""
 
 
-def _told(servos: ServosBench) -> bool:
+def _positions_known(servos: ServosBench) -> bool:
     return bool(servos.state.servos) and all(one.position_rad is not None for one in servos.state.servos)
 
 
@@ -382,19 +382,19 @@ def _let_go_in_time(servos: ServosBench, since: float, stood: Mapping[int, float
     )
 
 
-def _drive_until_killed(told: Mapping[str, Any]) -> None:
-    kind = find(told["kind"], Path("/nonexistent"))
-    shafts = Shafts(told["ids"])
-    servos = ServosBench(kind, told["row"], elsewhere(Device(**told["device"], settings={})), shafts)
+def _drive_until_killed(bench_json: Mapping[str, Any]) -> None:
+    kind = find(bench_json["kind"], Path("/nonexistent"))
+    shafts = Shafts(bench_json["ids"])
+    servos = ServosBench(kind, bench_json["row"], elsewhere(Device(**bench_json["device"], settings={})), shafts)
     servos.works()
     servos.stay()
-    servos.until(lambda: servos.state.phase == "following" and _torque_told(servos), "torque")
+    servos.until(lambda: servos.state.phase == "following" and _torque_known(servos), "torque")
     servos.turn(1.0)
     while True:
         servos.steps(WATCHED_S)
 
 
-def _torque_told(servos: ServosBench) -> bool:
+def _torque_known(servos: ServosBench) -> bool:
     return all(one.torque for one in servos.state.servos)
 
 

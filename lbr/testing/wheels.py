@@ -82,7 +82,7 @@ def _stops(bench: DriverBench, number: signal.Signals, limit_s: float, by: str) 
     """
     ways = (1.0, -1.0) if number is signal.SIGKILL else (-1.0, 1.0)
     powers = {name: POWER * ways[n % 2] for n, name in enumerate(_powers(bench, time.monotonic()))}
-    process = driver_process.started(bench.told(powers))
+    process = driver_process.started(bench.as_json(powers))
     try:
         driver_process.wait_until_it_works(process, STARTS_S)
         _wait(lambda now: all(_powers(bench, now).values()), WITHIN_S, f"{bench.kind.name}: its motors do not all turn")

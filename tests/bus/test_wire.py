@@ -420,9 +420,9 @@ def test_who_comes_and_goes_is_told_with_the_sessions_id(endpoint, router):
     with session.open_client([endpoint]) as other:
         name = str(other.zid())
         came = until(lambda: [one for one in noted.take() if one.session_id == name])
-        assert [one.here for one in came] == [True]
+        assert [one.connected for one in came] == [True]
     went = until(lambda: [one for one in noted.take() if one.session_id == name])
-    assert [one.here for one in went] == [False]
+    assert [one.connected for one in went] == [False]
     assert woken.is_set()
 
 

@@ -41,7 +41,7 @@ class Hand:
         """Decide a command; return why it is refused, or nothing."""
         self._ids += 1
         known = {"lease": "", "received": self.now, "new_lease": f"lease{self._ids}"} | more
-        request = LeaseRequest(source=source, what=what, moves=bool(what), **known)
+        request = LeaseRequest(source=source, content=what, moves=bool(what), **known)
         self._take(*ending.lapse(self.leases, self.now))
         ask = resolve(self.leases, request, self.now)
         if ask.wants == "stop":
@@ -154,7 +154,7 @@ def test_from_afar_nothing_moves_until_the_offer_is_quoted(hand):
 def test_an_offer_that_is_answered_with_something_else_is_superseded(hand):
     hand.ask(remote=True, source="page")
     hand.wait(0.05)
-    request = LeaseRequest(source="page", lease="lease1", what="clap", moves=True, received=hand.now, new_lease="x")
+    request = LeaseRequest(source="page", lease="lease1", content="clap", moves=True, received=hand.now, new_lease="x")
     assert resolve(hand.leases, request, hand.now).confirms is None
     hand.ask("clap", remote=True, source="page", lease="lease1")
     assert (hand.motion, hand.ends) == ("clap", [("wave", "superseded", False)])
@@ -265,7 +265,7 @@ def test_every_hold_that_began_ends_once_and_no_dead_lease_moves(steps):
 
 
 def test_changes_of_holder_in_a_flood_are_counted_and_not_told(hand):
-    hand.leases = replace(hand.leases, tally=replace(hand.leases.tally, left=1.0, at=hand.now))
+    hand.leases = replace(hand.leases, tally=replace(hand.leases.tally, budget=1.0, at=hand.now))
     for _ in range(3):
         hand.ask()
         hand.stop()
@@ -351,7 +351,7 @@ def test_the_last_stop_by_another_is_known_whatever_came_before(stops, asker):
     halts = Halts()
     latest = -inf
     for at, source in stops:
-        halts = halts.heard(max(latest, at), source)
+        halts = halts.noted(max(latest, at), source)
         latest = max(latest, at)
     others = []
     latest = -inf
@@ -365,7 +365,7 @@ def test_the_last_stop_by_another_is_known_whatever_came_before(stops, asker):
 def test_stops_in_any_order_are_never_taken_for_later_than_the_last(stops, asker):
     halts = Halts()
     for at, source in stops:
-        halts = halts.heard(at, source)
+        halts = halts.noted(at, source)
     assert halts.by_others(asker)[0] <= max((at for at, source in stops if source != asker), default=-inf)
 
 

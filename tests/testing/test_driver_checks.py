@@ -16,7 +16,7 @@ from lbr.testing.driver import (
     CHECKS,
     DriverBench,
     acknowledges_the_emergency_stop,
-    ends_as_often_as_it_is_told,
+    closes_twice,
     may_be_killed,
     misses_its_device_and_comes_back,
     names_a_device_that_is_not_there,
@@ -120,7 +120,7 @@ class Once(Blind):
         (Wild, publishes_no_rubbish, "Expected `float`"),
         (Blind, may_be_killed, "is its package installed"),
         (Vague, names_a_device_that_is_not_there, "which device"),
-        (Once, ends_as_often_as_it_is_told, "opened"),
+        (Once, closes_twice, "opened"),
     ],
 )
 def test_a_driver_that_is_wrong_is_found_out(entry, check, error, tmp_path, monkeypatch):

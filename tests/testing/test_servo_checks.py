@@ -58,7 +58,7 @@ def never(self, snapshot, *, released):
     ("where", "name", "wrong", "check", "said"),
     [
         (wire.Bus, "torque_on", jerks, servos.switches_torque_on_where_the_servos_are, "write where it is as its goal"),
-        (wire.Bus, "write_goals", deaf, servos.goes_where_it_is_told, "all have turned by 0.5 rad"),
+        (wire.Bus, "write_goals", deaf, servos.follows_its_goals, "all have turned by 0.5 rad"),
         (ServoTargets, "_freeze", goes_on, servos.stays_where_it_is_stopped, "went on by"),
         (wire.Bus, "torque_off", keeps, servos.lets_go_of_what_nobody_moves, "all are without torque"),
         (wire.Bus, "write_limits", deaf, servos.lets_go_of_what_nobody_moves, "torque went at once"),

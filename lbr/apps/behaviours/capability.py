@@ -142,7 +142,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 idle = "" if message.whole else "no behaviour runs"
                 text = f"{self._run.table} is stopped" if self._run is not None else idle
                 self._stopped_s = max(self._stopped_s, call.arrived)
-                self._halts = self._halts.heard(call.arrived, call.source)
+                self._halts = self._halts.noted(call.arrived, call.source)
                 self._stop(Reason("stopped", said))
                 call.reply(CommandReply(accepted=True, reason=text))
             case "run":

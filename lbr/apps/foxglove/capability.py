@@ -262,7 +262,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         active = []
         for goal in self._goals:
             with suppress(BusError):
-                goal.holder.step(gone=LOST if goal.viewer.gone else LATE if now >= goal.until_s else None)
+                goal.holder.step(lost=LOST if goal.viewer.gone else LATE if now >= goal.until_s else None)
                 if goal.holder.asks:
                     active.append(goal)
         self._goals = active

@@ -179,8 +179,8 @@ class Lan(Capability[LanSettings]):
                 self.ctx.event("login_refused", text, level="warning")
 
     def _tell_link(self, one: Coming) -> None:
-        what, did = ("login", "came in") if one.here else ("logout", "went")
-        (self._here.add if one.here else self._here.discard)(one.session_id)
+        what, did = ("login", "came in") if one.connected else ("logout", "went")
+        (self._here.add if one.connected else self._here.discard)(one.session_id)
         self.ctx.event(what, f"a client at {one.address} {did} (session {one.session_id[:8]})")
 
 

@@ -210,7 +210,7 @@ class Ros2(Capability[Ros2Settings]):
         command = self._driving.command(now, self.ctx.settings.ttl_s)
         rests = self._driving.stands if command is None else None
         # What a trajectory supersedes is one of ROS before it.
-        ended = self._holder.step([one for one in results if one.result != "superseded"], gone=rests)
+        ended = self._holder.step([one for one in results if one.result != "superseded"], lost=rests)
         if ended is not None and ended is not rests:
             if self._holder.good:
                 self._driving.finish()

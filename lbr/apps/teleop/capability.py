@@ -89,7 +89,7 @@ class Teleop(Capability[TeleopSettings]):
 
     def _drive(self, twist: Twist) -> None:
         rests = self._why if twist == REST else None
-        ended = self._holder.step(gone=rests)
+        ended = self._holder.step(lost=rests)
         if ended is not None and ended is not rests:
             self._lost(ended)
         elif rests is None:

@@ -146,7 +146,7 @@ class LiveRows(Service):
         try:
             edits.learn(self._database, self.plan.robot, rows, self._known(name), by=name)
         except LbrError as err:
-            what = ", ".join(dict.fromkeys(row.told for row in rows))
+            what = ", ".join(dict.fromkeys(row.full_name for row in rows))
             text = f"the {what} holds until the next restart only, it could not be written down: {err}"
             self._happened("learnt_lost", name, text, "error")
             return

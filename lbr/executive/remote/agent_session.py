@@ -120,7 +120,7 @@ class AgentSession:
     # -- with the executive -------------------------------------------------------------------------------------------
 
     def _converse(self, now: float) -> None:
-        if self._accepted and any(not one.here for one in self._links.take()):
+        if self._accepted and any(not one.connected for one in self._links.take()):
             self._over = f"contact with robot '{self._found.robot}' is lost"
             return
         if self._question is None and now >= self._ask_at:

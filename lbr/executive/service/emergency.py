@@ -307,7 +307,7 @@ class Emergency(Service):
 
     def _latch(self, reason: str, source: str, now: float) -> None:
         self._count += 1
-        self._halts = self._halts.heard(now, source[:80])
+        self._halts = self._halts.noted(now, source[:80])
         self._alone.clear()
         self._repeat_until = now + REPEAT_FOR_S
         if not self._engaged:

@@ -66,7 +66,7 @@ def _asked(state: State, event: Command, now: float) -> Ask[ActiveMotion]:
     request = LeaseRequest(
         source=event.source,
         lease=command.lease,
-        what=what(command),
+        content=what(command),
         moves=moves(command),
         received=event.received,
         new_lease=event.new_lease,

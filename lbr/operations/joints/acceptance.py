@@ -30,7 +30,7 @@ def asked_of(state: State, event: Command, now: float) -> Ask[Move]:
     request = LeaseRequest(
         source=event.source,
         lease=command.lease,
-        what=asked(command, event.new_goal),
+        content=asked(command, event.new_goal),
         moves=True,
         received=event.received if command.asked_s is None else min(event.received, command.asked_s),
         new_lease=event.new_lease,
@@ -43,13 +43,13 @@ def asked_of(state: State, event: Command, now: float) -> Ask[Move]:
         answerable=event.answerable,
     )
     lease = quoted(state.leases, request) if empty(command) else None
-    return resolve(state.leases, replace(request, what=lease.what) if lease is not None else request, now)
+    return resolve(state.leases, replace(request, content=lease.content) if lease is not None else request, now)
 
 
 def command_of(ask: Ask[Move]) -> JointsCommand:
     """Return the motion that is asked for."""
-    assert isinstance(ask.request.what, JointsRequest)
-    return ask.request.what.command
+    assert isinstance(ask.request.content, JointsRequest)
+    return ask.request.content.command
 
 
 def refusal(state: State, ask: Ask[Move]) -> Reason | None:

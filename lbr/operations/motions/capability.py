@@ -228,7 +228,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
 
 def _ask(call: Call, command: PlayCommand) -> LeaseRequest:
     return LeaseRequest(
-        what=(command.motion, command.times, command.speed, command.mirror),
+        content=(command.motion, command.times, command.speed, command.mirror),
         moves=True,
         lease=command.lease,
         take_over=command.take_over,

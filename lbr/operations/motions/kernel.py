@@ -202,12 +202,12 @@ def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
 def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
     """End and take back what was asked for before; the joints have stopped by themselves."""
     held = state.leases
-    earlier = tuple(offer for offer in held.offers if not offer.said > event.at)
+    earlier = tuple(offer for offer in held.offers if not offer.asked_s > event.at)
     held = replace(held, stopped=max(held.stopped, min(event.at, now)))
     held, said = ending.drop_offers(held, earlier, "stopped", event.why)
     state, outputs = _told(replace(state, leases=held), said, now)
     lease = state.lease
-    if lease is None or lease.said > event.at:
+    if lease is None or lease.asked_s > event.at:
         return state, outputs
     state, ended = _end(_with(state, replace(lease.motion, lost=event.why)), "stopped", event.why, now)
     return state, outputs + ended

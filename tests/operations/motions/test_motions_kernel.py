@@ -115,7 +115,7 @@ class Motions(RuleBasedStateMachine):
         ask = LeaseRequest(
             source=source,
             lease=quoted,
-            what=(motion, times),
+            content=(motion, times),
             moves=True,
             received=received,
             new_lease=f"lease-{number}",

@@ -69,7 +69,7 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
             super().lend(call)
             return
         ask = LeaseRequest(
-            what=command.manoeuvre,
+            content=command.manoeuvre,
             moves=True,
             lease=command.lease,
             take_over=command.take_over,
