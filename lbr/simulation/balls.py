@@ -58,7 +58,7 @@ class Balls:
         return tuple(_box(name, self._balls[name], at) for name, at in found.items() if at != _GONE)
 
     def put(self, request: BallRequest) -> str:
-        """Put a ball elsewhere, back on its path, or away, and say so; raise InputError naming those that there are."""
+        """Put a ball elsewhere, back on its path, or away, and return a sentence; InputError names the known balls."""
         if request.name not in self._balls:
             known = ", ".join(self._balls) or "none"
             raise InputError(
@@ -68,27 +68,27 @@ class Balls:
         as_it_began = all(value is None for value in given)
         if request.gone or (as_it_began and ball.gone):
             self._placed[request.name] = _GONE
-            said = f"'{request.name}' is gone"
+            text = f"'{request.name}' is gone"
         elif as_it_began:
             self._placed.pop(request.name, None)
-            said = f"'{request.name}' is back where it was"
+            text = f"'{request.name}' is back where it was"
         else:
             usual = (ball.x_m, ball.y_m, ball.z_m)
             x, y, z = (own if value is None else value for value, own in zip(given, usual, strict=True))
             self._placed[request.name] = (x, y, z)
-            said = f"'{request.name}' is at {x:.2f}, {y:.2f}, {z:.2f} m"
+            text = f"'{request.name}' is at {x:.2f}, {y:.2f}, {z:.2f} m"
         self._changed = True
-        return said
+        return text
 
     def answer(self, ctx: Context[Any], call: Call, request: BallRequest) -> None:
-        """Put a ball elsewhere as a call asks, and tell of it."""
+        """Put a ball elsewhere as a call asks, and report it."""
         try:
-            said = self.put(request)
+            text = self.put(request)
         except InputError as err:
             call.refuse(str(err), err.code)
             return
-        ctx.event("world_changed", said, code="done", about=call.source)
-        call.reply(BallReply(accepted=True, reason=said))
+        ctx.event("world_changed", text, code="done", about=call.source)
+        call.reply(BallReply(accepted=True, reason=text))
 
     def middle(self, name: str, time_s: float) -> Middle | None:
         """Return where a ball is; None if it is gone, or unknown."""

@@ -63,8 +63,8 @@ class BusTiming(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         within = (at - rhythm.phase_s) % period
         if within < busy:
             at, within = at + busy - within, busy
-        left = period - within
-        if work_s < left:
+        remaining = period - within
+        if work_s < remaining:
             return at + work_s
-        rounds, rest = divmod(work_s - left, period - busy)
-        return at + left + rounds * period + busy + rest
+        rounds, rest = divmod(work_s - remaining, period - busy)
+        return at + remaining + rounds * period + busy + rest

@@ -108,11 +108,11 @@ class World(SimulatedWorld[WorldSettings]):
             call.refuse(str(err), err.code)
             return
         self._scene, self._scene_at = engine.scene(), self.ctx.clock()
-        said = f"'{request.name}' {'stands in the world' if isinstance(request, PlaceRequest) else 'has vanished'}"
-        self.ctx.event("world_changed", said, code="done", about=call.source)
+        text = f"'{request.name}' {'stands in the world' if isinstance(request, PlaceRequest) else 'has vanished'}"
+        self.ctx.event("world_changed", text, code="done", about=call.source)
         known = {wall.name for wall in self.ctx.settings.walls}
         things = tuple(wall.name for wall in self._scene.walls if wall.solid and wall.name not in known)
-        call.reply(ThingsReply(accepted=True, reason=said, things=things))
+        call.reply(ThingsReply(accepted=True, reason=text, things=things))
 
     def _put(self, call: Call, request: BallRequest) -> None:
         _, engine, _ = self._running()

@@ -112,7 +112,7 @@ class Engine:
         self._rest(self._owed_steps())
 
     def sensed(self) -> Sensed:
-        """Return what devices can measure now."""
+        """Return the values that devices measure now."""
         per_turn = self.settings.body.counts_per_turn
         motors: dict[str, MotorSensed] = {}
         for at, wheel in enumerate(self._wheels):
@@ -154,13 +154,13 @@ class Engine:
         """Return the model, for the process that draws."""
         return packed(self._model)
 
-    def place(self, thing: WorldBox) -> None:
+    def place(self, box: WorldBox) -> None:
         """Let a thing appear with the next step, or move it if one of its name was placed; any thread may ask.
 
         Raise InputError if there is no room for it.
         """
         body = self.settings.body
-        self._placed.place(thing, (*self._place()[:2], hypot(body.length_m, body.width_m) / 2))
+        self._placed.place(box, (*self._place()[:2], hypot(body.length_m, body.width_m) / 2))
 
     def remove(self, name: str) -> None:
         """Let a thing that was placed vanish; raise InputError if the name is unknown."""

@@ -53,7 +53,7 @@ def model_xml(settings: WorldSettings, wheels: Sequence[Wheel] = (), *, rollers:
   <visual><headlight ambient="0.45 0.45 0.45" diffuse="0.5 0.5 0.5" specular="0 0 0"/><quality offsamples="0"/></visual>
   <worldbody>
     <geom name="floor" type="plane" size="50 50 0.1" group="{FLOOR}" friction="0.9 0.005 0.0001" rgba="0.74 0.68 0.6 1"/>
-{"".join(_thing(box) for box in settings.walls)}{_dock(settings.dock)}{"".join(map(_placeable, PLACEABLE))}
+{"".join(_geom(box) for box in settings.walls)}{_dock(settings.dock)}{"".join(map(_placeable, PLACEABLE))}
 {_robot(settings, wheels, rollers=rollers)}{"".join(_ball(*one) for one in settings.balls.items())}
   </worldbody>
   <actuator>{"".join(_motor(wheel.name) for wheel in wheels)}</actuator>
@@ -80,7 +80,7 @@ def axle_m(wheels: Sequence[Wheel]) -> float:
     return max(wheel.diameter_m for wheel in wheels) / 2
 
 
-def _thing(box: BoxSettings) -> str:
+def _geom(box: BoxSettings) -> str:
     half = (box.length_m / 2, box.width_m / 2, box.height_m / 2)
     size = half if box.kind == "box" else (half[0], half[2])
     group = f'group="{STANDING}"' if box.solid else f'group="{FLOOR}" contype="0" conaffinity="0"'

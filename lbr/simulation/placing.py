@@ -33,19 +33,19 @@ class Placed:
         """Say whether there is something to `apply`."""
         return self._changed
 
-    def place(self, thing: WorldBox, robot: tuple[float, float, float]) -> None:
+    def place(self, box: WorldBox, robot: tuple[float, float, float]) -> None:
         """Let a thing appear, or move it if its name is known; `robot` is where that is, and its outline's radius."""
         x, y, radius_m = robot
-        if thing.name not in self._slots and len(self._slots) == len(PLACEABLE):
+        if box.name not in self._slots and len(self._slots) == len(PLACEABLE):
             there = ", ".join(sorted(self._things))
             raise InputError(f"{len(PLACEABLE)} things are placed already ({there}); remove one of them")
-        if thing.kind != "box":
-            raise InputError(f"'{thing.name}' is a {thing.kind}; only boxes can be placed")
-        if _gap_m(thing, x, y) < radius_m:
-            raise InputError(f"'{thing.name}' would appear where the robot is ({x:.2f}, {y:.2f})")
+        if box.kind != "box":
+            raise InputError(f"'{box.name}' is a {box.kind}; only boxes can be placed")
+        if _gap_m(box, x, y) < radius_m:
+            raise InputError(f"'{box.name}' would appear where the robot is ({x:.2f}, {y:.2f})")
         free = next((slot for slot in PLACEABLE if slot not in self._slots.values()), "")
-        self._slots.setdefault(thing.name, free)
-        self._things[thing.name] = thing
+        self._slots.setdefault(box.name, free)
+        self._things[box.name] = box
         self._changed = True
 
     def remove(self, name: str) -> None:
@@ -84,9 +84,9 @@ def _set_up(thing: WorldBox) -> tuple[Triple, Quad, Triple]:
     return (thing.x_m, thing.y_m, thing.bottom_m + half[2]), turned, half
 
 
-def _gap_m(thing: WorldBox, x_m: float, y_m: float) -> float:
+def _gap_m(box: WorldBox, x_m: float, y_m: float) -> float:
     """Return how far a point on the floor is from a thing."""
-    c, s = cos(thing.yaw_rad), sin(thing.yaw_rad)
-    dx, dy = x_m - thing.x_m, y_m - thing.y_m
-    ahead, aside = abs(dx * c + dy * s) - thing.length_m / 2, abs(dy * c - dx * s) - thing.width_m / 2
+    c, s = cos(box.yaw_rad), sin(box.yaw_rad)
+    dx, dy = x_m - box.x_m, y_m - box.y_m
+    ahead, aside = abs(dx * c + dy * s) - box.length_m / 2, abs(dy * c - dx * s) - box.width_m / 2
     return hypot(max(0.0, ahead), max(0.0, aside))

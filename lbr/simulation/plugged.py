@@ -60,13 +60,13 @@ class Plugged:
         self._tell_of([device for device in self._devices if device.name not in self._by_name])
 
     def _tell_of(self, others: list[Device]) -> None:
-        """Say which of these devices have no twin, and which have one that is not where they are."""
+        """Report the devices without a twin, and those whose twin has another address."""
         stand_ins = f"/{self._ctx.robot}-devices/"
-        alone = (one for one in others if one.type not in twins.names() and stand_ins not in one.address)
-        own = [_placed(device) for device in alone]
+        alone = (row for row in others if row.type not in twins.names() and stand_ins not in row.address)
+        own = [_placed(row) for row in alone]
         if own:
             self._ctx.event("no_twin", f"without a twin, and so used at their own address: {', '.join(own)}")
-        away = [_placed(one) for one in others if one.type in twins.names() and not one.address.startswith(_LOCAL)]
+        away = [_placed(row) for row in others if row.type in twins.names() and not row.address.startswith(_LOCAL)]
         if away:
             text = f"no emulated twin for {', '.join(away)}: there are twins for addresses that are paths"
             self._ctx.warn(text, "not_possible")

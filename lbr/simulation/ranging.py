@@ -46,19 +46,19 @@ class Rangers:
 
     def again(self, step: int) -> dict[str, float | None]:
         """Return what each of them finds while nothing has moved since they looked: other noise, no rays."""
-        return {name: self._heard(name, nearest_m, step) for name, nearest_m in self._faced.items()}
+        return {name: self._measured_m(name, nearest_m, step) for name, nearest_m in self._faced.items()}
 
     def scan(self, data: Any, place: tuple[float, float, float]) -> dict[str, tuple[float | None, ...]]:
-        """Return what each scanner finds in metres along its rays; null: nothing within its reach."""
-        found = {}
+        """Return the distances of each scanner along its rays, in metres; None: nothing within its reach."""
+        scans = {}
         for sensor in self._scanners:
             hit, distance, _, _ = self._cast(data, place, sensor, sensor.max_m)
-            found[sensor.name] = tuple(
-                metres if there >= 0 else None for there, metres in zip(hit.tolist(), distance.tolist(), strict=True)
+            scans[sensor.name] = tuple(
+                metres if geom >= 0 else None for geom, metres in zip(hit.tolist(), distance.tolist(), strict=True)
             )
-        return found
+        return scans
 
-    def _heard(self, name: str, nearest_m: float | None, step: int) -> float | None:
+    def _measured_m(self, name: str, nearest_m: float | None, step: int) -> float | None:
         settings = self._settings
         normal, chance = (float(value) for value in self._noise[name].at(step))
         if nearest_m is None or (settings.dropout > 0.0 and _uniform(chance) < settings.dropout):

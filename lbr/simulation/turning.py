@@ -16,11 +16,11 @@ def moved(drive: ServoDrive, felt: ServoFelt, dt_s: float, no_load_rps: float) -
     most = min(drive.speed_rps or inf, no_load_rps)
     soft = most * _SOFT_S
     straight_s = max(0.0, (abs(way) - soft) / most)
-    left = abs(way) - most * min(dt_s, straight_s)
+    remaining = abs(way) - most * min(dt_s, straight_s)
     if dt_s > straight_s:
-        left *= exp((straight_s - dt_s) / _SOFT_S)
+        remaining *= exp((straight_s - dt_s) / _SOFT_S)
     return ServoFelt(
-        position_rad=drive.goal_rad - copysign(left, way),
-        speed_rps=copysign(min(most, left / _SOFT_S), way),
-        load=copysign(min(drive.torque, left / slope), way),
+        position_rad=drive.goal_rad - copysign(remaining, way),
+        speed_rps=copysign(min(most, remaining / _SOFT_S), way),
+        load=copysign(min(drive.torque, remaining / slope), way),
     )

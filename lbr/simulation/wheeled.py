@@ -56,9 +56,9 @@ class WheeledPhysics:
 
     def _powers(self, now: float) -> dict[str, float]:
         """Return the power of each motor."""
-        found: dict[str, float] = {}
+        powers: dict[str, float] = {}
         for pair in self._pairs:
-            found |= dict(zip(TWO, pair.wheels(now), strict=True))
+            powers |= dict(zip(TWO, pair.wheels(now), strict=True))
         for twin in self._motors:
-            found |= twin.motors(now)
-        return found
+            powers |= twin.motors(now)
+        return powers

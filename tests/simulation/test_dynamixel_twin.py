@@ -51,7 +51,7 @@ class Bench:
             timing=timing or BusTiming(),
             faults=DynamixelFaults(**faults),
             seed=3,
-            heard=lambda instruction, at: self.heard.append((instruction, at)),
+            on_instruction=lambda instruction, at: self.heard.append((instruction, at)),
         )
 
     def say(self, data, wait_s=0.2):

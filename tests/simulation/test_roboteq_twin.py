@@ -15,7 +15,7 @@ class Bench:
     def __init__(self, **faults):
         self.heard = []
         self.device = RoboteqDevice(
-            faults=RoboteqFaults(**faults), seed=3, heard=lambda line, now: self.heard.append(line)
+            faults=RoboteqFaults(**faults), seed=3, on_command=lambda line, now: self.heard.append(line)
         )
         self.now = 100.0
 

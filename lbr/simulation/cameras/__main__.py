@@ -33,7 +33,7 @@ class Cameras:
 
     def run(self) -> None:
         """Begin as the world says, then draw for the viewers."""
-        begin, descriptors = self._heard()
+        begin, descriptors = self._receive()
         if not isinstance(begin, Begin):
             return
         view = SharedView(begin.view_bytes, descriptors[0])
@@ -56,7 +56,7 @@ class Cameras:
         wait_s = None if due is None else max(0.0, due - time.monotonic())
         for key, events in self._selector.select(wait_s):
             if key.fileobj is self._control:
-                if not self._obey(*self._heard()):
+                if not self._obey(*self._receive()):
                     return False
             elif isinstance(key.data, Viewer):
                 self._attend(key.data, events)
@@ -68,7 +68,7 @@ class Cameras:
             self._end(viewer)
         return True
 
-    def _heard(self) -> tuple[Order | None, list[int]]:
+    def _receive(self) -> tuple[Order | None, list[int]]:
         """Return an order and the descriptors that came with it; None: the world has hung up."""
         data, descriptors, _, _ = socket.recv_fds(self._control, LONGEST_BYTES, 2)
         return (msgspec.json.decode(data, type=Order) if data else None), descriptors

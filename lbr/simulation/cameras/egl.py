@@ -46,7 +46,7 @@ class EglContext:
 
     def _made(self) -> int:
         config, count = c_void_p(), c_int()
-        found = self._call(
+        chosen = self._call(
             "eglChooseConfig",
             c_int,
             (c_void_p, c_void_p, c_void_p, c_int, c_void_p),
@@ -56,7 +56,7 @@ class EglContext:
             1,
             ctypes.byref(count),
         )
-        if not found or not count.value:
+        if not chosen or not count.value:
             raise LbrError("EGL has no configuration with colours and depth")
         self._call("eglBindAPI", c_int, (c_uint,), _OPENGL_API)
         context = self._call("eglCreateContext", c_void_p, (c_void_p,) * 4, self._display, config, None, None)

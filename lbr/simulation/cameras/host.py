@@ -60,8 +60,8 @@ class CameraHost:
                 self._view.write(view, round(taken_s * 1e9))
 
     def serve(self) -> list[Drawing]:
-        """Do what is due: start the process, hand on what waits; return what it said since."""
-        said = self._said()
+        """Start the process if it is due, and send the waiting orders; return the drawings since the last call."""
+        drawings = self._read_drawings()
         watched = any(connection is not None for _, connection in self._waiting)
         if self._process is None and watched and self._clock() >= self._not_before:
             self._start()
@@ -70,7 +70,7 @@ class CameraHost:
             self._send(order, [connection.fileno()] if connection else [])
             if connection is not None:
                 connection.close()
-        return said
+        return drawings
 
     def close(self) -> None:
         """Hang up; the process ends by that."""
@@ -110,7 +110,7 @@ class CameraHost:
         except OSError:
             self._end()
 
-    def _said(self) -> list[Drawing]:
+    def _read_drawings(self) -> list[Drawing]:
         if self._control is None or self._process is None:
             return []
         try:
@@ -118,11 +118,11 @@ class CameraHost:
         except BlockingIOError:
             return []
         if data:
-            said = msgspec.json.decode(data, type=Drawing)
-            self._drawing = bool(said.renderer)
+            drawing = msgspec.json.decode(data, type=Drawing)
+            self._drawing = bool(drawing.renderer)
             if not self._drawing:
                 self._not_before = self._clock() + _AGAIN_AFTER_FAILURE_S
-            return [said]
+            return [drawing]
         process = self._process
         self._end()
         if not self._drawing and process.returncode < 0:

@@ -42,13 +42,13 @@ class Studio:
 
     def newest_ns(self) -> int:
         """Bring everything where it is now, and return when that was."""
-        found = self._view.read()
-        if found is not None and found[0] != self._shown_ns:
-            self._shown_ns = found[0]
-            if found[1] != self._shown:
-                self._shown = found[1]
+        newest = self._view.read()
+        if newest is not None and newest[0] != self._shown_ns:
+            self._shown_ns = newest[0]
+            if newest[1] != self._shown:
+                self._shown = newest[1]
                 self._drawn.clear()
-                show(mujoco, self._model, self._data, found[1])
+                show(mujoco, self._model, self._data, newest[1])
         return self._shown_ns
 
     def picture(self, device: str, mount: str, size: tuple[int, int], faults: CameraFaults) -> bytes:

@@ -39,20 +39,19 @@ def _row(name: str, one: JointState) -> str:
     return f"{shown(name):<22}{numbers}{_number(one.temperature_c, 0):>5}{_number(one.voltage_v, 1):>6}  {_note(one)}"
 
 
-def _note(one: JointState) -> str:
-    if one.latched:
-        return f"latched: {', '.join(one.latched)}"
-    doubted = (
-        [f"says {one.raw}, not believed" if one.raw is not None else "not believed"] if one.trusted is False else []
-    )
+def _note(joint: JointState) -> str:
+    if joint.latched:
+        return f"latched: {', '.join(joint.latched)}"
+    doubt = f"says {joint.raw}, not believed" if joint.raw is not None else "not believed"
+    doubted = [doubt] if joint.trusted is False else []
     return ", ".join(
         (
-            *one.faults,
+            *joint.faults,
             *doubted,
-            *([shown(one.reason)] if one.reason and not doubted else []),
-            *(["no torque"] if one.torque == 0.0 else []),
-            *(["torque unknown"] if one.torque is None else []),
-            *([f"torque {one.torque * 100:.0f} %"] if one.torque and one.torque < WEAK else []),
+            *([shown(joint.reason)] if joint.reason and not doubted else []),
+            *(["no torque"] if joint.torque == 0.0 else []),
+            *(["torque unknown"] if joint.torque is None else []),
+            *([f"torque {joint.torque * 100:.0f} %"] if joint.torque and joint.torque < WEAK else []),
         )
     )
 

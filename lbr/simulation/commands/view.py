@@ -36,12 +36,12 @@ WAIT_S = 5.0
 @click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is not a terminal.")
 def command(whom: Whom, png: Path | None, once: bool) -> int:
     """Watch a simulated robot from above, or a humanoid joint by joint, until Ctrl-C; it says when no news comes."""
-    found = target.find(*whom)
-    with target.connected(found) as bus:
+    robot = target.find(*whom)
+    with target.connected(robot) as bus:
         if png is not None:
-            target.need(found, "admin")
-            return _picture(bus, found.robot, png)
-        frame = _frames(bus, found.robot)
+            target.need(robot, "admin")
+            return _picture(bus, robot.robot, png)
+        frame = _frames(bus, robot.robot)
         _wait(frame)
         if once or not sys.stdout.isatty():
             for line in frame(80, 24):

@@ -69,7 +69,7 @@ class BodyInstruments:
         self._askew = {row.name: random.gauss(0.0, ASKEW_RAD) for row in rows}
         self._told: list[ServoSetpoint | None] = [None] * random.randint(*LATE_ROUNDS)
         self._setpoint: ServoSetpoint | None = None
-        self._goals = self._here()
+        self._goals = self._angles()
         self._limp: set[int] = set()
         self._dead = random.choice([row.device_id for row in rows]) if faults.dead_s < inf else None
         self._pushed = False
@@ -139,7 +139,7 @@ class BodyInstruments:
         if main_board is not None and ((stored is not None and stored.phase == "playing") or now < self._gives_up_at):
             self._engine.step(self._suffered(main_board.drives(now), now), ROUND_S)
             self._feel(main_board, now)
-            self._goals = self._here()
+            self._goals = self._angles()
             self._told = [None] * len(self._told)
             if stored is not None and main_board.playing is None:
                 self._passes_at = now + self._random.uniform(*PASSES_S)
@@ -179,7 +179,7 @@ class BodyInstruments:
                 self._random.uniform(-PUSH_NS_PER_KG, PUSH_NS_PER_KG), self._random.choice((-1.0, 1.0)) * PUSH_NS_PER_KG
             )
 
-    def _here(self) -> dict[int, float]:
+    def _angles(self) -> dict[int, float]:
         joints = self._engine.pose().joints
         return {row.device_id: row.zero_rad + row.sign * joints[row.name] for row in self._rows}
 
@@ -191,7 +191,7 @@ class BodyInstruments:
                 torque=0.0 if n in self._limp else 1.0,
                 age_s=0.0,
             )
-            for n, angle in self._here().items()
+            for n, angle in self._angles().items()
         )
         stores = self._main_board is not None
         return ServosState(

@@ -18,15 +18,15 @@ MOST_TRIES = 200
 
 def starts(world: WorldSettings, count: int, seed: int) -> list[StartPose]:
     """Return where the robot begins: where its world puts it, then anywhere."""
-    random, found = Random(seed), [world.start]
+    random, poses = Random(seed), [world.start]
     across, along = _extent(world)
     for _ in range(MOST_TRIES * count):
-        if len(found) >= count:
+        if len(poses) >= count:
             break
         pose = StartPose(x_m=random.uniform(*across), y_m=random.uniform(*along), yaw_rad=random.uniform(-pi, pi))
         if free(world, pose):
-            found.append(pose)
-    return found[:count]
+            poses.append(pose)
+    return poses[:count]
 
 
 def free(world: WorldSettings, start: StartPose) -> bool:

@@ -20,13 +20,13 @@ def tried(setup: Setup, trials: Sequence[tuple[int, str]], *, seed: int, jobs: i
     jobs = min(jobs or os.cpu_count() or 1, len(trials))
     if jobs <= 1:
         _begin(msgspec.json.encode(setup))
-        yield from (_one(number, fault, seed) for number, fault in trials)
+        yield from (_run(number, fault, seed) for number, fault in trials)
         return
     pool = ProcessPoolExecutor(
         jobs, mp_context=get_context("spawn"), initializer=_begin, initargs=(msgspec.json.encode(setup),)
     )
     try:
-        waiting = [pool.submit(_one, number, fault, seed) for number, fault in trials]
+        waiting = [pool.submit(_run, number, fault, seed) for number, fault in trials]
         for done in as_completed(waiting):
             yield done.result()
     finally:
@@ -46,5 +46,5 @@ def _begin(setup: bytes) -> None:
     _setup[:] = [msgspec.json.decode(setup, type=Setup)]
 
 
-def _one(number: int, fault: str, seed: int) -> Outcome:
+def _run(number: int, fault: str, seed: int) -> Outcome:
     return made(_setup[0], number, fault, seed).run()

@@ -166,13 +166,13 @@ def plug(port: Port, *, present: bool) -> bool:
 
 def make(device: Device, around: Surroundings) -> Twin:
     """Return the twin of a device row; raise InputError for its row, and TwinError for the package that brings it."""
-    found = twins.find(device.type)
-    if found is None:
+    declared = twins.find(device.type)
+    if declared is None:
         raise InputError(
             f"device '{device.name}': there is no twin for type '{device.type}'; there are {', '.join(twins.names())}. A "
             "package brings one by the twins of its component, once it is installed (pip install -e .)"
         )
-    twin: Twin = found.load()(device, around)
+    twin: Twin = declared.load()(device, around)
     return twin
 
 

@@ -25,11 +25,11 @@ _BABBLE_S = 0.004
 _BAUD_TOLERANCE = 0.03
 _LIMIT_BYTES = 65_536
 
-Heard = Callable[[Instruction, float], None]
+OnInstruction = Callable[[Instruction, float], None]
 
 
 class DynamixelBus:
-    """Servos and perhaps a dongle from power-up on; `heard` is told each sound packet and when it was over."""
+    """Servos and perhaps a dongle from power-up on; `on_instruction` is called with each sound packet and the time of its end."""
 
     def __init__(
         self,
@@ -39,13 +39,13 @@ class DynamixelBus:
         timing: BusTiming | None = None,
         faults: DynamixelFaults | None = None,
         seed: int = 0,
-        heard: Heard | None = None,
+        on_instruction: OnInstruction | None = None,
     ) -> None:
         self.servos = tuple(servos)
         self.timing = timing or BusTiming()
         self.baud = 1_000_000.0
         self._dongle = dongle
-        self._heard = heard
+        self._on_instruction = on_instruction
         self._random = Random(seed)
         self._faults = DynamixelFaults()
         self._supplied = True
@@ -85,7 +85,7 @@ class DynamixelBus:
     def feed(self, data: bytes, now: float, baud: float | None = None) -> bytes:
         """Take bytes that the host sends at a rate; return what has reached it so far."""
         self.baud = baud or self.baud
-        said = self.poll(now)
+        answers = self.poll(now)
         begin = max(now + self.timing.usb_us * 0.5e-6, self._host_free)
         self._host_free = begin + len(data) * self._byte_s
         if self._faults.echo:
@@ -96,7 +96,7 @@ class DynamixelBus:
                 self._collide(now)
             else:
                 self._take(instruction, end)
-        return said + self.poll(now)
+        return answers + self.poll(now)
 
     def poll(self, now: float) -> bytes:
         """Return what has reached the host so far."""
@@ -122,8 +122,8 @@ class DynamixelBus:
         return 10.0 / self.baud
 
     def _take(self, instruction: Instruction, end: float) -> None:
-        if self._heard is not None and instruction.sound:
-            self._heard(instruction, end)
+        if self._on_instruction is not None and instruction.sound:
+            self._on_instruction(instruction, end)
         if self._dongle is not None and instruction.id == NUMBER:
             reply, at = self._dongle.answer(instruction, end, self._ask)
             self._answer(reply, at)

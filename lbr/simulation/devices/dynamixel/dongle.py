@@ -64,11 +64,11 @@ class Usb2Ax:
         return 0 < each <= 122 and servos < 120 and each * servos <= 229
 
     def _read_all(self, parameters: bytes, at: float, ask: Ask) -> tuple[bytes, float]:
-        found = bytearray()
+        values = bytearray()
         each = parameters[1]
         for number in parameters[2:]:
             reply, end = ask(Instruction(number, Code.READ, bytes(parameters[:2])), at)
             whole = reply is not None and sound(reply) and reply[2] == number and len(reply) == each + 6
-            found += reply[5:-1] if reply is not None and whole else bytes((_ABSENT,)) * each
+            values += reply[5:-1] if reply is not None and whole else bytes((_ABSENT,)) * each
             at = end if reply is not None else end + self._table[_REPLY_TIMEOUT] * _TICK_S
-        return status(NUMBER, 0, bytes(found)), at
+        return status(NUMBER, 0, bytes(values)), at

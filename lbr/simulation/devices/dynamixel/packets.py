@@ -68,7 +68,7 @@ class InstructionReader:
         self._last = now
         before = len(self._held)
         self._held += data
-        found, at = [], 0
+        instructions, at = [], 0
         while (begin := self._held.find(_HEADER, at)) >= 0:
             packet = self._packet(begin)
             if packet is None:
@@ -76,11 +76,11 @@ class InstructionReader:
                 break
             at = begin + 1 if packet.size == 0 else packet.end
             if packet.size:
-                found.append(packet.instruction(before))
+                instructions.append(packet.instruction(before))
         else:
             at = max(at, len(self._held) - 1)  # the last byte may be half a header
         del self._held[:at]
-        return found
+        return instructions
 
     def _packet(self, begin: int) -> "_Found | None":
         held = self._held

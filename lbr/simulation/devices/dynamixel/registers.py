@@ -85,15 +85,15 @@ def boot(table: bytearray) -> None:
 
 def touched(address: int, count: int) -> list[Register] | None:
     """Return the registers that a write touches; None if it touches anything that may not be written."""
-    found, at, end = [], address, address + count
+    registers, at, end = [], address, address + count
     while at < end:
         index = bisect_right(_STARTS, at) - 1
         register = _REGISTERS[index] if index >= 0 else None
         if register is None or at >= register.address + register.size:
             return None
-        found.append(register)
+        registers.append(register)
         at = register.address + register.size
-    return found
+    return registers
 
 
 def in_range(table: bytearray, register: Register) -> bool:

@@ -144,14 +144,14 @@ class AxServo:
         return status(instruction.id, error | self.errors(), data)
 
     def errors(self) -> Fault:
-        """Return what is wrong with it now."""
+        """Return the faults of now."""
         tenths = round(self.supply_v * 10)
-        found = Fault.NONE
+        faults = Fault.NONE
         if not self._table[reg.LEAST_VOLTAGE] <= tenths <= self._table[reg.MOST_VOLTAGE]:
-            found |= Fault.VOLTAGE
+            faults |= Fault.VOLTAGE
         if self._celsius() > self._table[reg.HEAT_LIMIT_C]:
-            found |= Fault.HEAT
-        return found | Fault.OVERLOAD if self._overloaded else found
+            faults |= Fault.HEAT
+        return faults | Fault.OVERLOAD if self._overloaded else faults
 
     def _celsius(self) -> int:
         return round(self._table[reg.HEAT_LIMIT_C] + 10 if self._hot else self.temperature_c)

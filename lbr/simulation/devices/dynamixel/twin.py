@@ -6,7 +6,7 @@ from random import Random
 from lbr.capability.context import Device
 from lbr.simulation.bus_timing import rhythm
 from lbr.simulation.devices.dynamixel import DynamixelFaults, DynamixelRow
-from lbr.simulation.devices.dynamixel.bus import DynamixelBus, Heard
+from lbr.simulation.devices.dynamixel.bus import DynamixelBus, OnInstruction
 from lbr.simulation.devices.dynamixel.dongle import Usb2Ax
 from lbr.simulation.devices.dynamixel.servo import AxServo
 from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
@@ -20,7 +20,7 @@ LEAST_SUPPLY_V = 5.0
 class DynamixelTwin(PortTwin[PtyPort, DynamixelFaults]):
     """Moves a body's joints, and measures them; without a body its servos turn by themselves, carrying nothing."""
 
-    def __init__(self, device: Device, around: Surroundings, heard: Heard | None = None) -> None:
+    def __init__(self, device: Device, around: Surroundings, on_instruction: OnInstruction | None = None) -> None:
         settings = row(device, DynamixelRow)
         super().__init__(device.name, PtyPort(device.address), settings.faults)
         seed = around.seed_for(device)
@@ -30,7 +30,7 @@ class DynamixelTwin(PortTwin[PtyPort, DynamixelFaults]):
             timing=settings.timing,
             faults=settings.faults,
             seed=seed,
-            heard=heard,
+            on_instruction=on_instruction,
         )
 
     def service(self, now: float) -> None:

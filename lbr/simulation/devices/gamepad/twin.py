@@ -32,12 +32,12 @@ class GamepadTwin(PortTwin[PtyPort, GamepadFaults]):
         if plug(self.port, present=not self._faults.unplug):
             self._pad.plugged()
         self.port.read()
-        said = b""
+        records = b""
         while self._hands:
             self._pad.hand = self._hands.popleft()
-            said += self._pad.poll(now)
-        if said:
-            self.port.write(said)
+            records += self._pad.poll(now)
+        if records:
+            self.port.write(records)
 
     def next_due(self) -> float | None:
         """Return that it does nothing by itself: a hand does."""

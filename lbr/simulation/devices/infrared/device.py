@@ -35,7 +35,7 @@ class InfraredReceiver:
 
     def poll(self, now: float) -> bytes:
         """Return the records that are due."""
-        said = b""
+        records = b""
         for turn, beam in enumerate(ORDER):
             if not self._seen(beam):
                 self._next_at.pop(beam, None)
@@ -43,8 +43,8 @@ class InfraredReceiver:
             at = self._next_at.setdefault(beam, now + turn * EVERY_S / len(ORDER))
             if now >= at:
                 self._next_at[beam] = max(at + EVERY_S, now)
-                said += self._record(self._codes[beam], now)
-        return said
+                records += self._record(self._codes[beam], now)
+        return records
 
     def next_due(self) -> float | None:
         """Return when the next record is due."""

@@ -43,12 +43,12 @@ class Ld06:
 
     def poll(self, now: float) -> bytes:
         """Return the packets that are ready."""
-        said = bytearray()
+        packets = bytearray()
         self._next_at = max(self._next_at, now - _LATEST_S) if now > self._next_at else self._next_at
         while now >= self._next_at:
-            said += b"".join(self._packet() for _ in range(_BURST))
+            packets += b"".join(self._packet() for _ in range(_BURST))
             self._next_at += _BURST * _PACKET_S
-        return b"" if self.faults.silent else bytes(said)
+        return b"" if self.faults.silent else bytes(packets)
 
     def next_due(self) -> float:
         """Return when the next packets are ready."""

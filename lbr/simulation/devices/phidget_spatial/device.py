@@ -59,16 +59,16 @@ class PhidgetSpatial:
         return self._began + (self._due_ms + (self._burst - 1) * self._interval_ms) / 1000.0
 
     def records(self, now: float) -> bytes:
-        """Return what is due."""
+        """Return the records that are due."""
         if now < self.next_due():
             return b""
         now_ms = (now - self._began) * 1000.0
         self._due_ms = max(self._due_ms, now_ms - _LATEST_MS)
-        told = b""
+        records = b""
         while self._due_ms <= now_ms:
-            told += self._record(self._due_ms)
+            records += self._record(self._due_ms)
             self._due_ms += self._interval_ms
-        return b"" if self.faults.silent else told
+        return b"" if self.faults.silent else records
 
     def _obey(self, line: bytes, now: float) -> None:
         try:

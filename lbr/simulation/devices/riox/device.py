@@ -66,7 +66,7 @@ class RioxDevice(AsciiDevice[RioxFaults]):
         if line:
             words = line.upper().split()
             refused = self.hit(self.faults.refuse)
-            self.answer("-" if refused else self._said(words), now)
+            self.answer("-" if refused else self._reply(words), now)
 
     def send(self, data: bytes, now: float) -> None:
         """Put bytes on the line: whole, cut short or in pieces."""
@@ -78,7 +78,7 @@ class RioxDevice(AsciiDevice[RioxFaults]):
         for turn, start in enumerate(range(0, len(data), _PIECE_BYTES)):
             super().send(data[start : start + _PIECE_BYTES], now + turn * _PAUSE_S)
 
-    def _said(self, words: list[str]) -> str:
+    def _reply(self, words: list[str]) -> str:
         match words:
             case ["?ML"]:
                 return "ML=" + _list(self._measured())

@@ -49,17 +49,17 @@ class Measured(Struct, frozen=True, kw_only=True):
 
 
 class RoboteqDevice(AsciiDevice[RoboteqFaults]):
-    """The controller from power-up on; `heard` is told each runtime command line just after it took effect."""
+    """The controller from power-up on; `on_command` is called with each runtime command line just after it took effect."""
 
     def __init__(
         self,
         *,
         faults: RoboteqFaults | None = None,
         seed: int = 0,
-        heard: Callable[[str, float], None] | None = None,
+        on_command: Callable[[str, float], None] | None = None,
     ) -> None:
         self.measured = Measured()
-        self._heard = heard
+        self._on_command = on_command
         self._saved = dict(_FACTORY)
         self._away = (0.0, 0.0)
         self._now = 0.0
@@ -146,8 +146,8 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
             act = {"!": self._runtime, "^": self._configure, "%": self._maintain}.get(kind)
             obeyed = act is not None and not self.hit(self._faults.refuse) and act(rest, now)
             self.answer("+" if obeyed else "-", now)
-        if kind == "!" and self._heard:
-            self._heard(line, now)
+        if kind == "!" and self._on_command:
+            self._on_command(line, now)
 
     def _runtime(self, rest: str, now: float) -> bool:
         name, numbers = _split(rest)

@@ -24,7 +24,7 @@ class RoboteqTwin(PortTwin[PtyPort, RoboteqFaults]):
         self._row = row(device, RoboteqRow)
         super().__init__(device.name, PtyPort(device.address), self._row.faults)
         self._trace = around.trace
-        self._device = RoboteqDevice(faults=self._row.faults, seed=around.seed_for(device), heard=self._heard)
+        self._device = RoboteqDevice(faults=self._row.faults, seed=around.seed_for(device), on_command=self._trace_line)
         self._left = self._row.left_channel - 1
 
     def watched(self) -> int | None:
@@ -71,6 +71,6 @@ class RoboteqTwin(PortTwin[PtyPort, RoboteqFaults]):
         left, right = wheels[0] * self._row.left_direction, wheels[1] * self._row.right_direction
         return (left, right) if self._left == 0 else (right, left)
 
-    def _heard(self, line: str, now: float) -> None:
+    def _trace_line(self, line: str, now: float) -> None:
         self._trace.line(now, line)
         self._trace.outputs(now, self.wheels(now), self._device.cause(now))

@@ -29,13 +29,13 @@ class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
         """Set a fault and return them all; raise InputError saying what is allowed, also for a sensor that is not
         there."""
-        before, there = self._faults, self._board.sensors
-        told = super().fault(name, value)
+        before, sensors = self._faults, self._board.sensors
+        faults = super().fault(name, value)
         struck = (*self._faults.missing, *self._faults.over_range, *self._faults.error)
-        if strange := [sensor for sensor in struck if sensor not in there]:
+        if strange := [sensor for sensor in struck if sensor not in sensors]:
             self._faults = before
-            raise InputError(f"fault '{name}': there is no sensor '{strange[0]}'; there is {', '.join(there)}")
-        return told
+            raise InputError(f"fault '{name}': there is no sensor '{strange[0]}'; there is {', '.join(sensors)}")
+        return faults
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out."""
