@@ -178,8 +178,8 @@ def contradiction(requires: tuple[str, ...]) -> str:
         return ""
     from importlib.metadata import version  # noqa: PLC0415 - packages of others only
 
-    from packaging.requirements import InvalidRequirement, Requirement  # noqa: PLC0415
-    from packaging.utils import canonicalize_name  # noqa: PLC0415
+    from packaging.requirements import InvalidRequirement, Requirement
+    from packaging.utils import canonicalize_name
 
     for text in asking:
         try:

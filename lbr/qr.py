@@ -24,6 +24,6 @@ def characters(content: str) -> str:
 
 
 def _made(content: str) -> "segno.QRCode":
-    import segno  # noqa: PLC0415 - only the web needs it, and who shows a code for it
+    import segno
 
     return segno.make(content, error="m", micro=False)

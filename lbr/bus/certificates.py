@@ -32,7 +32,7 @@ def first_der(path: Path) -> bytes:
 
 def untimely(der: bytes, now: dt.datetime) -> str:
     """Return when a certificate is valid, if that is not now, in words; older robots' are not valid for ever."""
-    from cryptography import x509  # noqa: PLC0415 - needed only where nothing lets in
+    from cryptography import x509
 
     found = x509.load_der_x509_certificate(der)
     begin, end = found.not_valid_before_utc, found.not_valid_after_utc
@@ -41,11 +41,11 @@ def untimely(der: bytes, now: dt.datetime) -> str:
 
 def self_signed() -> tuple[bytes, bytes]:
     """Return a new private key and its certificate, both PEM."""
-    from cryptography import x509  # noqa: PLC0415 - needed once in the life of a home
-    from cryptography.hazmat.primitives import hashes  # noqa: PLC0415
-    from cryptography.hazmat.primitives.asymmetric import ec  # noqa: PLC0415
-    from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat  # noqa: PLC0415
-    from cryptography.x509.oid import NameOID  # noqa: PLC0415
+    from cryptography import x509
+    from cryptography.hazmat.primitives import hashes
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
+    from cryptography.x509.oid import NameOID
 
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"lbr on {socket.gethostname()}"[:64])])

@@ -60,14 +60,14 @@ def fingerprint(certificate_der: bytes) -> str:
 
 def hashed(secret: str) -> str:
     """Return the hash of a secret for the rows: argon2id, at OWASP's least cost."""
-    import argon2  # noqa: PLC0415 - for those who make or check tokens
+    import argon2
 
     return argon2.PasswordHasher(time_cost=ROUNDS, memory_cost=MEMORY_KIB, parallelism=LANES).hash(secret)
 
 
 def fits(secret: str, stored: str) -> bool:
     """Return whether a hash is of this secret; this needs some 25 ms."""
-    import argon2  # noqa: PLC0415
+    import argon2
 
     try:
         return argon2.PasswordHasher().verify(stored, secret)

@@ -38,7 +38,7 @@ def find(*, within_s: float = 2.0) -> list[Found]:
 
 def _of_network(within_s: float) -> list[Found]:
     try:
-        from zeroconf import ServiceBrowser, Zeroconf  # noqa: PLC0415 - an extra
+        from zeroconf import ServiceBrowser, Zeroconf
     except ImportError:
         return []
     services: set[str] = set()
@@ -61,7 +61,7 @@ def _of_network(within_s: float) -> list[Found]:
 
 
 def _interfaces() -> list[IPv4Interface | IPv6Interface]:
-    import ifaddr  # noqa: PLC0415 - zeroconf needs it, too
+    import ifaddr
 
     every = [one for adapter in ifaddr.get_adapters() for one in adapter.ips]
     return [ip_interface(f"{one.ip if one.is_IPv4 else one.ip[0]}/{one.network_prefix}") for one in every]

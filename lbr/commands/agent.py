@@ -8,6 +8,7 @@ from lbr import surroundings
 from lbr.commands.options import FileName
 from lbr.console.outlet import unhurried
 from lbr.errors import InputError
+from lbr.executive.remote.agent import Agent
 
 
 @click.command("agent")
@@ -32,8 +33,6 @@ def command(host: str, connect: str, robot: str | None, token_file: Path | None)
     if not host:
         raise InputError("HOST is empty: give the name of this machine in the robot's launch profile")
     surroundings.forget_runtime()
-    from lbr.executive.remote.agent import Agent  # noqa: PLC0415
-
     surroundings.bound_heaps()
     surroundings.need_room_for_a_robot()
     with unhurried():

@@ -48,8 +48,8 @@ def complete_field(context: click.Context, _parameter: click.Parameter, begun: s
 def complete_line(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return how a console line may go on: words, then fields."""
     with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
-        from prompt_toolkit.completion import CompleteEvent  # noqa: PLC0415
-        from prompt_toolkit.document import Document  # noqa: PLC0415
+        from prompt_toolkit.completion import CompleteEvent
+        from prompt_toolkit.document import Document
 
         from lbr.console.completion import LineCompleter  # noqa: PLC0415
         from lbr.console.operator import BusOperator  # noqa: PLC0415

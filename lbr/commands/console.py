@@ -3,6 +3,7 @@
 import click
 
 from lbr.commands.options import Number, Whom, robot_options
+from lbr.console import local, target
 
 
 @click.command("console")
@@ -23,6 +24,4 @@ def command(whom: Whom, hold_s: float | None) -> int:
     standard error, and the exit code is the worst line's. Once another stops the robot, the lines that had come by then
     are not said any more.
     """
-    from lbr.console import local, target  # noqa: PLC0415 - prompt-toolkit is for those who have a console
-
     return local.run_remote(target.find(*whom), hold_s=hold_s)

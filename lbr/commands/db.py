@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from lbr import home
+from lbr.capability import registry
 from lbr.commands import row_apply, row_past
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.row_past import local_time
@@ -14,6 +15,8 @@ from lbr.database import copies
 from lbr.database import restore as restoring
 from lbr.database.shipped import differences
 from lbr.errors import InputError
+from lbr.executive.planning import joining
+from lbr.executive.planning.watch import loaded
 from lbr.messages.plain import one_line
 from lbr.messages.rows import shown
 
@@ -28,8 +31,6 @@ def command() -> None:
 @click.option("--sql", type=FileName(exists=True, dir_okay=False), help="Instead of the rows of all robots.")
 def init(database: Path | None, sql: Path | None) -> None:
     """Create the database with the rows of all robots (see 'lbr robots'); a file that is there is left alone."""
-    from lbr.executive.planning import joining  # noqa: PLC0415
-
     path = database or home.default_database()
     for left_out in joining.create(path, sql):
         click.echo(f"left out: {left_out}", err=True)
@@ -45,8 +46,6 @@ def add(robot: str, database: Path | None, as_json: bool) -> None:
 
     A database that is older than a robot gets it at its first run, too; one that is older than some rows only this way.
     """
-    from lbr.executive.planning import joining  # noqa: PLC0415
-
     with opened(database) as rows:
         added = joining.add(rows, robot.replace("-", "_"))
     if as_json:
@@ -66,8 +65,6 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
 
     A hint is something odd that runs all the same.
     """
-    from lbr.executive.planning.watch import loaded  # noqa: PLC0415
-
     with opened(database) as rows:
         all_rows = loaded(rows, rows.robots(robot))
         both = {name: judged(of_robot) for name, of_robot in all_rows.items()}
@@ -91,8 +88,7 @@ def check(database: Path | None, robot: str | None, as_json: bool) -> int:
 @click.argument("kind")
 def table(kind: str) -> None:
     """Print the SQL of the tables that capabilities of KIND read, with the triggers that keep their changes."""
-    from lbr.capability import registry  # noqa: PLC0415
-    from lbr.database import schema  # noqa: PLC0415
+    from lbr.database import schema
 
     click.echo("\n".join(schema.script(read.row) for read in registry.find(kind, home.home()).reads), nl=False)
 

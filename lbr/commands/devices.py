@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from lbr.commands import looking
 from lbr.commands.options import Number, complete_robot, database_option, json_option
 
 WAIT_S, LONGEST_WAIT_S = 2.0, 30.0
@@ -45,6 +46,4 @@ def command(
     program holds is not opened. Nothing is written without --write, or a yes at a terminal. Exit code 2 if a proposal
     is bad.
     """
-    from lbr.commands import looking  # noqa: PLC0415 - drivers and rows, for those who look
-
     return looking.run(robot, called, listen=listen, wait_s=wait_s, database=database, **how)

@@ -2,6 +2,7 @@
 
 import click
 
+from lbr.commands import checks
 from lbr.commands.options import json_option, print_json
 
 MARKS = {"good": ("ok  ", "green"), "hint": ("hint", "yellow"), "bad": ("BAD ", "red")}
@@ -11,8 +12,6 @@ MARKS = {"good": ("ok  ", "green"), "hint": ("hint", "yellow"), "bad": ("BAD ", 
 @json_option
 def command(as_json: bool) -> int:
     """Look for what is wrong with this machine, and say what to type. Needs no running robot. Exit code 1 if bad."""
-    from lbr.commands import checks  # noqa: PLC0415 - it looks at much that other commands do not need
-
     found = []
     for finding in checks.examine():
         found.append(finding)

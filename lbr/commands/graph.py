@@ -8,7 +8,7 @@ from lbr import home
 from lbr.commands.options import FileName, Whom, json_option, print_json, robot_options
 from lbr.commands.rows import opened, robot_in, with_words
 from lbr.commands.status import ask
-from lbr.console import target, wiring
+from lbr.console import operator, target, wiring
 from lbr.console.wiring import Graph
 from lbr.errors import BusError, InputError
 
@@ -34,8 +34,6 @@ def command(whom: Whom, database: Path | None, as_dot: bool, as_json: bool) -> i
 
 
 def _elsewhere(whom: Whom) -> Graph:
-    from lbr.console import operator, target, wiring  # noqa: PLC0415
-
     found = target.find(*whom)
     with target.connected(found) as bus:
         said = operator.BusOperator(

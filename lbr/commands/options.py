@@ -9,7 +9,12 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import click
+import msgspec
 from click.shell_completion import CompletionItem
+
+from lbr import home
+from lbr.executive.planning import profile
+from lbr.robot import registry
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -94,22 +99,16 @@ def json_option(function: F) -> F:
 
 def print_json(value: Any) -> None:
     """Print a value as one line of JSON."""
-    import msgspec  # noqa: PLC0415 - kept out of its `--help`
-
     click.echo(msgspec.json.encode(value).decode())
 
 
 def complete_running(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the robots that run here, to complete a command line by."""
-    from lbr import home  # noqa: PLC0415 - kept out of its `--help`
-
     return [CompletionItem(one.robot, help=one.profile) for one in home.running() if one.robot.startswith(begun)]
 
 
 def complete_robot(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the robots that there are, to complete a command line by."""
-    from lbr.robot import registry  # noqa: PLC0415 - kept out of its `--help`
-
     return [
         CompletionItem(found.name, help=found.robot.summary)
         for found in registry.every()
@@ -119,7 +118,5 @@ def complete_robot(_context: click.Context, _parameter: click.Parameter, begun: 
 
 def complete_profile(context: click.Context, parameter: click.Parameter, begun: str) -> list[CompletionItem]:
     """Return the launch profiles that there are, and files, to complete a command line by."""
-    from lbr.executive.planning import profile  # noqa: PLC0415 - kept out of its `--help`
-
     found = [CompletionItem(name) for name in profile.names() if name.startswith(begun)]
     return found or click.Path().shell_complete(context, parameter, begun)  # a shell offers files or words, not both

@@ -4,7 +4,7 @@ import click
 
 from lbr import plugins
 from lbr.commands.options import json_option, print_json
-from lbr.executive.planning import profile
+from lbr.executive.planning import joining, profile
 from lbr.robot import registry
 
 
@@ -15,8 +15,6 @@ def command(as_json: bool) -> int:
 
     A robot of a package that cannot be used is told with the reason; the others run. Needs no running robot.
     """
-    from lbr.executive.planning import joining  # noqa: PLC0415 - kept out of its `--help`
-
     found = [(one, joining.fault(one)) for one in registry.every()]
     if as_json:
         print_json(

@@ -14,7 +14,9 @@ from lbr.database.rows import RobotRows
 from lbr.database.store import Database
 from lbr.database.tables import Schema
 from lbr.errors import InputError, LbrError
+from lbr.executive.planning import plan as plans
 from lbr.executive.planning import profile
+from lbr.executive.planning.trials import go_back
 
 if TYPE_CHECKING:
     from lbr.executive.planning.plan import Plan
@@ -81,8 +83,6 @@ class Touching:
 
     def told(self) -> tuple[Touched, ...]:
         """Return what becomes of the processes of every robot whose rows are another."""
-        from lbr.executive.planning import plan as plans  # noqa: PLC0415 - only who changes rows needs plans
-
         found = []
         for name, rows in self._before.items():
             before, after = self._planned(rows)[0], self._after.get(name)
@@ -145,7 +145,5 @@ def change_rows(
 
 def end_left_trial(rows: Database) -> str:
     """Roll back the trial of a robot that no longer runs, as its next start would; return a report."""
-    from lbr.executive.planning.trials import go_back  # noqa: PLC0415
-
     trial = trials.newest(rows)
     return "" if trial is None or trial.robot in running_here(rows.path) else go_back(rows, trial.robot)

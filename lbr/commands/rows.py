@@ -8,11 +8,13 @@ import click
 
 from lbr import home
 from lbr.commands.options import DEFAULT_PROFILE
+from lbr.database import store
 from lbr.database.checks import check
 from lbr.database.reading import Problem, RawRow
 from lbr.database.rows import RobotRows
 from lbr.errors import InputError
-from lbr.executive.planning import profile
+from lbr.executive.planning import planner, profile, words
+from lbr.executive.planning.hints import hints
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.home import Running
@@ -25,8 +27,6 @@ if TYPE_CHECKING:
 def opened(path: Path | None = None) -> "Database":
     """Open a database that is there, the home's if left out, for changes in this command's name; InputError says how to
     make one."""
-    from lbr.database import store  # noqa: PLC0415 - the database is for those who read rows
-
     path = path or home.default_database()
     if not path.exists():
         raise InputError(f"there is no database {path}; 'lbr db init' makes one", "unknown_name")
@@ -67,8 +67,6 @@ def with_words(rows: RobotRows) -> RobotRows:
 
 def said_by_kinds(database: "Database") -> Callable[[str, RawRow], bool]:
     """Return what tells whether a row of a table is a verb that says no more than the robot's kinds do."""
-    from lbr.executive.planning import words  # noqa: PLC0415
-
     tables, _ = database.tables()
     same = {}
     for name in database.robots():
@@ -87,8 +85,6 @@ def problems_of(rows: RobotRows) -> tuple[Problem, ...]:
 
 def judged(rows: RobotRows) -> tuple[list[str], list[str]]:
     """Return what a start would find wrong with a robot's rows, and what is odd in rows that are good."""
-    from lbr.executive.planning.hints import hints  # noqa: PLC0415
-
     made, problems = planned(rows)
     return [str(problem) for problem in problems], list(hints(made, home.home())) if made is not None else []
 
@@ -107,7 +103,5 @@ def planned(
 
     Without a profile, the plan is of a simulation. Rows of a running robot follow those `before`.
     """
-    from lbr.executive.planning import planner  # noqa: PLC0415
-
     site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
     return planner.make(rows, profile or Profile(robot=rows.robot.name, simulate=True), site, before=before)

@@ -5,6 +5,7 @@ import msgspec
 
 from lbr.bus import keys, wire
 from lbr.commands.options import Whom, json_option, print_json, robot_options
+from lbr.commands.status_table import show
 from lbr.console import target
 from lbr.console.target import Target
 from lbr.errors import BusError
@@ -20,8 +21,6 @@ def command(whom: Whom, as_json: bool) -> int:
     if as_json:
         print_json(status)
     else:
-        from lbr.commands.status_table import show  # noqa: PLC0415 - rich, for people alone
-
         show(status)
     return 0
 

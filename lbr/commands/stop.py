@@ -9,6 +9,7 @@ import click
 
 from lbr import home
 from lbr.commands.options import Whom, robot_options
+from lbr.console import operator, target
 from lbr.errors import BusError
 
 GONE_S = 15.0
@@ -19,8 +20,6 @@ POLL_S = 0.05
 @robot_options
 def command(whom: Whom) -> int:
     """Shut a robot down in order, and wait until it is gone. (To stop driving only, say 'lbr send stop'.)"""
-    from lbr.console import operator, target  # noqa: PLC0415
-
     found = target.find(*whom)
     if found.running is not None:
         with contextlib.suppress(ProcessLookupError):

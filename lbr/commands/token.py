@@ -23,6 +23,7 @@ from lbr.commands.options import FileName, json_option, print_json
 from lbr.commands.rows import opened
 from lbr.database.rows import GoodFor, TokenRow
 from lbr.errors import InputError
+from lbr.executive.planning import credentials
 from lbr.messages.system import TokenRole
 
 if TYPE_CHECKING:
@@ -70,8 +71,6 @@ def add(name: str, role: str, good_for: str, expires: str | None, path: Path | N
 
     With --file, any Zenoh client gets in by that file alone: zenoh.open(zenoh.Config.from_file("phone.json5")).
     """
-    from lbr.executive.planning import credentials  # noqa: PLC0415
-
     tokens.check_name(name)
     if good_for == "web" and (role == "host" or path is not None):
         what = "a host" if role == "host" else "--file"
@@ -205,8 +204,6 @@ def new_file(path: Path | None) -> Iterator[TextIO | None]:
 
 def write_configuration(file: TextIO, token: Token, endpoints: list[str]) -> None:
     """Write the settings of a client that comes in by this token."""
-    from lbr.executive.planning import credentials  # noqa: PLC0415
-
     _, certificate = credentials.bus_certificate()
     pem = certificate.read_text(encoding="ascii")
     # each address once: a time to go on trying would all be spent on the first, which may lead nowhere from there

@@ -16,7 +16,8 @@ from lbr.console import target
 from lbr.console.printable import clean, shown
 from lbr.console.target import Target
 from lbr.errors import BusError, InputError
-from lbr.executive.planning import profile
+from lbr.executive.planning import facts, profile
+from lbr.executive.planning.watch import loaded
 from lbr.messages.plain import one_line
 from lbr.messages.system import ConsoleResult, Event
 from lbr.messages.why import Chain
@@ -136,9 +137,6 @@ def _snapshot(facts: Facts, executive: str, path: Path, waited_s: float = 0.0) -
 
 def _of_rows(path: Path, robot: str | None, profile: str = "") -> list[Facts]:
     """Return what a database says of its robots, or of one of them."""
-    from lbr.executive.planning import facts  # noqa: PLC0415
-    from lbr.executive.planning.watch import loaded  # noqa: PLC0415
-
     with opened(path) as database:
         names = [name for name in database.robots() if robot in {None, name}]
         all_rows = loaded(database, names)

@@ -80,7 +80,7 @@ def _of_keyring(endpoint: str) -> str | None:
     """Return what `keyring set lbr-token ENDPOINT` has put there, if that package is installed and its store can be
     opened."""
     try:
-        import keyring  # noqa: PLC0415 - an extra of lbr-client
+        import keyring
     except ImportError:
         return None
     try:

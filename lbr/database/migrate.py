@@ -56,7 +56,7 @@ def _stamp(connection: Connection) -> str:
 
 
 def _refuse_unknown(stamp: str, path: Path) -> None:
-    from alembic.script import ScriptDirectory  # noqa: PLC0415 - only the rare upgrade pays for the import
+    from alembic.script import ScriptDirectory
 
     known = {revision.revision for revision in ScriptDirectory(str(MIGRATIONS)).walk_revisions()}
     if stamp in known:
@@ -69,11 +69,11 @@ def _refuse_unknown(stamp: str, path: Path) -> None:
 
 
 def _upgrade(connection: Connection) -> None:
-    from alembic import command  # noqa: PLC0415 - as above
-    from alembic.config import Config  # noqa: PLC0415
-    from sqlalchemy import create_engine  # noqa: PLC0415
-    from sqlalchemy.exc import DBAPIError  # noqa: PLC0415
-    from sqlalchemy.pool import StaticPool  # noqa: PLC0415
+    from alembic import command
+    from alembic.config import Config
+    from sqlalchemy import create_engine
+    from sqlalchemy.exc import DBAPIError
+    from sqlalchemy.pool import StaticPool
 
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
@@ -92,7 +92,7 @@ def _upgrade(connection: Connection) -> None:
 
 def run(script: str) -> None:
     """Run SQL as a step of an upgrade, statement by statement."""
-    from alembic import op  # noqa: PLC0415
+    from alembic import op
 
     for _, statement in statements(script):
         op.get_bind().exec_driver_sql(statement)

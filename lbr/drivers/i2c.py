@@ -70,7 +70,7 @@ def unanswered(device: Device, address: int, err: OSError, what: str = "") -> De
 
 def _kernel_bus(number: int) -> Bus:
     try:
-        from smbus2 import SMBus  # noqa: PLC0415 - a simulated robot, or one without i2c, needs none
+        from smbus2 import SMBus
     except ImportError as err:
         raise DeviceError("the package smbus2 is not installed; pip install lbr brings it") from err
     bus = SMBus(number)

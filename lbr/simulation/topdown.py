@@ -91,7 +91,7 @@ def image(
     height: int = 750,
 ) -> "Image":
     """Return the view as a picture, with where the robot has been and a scale; needs Pillow."""
-    from PIL import Image, ImageDraw  # noqa: PLC0415  a view in a terminal goes without
+    from PIL import Image, ImageDraw
 
     picture = Image.new("RGB", (width, height), _PAPER)
     draw = ImageDraw.Draw(picture, "RGBA")
@@ -126,7 +126,7 @@ def _colour(box: WorldBox) -> tuple[int, int, int]:
 def _write_legend(
     draw: "ImageDraw", pose: WorldPose, ranges: Ranges | None, size: tuple[int, int], dots_per_m: float
 ) -> None:
-    from PIL import ImageFont  # noqa: PLC0415
+    from PIL import ImageFont
 
     font = ImageFont.load_default(size=13)
     width, height = size

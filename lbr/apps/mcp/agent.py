@@ -410,7 +410,7 @@ def _brief(message: dict[str, Any]) -> dict[str, Any]:
 
 def scaled(picture: bytes) -> bytes:
     """Return a JPEG picture with no side above LARGEST_SIDE, and other data unchanged."""
-    from PIL import Image  # noqa: PLC0415 - most agents never look
+    from PIL import Image
 
     with suppress(OSError), Image.open(BytesIO(picture)) as image:
         if max(image.size) > LARGEST_SIDE:

@@ -26,7 +26,7 @@ OPTIONS = {"format_whitelist": CONTAINERS, "protocol_whitelist": "none"}
 def decode(source: Path, target: Path) -> None:
     """Write a file's sound, of one channel, as PCM WAV; raise InputError saying what is wrong with the file."""
     formats.ensure_decodable(source)
-    import av  # noqa: PLC0415 - the extra that brings it may not be there
+    import av
 
     try:
         with source.open("rb") as file, av.open(file, "r", options=OPTIONS, **_whatever_its_tags(av)) as container:

@@ -29,7 +29,7 @@ class Engine:
     """pyttsx3, with errors that it does not report by itself."""
 
     def __init__(self) -> None:
-        import pyttsx3  # noqa: PLC0415 - whether it can be imported is the question
+        import pyttsx3
 
         self._errors: list[str] = []
         self._engine = pyttsx3.init()  # type: ignore[no-untyped-call]

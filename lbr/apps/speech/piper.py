@@ -20,7 +20,7 @@ class Piper:
     def write(self, request: Request) -> None:
         """Write what a voice says; raise LbrError if there is no such voice, or no piper."""
         try:
-            from piper import PiperVoice, SynthesisConfig  # noqa: PLC0415 - it may not be there
+            from piper import PiperVoice, SynthesisConfig
         except ImportError as err:
             raise LbrError(f"there is no piper ({err}); {INSTALL}") from err
         model = Path(request.models) / f"{request.name}.onnx"

@@ -103,8 +103,8 @@ class Polly:
 
     def _connected(self, request: Request) -> Any:
         if self._client is None:
-            import botocore.session  # noqa: PLC0415 - the extra that brings it may not be there
-            from botocore.config import Config  # noqa: PLC0415
+            import botocore.session
+            from botocore.config import Config
 
             limit_s = request.cloud.timeout_s
             self._client = botocore.session.get_session().create_client(

@@ -46,7 +46,7 @@ def finder(settings: VisionSettings, target: Target) -> Finder:
 
 def _opencv() -> Any:
     try:
-        from lbr.apps.vision import opencv  # noqa: PLC0415 - an extra, and a second to load
+        from lbr.apps.vision import opencv
     except ImportError as err:
         raise InputError(f"OpenCV cannot be used ({err}); install it again: pip install 'lbr[vision]'") from err
     return opencv

@@ -22,7 +22,7 @@ class Sketch(NamedTuple):
 def sketch(settings: VisionSettings, target: Target, data: bytes) -> Sketch:
     """Look at a picture; raise InputError if that cannot be."""
     seen = finder(settings, target)(data)
-    from lbr.apps.vision import opencv  # noqa: PLC0415 - loaded by the finder
+    from lbr.apps.vision import opencv
 
     image = opencv.decode(data)
     if image is None:

@@ -52,8 +52,8 @@ class Announcer:
     async def _announce(self, there: tuple[str, ...]) -> float:
         """Announce for as long as the addresses stay; return how long to wait before the next try."""
         try:
-            from zeroconf import Error, IPVersion  # noqa: PLC0415 - an extra
-            from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf  # noqa: PLC0415
+            from zeroconf import Error, IPVersion
+            from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf
         except ImportError:
             self.trouble = "the package 'zeroconf' is missing: pip install 'lbr[web]'"
             return TRY_AGAIN_S

@@ -85,9 +85,9 @@ class CsiSource:
 
 def _library() -> tuple[Any, Any]:
     try:
-        import libcamera  # type: ignore[import-not-found, unused-ignore] # noqa: PLC0415 - comes with the system
-        import picamera2.encoders  # type: ignore[import-not-found, unused-ignore] # noqa: PLC0415
-        import picamera2.outputs  # type: ignore[import-not-found, unused-ignore] # noqa: PLC0415
+        import libcamera  # type: ignore[import-not-found, unused-ignore]
+        import picamera2.encoders  # type: ignore[import-not-found, unused-ignore]
+        import picamera2.outputs  # type: ignore[import-not-found, unused-ignore]
     except ImportError as err:
         raise DeviceError(
             "a camera at csi:N needs picamera2: apt install python3-picamera2 on Raspberry Pi OS, "

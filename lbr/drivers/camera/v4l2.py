@@ -100,7 +100,7 @@ class V4l2Source:
 
 def _library() -> Any:
     try:
-        from linuxpy.video import device  # type: ignore[import-untyped] # noqa: PLC0415 - an extra
+        from linuxpy.video import device  # type: ignore[import-untyped]
     except ImportError as err:
         raise DeviceError("a camera at /dev needs the extra 'camera': pip install 'lbr[camera]'") from err
     return device

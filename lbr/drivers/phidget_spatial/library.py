@@ -57,8 +57,8 @@ def find(device: Device) -> Opened:
         said = f"device '{device.name}': address '{device.address}' is not one of usb:, usb:SERIAL, unix:PATH"
         raise DeviceError(f"{said}; correct the device row")
     try:
-        from Phidget22.Devices.Spatial import Spatial as OnUsb  # noqa: PLC0415 - only with the extra
-        from Phidget22.PhidgetException import PhidgetException  # noqa: PLC0415
+        from Phidget22.Devices.Spatial import Spatial as OnUsb
+        from Phidget22.PhidgetException import PhidgetException
 
         unit = OnUsb()  # loads what is native
     except (ImportError, OSError) as err:

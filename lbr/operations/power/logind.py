@@ -83,8 +83,8 @@ def meaning(said: str) -> str:
 
 async def _call(address: str, question: Question) -> Answer | str:
     """Return what was said, or an error as an answer; a connection of its own, so that none grows old."""
-    from dbus_fast import BusType, Message, MessageType  # noqa: PLC0415 - needed only where it is armed
-    from dbus_fast.aio import MessageBus  # noqa: PLC0415
+    from dbus_fast import BusType, Message, MessageType
+    from dbus_fast.aio import MessageBus
 
     bus = await MessageBus(bus_address=address or None, bus_type=BusType.SYSTEM).connect()
     try:

@@ -37,7 +37,7 @@ _LEFT = _View("from its left", np.array([-1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0
 
 def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int]) -> "Image":
     """Return how the robot stood at a view of the engine, side by side from the front and from its left."""
-    from PIL import Image, ImageDraw, ImageFont  # noqa: PLC0415  a world that draws nothing goes without
+    from PIL import Image, ImageDraw, ImageFont
 
     data = mujoco.MjData(body.model)
     data.qpos[:] = np.frombuffer(view, count=body.model.nq)

@@ -74,8 +74,8 @@ def tries(
         return _one(setup, given["only"], given["fault"] or "", seed, as_json=as_json)
     if given["fault"]:
         raise InputError("--fault goes with --only: --faults 1 tries each fault once")
-    from rich.console import Console  # noqa: PLC0415 - kept out of its `--help`
-    from rich.progress import Progress  # noqa: PLC0415
+    from rich.console import Console
+    from rich.progress import Progress
 
     from lbr.simulation.trials.faults import ANY, BODY, DOCKING  # noqa: PLC0415
     from lbr.simulation.trials.trying import tried  # noqa: PLC0415

@@ -176,7 +176,7 @@ def size() -> tuple[int, int]:
 
 def _drawn(series: list[Series], now: float, seconds: float, width: int, height: int, *, colours: bool) -> str:
     """Return a plot of the last `seconds` before `now`, the newest at the right."""
-    import plotille  # noqa: PLC0415
+    import plotille
 
     figure = plotille.Figure()
     figure.width = max(20, width - EDGE)

@@ -182,7 +182,7 @@ def _unpacked(name: bytes, packed: bytes, size: int) -> bytes:
     if name == b"zstd":
         return zstandard.ZstdDecompressor().decompress(packed, max_output_size=max(size, 1)) if packed else b""
     if name == b"lz4":
-        import lz4.frame  # noqa: PLC0415 - recordings of lbr never need it, those of other programs may
+        import lz4.frame
 
         return bytes(lz4.frame.decompress(packed))  # type: ignore[attr-defined]  # it has no types
     if name == b"":
