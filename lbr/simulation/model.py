@@ -50,7 +50,7 @@ def model_xml(settings: WorldSettings, wheels: Sequence[Wheel] = (), *, rollers:
 <mujoco model="world">
   <compiler angle="radian"/>
   <option timestep="{TIMESTEP_S}" integrator="implicitfast" magnetic="{_numbers(*settings.compass.vector_ut)}"/>
-  <visual><headlight ambient="0.45 0.45 0.45" diffuse="0.5 0.5 0.5" specular="0 0 0"/><quality offsamples="0"/></visual>
+  <visual><headlight ambient="0.45 0.45 0.45" diffuse="0.5 0.5 0.5" specular="0 0 0"/><quality offsamples="0" shadowsize="0"/></visual>
   <worldbody>
     <geom name="floor" type="plane" size="50 50 0.1" group="{FLOOR}" friction="0.9 0.005 0.0001" rgba="0.74 0.68 0.6 1"/>
 {"".join(_geom(box) for box in settings.walls)}{_dock(settings.dock)}{"".join(map(_placeable, PLACEABLE))}

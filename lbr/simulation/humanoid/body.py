@@ -144,7 +144,8 @@ def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.magnetic = field_ut
     spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.45] * 3, [0.5] * 3
-    spec.visual.headlight.specular, spec.visual.quality.offsamples = [0.0] * 3, 0
+    spec.visual.headlight.specular = [0.0] * 3
+    spec.visual.quality.offsamples = spec.visual.quality.shadowsize = 0
     world = spec.worldbody
     world.add_geom(
         name=FLOOR,
