@@ -10,6 +10,7 @@ from lbr.capability.word import Word
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import Role
+from lbr.messages.units import basic
 
 
 class CallSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -17,7 +18,7 @@ class CallSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     answer: Annotated[
         Literal["ask", "at_once"],
-        Meta(description="ask: a person at the robot; at_once: always"),
+        basic("calls", "Who answers", description="ask: a person at the robot; at_once: always"),
     ] = "ask"
     callers: Annotated[Role, Meta(description="the least role that may call")] = "operate"
     watchers: Annotated[Role, Meta(description="least role to watch by WebRTC, without sound")] = "view"

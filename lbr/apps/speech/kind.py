@@ -33,7 +33,7 @@ class SpeechSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     pitch: Annotated[int, Meta(ge=0, le=99, description="of espeak-ng's voices; 50 is the voice's own")] = 50
     volume: Annotated[Fraction, basic("voice", "Volume")] = 1.0
     voices: dict[LanguageTag, Voice] = {}
-    greets: bool = True
+    greets: Annotated[bool, basic("voice", "Says hello and goodbye")] = True
     queue: Annotated[int, Meta(ge=1, le=64, description="how many texts may wait")] = 16
     engine_timeout_s: Annotated[float, Meta(ge=0.1, le=60.0, description="for the engine, of a text")] = 10.0
     cloud_region: Annotated[str, Meta(pattern="^[a-z]{2}(-[a-z0-9]+)+$(?!\\n)", max_length=40)] = "us-west-2"

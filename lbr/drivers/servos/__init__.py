@@ -27,7 +27,7 @@ from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
 from lbr.messages.system import AcknowledgeS
-from lbr.messages.units import Name
+from lbr.messages.units import Name, basic
 
 NO_PORTS: Mapping[str, type[Struct]] = {}
 
@@ -39,8 +39,13 @@ class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     baud: Annotated[int, Meta(ge=4800, le=4_000_000)] = 1_000_000
     sweep_hz: Annotated[float, Meta(ge=0.0, le=250.0, description="rounds of the poller per second at most")] = 100.0
     setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
-    hold_s: Annotated[float, Meta(ge=0.0, le=3600.0, description="how long servos without a sender hold")] = 30.0
-    release_s: Annotated[float, Meta(ge=0.1, le=60.0, description="how long their torque then fades")] = 5.0
+    hold_s: Annotated[
+        float,
+        basic("joints", "Joints stay on", ge=0.0, le=3600.0, description="how long servos without a sender hold"),
+    ] = 30.0
+    release_s: Annotated[
+        float, basic("joints", "Then give way", ge=0.1, le=60.0, description="how long their torque then fades")
+    ] = 5.0
     acknowledge_s: AcknowledgeS = 1.0
     on_close: Annotated[
         Literal["hold", "release"],
@@ -57,7 +62,8 @@ class RegisterServosSettings(ServosSettings, frozen=True, kw_only=True, forbid_u
 
     sweep_hz: Annotated[float, Meta(ge=1.0, le=250.0, description="rounds of the poller per second at most")] = 100.0
     on_estop: Annotated[
-        Literal["hold", "release"], Meta(description="the emergency stop: hold still, or release at once")
+        Literal["hold", "release"],
+        basic("joints", "Emergency stop", description="the emergency stop: hold still, or release at once"),
     ] = "hold"
 
 

@@ -7,11 +7,14 @@ from collections.abc import Iterator
 from hashlib import sha256
 from pathlib import Path
 
+import msgspec
 import pytest
 
 import lbr
+from lbr import plugins
 from lbr.apps.web.face import HTML, Route, text
 from lbr.apps.web.page.files import NotBuiltError, PageFace, built, file
+from lbr.capability import registry
 from tests.apps.web.test_web_server import Plain
 from tests.apps.web.web_stage import Served, serving
 
@@ -177,3 +180,23 @@ def test_two_faces_may_not_answer_the_same_askers_at_one_path(served):
         assert b"doctype" in found.ask("GET", "/", headers=BROWSER).body
         assert found.ask("HEAD", "/").status == found.ask("GET", "/", headers={"Accept": "*/*"}).status == 200
         assert "GET / is taken by face 'page'" in found.web._faces.trouble
+
+
+@in_checkout
+def test_each_setting_that_people_ask_for_first_has_its_title_in_each_language():
+    words = (PAGE / "src" / "words" / "system.ts").read_text()
+    written = dict(re.findall(r'"setting\.([a-z_]+\.[a-z_]+)": \["([^"]+)", "[^"]+"\]', words))
+    groups = set(re.findall(r'"settings\.([a-z]+)":', words))
+    titles = dict(basics())
+    assert {name: title for name, title in written.items() if name in titles} == titles
+    assert {name.partition(".")[0] for name in titles} <= groups
+
+
+def basics() -> Iterator[tuple[str, str]]:
+    """Yield group and name of each such setting of all kinds, and its title as it is declared."""
+    for one in plugins.own("kinds"):
+        schema = msgspec.json.schema(registry.find(one.name, Path("/nowhere")).settings)
+        for struct in schema["$defs"].values():
+            for setting, declared in struct.get("properties", {}).items():
+                if group := declared.get("x-basic"):
+                    yield f"{group}.{setting}", declared["title"]

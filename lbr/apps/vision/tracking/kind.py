@@ -11,7 +11,7 @@ from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
 from lbr.messages.joints import Joint, JointsCommand, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
-from lbr.messages.units import Name
+from lbr.messages.units import Name, basic
 
 
 class TrackingSettings(VisionSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -30,7 +30,9 @@ class TrackingSettings(VisionSettings, frozen=True, kw_only=True, forbid_unknown
         float,
         Meta(gt=0.0, le=86400.0, description="nothing seen for so long ends it and frees the joints"),
     ] = 120.0
-    speed_rps: Annotated[float, Meta(gt=0.0, le=10.0, description="the head's most")] = 2.5
+    speed_rps: Annotated[float, basic("speed", "Speed of the head", gt=0.0, le=10.0, description="the head's most")] = (
+        2.5
+    )
     torque: Annotated[float, Meta(gt=0.0, le=1.0, description="of head and neck, a fraction of their most")] = 0.6
 
 

@@ -10,6 +10,7 @@ from lbr.drivers.servos import ServosSettings, servos_kind
 from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import AcknowledgeS
+from lbr.messages.units import basic
 from lbr.robots.uxa90.driver.messages import (
     ConfigureCommand,
     ControllerState,
@@ -42,7 +43,7 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
     sweep_hz: Annotated[float, Meta(ge=0.0, le=50.0, description="position sweeps per second; 0 reads none")] = 20.0
     on_estop: Annotated[
         Literal["hold", "break", "release"],
-        Meta(description="the emergency stop: hold, short the motors, or release"),
+        basic("joints", "Emergency stop", description="the emergency stop: hold, short the motors, or release"),
     ] = "break"
     acknowledge_s: AcknowledgeS = 3.0
     """Until every servo was read to stand still: after a motion of the main board a second passes before any may be

@@ -3,7 +3,9 @@ import "./stage";
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { basicsOf, groupsOf, isShare, valueAt, withValue } from "../src/views/system/basics";
-import { fieldsOf, problems, type Schema } from "../src/views/system/schema";
+import { choiceOf, fieldsOf, helpOf, problems, titleOf, type Schema } from "../src/views/system/schema";
+import { language, learn } from "../src/words";
+import { system } from "../src/words/system";
 
 const SCHEMA: Schema = {
   $ref: "#/$defs/Settings",
@@ -35,4 +37,14 @@ test("one thing of a list is another, and all others are written as they were", 
   assert.equal(valueAt(fields, {}, ["rules", 1, "stop_m"]), 0.2);
   assert.equal(valueAt(fields, { max_power: 0.5 }, ["max_power"]), 0.5);
   assert.deepEqual([...problems(fields, { rules: [{ direction: "forward", stop_m: 0 }, {}] }).keys()], ["rules.0.stop_m", "rules.1.direction"]);
+});
+
+test("a setting that people ask for first is called as the page's language says, also its choices; others as declared", () => {
+  learn(system);
+  const [power] = fields.slice(1), [field] = fieldsOf({ type: "object", properties: { on_estop: { enum: ["hold", "release", "sing"], title: "Emergency stop", description: "hold or release", "x-basic": "joints" } } });
+  const said = () => [titleOf(power!), titleOf(fields[2]!), titleOf(field!), helpOf(field!), choiceOf(field!, "release"), choiceOf(field!, "sing")];
+  language.value = "de";
+  assert.deepEqual(said(), ["Höchstes Tempo", "Reach", "Notstopp", "Was die Gelenke dann tun", "Werden sofort schlaff", "sing"]);
+  language.value = "en";
+  assert.deepEqual(said(), ["Top speed", "Reach", "Emergency stop", "What the joints do then", "Go limp at once", "sing"]);
 });

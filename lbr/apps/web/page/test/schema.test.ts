@@ -1,4 +1,5 @@
 // Forms from schemas: which fields there are, what is typed, what is wrong, what has changed.
+import "./stage";
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { changes, fieldsOf, kept, problems, read, shown, unitOf, writtenSince, type Schema } from "../src/views/system/schema";

@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { Button, useOwnId } from "../../parts";
 import { plain } from "../../format";
 import { t } from "../../words";
-import { itemTitle, read, same, shown, titleOf, unitOf, type FieldOf, type Problem } from "./schema";
+import { choiceOf, helpOf, itemTitle, read, same, shown, titleOf, unitOf, type FieldOf, type Problem } from "./schema";
 
 interface FormProps {
   fields: FieldOf[]; value: Record<string, unknown>; path?: string; fixed?: (path: string) => boolean;
@@ -24,7 +24,7 @@ export function Form({ fields, value, path = "", fixed = () => false, wrong, onC
       {fields.map((field) => field.kind === "object" ? (
         <fieldset key={field.name} class="form-group">
           <legend>{titleOf(field)}</legend>
-          {field.help && <p class="form-help">{field.help}</p>}
+          {helpOf(field) && <p class="form-help">{helpOf(field)}</p>}
           {wrong(path + field.name) && <p class="form-wrong" role="alert">{wrong(path + field.name)}</p>}
           <Form fields={field.fields} value={(value[field.name] ?? {}) as Record<string, unknown>} path={`${path}${field.name}.`} fixed={fixed} wrong={wrong} theirs={theirs[field.name] as Record<string, unknown> | undefined} onChange={(next) => put(field.name, Object.keys(next).length > 0 || field.needed || value[field.name] !== undefined ? next : undefined)} />
         </fieldset>
@@ -44,7 +44,7 @@ function List({ field, items, path, fixed, wrong, theirs, onChange }: ListProps)
   return (
     <fieldset class="form-group">
       <legend>{titleOf(field)}</legend>
-      {field.help && <p class="form-help">{field.help}</p>}
+      {helpOf(field) && <p class="form-help">{helpOf(field)}</p>}
       {wrong(path) && <p class="form-wrong" role="alert">{wrong(path)}</p>}
       {theirs !== undefined && !same(theirs, items) && <p class="form-theirs" role="status">{t("form.theirs", { value: shown(field, theirs) || "–" })}</p>}
       {items.map((item, number) => (
@@ -65,7 +65,8 @@ interface OneProps { field: FieldOf; label?: string; value: unknown; fixed: bool
 export function One({ field, label = titleOf(field), value, fixed, wrong, theirs, onChange }: OneProps) {
   const id = useOwnId();
   const { stem, unit } = unitOf(field);
-  const about = { "aria-invalid": wrong !== "", "aria-describedby": wrong || field.help ? `${id}-about` : undefined, disabled: fixed };
+  const help = helpOf(field);
+  const about = { "aria-invalid": wrong !== "", "aria-describedby": wrong || help ? `${id}-about` : undefined, disabled: fixed };
   const usual = field.fallback === null || field.fallback === "" ? "" : shown(field, field.fallback);
   const reaches = [field.least ?? field.above, field.most ?? field.below].some((one) => one !== null) ? `${field.least ?? field.above ?? "…"} – ${field.most ?? field.below ?? "…"}` : "";
   const bounds = [reaches, usual && value !== undefined && !same(value, field.fallback) ? t("form.usual", { value: usual }) : ""].filter(Boolean).join(" · ");
@@ -86,7 +87,7 @@ export function One({ field, label = titleOf(field), value, fixed, wrong, theirs
           {field.kind === "choice" ? (
             <select id={id} class="input" value={shown(field, value ?? field.fallback)} onChange={(event) => put(event.currentTarget.value)} {...about}>
               {field.nullable && <option value="">–</option>}
-              {field.choices.map((one) => <option key={one} value={one}>{one}</option>)}
+              {field.choices.map((one) => <option key={one} value={one}>{choiceOf(field, one)}</option>)}
             </select>
           ) : field.kind === "json" || field.kind === "list" ? (
             <textarea id={id} class="input form-json" rows={Math.min(8, 1 + Math.ceil(text.length / 48))} value={text} placeholder={usual} spellcheck={false} onInput={(event) => put(event.currentTarget.value)} {...about} />
@@ -96,7 +97,7 @@ export function One({ field, label = titleOf(field), value, fixed, wrong, theirs
         </>
       )}
       {theirs !== undefined && !same(theirs, value) && <p class="form-theirs" role="status">{t("form.theirs", { value: shown(field, theirs) || "–" })}</p>}
-      {(wrong || field.help) && <p id={`${id}-about`} class={wrong ? "form-wrong" : "form-help"}>{wrong || field.help}</p>}
+      {(wrong || help) && <p id={`${id}-about`} class={wrong ? "form-wrong" : "form-help"}>{wrong || help}</p>}
     </div>
   );
 }

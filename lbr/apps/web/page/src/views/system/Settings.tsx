@@ -5,18 +5,19 @@ import { percent, plain } from "../../format";
 import { status } from "../../live";
 import { Badge, Button, Card, Icon, Slider, type IconName } from "../../parts";
 import { may } from "../../robot";
-import { maybe, t } from "../../words";
+import { PREFIX } from "../../stream";
+import { maybe, named, t } from "../../words";
 import { basicsOf, groupsOf, isShare, valueAt, withValue, type Basic, type Path, type Settings as Values } from "./basics";
 import { One, said } from "./Form";
 import { changeAll, table as look, type Row, type RowChange, type Table } from "./manage";
 import { Rows } from "./Rows";
-import { fieldsOf, same, wrong as wrongOf, type FieldOf } from "./schema";
+import { fieldsOf, helpOf, same, wrong as wrongOf, type FieldOf } from "./schema";
 import { effects, useTrial, useUnsaved } from "./trial";
 import { made, noteMade, undo } from "./undo";
 
 const AGAIN_MS = 2000;
 const NAMES = ["model", "description", "owner"];
-const ICONS: Record<string, IconName> = { speed: "speed", distances: "radar", voice: "speak", cameras: "camera", name: "person" };
+const ICONS: Record<string, IconName> = { speed: "speed", distances: "radar", voice: "speak", cameras: "camera", joints: "joints", calls: "phone", name: "person" };
 
 export function Settings() {
   return (
@@ -100,7 +101,7 @@ function Basics() {
     return (
       <div key={key} class="settings-share">
         <Slider label={basic.title} min={basic.field.least ?? 0.05} max={1} step={0.05} value={Number(value)} show={percent} disabled={!editable} onInput={put} />
-        <p class="form-help">{[basic.field.help, typeof usual === "number" && usual !== value ? t("form.usual", { value: percent(usual) }) : ""].filter(Boolean).join(" · ")}</p>
+        <p class="form-help">{[helpOf(basic.field), typeof usual === "number" && usual !== value ? t("form.usual", { value: percent(usual) }) : ""].filter(Boolean).join(" · ")}</p>
       </div>
     );
   };
@@ -114,7 +115,7 @@ function Basics() {
             <Card key={group} title={maybe(`settings.${group}`) || plain(group)} icon={ICONS[group] ?? "settings"}>
               {of.map((part) => (
                 <div key={part} class="form">
-                  {of.length > 1 && <h4>{plain(part)}</h4>}
+                  {of.length > 1 && <h4>{named(part.replace(PREFIX, ""))}</h4>}
                   {basics.filter((one) => one.part === part).map(field)}
                 </div>
               ))}

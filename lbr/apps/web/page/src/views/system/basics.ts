@@ -5,7 +5,7 @@ export type Path = (string | number)[];
 /** One basic setting: of which part, where in its settings, and what it is called. */
 export interface Basic { part: string; path: Path; group: string; title: string; field: FieldOf }
 export type Settings = Record<string, unknown>;
-const FIRST = ["speed", "distances", "voice", "cameras"];
+const FIRST = ["speed", "distances", "joints", "voice", "cameras"];
 
 /** The basic settings of a part, in the order of their declaration; of a list, those of each thing in it. */
 export function basicsOf(part: string, fields: FieldOf[], settings: Settings, path: Path = [], of = ""): Basic[] {

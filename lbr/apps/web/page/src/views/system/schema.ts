@@ -1,5 +1,6 @@
 // What a form needs to know of a table's columns and of settings, from their JSON schemas. Pure.
 import { plain } from "../../format";
+import { maybe, named } from "../../words";
 
 export interface Schema {
   $ref?: string; $defs?: Record<string, Schema>; type?: string | string[]; title?: string; description?: string; properties?: Record<string, Schema>; required?: string[];
@@ -28,14 +29,21 @@ export function unitOf(field: Pick<FieldOf, "name" | "kind">): { stem: string; u
   return known ? { stem, unit: per ? `/ ${known}` : known } : { stem: field.name, unit: "" };
 }
 
-/** What people call a field: as it is declared, or else its name without its unit. */
-export const titleOf = (field: FieldOf): string => field.title || capital(plain(unitOf(field).stem));
+/** What the page says of a field that people ask for first, in its language; empty where it has no words for it. */
+const said = (field: Pick<FieldOf, "basic" | "name">, more = ""): string => (field.basic ? maybe(`setting.${field.basic}.${field.name}${more}`) : "");
+
+/** What people call a field: as the page says or it is declared, or else its name without its unit. */
+export const titleOf = (field: FieldOf): string => said(field) || field.title || capital(plain(unitOf(field).stem));
+/** What a field is for; nothing where the page's title says it all. */
+export const helpOf = (field: FieldOf): string => said(field, ".help") || (said(field) ? "" : field.help);
+/** What people call a choice. */
+export const choiceOf = (field: FieldOf, choice: string): string => said(field, `.${choice}`) || choice;
 const capital = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
 
 /** What people call one thing of a list: by the first of its own names, such as the direction of a rule. */
 export function itemTitle(fields: FieldOf[], item: Record<string, unknown>, number: number): string {
-  const said = fields.filter((one) => one.kind === "choice" || one.kind === "text").map((one) => item[one.name]).find((one) => typeof one === "string" && one !== "");
-  return said === undefined ? String(number + 1) : plain(String(said));
+  const first = fields.filter((one) => one.kind === "choice" || one.kind === "text").map((one) => item[one.name]).find((one) => typeof one === "string" && one !== "");
+  return first === undefined ? String(number + 1) : named(String(first));
 }
 
 function resolved(schema: Schema, defs: Record<string, Schema>, depth = 0): Schema {
