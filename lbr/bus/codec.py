@@ -12,7 +12,7 @@ from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 T = TypeVar("T")
 LONGEST = 200
-"""Of what is said of a message that cannot be read; it comes to every console."""
+"""The limit of a report about an unreadable message; every console shows it."""
 
 
 class Decoder(Generic[T]):
@@ -23,7 +23,7 @@ class Decoder(Generic[T]):
         self._command = command
 
     def decode(self, data: bytes) -> T:
-        """Return the message; raise MalformedError saying in one line what is wrong."""
+        """Return the message; MalformedError names the fault in one line."""
         try:
             return self._decoder.decode(keyed_once(data) if self._command else data)
         except msgspec.ValidationError as err:

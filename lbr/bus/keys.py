@@ -35,7 +35,7 @@ def estop_release(robot: str, capability: str) -> str:
 
 
 def estop_acknowledgement(robot: str, capability: str) -> str:
-    """Return the key on which a mover says that its device has stopped."""
+    """Return the key on which a mover reports that its device has stopped."""
     return f"{robot}/@estop/ack/{capability}"
 
 
@@ -65,7 +65,7 @@ def event(robot: str) -> str:
 
 
 def taped(robot: str, capability: str) -> str:
-    """Return the key on which a capability tells a recorder of its lines' bytes and its commands."""
+    """Return the key on which a capability reports its lines' bytes and its commands to a recorder."""
     return f"{robot}/@taped/{capability}"
 
 
@@ -100,5 +100,5 @@ def router(robot: str, session_id: str) -> str:
 
 
 def looked_at(robot: str) -> tuple[str, ...]:
-    """Return the keys on which the robot tells of itself."""
+    """Return the keys on which the robot reports its own state."""
     return status(robot), ANY_STATUS, event(robot), schema(robot, "*", "*")

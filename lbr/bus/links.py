@@ -20,7 +20,7 @@ class Coming(Struct, frozen=True):
 
 
 class Links:
-    """Notes every link of a router that uses one of `protocols`; the bus tells no names of users."""
+    """Notes every link of a router that uses one of `protocols`; the bus does not report names of users."""
 
     def __init__(
         self, session: zenoh.Session, protocols: tuple[str, ...], wake: Callable[[], None] = lambda: None

@@ -79,7 +79,7 @@ class Memory:
             changed(name, alive)
 
     def listen(self, key: str, message: type[Any], hear: Callable[[Any], None]) -> None:
-        """Have something hear every message of a key, decoded."""
+        """Call a listener with every message of a key, decoded."""
         decoder = Decoder(message)
         feed = MemoryFeed(self, key, 1, lambda: hear(decoder.decode(feed.take()[0].payload)))
 

@@ -14,7 +14,7 @@ def is_whole(data: bytes) -> bool:
 
 
 def size_px(data: bytes) -> tuple[int, int] | None:
-    """Return width and height as the picture's frame header says; None if it has none that can be read."""
+    """Return width and height by the picture's frame header; None without a readable one."""
     at = len(_BEGIN)
     while data.startswith(_BEGIN) and at + 4 <= len(data) and data[at] == 0xFF:
         marker = data[at + 1]

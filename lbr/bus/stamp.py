@@ -28,7 +28,7 @@ class Origin(NamedTuple):
 
 @lru_cache(maxsize=1)
 def boot_id() -> str:
-    """Return what tells this machine's run from others, so that monotonic times can be compared; empty if unknown."""
+    """Return the mark of this machine's run, so that monotonic times can be compared; empty if unknown."""
     try:
         return Path("/proc/sys/kernel/random/boot_id").read_text()[:8]
     except OSError:

@@ -47,7 +47,7 @@ def is_one(text: str) -> bool:
 
 
 def check_name(name: str) -> str:
-    """Return a name that a token may have; raise InputError saying what is allowed."""
+    """Return a name that a token may have; InputError names the allowed ones."""
     if _NAME.fullmatch(name) is None:
         raise InputError("a token's name has up to 40 letters, digits, - and _, and begins with a letter or digit")
     return name

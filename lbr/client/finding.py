@@ -1,4 +1,4 @@
-"""Which robots there are: on this machine, and those that tell the network where they are."""
+"""Finds robots: those of this machine, and those that report themselves to the network."""
 
 import time
 from collections.abc import Sequence

@@ -31,7 +31,7 @@ WHAT_THERE_IS = "'lbr topic list' names what there is"
 
 
 class RefusalError(LbrError):
-    """The robot says no, or no longer: `code` is one of docs/reference/codes.md, the text is for people."""
+    """The robot refuses, or ends the motion: `code` is one of docs/reference/codes.md, the text is for people."""
 
     def __init__(self, code: str, text: str) -> None:
         super().__init__(text)

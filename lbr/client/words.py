@@ -52,7 +52,7 @@ class Words(Generic[R]):
 
 
 class Word(Generic[R]):
-    """A word: called with what its fields are to be, it is said as at the console."""
+    """A word: called with its fields, it does the same as at the console."""
 
     def __init__(self, word: str, entries: list[Entry], say: Callable[[str], R]) -> None:
         self.__name__ = word
@@ -69,7 +69,7 @@ class Word(Generic[R]):
         return self.__doc__ or self.__name__
 
     def line(self, *values: Any) -> str:
-        """Return what would be said at the console; InputError if a value cannot be said."""
+        """Return the line of the console; InputError if a value does not fit into one."""
         texts = [_text(value) for value in values]
         if any(entry.get("target") == "external" for entry in self._entries):
             return " ".join((self.__name__, *texts))

@@ -1,4 +1,4 @@
-"""Motion borrowed from a capability: asked for, renewed at 10 Hz, heard of, and given up whenever it is lost.
+"""Motion borrowed from a capability: asked for, renewed at 10 Hz, followed, and given up whenever it is lost.
 
 Everything that borrows motion does it by this client: a capability by its request ports, a program by its session on
 the bus.
@@ -104,7 +104,7 @@ class LeaseClient:
 
     @property
     def lost(self) -> bool:
-        """Return whether it was refused to go on, also while the result that says why is awaited."""
+        """Tell whether it may not go on, also while the result with the reason is awaited."""
         return self._lost is not None
 
     @property
@@ -127,7 +127,7 @@ class LeaseClient:
         self._look_for_the_end(now)
 
     def keep(self, message: Message) -> None:
-        """Go on like this: send it if it says something new, or when the lease is to be renewed."""
+        """Go on like this: send the motion if it is new, or when the lease is to be renewed."""
         if self.renewal_due or (self.holds and message != self._last):
             self.send(message)
 

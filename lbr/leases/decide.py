@@ -93,7 +93,7 @@ def _offer(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
 
 
 def stop(leases: LeaseTable[M], event: Stop, now: float) -> Decision[M]:
-    """Stand still, whichever sender says so; a command that was sent before it begins nothing."""
+    """Stand still for any sender; a command that was sent before the stop begins nothing."""
     sent = min(now, event.received)  # this way round, NaN means now
     own = event.own or (leases.live is not None and leases.live.source == event.source)
     if event.whole or not own:
@@ -139,7 +139,7 @@ def _persists(ask: Ask[M]) -> str:
 
 
 def _keep(leases: LeaseTable[M], lease: Lease[M], now: float) -> LeaseTable[M]:
-    """A lease lives from when it was last quoted, or else accepted; it is over a little sooner than it says."""
+    """A lease lives from its last quotation, or else its acceptance; it ends a little sooner than its lifetime."""
     since = now if isnan(lease.renewed) else lease.renewed
     ahead_s = min(leases.ahead_s, lease.ttl_s / 5)
     return replace(leases, live=replace(lease, expires=since + lease.ttl_s - ahead_s), reason=IDLE)

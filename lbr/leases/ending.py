@@ -27,7 +27,7 @@ UNPLANNED = ("lapsed", "fault")
 
 
 def end(leases: LeaseTable[M], how: Ending, why: Reason, now: float, *, heir: str = "") -> Decision[M]:
-    """End the lease, if there is one; its holder is told why. `heir` takes it over."""
+    """End the lease, if there is one, and report the reason to its holder. `heir` takes it over."""
     lease = leases.live
     if lease is None:
         return replace(leases, reason=why), ()
@@ -80,7 +80,7 @@ def lose_time(leases: LeaseTable[M], why: Reason, clock: float, now: float) -> D
 
 
 def happened(ended: Ended[M], kind: str = "") -> Happened:
-    """Return how people are told that a lease ended; its kind is how it did, unless given."""
+    """Return the event for people that a lease ended; its kind is the ending, unless given."""
     level: Level = "warning" if ended.how in UNPLANNED else "info"
     return Happened(
         kind=kind or ended.how,

@@ -17,7 +17,7 @@ Level = Literal["info", "warning", "error"]
 
 LATE_S = 0.3
 TELLINGS = 20
-"""Changes of holder told at once; more come back at `TELLINGS_PER_S`."""
+"""Changes of holder reported at once; more come back at `TELLINGS_PER_S`."""
 TELLINGS_PER_S = 5.0
 
 IDLE = Reason("idle", "")
@@ -103,7 +103,7 @@ class Lease(Struct, Generic[M], frozen=True, kw_only=True):
 
 
 class PersistentSender(Struct, frozen=True, kw_only=True):
-    """A source that goes on sending motion when it should not; `how` says so."""
+    """A source that goes on sending motion when it should not; `how` describes that."""
 
     until: float
     how: str
@@ -152,7 +152,7 @@ class Ended(Struct, Generic[M], frozen=True, kw_only=True):
 
 
 class Happened(Struct, frozen=True, kw_only=True):
-    """Something people should be told; `code` is why, `about` whose motion it concerns."""
+    """An event for people; `code` is the reason, `about` the sender whose motion it concerns."""
 
     kind: str
     text: str

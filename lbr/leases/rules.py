@@ -94,7 +94,7 @@ def _not_fresh(ask: Ask[M]) -> Reason | None:
 
 
 def _not_own(ask: Ask[M]) -> Reason | None:
-    """A lease dates what its own sender says; another's clock proves nothing, nor does a lease that was overheard."""
+    """A lease dates the commands of its own sender; another's clock proves nothing, nor does a lease that was overheard."""
     owner, request = ask.quotes, ask.request
     if owner is None or not (request.remote and request.source != owner.source and request.moves):
         return None

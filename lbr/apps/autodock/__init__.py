@@ -1,2 +1,2 @@
-"""`autodock`: has the robot run its table `dock`, and tells how that ended. The table is the strategy, `beacon`
+"""`autodock`: has the robot run its table `dock`, and prints the end. The table is the strategy, `beacon`
 moves."""

@@ -16,7 +16,7 @@ from lbr.messages.leases import CommandReply, StopCommand
 
 ANSWER_S = 2.0
 SILENT_S = 5.0
-"""The behaviours tell of themselves once a second at least; a busy machine may be late."""
+"""The behaviours publish their state once a second at least; a busy machine may be late."""
 LOOK_S = 0.1
 
 

@@ -27,7 +27,7 @@ Attributes = Mapping[str, str]
 
 
 def read(path: Path) -> Body:
-    """Return the body in a file; raise InputError saying what is wrong with it."""
+    """Return the body in a file; InputError names its fault."""
     try:
         text = path.read_text(encoding="utf-8")
         return parse(text)
@@ -36,7 +36,7 @@ def read(path: Path) -> Body:
 
 
 def parse(text: str) -> Body:
-    """Return the body that a description has; raise InputError saying what is wrong with it."""
+    """Return the body in a description; InputError names its fault."""
     try:
         root = ET.fromstring(text)  # noqa: S314 - a file of the robot's owner
     except ET.ParseError as err:
@@ -61,7 +61,7 @@ class _Parts:
 
 
 class _Reader:
-    """One description: what it says of angles, defaults and materials, and what was found in it."""
+    """One description: its angles, defaults and materials, and the parts of its body."""
 
     def __init__(self, root: ET.Element) -> None:
         compiler: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""Which body a robot has: one of its owner's own, its package's, or what its rows of wheels tell."""
+"""The body of a robot: its owner's own, its package's, or one by its rows of wheels."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path

@@ -64,7 +64,7 @@ class Call(Capability[CallSettings]):
         self._tell(now)
 
     def command(self, call: Asked) -> None:
-        """Let a page in, hear that it is there, or do what the robot's owner says."""
+        """Answer a page that rings or stays, or a word of the robot's owner."""
         message, now = call.message, self.ctx.clock()
         if isinstance(message, RingCommand):
             reply = self._desk.ring(message, now)

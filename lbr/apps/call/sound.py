@@ -61,7 +61,7 @@ class Source:
     def begin(self) -> None:
         """Open the microphone, if that is what there is; it is open only while there is a caller."""
         if self._recorder is None and self._device and not self._tone:
-            self._recorder = _Recorder(self._device, self._hear, self._lose)
+            self._recorder = _Recorder(self._device, self._receive, self._lose)
 
     def next(self) -> bytes:
         """Return 20 ms of sound; silence if it is missing."""
@@ -80,7 +80,7 @@ class Source:
             recorder.end()
             self._lose("there is no call")
 
-    def _hear(self, packet: bytes) -> None:
+    def _receive(self, packet: bytes) -> None:
         self._packets.append(packet)
         self.hears, self.told = "microphone", f"the microphone '{self._device}'"
 
@@ -90,11 +90,11 @@ class Source:
 
 
 class _Recorder:
-    """A thread that reads what `arecord` hears, and starts it again when it ends."""
+    """A thread that reads the sound of `arecord`, and restarts it when it ends."""
 
-    def __init__(self, device: str, hear: Callable[[bytes], None], lose: Callable[[str], None]) -> None:
+    def __init__(self, device: str, receive: Callable[[bytes], None], lose: Callable[[str], None]) -> None:
         self._device = device
-        self._hear = hear
+        self._receive = receive
         self._lose = lose
         self._over = threading.Event()
         self._popen: subprocess.Popen[bytes] | None = None
@@ -133,7 +133,7 @@ class _Recorder:
             assert popen.stdout is not None
             with popen:
                 while not self._over.is_set() and len(packet := popen.stdout.read(BYTES)) == BYTES:
-                    self._hear(packet)
+                    self._receive(packet)
                 popen.kill()
             words.seek(0)
             said = words.read(_WORDS).decode("utf-8", "replace").strip().split("\n")[-1]

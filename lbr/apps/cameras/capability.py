@@ -45,7 +45,7 @@ class Cameras(Capability[CamerasSettings]):
         self._first_at = ctx.clock() + FIRST_S
 
     def step(self) -> None:
-        """Go on with a selection, and tell which camera is on."""
+        """Go on with a selection, and publish which camera is on."""
         for received in self.ctx.take("states"):
             self._states[received.source] = received.message
         self._go_on()

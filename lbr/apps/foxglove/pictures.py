@@ -1,4 +1,4 @@
-"""Cameras that somebody looks at, each heard once; one that nobody looks at is not heard, and rests."""
+"""The cameras that viewers watch, each subscribed to once. A camera without viewers has no subscription, and rests."""
 
 from collections.abc import Callable, Iterable
 
@@ -14,26 +14,26 @@ class Pictures:
         self._bus = bus
         self._key = key
         self._wanted: dict[object, frozenset[str]] = {}
-        self._heard: dict[str, tuple[Feed, Sample | None]] = {}
+        self._subscribed: dict[str, tuple[Feed, Sample | None]] = {}
 
     def want(self, viewer: object, names: Iterable[str]) -> None:
-        """Have a viewer's cameras heard, in the place of those that it wanted before; none: it has gone."""
+        """Replace the cameras that a viewer watches; an empty list after it has left."""
         self._wanted[viewer] = frozenset(names)
         if not self._wanted[viewer]:
             del self._wanted[viewer]
         wanted = frozenset().union(*self._wanted.values())
-        for name in self._heard.keys() - wanted:
-            self._heard.pop(name)[0].close()
-        for name in wanted - self._heard.keys():
-            self._heard[name] = self._bus.hear(self._key(name)), None
+        for name in self._subscribed.keys() - wanted:
+            self._subscribed.pop(name)[0].close()
+        for name in wanted - self._subscribed.keys():
+            self._subscribed[name] = self._bus.hear(self._key(name)), None
 
     def newest(self, name: str) -> Sample | None:
         """Return the newest picture of a camera that is wanted, as its bytes."""
-        if name not in self._heard:
+        if name not in self._subscribed:
             return None
-        feed, newest = self._heard[name]
+        feed, newest = self._subscribed[name]
         for raw in feed.take():
             sent_s = stamp.sent_s(stamp.read(raw.attachment), raw.arrived)
             newest = Sample(raw.payload, sent_s, newest.number + 1 if newest is not None else 1)
-        self._heard[name] = feed, newest
+        self._subscribed[name] = feed, newest
         return newest

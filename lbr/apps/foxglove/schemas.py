@@ -67,7 +67,7 @@ SCHEMAS: dict[str, dict[str, Any]] = {
     f"foxglove.{name}": {"title": f"foxglove.{name}", "type": "object", "properties": fields}
     for name, fields in _FIELDS.items()
 }
-"""As much of Foxglove's JSON Schemas as is said here."""
+"""The part of Foxglove's JSON Schemas that our messages use."""
 _LEVELS = {"info": 2, "warning": 3, "error": 4}
 _NEAR, _FREE = (0.95, 0.35, 0.1, 0.9), (0.2, 0.6, 0.95, 0.5)
 _NEAR_M = 0.5

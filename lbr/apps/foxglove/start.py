@@ -1,4 +1,4 @@
-"""The bridge, or the sentence that says what it lacks."""
+"""The bridge, or a sentence about the missing package."""
 
 try:
     from lbr.apps.foxglove.capability import Foxglove

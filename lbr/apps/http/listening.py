@@ -17,7 +17,7 @@ TRIES = 20
 
 
 def listen(host: str, port: int) -> list[socket.socket]:
-    """Return listening sockets whose connections hold little; InputError says what is wrong with the address.
+    """Return listening sockets whose connections hold little; InputError names the fault of the address.
 
     One is at the address. Where that leads to this machine by IPv4 or IPv6 alone, another is at the loopback of the
     other: browsers take `localhost` for both, and what another user of this machine served there would be of our own

@@ -21,7 +21,7 @@ class Pages:
         return ANY in self._allowed or origin in self._allowed
 
     def stranger(self, headers: Mapping[str, str], scheme: str) -> str:
-        """Return which foreign page has a browser ask this; empty for our own, allowed ones, and where nothing says so.
+        """Return the foreign page that makes a browser ask this; empty for our own, allowed ones, and unknown ones.
 
         Browsers send `Origin` with what scripts ask and with every method but GET and HEAD, and `Sec-Fetch-Site` with
         everything, links and pictures too, where the address is https or of the loopback. Elsewhere a page that leaves

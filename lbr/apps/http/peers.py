@@ -61,7 +61,7 @@ themselves send such: what is not here is a proxy that leaves no trace."""
 def is_relayed(headers: Mapping[str, str], port: int) -> bool:
     """Say whether a request came by a proxy or a tunnel: by a header of those, or to another port or name than ours.
 
-    A relay that leaves no trace of passing requests on is taken for the one who asks.
+    A relay that leaves no trace of passing requests on counts as the asker.
     """
     if any(_tells_of_a_relay(name) for name in headers):
         return True

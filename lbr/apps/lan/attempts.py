@@ -97,7 +97,7 @@ class Attempts:
         return Refusal(host=name, tries=len(host.tries), wait_s=host.wait_s, unknown_name=unknown_name)
 
     def _forget(self, now: float) -> None:
-        """Connections that said nothing in time were ended by the router."""
+        """Forget connections without an answer in time: the router has ended them."""
         while self._pending and (
             len(self._pending) > MOST_PENDING or now - next(iter(self._pending.values())) > PENDING_S
         ):

@@ -1,4 +1,4 @@
-"""The door as a process: opens its router, sees that it routes, and tells who comes and goes."""
+"""The door as a process: opens its router, checks that it routes, and reports clients that come and go."""
 
 import secrets
 import time

@@ -52,7 +52,7 @@ class Doorman:
             self._thread.start()
 
     def take(self) -> list[Refusal]:
-        """Return what there is to tell since the last call."""
+        """Return the reports since the last call."""
         return [self._told.popleft() for _ in range(len(self._told))]
 
     def close(self) -> None:

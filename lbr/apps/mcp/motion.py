@@ -18,7 +18,7 @@ TIME_OVER = "its time is over"
 
 
 class Pulse(Protocol):
-    """Signs of life of a client; one that shows none for `patience_s` is taken for gone."""
+    """Signs of life of a client; it counts as gone after `patience_s` without one."""
 
     patience_s: float
 

@@ -1,4 +1,4 @@
-"""The robot and what is outside of it, by MQTT: its state told, what its row allows asked of it, and nothing else.
+"""The robot by MQTT: it reports its state, and does the words that its row allows, and nothing else.
 
 `words` are what may be asked, `report` what is told, `shadow` the documents of an AWS IoT device shadow, `discovery`
 those of Home Assistant; none of these knows network or bus. `session` is the connection, in a thread of its own, and

@@ -71,7 +71,7 @@ def _sensors(parts: Collection[str]) -> dict[str, dict[str, Any]]:
 
 
 def _value(part: str, name: str = "") -> str:
-    """Return the expression of a value that is none while it is not known, also where its part is missing."""
+    """Return the expression of a value; it gives null while the value or its part is missing."""
     whole = f"value_json.get('{part}')"
     return f"({whole} or {{}}).get('{name}')" if name else whole
 

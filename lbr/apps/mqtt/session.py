@@ -59,7 +59,7 @@ class Outgoing(NamedTuple):
 
 
 class Broker(Struct, frozen=True, kw_only=True):
-    """Where the broker is, and by what the robot and it know one another; `will` is said once the robot is gone."""
+    """The broker's address and the robot's credentials; the broker publishes `will` once the robot is gone."""
 
     host: str
     port: int
@@ -73,7 +73,7 @@ class Broker(Struct, frozen=True, kw_only=True):
 
 
 def secured(ca: str, certificate: str, key: str) -> ssl.SSLContext:
-    """Return TLS by files in `credentials/`; InputError says which of them is not there, not ours alone, or wrong."""
+    """Return TLS by files in `credentials/`; InputError names the one that is missing, readable by others, or wrong."""
     paths = {name: _credential(name) for name in (ca, certificate, key) if name}
     try:
         context = ssl.create_default_context(cafile=paths.get(ca))

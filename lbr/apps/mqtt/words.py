@@ -109,7 +109,7 @@ def role(word: Word) -> Role:
 
 
 def read(raw: Any) -> Ask:
-    """Return what a decoded JSON value asks for; InputError says what is wrong with it."""
+    """Return the request in a decoded JSON value; InputError names its fault."""
     try:
         return msgspec.convert(raw, Ask)
     except msgspec.ValidationError as err:
@@ -121,7 +121,7 @@ def read(raw: Any) -> Ask:
 
 
 def order(ask: Ask, allowed: dict[str, Word], held: Role | None) -> Order:
-    """Return what a word orders; InputError with a code says why it is not for its sender, whose role is `held`."""
+    """Return the order of a word; InputError with a code if it is not for its sender, whose role is `held`."""
     word = allowed.get(ask.word)
     if word is None:
         there = ", ".join(sorted(allowed)) or "none"

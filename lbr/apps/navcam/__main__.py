@@ -19,7 +19,7 @@ PORT = 9146
 
 
 def main() -> int:
-    """Serve until told to end."""
+    """Serve until a signal ends it."""
     try:
         from lbr.apps.navcam.server import serve  # noqa: PLC0415 - it needs an extra
     except ImportError as err:

@@ -45,7 +45,7 @@ class Server(serving.Server):
 
 
 def serve(robot: Robot, host: str, port: int, own_names: Iterable[str]) -> None:
-    """Serve the cameras until told to end."""
+    """Serve the cameras until a signal ends it."""
     with ExitStack() as stack:
         sockets = [stack.enter_context(one) for one in _listen(host, port)]
         tls, port = not listening.is_loopback(sockets[0]), sockets[0].getsockname()[1]

@@ -20,7 +20,7 @@ PATH = "/api/robots"
 
 
 class NotTakenError(LbrError):
-    """The service said no, and why."""
+    """The service refused; the text is the reason."""
 
 
 def ask(
@@ -54,7 +54,7 @@ def ask(
 
 
 def _whichever() -> ssl.SSLContext:
-    """Return TLS with any certificate: the token's fingerprint tells whether it is the right one."""
+    """Return TLS that accepts any certificate: the token's fingerprint proves the right one."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     context.check_hostname = False

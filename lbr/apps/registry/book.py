@@ -49,7 +49,7 @@ class _Known(Struct, frozen=True):
 
 
 class Book:
-    """Robots by the names of their tokens; one that was not heard of for a day is forgotten."""
+    """Robots by the names of their tokens; a robot that is silent for a day is forgotten."""
 
     def __init__(self) -> None:
         self._known: dict[str, _Known] = {}

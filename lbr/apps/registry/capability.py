@@ -1,4 +1,4 @@
-"""Registering as a capability: tells the service every few seconds that the robot is up, and how to reach it."""
+"""Registering as a capability: reports every few seconds to the service that the robot is up, and its addresses."""
 
 import threading
 import time
@@ -59,7 +59,7 @@ class Herald:
             self._now.set()
 
     def close(self) -> None:
-        """Say goodbye, if that is heard soon."""
+        """Report that the robot leaves, if the service answers soon."""
         self._ends = True
         self._now.set()
         self._thread.join(GOODBYE_S)
@@ -114,7 +114,7 @@ class Registrar(Capability[RegistrarSettings]):
         self._herald.start()
 
     def step(self) -> None:
-        """Follow where the robot is served, and tell how it stands."""
+        """Follow the robot's addresses, and publish the state."""
         for received in self.ctx.take("web"):
             self._web[received.source] = received.message
         herald = self._herald

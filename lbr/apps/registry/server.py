@@ -75,7 +75,7 @@ class Service:
 
 
 def serve(host: str, port: int, say: Callable[[str], None]) -> None:
-    """Serve until told to end; InputError says why it cannot."""
+    """Serve until a signal ends it; InputError is the reason if it cannot."""
     guests = Guests()
     guests.names()
     with ExitStack() as stack:

@@ -24,7 +24,7 @@ OPTIONS = {"format_whitelist": CONTAINERS, "protocol_whitelist": "none"}
 
 
 def decode(source: Path, target: Path) -> None:
-    """Write a file's sound, of one channel, as PCM WAV; raise InputError saying what is wrong with the file."""
+    """Write a file's sound, of one channel, as PCM WAV; InputError names the fault of the file."""
     formats.ensure_decodable(source)
     import av
 

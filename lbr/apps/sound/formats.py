@@ -21,6 +21,6 @@ def decodes() -> bool:
 
 
 def ensure_decodable(path: Path) -> None:
-    """Raise InputError saying what is missing unless there is a library that decodes files."""
+    """Raise InputError, which names the missing package, without a library that decodes files."""
     if not decodes():
         raise InputError(f"{path} is not a PCM WAV file, and nothing here decodes it; {INSTALL}", "not_possible")

@@ -9,7 +9,7 @@ _ALLOWED = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 
 
 def checked(name: str, subject: str) -> str:
-    """Return a name that cannot lead out of its folder; raise InputError saying what is allowed."""
+    """Return a name that cannot lead out of its folder; InputError names the allowed characters."""
     if not _ALLOWED.fullmatch(name):
         readable = "".join(char if char.isprintable() else "?" for char in name[:40])
         raise InputError(f"{subject} '{readable}': letters, digits, _ and - are allowed, 64 at most")

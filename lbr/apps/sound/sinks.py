@@ -28,7 +28,7 @@ class Playback(Protocol):
     began: float
 
     def poll(self) -> str | None:
-        """Return None while it goes on, then nothing if it was heard to its end, or why it was not."""
+        """Return None while it plays, then an empty text at its end, or the reason why it failed."""
 
     def stop(self) -> None:
         """End it now."""
@@ -41,7 +41,7 @@ class Sink(Protocol):
     immediate: bool
 
     def start(self, sound: Wav) -> Playback:
-        """Begin to play; raise DeviceError saying what to do if that cannot be."""
+        """Begin to play; DeviceError names the cure if it cannot."""
 
 
 def sink_at(address: str, clock: Clock) -> Sink:

@@ -1,4 +1,4 @@
-"""Speech: text to sound in a process of its own, then to a sink that says whether it was heard."""
+"""Speech: text to sound in a process of its own, then to a sink that reports whether it played."""
 
 from lbr.component import Component
 

@@ -31,7 +31,7 @@ TEXT_TOLD = 200
 
 
 class Speech(Capability[SpeechSettings]):
-    """Says one text after the other; without engine or speaker it refuses what it cannot do, and says why."""
+    """Speaks one text after the other; without engine or speaker it refuses a text, with the reason."""
 
     rate_hz = BUSY_HZ
 
@@ -66,7 +66,7 @@ class Speech(Capability[SpeechSettings]):
         self._writer.poll()
 
     def step(self) -> None:
-        """Go on with what is being written and said."""
+        """Go on with writing and playing."""
         speaker = self._opened()
         for job, why in (*self._writer.poll(), *self._decoder.poll(), *self._decoder.go_on()):
             self._written(job, why)
@@ -98,7 +98,7 @@ class Speech(Capability[SpeechSettings]):
         self._tell()
 
     def degraded(self, reason: str) -> None:
-        """Tell that nothing is heard."""
+        """Report that nothing is played."""
         self.ctx.publish("state", self._state(reason))
 
     def close(self) -> None:
@@ -136,7 +136,7 @@ class Speech(Capability[SpeechSettings]):
         return f"says {job.title}{after}" + (f"; {cut}" if cut else "")
 
     def _recorded(self, text: str) -> Job:
-        """Return what says a recording; of one that is still being written the text itself is said, in its turn."""
+        """Return the job of a recording; while that is still being written, the text itself is spoken in its turn."""
         name = text[1:].strip()
         if (kept := self._jobs.keeping(name.lower())) is not None:
             return Job(text=kept.text, language=kept.language)
@@ -162,7 +162,7 @@ class Speech(Capability[SpeechSettings]):
         return ""
 
     def _silence(self) -> str:
-        """End what is being said and what waits; return what that was."""
+        """End the current job and those that wait; return their titles."""
         ended = self._jobs.clear()
         if self._current is not None:
             ended.insert(0, self._current)
@@ -231,7 +231,7 @@ class Speech(Capability[SpeechSettings]):
         )
 
     def _forget(self, jobs: list[Job]) -> None:
-        """Remove the files that were written to be said once."""
+        """Remove the files that were written to be played once."""
         for job in jobs:
             if job.sound is not None and job.sound.path.parent == self._scratch:
                 job.sound.path.unlink(missing_ok=True)

@@ -36,7 +36,7 @@ class Engine:
         self._engine.connect("error", self._note)
 
     def write(self, request: Request) -> None:
-        """Write the sound; raise LbrError if none was made."""
+        """Write the sound; LbrError if the engine makes no sound."""
         if not self._sounds(request) and not self._sounds(request):
             raise LbrError("the speech engine has no sound for this text")
         wav.read(Path(request.path))

@@ -41,7 +41,7 @@ class Jobs:
         self._waiting: deque[Job] = deque()
 
     def __len__(self) -> int:
-        """Return how many texts of others wait to be said."""
+        """Return the number of waiting texts of other senders."""
         return sum(not job.own and job.keep is None for job in self._waiting)
 
     def add(self, job: Job) -> None:
@@ -51,7 +51,7 @@ class Jobs:
         self._waiting.append(job)
 
     def to_write(self) -> Job | None:
-        """Return the next job that needs a file: what is to be kept first, then what is to be said soon."""
+        """Return the next job that needs a file: those to be saved first, then those to be spoken soon."""
         unwritten = [job for job in self._waiting if job.sound is None and job.source is None]
         kept = next((job for job in unwritten if job.keep is not None), None)
         if kept is not None or not unwritten:
@@ -81,7 +81,7 @@ class Jobs:
             self._waiting.remove(job)
 
     def clear(self) -> list[Job]:
-        """Take out and return all that waits to be said; what is to be kept stays."""
+        """Remove and return all jobs that wait to be spoken; those to be saved stay."""
         dropped = [job for job in self._waiting if job.keep is None]
         self._waiting = deque(job for job in self._waiting if job.keep is not None)
         return dropped

@@ -18,7 +18,7 @@ class Piper:
         self._voices: dict[str, Any] = {}
 
     def write(self, request: Request) -> None:
-        """Write what a voice says; raise LbrError if there is no such voice, or no piper."""
+        """Write the sound of a voice; LbrError without such a voice, or without piper."""
         try:
             from piper import PiperVoice, SynthesisConfig
         except ImportError as err:

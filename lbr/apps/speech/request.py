@@ -4,7 +4,7 @@ from msgspec import Struct
 
 
 class Cloud(Struct, frozen=True, kw_only=True):
-    """Where and how long the cloud is asked; `cache` is the folder of what it said before."""
+    """The cloud's address and time limit; `cache` is the folder of its earlier sounds."""
 
     region: str = ""
     endpoint: str = ""

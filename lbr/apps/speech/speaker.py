@@ -50,7 +50,7 @@ class Speaker:
         return self._playing.began
 
     def poll(self) -> str | None:
-        """Return how the sound ended, if it has now: nothing if it was heard, or why it was not."""
+        """Return the end of the sound, once it has ended: empty after playing, else the reason."""
         if self._playing is None:
             self._try()
             return None
@@ -70,7 +70,7 @@ class Speaker:
         self._playing = self._trial = None
 
     def _try(self) -> None:
-        """Find out whether it can be heard; a moment of silence tells."""
+        """Find out whether the speaker plays, by a moment of silence."""
         if self._trial is not None:
             result = self._trial.poll()
             if result is not None:

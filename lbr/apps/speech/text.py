@@ -40,7 +40,7 @@ def phrase(phrases: Iterable[Phrase], name: str, language: str) -> Phrase:
 
 
 def to_say(command: SayCommand, phrases: Iterable[Phrase], language: str) -> tuple[str, str]:
-    """Return text and language of what a command wants said."""
+    """Return text and language of a command."""
     wanted = command.language.lower() or language
     if command.text and command.phrase:
         raise InputError("give a text or the name of a phrase, not both")

@@ -50,7 +50,7 @@ def package(latest: Latest, now: float, time_s: float) -> Telemetry:
 
 
 def is_complete(latest: Latest, wired: Iterable[str]) -> bool:
-    """Say whether each of these sources has told what its part is for."""
+    """Tell whether each of these sources has a value for its part."""
     return all((received := latest(port)) is not None and _tells(port, received.message) for port in wired)
 
 

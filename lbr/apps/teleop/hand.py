@@ -122,7 +122,7 @@ class Hand:
 
 
 def wanted(axes: dict[Axis, float], settings: TeleopSettings) -> Twist:
-    """Return the twist of the sticks; rest if one of them says what is no number."""
+    """Return the twist of the sticks; rest if one of them is not a number."""
     ahead, aside = axes.get("left_y", 0.0), axes.get("left_x", 0.0)
     turn = axes.get("right_x", 0.0)
     if not all(map(isfinite, (ahead, aside, turn))):

@@ -79,7 +79,7 @@ class Eye:
 
 
 def camera_off(received: Received | None) -> str:
-    """Return why there are no pictures, if what the camera said last tells, or nothing."""
+    """Return the camera's own reason why there are no pictures; empty without one."""
     if received is None:
         return ""
     state: CameraState = received.message

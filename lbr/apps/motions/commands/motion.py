@@ -1,4 +1,4 @@
-"""`lbr motion`: motions in files, to share them and to take over those of a robot's maker."""
+"""`lbr motion`: motions in files, to share them and to import those of a robot's maker."""
 
 import re
 from collections.abc import Callable

@@ -58,7 +58,7 @@ def exported(robot: str, motion: Motion, rows: RobotRows, suffix: str = "") -> t
 
 
 def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
-    """Return what is in a file, by the suffix of its name; InputError says what is wrong with it."""
+    """Return the content of a file, by the suffix of its name; InputError names its fault."""
     if len(content) > LARGEST_BYTES:
         raise InputError(f"it has {len(content)} bytes, and a motion file has {LARGEST_BYTES} at most")
     if (found := registry.motion_formats().get(suffix.lower())) is not None:

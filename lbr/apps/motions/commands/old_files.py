@@ -40,7 +40,7 @@ def formats() -> dict[str, str]:
 
 
 def understood(path: Path, wanted: str | None = None) -> Given:
-    """Return what is in a file; InputError says what is wrong with one of a known format, or of the wanted one."""
+    """Return the content of a file; InputError names the fault of one of a known format, or of the wanted one."""
     content = given_files.read(path, LARGEST_BYTES)
     makers, old_formats = registry.motion_formats(), registry.old_formats()
     if wanted is not None and wanted not in formats():

@@ -235,7 +235,7 @@ def _read(kind: type[Row], values: RawRow) -> dict[str, Any]:
 
 
 def _row(kind: type[Row], after: Mapping[str, Any]) -> Row:
-    """Return a row of columns; WrongError or ValidationError says what it cannot have."""
+    """Return a row of columns; WrongError or ValidationError names the wrong one."""
     row = msgspec.convert(dict(after), kind)
     for name, value in raw(row).items():
         try:

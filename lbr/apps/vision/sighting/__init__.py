@@ -1,1 +1,1 @@
-"""Sighting: tells where a coloured thing or a face is that a camera sees, while that is asked for; it moves nothing."""
+"""Sighting: reports where a camera sees a coloured thing or a face, while that is asked for; it moves nothing."""

@@ -1,4 +1,4 @@
-"""Sighting as a capability: looks at a camera's pictures while that is asked for, and tells where the target is."""
+"""Sighting as a capability: looks at a camera's pictures while that is asked for, and reports where the target is."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -44,7 +44,7 @@ class Sighting(Capability[SightingSettings]):
         self._warned = ""
 
     def step(self) -> None:
-        """Look at what came, and tell."""
+        """Look at new pictures, and report."""
         if self._watch is not None:
             self._go_on(self._watch)
         self._glance.step()

@@ -113,7 +113,7 @@ class Tracking(Capability[TrackingSettings]):
         self._following = _Following(command, mover, Looking(self.ctx, eye), gaze, call, aim, turned_s=now)
 
     def _joints(self) -> Received:
-        """Return what the joints told last; raise InputError if that is too long ago."""
+        """Return the last state of the joints; InputError if that is too old."""
         received = self.ctx.latest("joints")
         if received is None or not received.age_s(self.ctx.clock()) <= JOINTS_CURRENT_S:
             raise InputError(

@@ -17,7 +17,7 @@ AHEAD = Angles(0.0, 0.0)
 
 
 class Pose(NamedTuple):
-    """The head's posture at a time, its possible error, and its rest beside where it is told to be."""
+    """The head's posture at a time, its possible error, and its rest beside its goal."""
 
     angles: Angles
     unsure_rad: float
