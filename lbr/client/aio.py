@@ -172,18 +172,18 @@ class AsyncMotion:
         self._begin = begin
         self._at_most_s = bounded(at_most_s)
         self._motion: Motion | None = None
-        self._kept: asyncio.Task[None] | None = None
+        self._task: asyncio.Task[None] | None = None
 
     async def __aenter__(self) -> Self:
         self._motion = await _apart(self._begin)
-        self._kept = asyncio.create_task(self._keep(self._motion))
+        self._task = asyncio.create_task(self._keep(self._motion))
         return self
 
     async def __aexit__(self, kind: type[BaseException] | None, *_exc: object) -> None:
         assert self._motion is not None
-        assert self._kept is not None
-        lost = self._kept.exception() if self._kept.done() and not self._kept.cancelled() else None
-        self._kept.cancel()
+        assert self._task is not None
+        lost = self._task.exception() if self._task.done() and not self._task.cancelled() else None
+        self._task.cancel()
         await asyncio.shield(_apart(self._motion.release))
         if kind is None and lost is not None:
             raise lost
@@ -191,7 +191,7 @@ class AsyncMotion:
     @property
     def moving(self) -> bool:
         """Return whether it still goes on."""
-        return self._kept is not None and not self._kept.done()
+        return self._task is not None and not self._task.done()
 
     def change(self, **change: Any) -> None:
         """Go on with these fields changed; raise RefusalError if it goes on no longer."""
@@ -201,10 +201,10 @@ class AsyncMotion:
 
     async def wait(self) -> None:
         """Wait for its end; raise RefusalError if it is not the end that it was to have."""
-        if self._kept is None:
+        if self._task is None:
             raise InputError("this motion has not begun: it does within its `async with`")
-        await asyncio.wait([self._kept])
-        self._kept.result()
+        await asyncio.wait([self._task])
+        self._task.result()
 
     async def _keep(self, motion: Motion) -> None:
         loop = asyncio.get_running_loop()

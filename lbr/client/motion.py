@@ -98,13 +98,13 @@ class Motion:
     @property
     def done(self) -> bool:
         """Return whether what it was to do is done: the angle, the distance, the key frames."""
-        self._hear()
+        self._read_results()
         return self._client.good
 
     def keep(self, **change: Any) -> bool:
         """Go on, with fields changed if any; False once it is done. Raise RefusalError when it goes on no longer."""
         self.message.update(of_numbers(change))
-        self._hear()
+        self._read_results()
         if self._client.ended is None:
             self._client.keep(self.message)
         elif not self._client.good:
@@ -131,7 +131,7 @@ class Motion:
     def _ours(self) -> bool:
         return os.getpid() == self._process
 
-    def _hear(self) -> None:
+    def _read_results(self) -> None:
         if not self._ours():
             raise BusError(FORKED)
         for raw in self._results.take():

@@ -5,7 +5,7 @@ from math import inf, isnan
 from msgspec.structs import replace
 
 from lbr.leases.ask import Ask
-from lbr.leases.ending import Decision, Said, drop_offers, end, end_all, tell_holder
+from lbr.leases.ending import Decision, Said, drop_offers, end, end_all, report_holder
 from lbr.leases.lease import IDLE, Ended, EstopChanged, Lease, LeaseTable, M, Reply, Stop
 from lbr.leases.rules import forget_persistent, note_persistent, persists
 from lbr.messages.codes import Reason
@@ -75,7 +75,7 @@ def _begin(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
         leases = replace(leases, offers=tuple(one for one in leases.offers if one is not offer))
     leases, ended = end(leases, "superseded", why, now, heir=source) if why else (leases, ())
     leases = _keep(replace(leases, begun=max(leases.begun, lease.asked_s)), lease, now)
-    leases, told = tell_holder(leases, now, took=source, lost=before.source if before else "", why=why)
+    leases, told = report_holder(leases, now, took=source, lost=before.source if before else "", why=why)
     return leases, ended + replaced + told
 
 

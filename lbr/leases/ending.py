@@ -35,7 +35,7 @@ def end(leases: LeaseTable[M], how: Ending, why: Reason, now: float, *, heir: st
     ended = Ended(lease=lease, how=how, why=why)
     if heir:
         return still, (ended,)
-    still, told = tell_holder(still, now, lost=lease.source, why=why)
+    still, told = report_holder(still, now, lost=lease.source, why=why)
     return still, (ended, *told)
 
 
@@ -91,7 +91,7 @@ def happened(ended: Ended[M], kind: str = "") -> Happened:
     )
 
 
-def tell_holder(
+def report_holder(
     leases: LeaseTable[M], now: float, *, took: str = "", lost: str = "", why: Reason | None = None
 ) -> Decision[M]:
     """Report the new holder and the one before; in a flood of changes, the number of those not reported."""

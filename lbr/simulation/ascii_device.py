@@ -43,7 +43,7 @@ class AsciiDevice(Generic[F]):
     def execute(self, line: str, now: float) -> None:
         """Do what a line says, and answer."""
 
-    def hear(self, data: bytes, now: float) -> None:
+    def receive(self, data: bytes, now: float) -> None:
         """Take bytes from the host."""
         for byte in data:
             self._take(byte, now)

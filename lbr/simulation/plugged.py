@@ -17,7 +17,7 @@ from lbr.simulation.twins import Surroundings, Twin, make
 _LOCAL = ("/", "unix:/")
 
 
-def tell_of_drawing(ctx: Context, said: Iterable[Drawing]) -> None:  # type: ignore[type-arg]  # any world's
+def report_drawing(ctx: Context, said: Iterable[Drawing]) -> None:  # type: ignore[type-arg]  # any world's
     """Say what draws the cameras' pictures, or why nothing does."""
     for drawing in said:
         if not drawing.renderer:
@@ -51,15 +51,15 @@ class Plugged:
             why = str(err) if isinstance(err, TwinError) else f"{type(err).__name__}: {err}"
             self._refused.append(f"device '{device.name}' ({device.type}) is not emulated: {why}")
 
-    def tell_of_missing(self) -> None:
+    def report_missing(self) -> None:
         """Say which devices have no twin, and which twins were refused."""
         refused, self._refused = self._refused, []
         for said in refused:
             self._ctx.warn(said, "not_possible")
             self._ctx.event("twin_refused", said, level="warning")
-        self._tell_of([device for device in self._devices if device.name not in self._by_name])
+        self._report([device for device in self._devices if device.name not in self._by_name])
 
-    def _tell_of(self, others: list[Device]) -> None:
+    def _report(self, others: list[Device]) -> None:
         """Report the devices without a twin, and those whose twin has another address."""
         stand_ins = f"/{self._ctx.robot}-devices/"
         alone = (row for row in others if row.type not in twins.names() and stand_ins not in row.address)
@@ -95,7 +95,7 @@ class Plugged:
         if device.name in self._by_name:
             self._ctx.event("plugged_in", f"device '{device.name}' ({device.type}) is emulated, too", code="done")
         else:
-            self._tell_of([device])
+            self._report([device])
         call.reply(CommandReply(accepted=True))
 
     def _out_of_place(self, device: Device) -> str:

@@ -10,7 +10,7 @@ from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.loop import SWITCH_S, Physics, WorldLoop
 from lbr.simulation.painter import Painter
-from lbr.simulation.plugged import Plugged, tell_of_drawing
+from lbr.simulation.plugged import Plugged, report_drawing
 from lbr.simulation.requests import FaultRequest, PlugRequest
 from lbr.simulation.settings import WorldSettings
 from lbr.simulation.twins import Surroundings, Twin
@@ -54,7 +54,7 @@ class SimulatedWorld(Capability[S]):
         made = physics(plugged.twins, cameras)
         self._loop = WorldLoop(made, plugged.twins, self.ctx.clock)
         self._loop.open()
-        plugged.tell_of_missing()
+        plugged.report_missing()
         return made
 
     def step(self) -> None:
@@ -64,7 +64,7 @@ class SimulatedWorld(Capability[S]):
             raise loop.failure
         self._painter.finish()
         if self._cameras is not None:
-            tell_of_drawing(self.ctx, self._cameras.serve())
+            report_drawing(self.ctx, self._cameras.serve())
         now, period_s = self.ctx.clock(), 1 / self.ctx.settings.pose_hz
         if now >= self._pose_at - period_s / 4:
             self._pose_at = max(self._pose_at + period_s, now)

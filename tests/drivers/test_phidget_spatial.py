@@ -152,7 +152,7 @@ def test_a_unit_that_is_gone_or_silent_is_opened_anew(imu, ctx, world, fault, sa
 
 def test_a_world_that_halts_for_a_moment_looks_like_no_frozen_unit():
     unit = PhidgetSpatial(now=0.0)
-    unit.hear(b'{"interval_ms": 4}\n', 0.0)
+    unit.receive(b'{"interval_ms": 4}\n', 0.0)
     assert 0 < len(unit.records(5.0)) // RECORD.size < MOST_ALIKE
 
 

@@ -14,7 +14,7 @@ from lbr.messages.codes import Code, Reason
 from lbr.messages.leases import CommandReply, refused
 
 if TYPE_CHECKING:
-    from lbr.apps.call.media import Happened, Media
+    from lbr.apps.call.media import Media, PeerNews
 
 STATE_EVERY_S = 1.0
 CURRENT_S = 1.0
@@ -34,8 +34,8 @@ class Call(Capability[CallSettings]):
         self._media: Media | None = None
         self._cameras: dict[str, CameraState] = {}
         self._camera, self._seen_s = "", -inf
-        self._said: CallState | None = None
-        self._say_at = -inf
+        self._published: CallState | None = None
+        self._publish_at = -inf
 
     def open(self) -> None:
         """Begin."""
@@ -61,7 +61,7 @@ class Call(Capability[CallSettings]):
             self._note(media.news.popleft())
         self._desk.tick(now)
         self._carry_out()
-        self._tell(now)
+        self._publish_state(now)
 
     def command(self, call: Asked) -> None:
         """Answer a page that rings or stays, or a word of the robot's owner."""
@@ -79,7 +79,7 @@ class Call(Capability[CallSettings]):
         else:
             super().command(call)
         self._carry_out()
-        self._tell(now)
+        self._publish_state(now)
 
     def close(self) -> None:
         """End every connection."""
@@ -106,14 +106,14 @@ class Call(Capability[CallSettings]):
         if self._media is not None:
             self._media.show(received.message.data, received.arrived)
 
-    def _note(self, happened: "Happened") -> None:
-        if happened.outcome == "answer":
-            self._desk.answered(happened.id, happened.text)
-        elif happened.outcome == "connected":
-            self._desk.connected(happened.id)
+    def _note(self, change: "PeerNews") -> None:
+        if change.outcome == "answer":
+            self._desk.answered(change.id, change.text)
+        elif change.outcome == "connected":
+            self._desk.connected(change.id)
         else:
-            code: Code = "malformed" if happened.outcome == "refused" else "unreachable"
-            self._desk.lost(happened.id, Reason(code, happened.text))
+            code: Code = "malformed" if change.outcome == "refused" else "unreachable"
+            self._desk.lost(change.id, Reason(code, change.text))
 
     def _carry_out(self) -> None:
         orders, self._desk.orders = self._desk.orders, []
@@ -153,7 +153,7 @@ class Call(Capability[CallSettings]):
             return f"{name.removeprefix(PREFIX)}: {cameras[name].reason or 'no picture comes'}"
         return "the camera is off: the call does not switch it on"
 
-    def _tell(self, now: float) -> None:
+    def _publish_state(self, now: float) -> None:
         desk, caller, (hears, sound) = self._desk, self._desk.caller, self._sound
         state = CallState(
             phase=desk.phase,
@@ -171,8 +171,8 @@ class Call(Capability[CallSettings]):
             calls=desk.calls,
             lacks=desk.lacks,
         )
-        if now >= self._say_at or state != self._said:
-            self._said, self._say_at = state, now + STATE_EVERY_S
+        if now >= self._publish_at or state != self._published:
+            self._published, self._publish_at = state, now + STATE_EVERY_S
             self.ctx.publish("state", state)
 
 

@@ -38,7 +38,7 @@ aioice.ice.get_host_addresses = _or_loopback
 
 
 @dataclass(frozen=True, slots=True)
-class Happened:
+class PeerNews:
     """The result of a connection; `text` is the answer to the offer, or why there is no answer."""
 
     id: str
@@ -50,7 +50,7 @@ class Media:
     """Connections by the guests' names. `wake` is called for each piece of news."""
 
     def __init__(self, wake: Callable[[], None], microphone: str, *, simulated: bool) -> None:
-        self.news: deque[Happened] = deque()
+        self.news: deque[PeerNews] = deque()
         self._wake = wake
         self._loop = asyncio.new_event_loop()
         self._source = Source(microphone, simulated=simulated)
@@ -65,7 +65,7 @@ class Media:
     @property
     def sound(self) -> str:
         """The sound for a caller, in words."""
-        return self._source.told
+        return self._source.text
 
     @property
     def hears(self) -> Hears:
@@ -129,13 +129,13 @@ class Media:
         if newest is not None and self._pictures is not None and self._peers:
             self._pictures.show(*newest)
 
-    def _tell(self, news: Happened) -> None:
+    def _emit(self, news: PeerNews) -> None:
         self.news.append(news)
         self._wake()
 
     async def _connect(self, id: str, purpose: Purpose, offer: str) -> None:
         assert self._pictures is not None
-        peer = self._peers[id] = _Peer(id, self._tell, self._start)
+        peer = self._peers[id] = _Peer(id, self._emit, self._start)
         peer.begun = asyncio.current_task()
         try:
             if purpose == "display":
@@ -150,9 +150,9 @@ class Media:
             answer = await peer.answer(offer)
         except Exception as err:  # noqa: BLE001 - whatever a page sent: it must not end the calls of others
             await self._close(id)
-            self._tell(Happened(id, "refused", f"the offer cannot be answered: {str(err)[:160] or type(err).__name__}"))
+            self._emit(PeerNews(id, "refused", f"the offer cannot be answered: {str(err)[:160] or type(err).__name__}"))
         else:
-            self._tell(Happened(id, "answer", answer))
+            self._emit(PeerNews(id, "answer", answer))
 
     async def _close(self, id: str) -> None:
         peer = self._peers.pop(id, None)
@@ -194,13 +194,13 @@ class _Peer:
     def __init__(
         self,
         id: str,
-        tell: Callable[[Happened], None],
+        emit: Callable[[PeerNews], None],
         start: Callable[[Coroutine[Any, Any, None]], asyncio.Task[None]],
     ) -> None:
         self.talks = False
         self.begun: asyncio.Task[None] | None = None
         self._id = id
-        self._tell = tell
+        self._emit = emit
         self._start = start
         self._connection = RTCPeerConnection(RTCConfiguration(iceServers=[]))
         self._tracks: list[Any] = []
@@ -241,6 +241,6 @@ class _Peer:
     def _changed(self) -> None:
         state = self._connection.connectionState
         if state == "connected":
-            self._tell(Happened(self._id, "connected"))
+            self._emit(PeerNews(self._id, "connected"))
         elif state in {"failed", "closed"}:
-            self._tell(Happened(self._id, "lost", "the connection of picture and sound is lost"))
+            self._emit(PeerNews(self._id, "lost", "the connection of picture and sound is lost"))

@@ -42,7 +42,7 @@ def _fade(n: int, count: int) -> float:
 
 
 class Source:
-    """The sound of now, packet by packet; `told` describes it, and `hears` in a word."""
+    """The sound of now, packet by packet; `text` describes it, and `hears` in a word."""
 
     def __init__(self, device: str, *, simulated: bool) -> None:
         self._device = device
@@ -52,11 +52,11 @@ class Source:
         self._n = 0
         self.hears: Hears = "tone" if self._tone else "silence"
         if self._tone:
-            self.told = "a test tone in the place of a microphone" + (": the robot is simulated" if simulated else "")
+            self.text = "a test tone in the place of a microphone" + (": the robot is simulated" if simulated else "")
         elif device:
-            self.told = f"silence: the microphone '{device}' has not begun"
+            self.text = f"silence: the microphone '{device}' has not begun"
         else:
-            self.told = "silence: this robot's row names no microphone"
+            self.text = "silence: this robot's row names no microphone"
 
     def begin(self) -> None:
         """Open the microphone, if that is what there is; it is open only while there is a caller."""
@@ -82,11 +82,11 @@ class Source:
 
     def _receive(self, packet: bytes) -> None:
         self._packets.append(packet)
-        self.hears, self.told = "microphone", f"the microphone '{self._device}'"
+        self.hears, self.text = "microphone", f"the microphone '{self._device}'"
 
     def _lose(self, why: str) -> None:
         self._packets.clear()
-        self.hears, self.told = "silence", f"silence: no microphone at '{self._device}' ({why})"
+        self.hears, self.text = "silence", f"silence: no microphone at '{self._device}' ({why})"
 
 
 class _Recorder:

@@ -40,8 +40,8 @@ class Cameras(Capability[CamerasSettings]):
         self._states: dict[str, CameraState] = {}
         self._waiting: deque[Call] = deque()
         self._selecting: _Selecting | None = None
-        self._said: dict[str, tuple[bool, CameraPhase, str]] | None = None
-        self._say_at = 0.0
+        self._published: dict[str, tuple[bool, CameraPhase, str]] | None = None
+        self._publish_at = 0.0
         self._first_at = ctx.clock() + FIRST_S
 
     def step(self) -> None:
@@ -49,7 +49,7 @@ class Cameras(Capability[CamerasSettings]):
         for received in self.ctx.take("states"):
             self._states[received.source] = received.message
         self._go_on()
-        self._tell()
+        self._publish_state()
 
     def command(self, call: Call) -> None:
         """Take a selection; it is answered when the cameras have answered."""
@@ -95,16 +95,16 @@ class Cameras(Capability[CamerasSettings]):
     def _ask(self, names: list[str], *, on: bool) -> PendingReply:
         return self.ctx.ask("switch", SwitchCommand(on=on), ON_S if on else OFF_S, only=names)
 
-    def _tell(self) -> None:
+    def _publish_state(self) -> None:
         known = {short: self._states[name] for short, name in self._names.items() if name in self._states}
         seen = {short: state for short, state in known.items() if self.ctx.alive(self._names[short])}
         on = [short for short, state in seen.items() if state.on]
         now = self.ctx.clock()
-        if self._said is None and len(seen) < len(self._names) and now < self._first_at:
+        if self._published is None and len(seen) < len(self._names) and now < self._first_at:
             return
         essence = {short: (state.on, state.phase, state.reason) for short, state in seen.items()}
-        if now >= self._say_at or essence != self._said:
-            self._said, self._say_at = essence, now + STATE_PERIOD_S
+        if now >= self._publish_at or essence != self._published:
+            self._published, self._publish_at = essence, now + STATE_PERIOD_S
             self.ctx.publish("state", CamerasState(selected=", ".join(on) or OFF, cameras=seen))
 
 

@@ -51,19 +51,19 @@ class Dance(Capability[DanceSettings]):
         super().__init__(ctx)
         self._music = Path(ctx.home) / "music"
         self._dance: _Dance | None = None
-        self._last = self._told = RESTING
-        self._tell_at = 0.0
+        self._last = self._published = RESTING
+        self._publish_at = 0.0
 
     def open(self) -> None:
         """Do nothing: nothing is needed before a dance begins."""
-        self._tell_at = 0.0
+        self._publish_at = 0.0
 
     def step(self) -> None:
         """Go on dancing."""
         if self._dance is not None:
             self._go_on(self._dance)
         self.rate_hz = IDLE_HZ if self._dance is None else DANCING_HZ
-        self._tell()
+        self._publish_state()
 
     def command(self, call: Call) -> None:
         """Answer `play` and `stop`."""
@@ -78,7 +78,7 @@ class Dance(Capability[DanceSettings]):
             call.reply(CommandReply(accepted=True, reason="stopped"))
         else:
             super().command(call)
-        self._tell()
+        self._publish_state()
 
     def close(self) -> None:
         """Stop moving, then the song."""
@@ -151,7 +151,7 @@ class Dance(Capability[DanceSettings]):
             level = "info" if why.code in ASKED_FOR else "warning"
             self.ctx.event("dance_ended", why.text if why.code == "done" else ended, level=level, code=why.code)
         self._last = self._state(dance, "ended", why.text)
-        self._tell()
+        self._publish_state()
 
     def _state(self, dance: _Dance, phase: str, reason: str = "") -> DanceState:
         return DanceState(
@@ -164,12 +164,12 @@ class Dance(Capability[DanceSettings]):
             reason=reason,
         )
 
-    def _tell(self) -> None:
+    def _publish_state(self) -> None:
         silent = self._dance.music.silent if self._dance and self._dance.music else ""
         state = self._state(self._dance, "dancing", silent) if self._dance else self._last
         now = self.ctx.clock()
-        if state != self._told or now >= self._tell_at:
-            self._told, self._tell_at = state, now + STATE_EVERY_S
+        if state != self._published or now >= self._publish_at:
+            self._published, self._publish_at = state, now + STATE_EVERY_S
             self.ctx.publish("state", state)
 
 

@@ -63,13 +63,13 @@ def is_relayed(headers: Mapping[str, str], port: int) -> bool:
 
     A relay that leaves no trace of passing requests on counts as the asker.
     """
-    if any(_tells_of_a_relay(name) for name in headers):
+    if any(_names_a_relay(name) for name in headers):
         return True
     asked = names.parsed(headers.get("host", ""))
     return asked is not None and asked[1] not in {None, port}
 
 
-def _tells_of_a_relay(header: str) -> bool:
+def _names_a_relay(header: str) -> bool:
     name = header.lower().replace("_", "-")
     words = name.removeprefix("x-").split("-")
     return name in _PASSED_ON_WHOLE or words[0] in _PASSED_ON_BY or not _PASSED_ON.isdisjoint(words)

@@ -10,16 +10,16 @@ class Bucket:
 
     def __init__(self, rate_hz: float, now: float, at_once: float = 0.0) -> None:
         self._rate_hz = rate_hz
-        self._most = self._left = at_once or max(rate_hz / 4, 1.0)
+        self._most = self._tokens = at_once or max(rate_hz / 4, 1.0)
         self._at = now
 
     def take(self, now: float) -> bool:
         """Take one, if there is one."""
-        self._left = min(self._most, self._left + (now - self._at) * self._rate_hz)
+        self._tokens = min(self._most, self._tokens + (now - self._at) * self._rate_hz)
         self._at = now
-        if not self._left >= 1.0:
+        if not self._tokens >= 1.0:
             return False
-        self._left -= 1.0
+        self._tokens -= 1.0
         return True
 
 

@@ -64,7 +64,7 @@ class Lan(Capability[LanSettings]):
         self._outer = wire.Subscription(robot_side, keys.status(self.ctx.robot))
         self._passage, self._question = Passage(), None
         self._still = Standstill()
-        self._router, self._here = router, set[str]()
+        self._router, self._clients = router, set[str]()
         self._streams: list[wire.PolledSubscription] = []
         self._links = Links(router, ("tls", "tcp"))
         self._relay = Relay(
@@ -78,7 +78,7 @@ class Lan(Capability[LanSettings]):
         )
         self._says = f"at {', '.join(self._lan.listen)}{self._certified()}, tokens: {len(self._users)}"
         self.ctx.event("listening", self._says)
-        self._tell_unproven()
+        self._report_unproven()
 
     def step(self) -> None:
         """Tell what happened; end if messages do not pass."""
@@ -87,8 +87,8 @@ class Lan(Capability[LanSettings]):
         for refusal in self._doorman.take():
             self.ctx.event("login_refused", refusal.text, level="warning", data={"address": refusal.host})
         for one in self._links.take():
-            self._tell_link(one)
-        self._hear_streams()
+            self._report_link(one)
+        self._subscribe_streams()
         while self._too_much:
             self.ctx.event("refused", self._too_much.popleft(), level="warning")
         self._check()
@@ -143,12 +143,12 @@ class Lan(Capability[LanSettings]):
                 raise BusError("the door is open, but nothing passes through it to the robot")
             time.sleep(ASK_AGAIN_S)
 
-    def _hear_streams(self) -> None:
-        """While clients are here, have the robot send each stream that it names: of what a client declares besides,
+    def _subscribe_streams(self) -> None:
+        """While clients are connected, subscribe to each stream of the robot's rows: of a client's other subscriptions,
         such as a wildcard, only the door hears, so that no number of declarations holds up the robot's own router."""
-        if self._here and not self._streams:
+        if self._clients and not self._streams:
             self._streams = [wire.PolledSubscription(self._router, key) for key in self._lan.heard]
-        while self._streams and not self._here:
+        while self._streams and not self._clients:
             self._streams.pop().close()
 
     def _check(self) -> None:
@@ -172,16 +172,16 @@ class Lan(Capability[LanSettings]):
             return ""
         return f" with certificate {tokens.fingerprint(certificates.first_der(Path(self._lan.certificate)))}"
 
-    def _tell_unproven(self) -> None:
+    def _report_unproven(self) -> None:
         for user in self._lan.users:
             if user.name not in self._users:
                 text = f"the token '{user.name}' is not let in: its row does not fit this home's key; make a new one"
                 self.ctx.event("login_refused", text, level="warning")
 
-    def _tell_link(self, one: Coming) -> None:
-        what, did = ("login", "came in") if one.connected else ("logout", "went")
-        (self._here.add if one.connected else self._here.discard)(one.session_id)
-        self.ctx.event(what, f"a client at {one.address} {did} (session {one.session_id[:8]})")
+    def _report_link(self, one: Coming) -> None:
+        kind, did = ("login", "came in") if one.connected else ("logout", "went")
+        (self._clients.add if one.connected else self._clients.discard)(one.session_id)
+        self.ctx.event(kind, f"a client at {one.address} {did} (session {one.session_id[:8]})")
 
 
 def _proven(lan: LanConfig) -> dict[str, LanUser]:

@@ -23,7 +23,7 @@ POLL_S = 0.05
 """The longest that a new connection waits to be looked at; a look takes a fifth of a millisecond."""
 MOST_HELD = 4
 """Connections of one host that wait at once; more are ended."""
-MOST_TOLD = 64
+MOST_REFUSALS = 64
 
 
 class Doorman:
@@ -34,7 +34,7 @@ class Doorman:
         self._library = library
         self._clock = clock
         self._attempts = Attempts()
-        self._told: deque[Refusal] = deque(maxlen=MOST_TOLD)
+        self._refusals: deque[Refusal] = deque(maxlen=MOST_REFUSALS)
         self._closing = False
         self._thread = threading.Thread(target=self._run, name="doorman", daemon=True)
 
@@ -53,7 +53,7 @@ class Doorman:
 
     def take(self) -> list[Refusal]:
         """Return the reports since the last call."""
-        return [self._told.popleft() for _ in range(len(self._told))]
+        return [self._refusals.popleft() for _ in range(len(self._refusals))]
 
     def close(self) -> None:
         """Let no more clients in."""
@@ -66,7 +66,7 @@ class Doorman:
             for line in self._library.wait(POLL_S):
                 refusal = self._attempts.read(line, self._clock())
                 if refusal is not None:
-                    self._told.append(refusal)
+                    self._refusals.append(refusal)
             self._look(self._clock())
             self.rounds += 1
 

@@ -41,7 +41,7 @@ SESSIONS, IDLE_S = 200, 600.0
 """Of older clients: one that was killed leaves its session behind, of 44 KB, for as long as a person may think."""
 AGENTS = 16
 REQUESTS_HZ = 200.0
-TELL_S = 1.0
+PUBLISH_S = 1.0
 ENDS = "the server for agents ends"
 
 
@@ -83,7 +83,7 @@ class Mcp(Capability[McpSettings]):
         self._serving: Serving | None = None
         self._roster = Roster(AGENTS)
         self._allowed: tuple[str, ...] = ()
-        self._tell_at = 0.0
+        self._publish_at = 0.0
 
     def open(self) -> None:
         """Listen and serve."""
@@ -125,9 +125,9 @@ class Mcp(Capability[McpSettings]):
         while self._counts.news:
             kind, text, level = self._counts.news.popleft()
             self.ctx.event(kind, text, level=level)
-        if now >= self._tell_at:
-            self._tell_at = now + TELL_S
-            self._tell(listening_=True)
+        if now >= self._publish_at:
+            self._publish_at = now + PUBLISH_S
+            self._publish_state(listening_=True)
 
     def command(self, call: Call) -> None:
         """Let an agent do what it must ask a person for."""
@@ -136,12 +136,12 @@ class Mcp(Capability[McpSettings]):
             call.refuse(f"{call.name} is not understood here", "unknown_command")
             return
         self._allowed = (*self._allowed, message.agent)[-AGENTS:]
-        self._tell(listening_=self._serving is not None)
+        self._publish_state(listening_=self._serving is not None)
         call.reply(CommandReply(accepted=True, reason=f"'{message.agent}' may move the robot"))
 
     def degraded(self, reason: str) -> None:
         """Say that nobody is served."""
-        self._tell(listening_=False, reason=reason)
+        self._publish_state(listening_=False, reason=reason)
 
     def close(self) -> None:
         """Stop serving, and what agents move."""
@@ -173,7 +173,7 @@ class Mcp(Capability[McpSettings]):
     def _urls(self) -> tuple[str, ...]:
         return tuple(f"{url.rstrip('/')}{PATH}" for url in self._address.urls)
 
-    def _tell(self, *, listening_: bool, reason: str = "") -> None:
+    def _publish_state(self, *, listening_: bool, reason: str = "") -> None:
         state = McpState(
             listening=listening_,
             rules=self.ctx.settings.rules,

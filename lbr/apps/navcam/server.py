@@ -58,9 +58,9 @@ def serve(robot: Robot, host: str, port: int, own_names: Iterable[str]) -> None:
         page = f"{names.origin(host, port, tls=tls)}/index.html#token={secret}"
         url_file = home.directory("run") / f"{robot.name}-navcam.url"
         home.write_private(url_file, f"{page}\n".encode())
-        _say(f"navcam is at {page}", f"this address is in {url_file} too")
+        _print(f"navcam is at {page}", f"this address is in {url_file} too")
         if tls:
-            _say(f"the certificate's SHA-256 fingerprint is {_fingerprint(Path(listening.certificate()[1]))}")
+            _print(f"the certificate's SHA-256 fingerprint is {_fingerprint(Path(listening.certificate()[1]))}")
         try:
             asyncio.run(server.serve(sockets=sockets))
         finally:
@@ -103,7 +103,7 @@ def _fingerprint(certificate: Path) -> str:
     return ":".join(digest[at : at + 2] for at in range(0, len(digest), 2))
 
 
-def _say(*lines: str) -> None:
+def _print(*lines: str) -> None:
     for line in lines:
         sys.stdout.write(f"{line}\n")
     sys.stdout.flush()

@@ -24,7 +24,7 @@ from lbr.capability.context import Context
 from lbr.errors import DeviceError, InputError, LbrError
 from lbr.messages.web import WebState
 
-TELL_S = 1.0
+PUBLISH_S = 1.0
 GOODBYE_S = 0.3
 MOST_URLS = 8
 NO_SERVICE = (
@@ -53,7 +53,7 @@ class Herald:
         self._thread.start()
 
     def register(self, entry: Entry) -> None:
-        """Say something else from now on, at once."""
+        """Register another entry from now on, at once."""
         if entry != self.entry:
             self.entry = entry
             self._now.set()
@@ -97,8 +97,8 @@ class Registrar(Capability[RegistrarSettings]):
         self._name = ""
         self._web: dict[str, WebState] = {}
         self._health: str | None = None
-        self._told: RegistrarState | None = None
-        self._told_at = 0.0
+        self._published: RegistrarState | None = None
+        self._published_at = 0.0
 
     def open(self) -> None:
         """Begin to register."""
@@ -127,7 +127,7 @@ class Registrar(Capability[RegistrarSettings]):
                 self.ctx.warn(health, "off" if herald is None else "unreachable")
             else:
                 self.ctx.ready()
-        self._tell(herald)
+        self._publish_state(herald)
 
     def close(self) -> None:
         """Say goodbye."""
@@ -148,7 +148,7 @@ class Registrar(Capability[RegistrarSettings]):
             every_s=settings.every_s,
         )
 
-    def _tell(self, herald: Herald | None) -> None:
+    def _publish_state(self, herald: Herald | None) -> None:
         now, entry = self.ctx.clock(), self._entry()
         state = RegistrarState(
             registered=herald is not None and not herald.trouble,
@@ -160,8 +160,8 @@ class Registrar(Capability[RegistrarSettings]):
             code="" if not self._health else "off" if herald is None else "unreachable",
             times=herald.times if herald is not None else 0,
         )
-        if state != self._told or now - self._told_at >= TELL_S:
-            self._told, self._told_at = state, now
+        if state != self._published or now - self._published_at >= PUBLISH_S:
+            self._published, self._published_at = state, now
             self.ctx.publish("state", state)
 
 

@@ -36,7 +36,7 @@ LENDERS = {
     JointsCommand: LeaseTarget("joints_move", "joints_halt", "joints", f"the joints: {GONE}", result_s=RESULT_S),
 }
 ACTIVE_HZ, RESTING_HZ = 50.0, 4.0
-TELL_S, TELL_NEWS_S = 2.0, 0.25
+PUBLISH_S, PUBLISH_NEWS_S = 2.0, 0.25
 ROUTER_GONE = Reason("unreachable", "the router of ROS is gone, and with it who could stop this")
 MOST_REPORTED = 200
 
@@ -80,8 +80,8 @@ class Ros2(Capability[Ros2Settings]):
         self._count = self._refused = 0
         self._joined = False
         self._health: str | None = None
-        self._told: Ros2State | None = None
-        self._told_s = -inf
+        self._published: Ros2State | None = None
+        self._published_s = -inf
 
     def open(self) -> None:
         """Begin to look for ROS."""
@@ -104,7 +104,7 @@ class Ros2(Capability[Ros2Settings]):
             self._showing.step(now)
         active = self._holder.asks or self._words.moving or self._showing.wanted
         self.rate_hz = ACTIVE_HZ if active else RESTING_HZ
-        self._tell(now)
+        self._publish_state(now)
 
     def woke(self, slept_s: float) -> None:  # noqa: ARG002 - however long
         """The computer slept: who drove may be gone."""
@@ -173,7 +173,7 @@ class Ros2(Capability[Ros2Settings]):
         """Report each fault of a publisher once."""
         if text and text not in self._reported and len(self._reported) < MOST_REPORTED:
             self._reported.add(text)
-            self._tell_refusal(text, code)
+            self._report_refusal(text, code)
 
     def _receive(self, sample: Sample) -> None:
         try:
@@ -227,13 +227,13 @@ class Ros2(Capability[Ros2Settings]):
         """Tell each refusal and end once."""
         losses, self._driving.lost = self._driving.lost, []
         for gid, why in losses:
-            self._tell_refusal(f"{self._graph.name(gid)}{self._graph.place(gid)}: {why}", why.code)
+            self._report_refusal(f"{self._graph.name(gid)}{self._graph.place(gid)}: {why}", why.code)
 
-    def _tell_refusal(self, text: str, code: str) -> None:
+    def _report_refusal(self, text: str, code: str) -> None:
         self._refused += 1
         self.ctx.event("ros2_refused", text, level="warning", code=code, about=self.ctx.name)
 
-    def _tell(self, now: float) -> None:
+    def _publish_state(self, now: float) -> None:
         driver, stands = self._driving.driver, self._driving.stands
         state = Ros2State(
             connected=self._link.connected,
@@ -246,7 +246,7 @@ class Ros2(Capability[Ros2Settings]):
             reason=self._health or ("" if driver else stands.text),
             code="unreachable" if self._health else "" if driver else stands.code,
         )
-        since_s = now - self._told_s
-        if since_s >= TELL_S or (state != self._told and since_s >= TELL_NEWS_S):
-            self._told, self._told_s = state, now
+        since_s = now - self._published_s
+        if since_s >= PUBLISH_S or (state != self._published and since_s >= PUBLISH_NEWS_S):
+            self._published, self._published_s = state, now
             self.ctx.publish("state", state)

@@ -80,7 +80,7 @@ class Words:
                 self._answer(call, next(iter(answers.values()), None))
         ended = self._holder.step(results)
         if ended is not None and not self._holder.good:
-            self._tell(self._service, ended)
+            self._report(self._service, ended)
 
     def halt(self, why: str, *, lost: bool = False) -> None:
         """Have what a service moves stand."""
@@ -111,6 +111,6 @@ class Words:
         self._holder.begin(target, payload, given=given)
         return None
 
-    def _tell(self, service: str, why: Reason) -> None:
+    def _report(self, service: str, why: Reason) -> None:
         text, code = f"{service}: {why}", heard(why.code, why.text).code
         self._ctx.event("ros2_service", text, level="warning", code=code, about=self._ctx.name)

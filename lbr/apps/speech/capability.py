@@ -43,8 +43,8 @@ class Speech(Capability[SpeechSettings]):
         self._farewell: Path | None = None
         self._spoken = self._failed = 0
         self._greeted = False
-        self._told: SpeechState | None = None
-        self._tell_at = 0.0
+        self._published: SpeechState | None = None
+        self._publish_at = 0.0
         self._home = Path(ctx.home)
         self._scratch = self._home / "run" / f"{ctx.robot}-{ctx.name}"
         self._writer = Writer(Worker(ctx.clock), self._jobs, self._scratch, self._home, ctx.settings)
@@ -79,14 +79,14 @@ class Speech(Capability[SpeechSettings]):
         self._play_next(speaker)
         idle = self._greeted and speaker.proven and self._current is None and not len(self._jobs)
         self.rate_hz = IDLE_HZ if idle else BUSY_HZ
-        self._tell()
+        self._publish_state()
 
     def command(self, call: Call) -> None:
         """Answer `say`, `hush` and `play`."""
         try:
             match call.message:
                 case SayCommand():
-                    call.reply(CommandReply(accepted=True, reason=self._say(call.message)))
+                    call.reply(CommandReply(accepted=True, reason=self._queue(call.message)))
                 case SongCommand():
                     call.reply(self._play(call.message))
                 case HushCommand():
@@ -95,7 +95,7 @@ class Speech(Capability[SpeechSettings]):
                     super().command(call)
         except (InputError, DeviceError) as err:
             call.refuse(str(err), err.code)
-        self._tell()
+        self._publish_state()
 
     def degraded(self, reason: str) -> None:
         """Report that nothing is played."""
@@ -105,7 +105,7 @@ class Speech(Capability[SpeechSettings]):
         """Say good bye as far as the time allows, then close engine and speaker."""
         speaker, self._speaker = self._speaker, None
         if speaker is not None:
-            self._bid_farewell(speaker)
+            self._play_farewell(speaker)
             speaker.stop()
         self._writer.close()
         self._decoder.close()
@@ -118,7 +118,7 @@ class Speech(Capability[SpeechSettings]):
             raise RuntimeError("speech is not open")
         return self._speaker
 
-    def _say(self, command: SayCommand) -> str:
+    def _queue(self, command: SayCommand) -> str:
         if command.text.startswith(RECORDING) and not command.save:
             job = self._recorded(command.text)
         else:
@@ -242,15 +242,15 @@ class Speech(Capability[SpeechSettings]):
             return
         self._greeted = True
         if self.ctx.settings.greets:
-            self._say_of_itself("hello", None)
-            self._say_of_itself("goodbye", self._scratch / "goodbye.wav")
+            self._queue_phrase("hello", None)
+            self._queue_phrase("goodbye", self._scratch / "goodbye.wav")
 
-    def _say_of_itself(self, name: str, keep: Path | None) -> None:
+    def _queue_phrase(self, name: str, keep: Path | None) -> None:
         with suppress(InputError):  # without such a phrase nothing is said
             found = phrase(self.ctx.rows(Phrase), name, self.ctx.settings.language)
             self._jobs.add(Job(text=found.text, language=found.language, keep=keep, own=True))
 
-    def _bid_farewell(self, speaker: Speaker) -> None:
+    def _play_farewell(self, speaker: Speaker) -> None:
         farewell, self._farewell = self._farewell, None
         if farewell is None or not speaker.proven:
             return
@@ -260,13 +260,13 @@ class Speech(Capability[SpeechSettings]):
             while not speaker.immediate and speaker.poll() is None and time.monotonic() < end:
                 time.sleep(0.01)
 
-    def _tell(self) -> None:
+    def _publish_state(self) -> None:
         reason = "; ".join(self._what_is_missing())
         self.ctx.warn(reason, "not_possible") if reason else self.ctx.ready()
         state = self._state(reason)
         now = self.ctx.clock()
-        if state != self._told or now >= self._tell_at:
-            self._told, self._tell_at = state, now + STATE_EVERY_S
+        if state != self._published or now >= self._publish_at:
+            self._published, self._publish_at = state, now + STATE_EVERY_S
             self.ctx.publish("state", state)
 
     def _what_is_missing(self) -> Iterator[str]:

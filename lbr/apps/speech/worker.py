@@ -30,7 +30,7 @@ class Worker:
         self._clock = clock
         self._program = tuple(program)
         self._popen: subprocess.Popen[bytes] | None = None
-        self._heard = b""
+        self._received = b""
         self._greeted = False
         self._asked = False
         self._until = 0.0
@@ -47,7 +47,7 @@ class Worker:
         """Return whether it takes a text now."""
         return self._greeted and not self._asked
 
-    def say(self, request: Request, limit_s: float) -> None:
+    def write(self, request: Request, limit_s: float) -> None:
         """Give it a text; only when it is idle."""
         assert self.idle
         assert self._popen is not None
@@ -85,7 +85,7 @@ class Worker:
     def _start_when_due(self) -> None:
         if self._clock() < self._retry_at:
             return
-        self._heard = b""
+        self._received = b""
         try:
             self._popen = subprocess.Popen(
                 dying_with_parent(self._program),
@@ -107,13 +107,13 @@ class Worker:
         assert self._popen is not None
         assert self._popen.stdout is not None
         try:
-            self._heard += os.read(self._popen.stdout.fileno(), ANSWER_BYTES)
+            self._received += os.read(self._popen.stdout.fileno(), ANSWER_BYTES)
         except BlockingIOError:
             return None
-        line, end, rest = self._heard.partition(b"\n")
+        line, end, rest = self._received.partition(b"\n")
         if not end:
             return None
-        self._heard = rest
+        self._received = rest
         try:
             return msgspec.json.decode(line, type=Answer)
         except UNREADABLE:

@@ -89,7 +89,7 @@ class Writer:
             cloud=self._cloud,
         )
         limit_s = settings.engine_timeout_s + settings.cloud_timeout_s
-        self._worker.say(request, limit_s + SECONDS_PER_CHARACTER * len(job.text))
+        self._worker.write(request, limit_s + SECONDS_PER_CHARACTER * len(job.text))
 
     def close(self) -> None:
         """End the engine."""

@@ -25,15 +25,15 @@ class TelemetryPackage(Capability[TelemetrySettings]):
         super().__init__(ctx)
         self.rate_hz = ctx.settings.rate_hz
         self._compass: Received | None = None
-        self._told_s, self._complete = -inf, False
+        self._published_s, self._complete = -inf, False
         self._wired = [port for port in KIND.inputs if ctx.sources(port)]
 
     def step(self) -> None:
         """Publish, at the rate and not at every beat of the process; once a second while the motors stand."""
         now = self.ctx.clock()
-        if not self.ctx.on_tick or (self._complete and self._stands() and now - self._told_s < RESTING_S):
+        if not self.ctx.on_tick or (self._complete and self._stands() and now - self._published_s < RESTING_S):
             return
-        self._told_s = now
+        self._published_s = now
         for sample in self.ctx.take("imu"):
             self._compass = sample if sample.message.mag_ut is not None else self._compass
         made = package(self._newest, now, time.time())

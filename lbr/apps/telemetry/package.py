@@ -51,10 +51,10 @@ def package(latest: Latest, now: float, time_s: float) -> Telemetry:
 
 def is_complete(latest: Latest, wired: Iterable[str]) -> bool:
     """Tell whether each of these sources has a value for its part."""
-    return all((received := latest(port)) is not None and _tells(port, received.message) for port in wired)
+    return all((received := latest(port)) is not None and _has_value(port, received.message) for port in wired)
 
 
-def _tells(port: str, message: Any) -> bool:
+def _has_value(port: str, message: Any) -> bool:
     if port == "attitude":
         return message.heading_deg is not None
     if port == "battery":

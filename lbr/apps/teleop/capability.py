@@ -37,8 +37,8 @@ class Teleop(Capability[TeleopSettings]):
         self._stepped_at = ctx.clock()
         self._why = Reason("idle", "")
         self._ended: Reason | None = None
-        self._told: TeleopState | None = None
-        self._told_at = -inf
+        self._published: TeleopState | None = None
+        self._published_at = -inf
 
     def open(self) -> None:
         """Look whether there is one gamepad: of two, one hand could hold the dead-man button and the other drive."""
@@ -53,7 +53,7 @@ class Teleop(Capability[TeleopSettings]):
         for received in self.ctx.take("pad"):
             assert isinstance(received.message, GamepadState)
             for word in presses(self._hand.receive(received.message, received.arrived), self.ctx.settings):
-                self._say(word, now)
+                self._send(word, now)
         if not held_up_s <= self.ctx.settings.ttl_s:  # what it held has lapsed, and the hand may be gone
             self._hand.let_go()
         if not all(map(self.ctx.alive, self.ctx.sources("pad"))):
@@ -65,7 +65,7 @@ class Teleop(Capability[TeleopSettings]):
         self._lines.step(results, stands)
         self._read_stops()
         self.rate_hz = DRIVING_HZ if self._holder.asks or self._lines.moving else RESTING_HZ
-        self._tell(twist, now)
+        self._publish_state(twist, now)
 
     def woke(self, slept_s: float) -> None:  # noqa: ARG002 - however long
         """The computer slept: the person who held the gamepad may be gone."""
@@ -76,7 +76,7 @@ class Teleop(Capability[TeleopSettings]):
         self._holder.release("teleop is shutting down")
         self._lines.halt("teleop is shutting down")
 
-    def _say(self, word: str, now: float) -> None:
+    def _send(self, word: str, now: float) -> None:
         match word:
             case "estop":
                 self.ctx.engage_estop(BY_HAND)
@@ -119,7 +119,7 @@ class Teleop(Capability[TeleopSettings]):
                 text = f"{', '.join(silent)} did not answer the stop of the gamepad"
                 self.ctx.event("teleop_stop", text, level="error", code="unreachable")
 
-    def _tell(self, twist: Twist, now: float) -> None:
+    def _publish_state(self, twist: Twist, now: float) -> None:
         driving = self._holder.asks
         why = self._ended if self._ended is not None and not driving else self._why
         state = TeleopState(
@@ -131,7 +131,7 @@ class Teleop(Capability[TeleopSettings]):
             code=why.code,
             **(twist if driving else REST)._asdict(),
         )
-        since_s = now - self._told_at
-        if since_s >= STATE_EVERY_S or (state != self._told and since_s >= SOONEST_S):
-            self._told, self._told_at = state, now
+        since_s = now - self._published_at
+        if since_s >= STATE_EVERY_S or (state != self._published and since_s >= SOONEST_S):
+            self._published, self._published_at = state, now
             self.ctx.publish("state", state)

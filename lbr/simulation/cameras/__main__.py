@@ -87,7 +87,7 @@ class Cameras:
 
     def _attend(self, viewer: Viewer, events: int) -> None:
         if events & selectors.EVENT_READ:
-            viewer.hear(time.monotonic())
+            viewer.receive(time.monotonic())
         if events & selectors.EVENT_WRITE and not viewer.go_on():
             self._selector.modify(viewer.connection, selectors.EVENT_READ, viewer)
 

@@ -40,7 +40,7 @@ class Viewer:
         self._outgoing = memoryview(b"")
         connection.setblocking(False)
 
-    def hear(self, now: float) -> None:
+    def receive(self, now: float) -> None:
         """Take what it says; nonsense or an end closes it."""
         try:
             data = self.connection.recv(_READ_BYTES)

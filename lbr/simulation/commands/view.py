@@ -102,7 +102,7 @@ class _Latest(Generic[S]):
         start = wire.ask(bus, key, None, source=target.source("lbr view"), timeout_s=1.0)
         self._last: S | None = None
         if start:
-            self._hear(start[0].payload)
+            self._read(start[0].payload)
 
     @property
     def age_s(self) -> float:
@@ -110,10 +110,10 @@ class _Latest(Generic[S]):
 
     def read(self) -> S | None:
         for raw in self._feed.take():
-            self._hear(raw.payload)
+            self._read(raw.payload)
         return self._last
 
-    def _hear(self, payload: bytes) -> None:
+    def _read(self, payload: bytes) -> None:
         with contextlib.suppress(MalformedError):  # a humanoid's world says other things than a room
             self._last, self._seen = self._decoder.decode(payload), self._clock()
 

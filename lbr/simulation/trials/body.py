@@ -67,7 +67,7 @@ class BodyInstruments:
         self._began_s = board.now
         self.pose = engine.pose()
         self._askew = {row.name: random.gauss(0.0, ASKEW_RAD) for row in rows}
-        self._told: list[ServoSetpoint | None] = [None] * random.randint(*LATE_ROUNDS)
+        self._delayed: list[ServoSetpoint | None] = [None] * random.randint(*LATE_ROUNDS)
         self._setpoint: ServoSetpoint | None = None
         self._goals = self._angles()
         self._limp: set[int] = set()
@@ -140,13 +140,13 @@ class BodyInstruments:
             self._engine.step(self._suffered(main_board.drives(now), now), ROUND_S)
             self._feel(main_board, now)
             self._goals = self._angles()
-            self._told = [None] * len(self._told)
+            self._delayed = [None] * len(self._delayed)
             if stored is not None and main_board.playing is None:
                 self._passes_at = now + self._random.uniform(*PASSES_S)
                 self._stored = StoredState(slot=stored.slot, count=stored.count, phase="over")
             return
-        self._told.append(self._setpoint if now > self._passes_at else None)
-        due = self._told.pop(0)
+        self._delayed.append(self._setpoint if now > self._passes_at else None)
+        due = self._delayed.pop(0)
         if due is not None:
             goals = {goal.id: goal for goal in due.goals}
             self._limp = {n for n in self._goals if n not in goals or goals[n].torque <= 0.0}

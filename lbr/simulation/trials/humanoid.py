@@ -49,7 +49,7 @@ class HumanoidTrial(TableTrial):
         self.instruments = BodyInstruments(board, others, self.engine, rows, random, faults)
         self.falls = 0
         self._upright = self.engine.pose().upright
-        board.listen(keys.port(setup.robot, self._runs, "state"), BehaviourState, self._hear)
+        board.listen(keys.port(setup.robot, self._runs, "state"), BehaviourState, self._follow)
 
     def warm_up(self) -> None:
         """Let it fall if it is to, and switch its torque on, as a person does before a table."""

@@ -170,7 +170,7 @@ class TableTrial(ABC):
     def round(self) -> None:
         """Let one round go by, and watch the robot."""
 
-    def _hear(self, state: BehaviourState) -> None:
+    def _follow(self, state: BehaviourState) -> None:
         self.state = state
 
     def _stuck(self) -> bool:
@@ -227,7 +227,7 @@ class Trial(TableTrial):
         self._speed_mps = 0.0
         self._been: deque[tuple[float, float, int]] = deque(maxlen=round(STUCK_S / LOOK_S))
         self._look_at_s = 0.0
-        self.board.listen(keys.port(setup.robot, self._runs, "state"), BehaviourState, self._hear)
+        self.board.listen(keys.port(setup.robot, self._runs, "state"), BehaviourState, self._follow)
 
     def round(self) -> None:
         """Let one round go by, and watch the robot."""

@@ -114,7 +114,7 @@ def test_a_simulated_robot_has_a_tone_and_one_without_a_row_is_silent(wording):
     assert Source("tone", simulated=False).hears == "tone"
     none = Source("", simulated=True)
     assert none.hears == "silence"
-    wording(none.told)
+    wording(none.text)
 
 
 @pytest.mark.parametrize(

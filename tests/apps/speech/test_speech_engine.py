@@ -39,7 +39,7 @@ def ready(found):
 
 
 def outcome(found, asked, limit_s=5.0):
-    found.say(asked, limit_s)
+    found.write(asked, limit_s)
     return until(found.poll).reason
 
 

@@ -162,7 +162,7 @@ def real(cloud):
 
 
 def said(found, request):
-    found.say(request, 9.0)
+    found.write(request, 9.0)
     return until(found.poll)
 
 

@@ -79,7 +79,7 @@ def command(
             }
         )
         return 0
-    _tell(whose, given, plan, notes, dry_run=dry_run)
+    _report(whose, given, plan, notes, dry_run=dry_run)
     return 0
 
 
@@ -185,7 +185,7 @@ def _write(rows: Database, robot: str, plan: Imported, revision: int, *, dry_run
     return plan
 
 
-def _tell(robot: str, given: Sequence[Given], plan: Imported, notes: Sequence[Note], *, dry_run: bool) -> None:
+def _report(robot: str, given: Sequence[Given], plan: Imported, notes: Sequence[Note], *, dry_run: bool) -> None:
     names = ", ".join(f"{one.path.name} ({one.format})" for one in given[:10])
     took = "would take" if dry_run else "took"
     count = f"{len(plan.rows)} row{'s' if len(plan.rows) != 1 else ''}"

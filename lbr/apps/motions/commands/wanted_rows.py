@@ -89,7 +89,7 @@ class _Taking:
     """Applies one want after the other; several may be of one row."""
 
     def __init__(self, here: Here, shipped: Here, *, replacing: bool) -> None:
-        self._here = here
+        self._present = here
         self._shipped = shipped
         self._replacing = replacing
         self._states: dict[tuple[str, str], _State] = {}
@@ -133,7 +133,7 @@ class _Taking:
     def _state(self, want: Want, key: tuple[Any, ...]) -> _State:
         if (want.table, _row_name(key)) not in self._states:
             kind = TABLES[want.table]
-            before = _existing(kind, key, self._here)
+            before = _existing(kind, key, self._present)
             state = _State(before, {**want.key, **(before or {})}, _existing(kind, key, self._shipped))
             self._states[want.table, _row_name(key)] = state
         return self._states[want.table, _row_name(key)]

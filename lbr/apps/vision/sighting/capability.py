@@ -40,7 +40,7 @@ class Sighting(Capability[SightingSettings]):
         self._watch: _Watch | None = None
         self._glance = Glance(ctx)
         self._why = ""
-        self._tell_at = -inf
+        self._publish_at = -inf
         self._warned = ""
 
     def step(self) -> None:
@@ -48,8 +48,8 @@ class Sighting(Capability[SightingSettings]):
         if self._watch is not None:
             self._go_on(self._watch)
         self._glance.step()
-        if self.ctx.clock() >= self._tell_at:
-            self._tell()
+        if self.ctx.clock() >= self._publish_at:
+            self._publish_state()
 
     def command(self, call: Call) -> None:
         """Answer `watch` and `look`."""
@@ -64,7 +64,7 @@ class Sighting(Capability[SightingSettings]):
         except InputError as err:
             call.refuse(str(err), err.code)
             return
-        self._tell()
+        self._publish_state()
         call.reply(CommandReply(accepted=True, reason=answer))
 
     def close(self) -> None:
@@ -90,7 +90,7 @@ class Sighting(Capability[SightingSettings]):
     def _go_on(self, watch: _Watch) -> None:
         now = self.ctx.clock()
         if watch.looking.take(now):
-            self._tell_at = now
+            self._publish_at = now
         if watch.looking.eye.trouble:
             self._end(watch.looking.eye.trouble)
             self._complain(self._why)
@@ -103,7 +103,7 @@ class Sighting(Capability[SightingSettings]):
         watch, self._watch, self._why = self._watch, None, why
         if watch is not None:
             watch.looking.close()
-            self._tell_at = -inf
+            self._publish_at = -inf
         self._complain("")
 
     def _complain(self, why: str) -> None:
@@ -114,9 +114,9 @@ class Sighting(Capability[SightingSettings]):
             else:
                 self.ctx.ready()
 
-    def _tell(self) -> None:
+    def _publish_state(self) -> None:
         now = self.ctx.clock()
-        self._tell_at = now + (RESTING_EVERY_S if self._watch is None else STATE_EVERY_S)
+        self._publish_at = now + (RESTING_EVERY_S if self._watch is None else STATE_EVERY_S)
         self.ctx.publish(
             "state", SightingState(watching=False, reason=self._why) if self._watch is None else self._state(now)
         )

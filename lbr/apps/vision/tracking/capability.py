@@ -54,21 +54,21 @@ class Tracking(Capability[TrackingSettings]):
         self._following: _Following | None = None
         self._glance = Glance(ctx, sketch)
         self._last = TrackingState(following=False)
-        self._tell_at = -inf
+        self._publish_at = -inf
         self._warned = ""
 
     def open(self) -> None:
         """Load what looks at pictures: later the head would be held meanwhile by a process that is not heard of."""
         load()
-        self._tell_at = -inf
+        self._publish_at = -inf
 
     def step(self) -> None:
         """Look, and have the head follow."""
         if self._following is not None:
             self._go_on(self._following)
         self._glance.step()
-        if self.ctx.clock() >= self._tell_at:
-            self._tell()
+        if self.ctx.clock() >= self._publish_at:
+            self._publish_state()
 
     def command(self, call: Call) -> None:
         """Answer `track`, `look` and `stop`."""
@@ -104,7 +104,7 @@ class Tracking(Capability[TrackingSettings]):
             raise InputError(why, "unreachable")
         check(settings, command.target)
         gaze, now = Gaze(), self.ctx.clock()
-        self._hear(gaze, self._joints())
+        self._follow_head(gaze, self._joints())
         pose = gaze.at(now)
         aim = clamped(pose.angles if pose is not None else AHEAD, self._tuning())
         neck = Neck(settings.yaw_joint, settings.pitch_joint, settings.speed_rps, settings.torque)
@@ -124,7 +124,7 @@ class Tracking(Capability[TrackingSettings]):
     def _go_on(self, following: _Following) -> None:
         now = self.ctx.clock()
         for received in self.ctx.take("joints"):
-            self._hear(following.gaze, received)
+            self._follow_head(following.gaze, received)
         for look in following.looking.take(now):
             self._see(following, look, now)
         self._look_around(following, now)
@@ -141,7 +141,7 @@ class Tracking(Capability[TrackingSettings]):
         else:
             self._complain(following.looking.trouble(now))
 
-    def _hear(self, gaze: Gaze, received: Received) -> None:
+    def _follow_head(self, gaze: Gaze, received: Received) -> None:
         settings, state = self.ctx.settings, received.message
         assert isinstance(state, JointsState)
         yaw, pitch = (state.joints.get(name) for name in (settings.yaw_joint, settings.pitch_joint))
@@ -152,7 +152,7 @@ class Tracking(Capability[TrackingSettings]):
             pose = following.gaze.at(look.taken_s)
             if pose is not None:
                 following.aim = follow(following.aim, pose, look.seen, self._tuning())
-        self._tell()
+        self._publish_state()
 
     def _look_around(self, following: _Following, now: float) -> None:
         """Turn ahead slowly when nothing was seen for a while although there are pictures."""
@@ -176,7 +176,7 @@ class Tracking(Capability[TrackingSettings]):
                 self.ctx.warn(why, "stale_sensor")
             else:
                 self.ctx.ready()
-            self._tell()
+            self._publish_state()
 
     def _answer(self, following: _Following, call: Call, now: float) -> None:
         """Say that the head follows, or will; an answer that comes too late would be taken for a failure."""
@@ -186,7 +186,7 @@ class Tracking(Capability[TrackingSettings]):
         loading = "" if following.looking.eye.ready else " as soon as its eye is ready"
         text = f"the head follows a {following.command.target}{loading}"
         self.ctx.event("tracking_began", f"{call.source}: {text}", code="done", about=call.source)
-        self._tell()
+        self._publish_state()
         call.reply(CommandReply(accepted=True, reason=text))
 
     def _end(self, why: Reason) -> None:
@@ -202,7 +202,7 @@ class Tracking(Capability[TrackingSettings]):
             self.ctx.event("tracking_ended", text, code=why.code)
         self._last = TrackingState(following=False, target=following.command.target, reason=why.text)
         self._complain("")
-        self._tell()
+        self._publish_state()
 
     def _tuning(self) -> Tuning:
         settings = self.ctx.settings
@@ -215,9 +215,9 @@ class Tracking(Capability[TrackingSettings]):
             gain=settings.gain,
         )
 
-    def _tell(self) -> None:
+    def _publish_state(self) -> None:
         now = self.ctx.clock()
-        self._tell_at = now + STATE_EVERY_S
+        self._publish_at = now + STATE_EVERY_S
         self.ctx.publish("state", self._last if self._following is None else self._state(self._following, now))
 
     def _state(self, following: _Following, now: float) -> TrackingState:

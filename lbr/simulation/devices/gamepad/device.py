@@ -30,22 +30,22 @@ class EmulatedGamepad:
 
     def __init__(self, hand: GamepadFaults | None = None, *, seed: int = 0) -> None:
         self.hand = hand or GamepadFaults()
-        self._told: dict[tuple[int, int], int] = {}
+        self._sent: dict[tuple[int, int], int] = {}
         self._random = Random(seed)
 
     def plugged(self) -> None:
         """Begin anew: whoever opens it takes it to be at rest."""
-        self._told = {}
+        self._sent = {}
 
     def poll(self, now: float) -> bytes:
         """Return the packet that tells what has changed; nothing if nothing has, or it is out of range."""
         if self.hand.silent:
             return b""
         values = self._values()
-        changed = {code: value for code, value in values.items() if value != self._told.get(code, 0)}
+        changed = {code: value for code, value in values.items() if value != self._sent.get(code, 0)}
         if not changed:
             return b""
-        self._told = values
+        self._sent = values
         events = [(*code, value) for code, value in changed.items()]
         return b"".join(self._record(now, *event) for event in (*events, (SYN, 0, 0)))
 

@@ -47,7 +47,7 @@ class PhidgetSpatial:
         """Take in what it measures now."""
         self._felt = reading
 
-    def hear(self, data: bytes, now: float) -> None:
+    def receive(self, data: bytes, now: float) -> None:
         """Take in orders; other bytes are passed over."""
         *lines, rest = (self._line + data).split(b"\n")
         self._line = rest[:_LONGEST_LINE]

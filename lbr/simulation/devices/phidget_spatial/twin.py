@@ -31,7 +31,7 @@ class PhidgetSpatialTwin(PortTwin[SocketPort, PhidgetSpatialFaults]):
                 self.port.drop(self._client)
                 self._client = client
                 self._unit.plugged_in()
-            self._unit.hear(data, now)
+            self._unit.receive(data, now)
         records = self._unit.records(now)
         if records and self.port.send(self._client, records) < len(records):
             self.port.drop(self._client)  # it reads nothing: records could not be told apart any more

@@ -44,7 +44,7 @@ class RioxDevice(AsciiDevice[RioxFaults]):
     def feed(self, data: bytes, now: float) -> bytes:
         """Take bytes from the host; return what has crossed the line back so far."""
         if self.present(now):
-            self.hear(data, now)
+            self.receive(data, now)
         return self.poll(now)
 
     def poll(self, now: float) -> bytes:

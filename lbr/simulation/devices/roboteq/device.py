@@ -72,7 +72,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
         self._now = now
         if self.present(now):
             self._stage.expired(now)
-            self.hear(data, now)
+            self.receive(data, now)
         return self.poll(now)
 
     def poll(self, now: float) -> bytes:

@@ -25,7 +25,7 @@ class RoboteqTwin(PortTwin[PtyPort, RoboteqFaults]):
         super().__init__(device.name, PtyPort(device.address), self._row.faults)
         self._trace = around.trace
         self._device = RoboteqDevice(faults=self._row.faults, seed=around.seed_for(device), on_command=self._trace_line)
-        self._left = self._row.left_channel - 1
+        self._left_index = self._row.left_channel - 1
 
     def watched(self) -> int | None:
         """Return the descriptor whose bytes it will take; None: none now."""
@@ -52,7 +52,7 @@ class RoboteqTwin(PortTwin[PtyPort, RoboteqFaults]):
     def wheels(self, now: float) -> Pair:
         """Return the power of the left and the right wheel, forward positive."""
         outputs = self._device.outputs(now)
-        left, right = outputs[self._left], outputs[1 - self._left]
+        left, right = outputs[self._left_index], outputs[1 - self._left_index]
         return (left * self._row.left_direction + 0.0, right * self._row.right_direction + 0.0)
 
     def sense(self, sensed: Sensed) -> None:
@@ -69,7 +69,7 @@ class RoboteqTwin(PortTwin[PtyPort, RoboteqFaults]):
 
     def _channels(self, wheels: tuple[N, N]) -> tuple[N, N]:
         left, right = wheels[0] * self._row.left_direction, wheels[1] * self._row.right_direction
-        return (left, right) if self._left == 0 else (right, left)
+        return (left, right) if self._left_index == 0 else (right, left)
 
     def _trace_line(self, line: str, now: float) -> None:
         self._trace.line(now, line)
