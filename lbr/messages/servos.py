@@ -92,7 +92,7 @@ class BusStatistics(Struct, frozen=True, kw_only=True):
 class ServosState(Struct, frozen=True, kw_only=True):
     """One coherent look at every servo of a bus. `sweep` counts; `measured_s` is its end, monotonic.
 
-    `armed`: a setpoint would be applied. `stores`: its controller plays motions of its own; `stored`:
+    `armed`: a setpoint would be applied. `rests`: no servo moves; a setpoint is good for 0.3 s then. `stores`: its controller plays motions of its own; `stored`:
     the newest. `mode`: the controller's, where it has several. `tells_torque` false: servos cannot report their torque;
     null where this driver sent none.
     """
@@ -109,6 +109,7 @@ class ServosState(Struct, frozen=True, kw_only=True):
     stored: StoredState | None = None
     mode: str = ""
     tells_torque: bool = True
+    rests: bool = False
     bus: BusStatistics = BusStatistics()
     heard: bool | None = None
 

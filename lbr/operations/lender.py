@@ -110,10 +110,14 @@ class LeasingCapability(Capability[S], Generic[S, L]):
     def begin(self) -> None:
         """Begin with nothing lent."""
         self._state = self.first()
-        self._beat, self._meter, self._loop = Beat(self.rate_hz), LoopMeter(self.rate_hz), None
+        self.keep_time()
         self._waiting: deque[WaitingCommand] = deque()
         self._driver_at, self._driver_alive = -inf, False
         self._alive_holder = self._pressed_by = ""
+
+    def keep_time(self) -> None:
+        """Begin the rounds of the loop at its rate of now."""
+        self._beat, self._meter, self._loop = Beat(self.rate_hz), LoopMeter(self.rate_hz), None
 
     def step(self) -> None:
         """Take in what arrived; at the loop's rate have time go by."""

@@ -18,6 +18,7 @@ from lbr.messages.servos import ServoGoal, ServoSetpoint
 from tests.support.waiting import until
 
 VALID_S = 0.1
+PLACE = {"error": 0, "position": 512, "speed": 0, "position_rad": 0.0, "load_fraction": 0.0}
 
 
 @pytest.mark.parametrize("late", [1, 3, 4])
@@ -108,7 +109,7 @@ class Bench:
             goals = (ServoGoal(id=1, position_rad=0.0),)
             self.gate = receive(self.gate, ServoSetpoint(goals=goals, lease="a"), self.now, self.now, VALID_S)
         self.gate = tick(self.gate, self.now, VALID_S)
-        motion = SimpleNamespace(error=0, position=512, speed=0)
+        motion = SimpleNamespace(**PLACE)
         slow = SlowState(self.now - self.slow_age_s, self.bus.torque, 512, 100, 1000, 12.0, 30.0)
         snapshot = Snapshot(self.sweep, self.now, {1: Seen(motion, self.now - self.age_s, slow)})
         self.targets.apply(self.gate, strength, snapshot)
@@ -320,7 +321,7 @@ def test_a_stop_is_confirmed_once_every_servo_was_read_to_hold_where_it_is():
 
 def test_a_lost_acknowledgement_takes_no_torque_if_the_servo_says_that_it_has_it():
     bus = Bus.__new__(Bus)
-    bus.read_motion = lambda _servo: SimpleNamespace(position=512)
+    bus.read_motion = lambda _servo: SimpleNamespace(**PLACE)
     bus.write = lambda *_: True
     bus.put = lambda *_: False
     bus.get = lambda *_: 1
@@ -344,7 +345,7 @@ class Deaf:
         self.asked.append("all")
         return None if self.busy else [self.motion] * len(servos)
 
-    motion = SimpleNamespace(error=0, position=512, speed=0)
+    motion = SimpleNamespace(**PLACE)
 
     def read_motion(self, _servo):
         self.asked.append("one")
@@ -422,7 +423,7 @@ def test_a_servo_that_reports_another_error_is_looked_at_next():
     sweep()
     assert len(read) == 1, "one a sweep"
     read.clear()
-    bus.motion = SimpleNamespace(error=0x20, position=512, speed=0)
+    bus.motion = SimpleNamespace(**{**PLACE, "error": 0x20})
     sweep()
     sweep()
     assert set(read) == {1, 2, 3}

@@ -38,6 +38,15 @@ class ServosSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     device: Name
     baud: Annotated[int, Meta(ge=4800, le=4_000_000)] = 1_000_000
     sweep_hz: Annotated[float, Meta(ge=0.0, le=250.0, description="rounds of the poller per second at most")] = 100.0
+    rest_hz: Annotated[
+        float, Meta(ge=8.0, le=250.0, description="rounds per second while no servo moves: a place is good for 0.25 s")
+    ] = 10.0
+    still_rad: Annotated[float, Meta(ge=0.0, le=0.5, description="a servo within this of its place does not move")] = (
+        0.02
+    )
+    still_load: Annotated[
+        float, Meta(ge=0.0, le=1.0, description="a load within this of what it was has not changed")
+    ] = 0.15
     setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
     hold_s: Annotated[
         float,

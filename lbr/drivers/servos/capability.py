@@ -12,7 +12,8 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Context, Device
 from lbr.drivers.guard import WOKEN, Guard
 from lbr.drivers.servos import ServosSettings
-from lbr.drivers.servos.gate import first, receive, strength, tick
+from lbr.drivers.servos.gate import ServoGate, first, receive, strength, tick
+from lbr.drivers.servos.rest import BELIEVED_S, Rest
 from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoPhase, ServoSetpoint
@@ -20,6 +21,9 @@ from lbr.messages.servos import ServoPhase, ServoSetpoint
 SWITCH_S = 1e-4
 """The loop's thread may keep the bus's thread waiting no longer than this."""
 PUBLISH_S = 0.1
+RATE_HZ, REST_HZ = 100.0, 10.0
+BEATS = 4
+"""The rounds at rest within the silence after which a guard kills its driver."""
 NAMED = 3
 LOST_S = 1.0
 """A sender may stumble for this long before that is told. Chosen, not measured: ten times the life of a setpoint."""
@@ -36,6 +40,10 @@ class Session(Protocol):
     @property
     def turning(self) -> bool:
         """Return whether any servo has torque, or is getting it."""
+
+    @property
+    def rest(self) -> Rest:
+        """The judge of whether the servos rest."""
 
     @property
     def failure(self) -> Exception | None:
@@ -61,7 +69,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
     back; a driver of others fills the abstract methods itself.
     """
 
-    rate_hz = 100.0
+    rate_hz = RATE_HZ
     warn_every_s = 0.0
     """A warning that changes is told so rarely."""
 
@@ -69,6 +77,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         super().__init__(ctx)
         self._joints = {joint.device_id: joint.name for joint in ctx.rows(Joint)}
         self._gate = first(ctx.clock())
+        self._valid_s = ctx.settings.setpoint_valid_s
         self._session: T | None = None
         self._told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
         self._left_on = self._lost = False
@@ -108,7 +117,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         if not self._joints:
             raise DeviceError(f"'{self.ctx.name}' has no servos: the table joint has no rows for this robot; add them")
         sys.setswitchinterval(SWITCH_S)
-        self._gate = first(self.ctx.clock())
+        self._gate, self._valid_s = first(self.ctx.clock()), settings.setpoint_valid_s
         self._session = self.connected(self.ctx.device, list(self._joints))
         self._warned, self._warned_at = None, -inf
 
@@ -122,7 +131,10 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         self._listen()
         now, estop = self.ctx.clock(), self.ctx.estop
         stopped = estop.reason if estop.engaged else None
-        self._gate = tick(self._gate, now, self.ctx.settings.setpoint_valid_s, self._gone(), stopped)
+        before = self._gate
+        self._gate = tick(before, now, self._valid_s, self._gone(), stopped)
+        if self._gate != before:
+            session.rest.stir()
         self.act(session, now)
         session.beat()
         session.judge()
@@ -131,6 +143,9 @@ class Servos(Capability[S], ABC, Generic[S, T]):
             self._tell_of_loss(session, now)
             self._report(session, now)
             self._publish_when_due(session, now)
+        settings = self.ctx.settings
+        resting_hz = max(REST_HZ, BEATS * 1000.0 / settings.guard_silence_ms)
+        self.rate_hz = min(RATE_HZ, resting_hz) if session.rest.lasts else RATE_HZ
 
     def hear(self, session: T) -> None:
         """Take in what the line said of itself."""
@@ -147,7 +162,22 @@ class Servos(Capability[S], ABC, Generic[S, T]):
 
     def admit(self, setpoint: ServoSetpoint, arrived: float, now: float) -> None:
         """Have the gate judge a setpoint of the wired source."""
-        self._gate = receive(self._gate, setpoint, arrived, now, self.ctx.settings.setpoint_valid_s)
+        before, valid_s = self._gate, self.ctx.settings.setpoint_valid_s
+        self._gate = receive(before, setpoint, arrived, now, valid_s)
+        self.believe(before)
+
+    def believe(self, before: ServoGate) -> None:
+        """Believe a setpoint that was let in for longer, if it wants nothing of servos at rest that the one `before`
+        did not."""
+        session, gate, valid_s = self._session, self._gate, self.ctx.settings.setpoint_valid_s
+        if gate is before or session is None:
+            return
+        alike = (gate.goals, gate.wanted, gate.halt, gate.reason, gate.lost_since)
+        if alike == (before.goals, before.wanted, before.halt, before.reason, before.lost_since):
+            self._valid_s = max(valid_s, BELIEVED_S) if session.rest.lasts else valid_s
+        else:
+            self._valid_s = valid_s
+            session.rest.stir()
 
     def degraded(self, reason: str) -> None:
         """Tell that the line is away."""
@@ -222,7 +252,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         since, settings = self._gate.lost_since, self.ctx.settings
         if since is None:
             self._lost = False
-        elif not self._lost and session.turning and now - since >= LOST_S:
+        elif not self._lost and session.turning and now - since >= LOST_S + settings.setpoint_valid_s - self._valid_s:
             self._lost = True
             left = f"hold for {max(0.0, settings.hold_s + since - now):.0f} s and are then released"
             text = f"{self._gate.reason}: the servos {left}; a motion or /torque/on keeps them"

@@ -1,5 +1,6 @@
 """Going round the servos of a bus: position, speed and load of each in every sweep, all else of one servo a sweep.
 
+Servos at rest are swept seldom, with all of several servos in a sweep; whatever moves one brings the next sweep at once.
 A servo that is silent is left out and looked for again, now and then, so that it does not slow the others. Runs in the
 bus's thread.
 """
@@ -7,10 +8,11 @@ bus's thread.
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import ceil, inf
 from typing import Generic
 
 from lbr.drivers.servos.contract import SETTING_UP, UNSEEN, B, Motion, Seen, SlowState, Snapshot
+from lbr.drivers.servos.rest import FULL_S, Rest
 
 MISSES = 4
 """The sweeps in a row without an answer that make a servo silent, also at the start. Chosen, not measured: 40 ms of the usual 100 a
@@ -59,10 +61,16 @@ class Poller(Generic[B]):
         period_s: float = 0.0,
         prepare: Callable[[B, int], str] = lambda _bus, _servo: "",
         told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
+        rest: Rest | None = None,
+        rest_period_s: float = 0.0,
     ) -> None:
         self.snapshot = Snapshot(0, -inf, {servo: Seen(reason=UNSEEN) for servo in servos})
         self.heard = -inf
         """When any servo was heard last."""
+        self._rest = rest or Rest(clock)
+        self._rest_period_s = rest_period_s
+        self._hurried = False
+        """True after a lost answer: at rest the next sweep is not waited for."""
         self._servos = {servo: _Servo(servo) for servo in servos}
         self._clock = clock
         self._period_s = period_s
@@ -95,12 +103,14 @@ class Poller(Generic[B]):
             return 0.0
         for _ in self._turns:
             return 0.0
-        now = self._clock()
-        follows = bus.written_all != self._written and self._due - now < self._period_s / 2
-        if now < self._due and not follows:
-            return self._due - now
+        now, due = self._clock(), self._due
+        if self._rest.lasts and not self._hurried:
+            due += self._rest_period_s
+        follows = bus.written_all != self._written and due - now < self._period_s / 2
+        if now < due and not follows:
+            return due - now
         self._due = now + self._period_s * (1.0 + WAITING_SHARE) if follows else max(self._due + self._period_s, now)
-        self._began, self._written = now, bus.written_all
+        self._began, self._written, self._hurried = now, bus.written_all, False
         self._turns = self._sweep(bus)
         next(self._turns, None)
         return 0.0
@@ -114,7 +124,7 @@ class Poller(Generic[B]):
             self._read_together(bus, present)
             yield
         for servo in present:
-            if servo is slow:
+            if servo in slow:
                 self._read_slow(bus, servo)
             elif not together:
                 self._read_motion(bus, servo)
@@ -139,7 +149,7 @@ class Poller(Generic[B]):
                 error = None if bus.together_errors else servo.seen.error
                 self._note(servo, motion, "does not answer", error=error)
             return
-        self._sync_failures += 1
+        self._sync_failures, self._hurried = self._sync_failures + 1, True
         if self._sync_failures >= SYNC_READ_FAILURES:
             self._singly_until = self._clock() + self._singly_s
             self._singly_s = min(2.0 * self._singly_s, SINGLY_MOST_S)
@@ -178,6 +188,7 @@ class Poller(Generic[B]):
             return  # it is looked for in the next sweep, too
         self._see(servo, wrong)
         if wrong == SETTING_UP:
+            self._rest.stir()
             servo.again = self._clock() + WRITING_S
             return
         servo.again = self._clock() + servo.pause_s
@@ -199,6 +210,9 @@ class Poller(Generic[B]):
         """Take in what a servo said, or that it said nothing; `error` where its motion came without error bits."""
         now = self._clock()
         if motion is None:
+            self._hurried = self._hurried or not servo.silent
+            if 0 < servo.misses < MISSES:
+                self._rest.stir()
             servo.misses += 1
             if servo.misses == MISSES:
                 servo.again = now + servo.pause_s
@@ -206,6 +220,9 @@ class Poller(Generic[B]):
             if servo.silent:
                 self._see(servo, reason=trouble)
             return
+        if servo.silent or (motion.error if error is None else error) != servo.seen.error:
+            self._rest.stir()
+        self._rest.look(servo.id, motion.position_rad, motion.load_fraction)
         if servo.silent and servo.seen.at > -inf:
             self._told("servo_back", f"servo {servo.id} answers again", "info")
         servo.misses, servo.pause_s = 0, AGAIN_FIRST_S
@@ -220,11 +237,13 @@ class Poller(Generic[B]):
         seen = servo.seen
         servo.seen = Seen(seen.motion, seen.at, seen.slow, seen.error, reason)
 
-    def _next_slow(self, present: list[_Servo]) -> _Servo | None:
-        if not present:
-            return None
-        self._slow_turn += 1
-        return present[self._slow_turn % len(present)]
+    def _next_slow(self, present: list[_Servo]) -> list[_Servo]:
+        """Return those of which all is read in this sweep: the next one, and at rest as many as keep to FULL_S."""
+        first, count = self._slow_turn + 1, min(1, len(present))
+        if self._rest.lasts:
+            count = max(count, min(len(present), ceil(len(present) * self._rest_period_s / FULL_S - 1e-9)))
+        self._slow_turn += count
+        return [present[turn % len(present)] for turn in range(first, first + count)]
 
     def _overdue(self) -> list[_Servo]:
         """The silent servos to be looked for in this sweep: all that never were, or else one."""

@@ -136,7 +136,8 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
     def shown(self, session: ServoSession[S, B], now: float) -> tuple[object, ...]:
         """Return all that is to be published at once when it changes."""
         gate = self._gate
-        return self._snapshot.sweep, self.phase(session, now), gate.reason, self.ctx.estop.engaged, gate.halt
+        phase, rests = self.phase(session, now), session.rest.lasts
+        return self._snapshot.sweep, phase, rests, gate.reason, self.ctx.estop.engaged, gate.halt
 
     def publish_state(self, session: ServoSession[S, B] | None, now: float, away: str = "") -> None:
         """Publish one coherent look at all servos, or that the line is away."""
@@ -156,6 +157,7 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
             phase=self.phase(session, now),
             servos=tuple(servo_state(out, snapshot.servos[out.id], model, now) for out in servos),
             reason=self._gate.reason,
+            rests=session.rest.lasts,
             bus=statistics(session.bus, snapshot),
             **self.common_state(),
         )

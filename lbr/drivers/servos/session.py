@@ -11,6 +11,7 @@ from lbr.drivers.servos import ServosSettings
 from lbr.drivers.servos.bus_thread import BusThread
 from lbr.drivers.servos.contract import B, ServoLink, Tell
 from lbr.drivers.servos.poller import Poller
+from lbr.drivers.servos.rest import Rest
 from lbr.drivers.servos.targets import ServoTargets
 from lbr.errors import DeviceError
 
@@ -72,9 +73,12 @@ class ServoSession(Generic[S, B]):
         self._tell = tell
         self.bus = link.bus
         self.post = GuardPost(ctx, link.guard)
-        self.poller = Poller[B](servos, ctx.clock, 1.0 / ctx.settings.sweep_hz, link.prepare, tell)
+        settings = ctx.settings
+        rest = self.rest = Rest(ctx.clock, settings.still_rad, settings.still_load, ctx.wake)
+        periods = 1.0 / settings.sweep_hz, 1.0 / min(settings.sweep_hz, settings.rest_hz)
+        self.poller = Poller[B](servos, ctx.clock, periods[0], link.prepare, tell, rest, periods[1])
         self.thread = BusThread(self.bus, self._turn)
-        self.targets = ServoTargets[B](servos, self.thread, ctx.clock, link.model, tell)
+        self.targets = ServoTargets[B](servos, self.thread, ctx.clock, link.model, tell, rest)
         self.thread.start()
 
     @property

@@ -12,6 +12,7 @@ from typing import Generic, TypeVar
 from lbr.drivers.servos.bus_thread import STOP, WRITE, BusThread
 from lbr.drivers.servos.contract import B, Motion, Seen, ServoBus, ServoModel, Snapshot, Tell
 from lbr.drivers.servos.gate import ServoGate
+from lbr.drivers.servos.rest import FULL_S, Rest
 from lbr.messages.servos import ServoGoal
 
 R = TypeVar("R")
@@ -69,12 +70,14 @@ class ServoTargets(Generic[B]):
         clock: Callable[[], float],
         model: ServoModel,
         told: Tell = lambda _kind, _text, _level: None,
+        rest: Rest | None = None,
     ) -> None:
         self.servos = {servo: TargetState(servo, full=model.full_torque) for servo in servos}
         self._thread = thread
         self._clock = clock
         self._model = model
         self._told = told
+        self._rest = rest or Rest(clock)
         self._halts = 0
         self._followed = False
         self._sending: Future[None] | None = None
@@ -287,14 +290,18 @@ class ServoTargets(Generic[B]):
                 self._freeze([out], snapshot)
             changed = changed or before != (out.goal, out.speed)
         now = self._clock()
-        if changed or now - self._sent_at >= REPEAT_S:
+        if changed:
+            self._rest.stir()
+        if changed or now - self._sent_at >= (FULL_S if self._rest.lasts else REPEAT_S):
             self._sent_at = now
             goals = {
                 out.id: (out.goal, out.speed)
                 for out in self._all()
                 if out.on and out.goal is not None and self._motion(out, snapshot, MEASURED_S)
             }
-            self._sending = self._submit(goals, lambda bus: bus.write_goals(goals), WRITE, goals=True, key="goals")
+            self._sending = self._submit(
+                goals, lambda bus: bus.write_goals(goals), WRITE, goals=True, key="goals", stirs=False
+            )
 
     def _place(self, goals: dict[int, int]) -> None:
         self._submit(goals, lambda bus: bus.write_positions(goals), STOP, goals=True)
@@ -307,6 +314,7 @@ class ServoTargets(Generic[B]):
         *,
         goals: bool = False,
         key: object = None,
+        stirs: bool = True,
     ) -> "Future[None] | None":
         """Have servos told their goals, or else their torque, and note when that was on the wire."""
         if not servos:
@@ -325,9 +333,12 @@ class ServoTargets(Generic[B]):
             note(self._clock())
 
         note(inf)
-        return self._queue(job, priority, key)
+        return self._queue(job, priority, key, stirs=stirs)
 
-    def _queue(self, job: Callable[[B], R], priority: int, key: object = None) -> "Future[R]":
+    def _queue(self, job: Callable[[B], R], priority: int, key: object = None, *, stirs: bool = True) -> "Future[R]":
+        if stirs:
+            self._rest.stir()
+
         def watched(bus: B) -> R:
             try:
                 return job(bus)

@@ -34,6 +34,8 @@ from lbr.operations.lender import Answers, LeasingCapability, marked, new_goal, 
 from lbr.operations.statistics import Beat
 
 STATE_PERIOD_S = 0.1
+REST_HZ = 10.0
+"""Setpoints a second while the servos rest and nobody moves them: their driver believes one for 0.3 s then."""
 MOVING_PERIOD_S = 0.045
 """While joints move, their state is told more than 20 times a second, also of servos that are read less often."""
 RECOVER_S = 2.0
@@ -57,6 +59,15 @@ class Joints(LeasingCapability[JointsSettings, State]):
         self.listen()
         self.report()
 
+    def step(self) -> None:
+        """Take in what arrived; at the loop's rate have time go by, slowly while nothing moves."""
+        self.listen()
+        rate_hz = min(REST_HZ, self.ctx.settings.rate_hz) if self._rests() else self.ctx.settings.rate_hz
+        if rate_hz != self.rate_hz:
+            self.rate_hz = rate_hz
+            self.keep_time()
+        super().step()
+
     def close(self) -> None:
         """Hold every joint and say that their mover is gone; end what was going on."""
         super().close()
@@ -66,8 +77,10 @@ class Joints(LeasingCapability[JointsSettings, State]):
 
     def begin(self) -> None:
         """Begin with nothing lent."""
+        self.rate_hz = self.ctx.settings.rate_hz
         super().begin()
         self._sweeps = Beat(self.rate_hz)
+        self._ordered: tuple[object, ...] = ()
         self._reported: JointsState | None = None
         self._reported_at = -inf
 
@@ -117,6 +130,14 @@ class Joints(LeasingCapability[JointsSettings, State]):
         """Return why no servo would follow, or that it is unknown yet which of them have torque; or nothing."""
         why = servos_trouble(self._state, self.ctx.clock())
         return why or (None if self._state.adopted else NOT_ADOPTED)
+
+    def _rests(self) -> bool:
+        """Return whether the driver needs no setpoint soon: its servos rest, and are to do nothing else."""
+        state, before = self._state, self._ordered
+        self._ordered = state.on, state.goals, state.strength, state.lost, state.halt
+        moved = state.leases.live or state.leases.offers or state.feet or state.leases.estop
+        rests = state.servos is not None and state.servos.rests and state.adopted
+        return rests and not moved and before == self._ordered
 
     def _recover(self, call: Call, command: RecoverCommand) -> None:
         joints = self._state.body.joints

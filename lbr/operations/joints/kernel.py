@@ -136,7 +136,8 @@ def _underway(state: State, ask: Ask[Move]) -> State:
 
 def _idle_s(state: State, now: float) -> float:
     """Return how long ago it was last worked out where the joints are to be."""
-    return 0.0 if waits(state) else min(max(0.0, now - state.ticked), moving.LONGEST_STEP_S)
+    longest_s = moving.LONGEST_STEP_S if state.leases.live else 1.0 / state.settings.rate_hz  # at rest rounds are rare
+    return 0.0 if waits(state) else min(max(0.0, now - state.ticked), longest_s)
 
 
 def _yes(state: State, ask: Ask[Move]) -> Reply:

@@ -49,7 +49,7 @@ class Servos:
         self.ages_s = {}
         self.held_at = {}
         self.phase = "released"
-        self.armed, self.reason, self.estop = True, "", False
+        self.armed, self.reason, self.estop, self.rests = True, "", False, False
         self.sweep = 0
         self.stores, self.stored, self.mode = False, None, ""
         self.doubted = set()
@@ -93,6 +93,7 @@ class Servos:
             servos=tuple(self._servo(servo) for servo in self.at),
             reason=self.reason,
             estop=self.estop,
+            rests=self.rests,
             stores=self.stores,
             stored=self.stored,
             mode=self.mode,

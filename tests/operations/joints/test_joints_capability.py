@@ -47,6 +47,54 @@ def test_setpoints_come_at_the_rate_of_the_loop_however_often_it_is_woken(robot)
     assert len(robot.ctx.said("state")) == pytest.approx(100, abs=5)
 
 
+@pytest.fixture
+def at_rest(robot):
+    robot.ctx.servos.rests = True
+    robot.run(0.2)
+    robot.ctx.published.clear()
+    return robot
+
+
+def test_at_rest_setpoints_and_states_come_ten_times_a_second(at_rest):
+    for step in range(1000):
+        at_rest.ctx.now += 0.002
+        if step % 50 == 0:
+            at_rest.ctx.hear()
+        at_rest.joints.step()
+    assert len(at_rest.ctx.said("setpoint")) == pytest.approx(20, abs=2)
+    assert len(at_rest.ctx.said("state")) == pytest.approx(20, abs=2)
+    assert at_rest.joints.rate_hz == 10.0
+
+
+def test_whatever_is_to_move_has_its_setpoint_at_once_and_then_at_the_full_rate(at_rest):
+    now = at_rest.ctx.now
+    at_rest.move("left_knee", -30.0)
+    assert len(at_rest.ctx.said("setpoint")) == 1
+    at_rest.joints.step()
+    assert (at_rest.joints.rate_hz, at_rest.ctx.now) == (100.0, now)
+    at_rest.run(0.2)
+    assert len(at_rest.ctx.said("setpoint")) >= 20
+
+
+@pytest.mark.parametrize("on", [False, True])
+def test_torque_that_is_switched_at_rest_is_in_a_setpoint_with_the_next_step(at_rest, on):
+    at_rest.call("torque", TorqueCommand(on=on, joints=("left_knee",), confirmed=True))
+    at_rest.joints.step()
+    goal = next(one for one in at_rest.setpoint.goals if one.id == BODY.joints["left_knee"].device_id)
+    assert (goal.torque > 0.0) is on
+
+
+def test_servos_that_rest_no_longer_are_told_at_the_full_rate_at_once(at_rest):
+    at_rest.run(0.05)
+    at_rest.ctx.published.clear()
+    at_rest.ctx.servos.rests = False
+    at_rest.ctx.now += 0.001
+    at_rest.ctx.hear()
+    at_rest.joints.step()
+    assert len(at_rest.ctx.said("setpoint")) == 1
+    assert at_rest.joints.rate_hz == 100.0
+
+
 def test_the_state_is_one_sweep_in_the_joints_own_radians(robot, wording):
     robot.ctx.servos.at[2] = BODY.servo_rad("left_shoulder_pitch", 0.7)
     robot.ctx.servos.stuck, robot.ctx.servos.missing = {2}, {20}

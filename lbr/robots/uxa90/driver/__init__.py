@@ -41,6 +41,9 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
 
     baud: Annotated[int, Meta(ge=4800, le=921_600)] = 115_200
     sweep_hz: Annotated[float, Meta(ge=0.0, le=50.0, description="position sweeps per second; 0 reads none")] = 20.0
+    rest_hz: Annotated[
+        float, Meta(ge=4.0, le=50.0, description="position sweeps while no servo moves: a place is good for 0.6 s")
+    ] = 5.0
     on_estop: Annotated[
         Literal["hold", "break", "release"],
         basic("joints", "Emergency stop", description="the emergency stop: hold, short the motors, or release"),

@@ -140,6 +140,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         """Have the gate judge a setpoint; what began before the line was open does not go on."""
         before = self._gate if self._gate.seen else self._gate.revoked(setpoint.lease)
         self._gate = receive(before, setpoint, arrived, now, self.ctx.settings.setpoint_valid_s)
+        self.believe(before)
         if self._gate is not before:
             self._asked = setpoint.stored
 
@@ -167,7 +168,8 @@ class Uxa90(Servos[Uxa90Settings, Session]):
     def shown(self, session: Session, now: float) -> tuple[object, ...]:
         """Return all that is to be published at once when it changes; the main board's mode first."""
         gate, stored = self._gate, session.controller.plays.state()
-        seen = (session.poller.sweep, self.phase(session, now), gate.reason, gate.halt, stored, self._known)
+        rests = session.rest.lasts
+        seen = (session.poller.sweep, self.phase(session, now), rests, gate.reason, gate.halt, stored, self._known)
         return session.controller.mode.name, self.ctx.estop.engaged, *seen
 
     def published(self, session: Session, before: tuple[object, ...], now: float) -> None:
@@ -191,6 +193,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
                 phase=self.phase(session, now),
                 servos=tuple(servo_state(targets, out, poller.seen[out.id], now) for out in targets.servos.values()),
                 reason=inhibited or self._gate.reason,
+                rests=session.rest.lasts,
                 stores=True,
                 stored=session.controller.plays.state(),
                 mode=session.controller.mode.name,

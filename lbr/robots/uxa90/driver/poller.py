@@ -5,7 +5,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
 
+from lbr.drivers.servos.rest import Rest
 from lbr.robots.uxa90.driver.bus import Bus
+from lbr.robots.uxa90.driver.packets import HEAD, position_rad
 from lbr.robots.uxa90.driver.plausibility import Policy, Seen, doubted, judged, silent
 
 MISSES = 2
@@ -43,6 +45,8 @@ class Poller:
         *,
         moving: Callable[[int], bool] = lambda _servo: True,
         told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
+        rest: Rest | None = None,
+        rest_period_s: float = 0.0,
     ) -> None:
         self.seen = {servo: Seen() for servo in servos}
         self.sweep = 0
@@ -58,6 +62,8 @@ class Poller:
         self._together = together
         self._moving = moving
         self._told = told
+        self._rest = rest or Rest(clock)
+        self._rest_period_s = rest_period_s
         self._groups: deque[list[int]] = deque()
         self._under_way = False
         self._quick = FIRST_SWEEPS
@@ -116,6 +122,7 @@ class Poller:
             if servo in self.seen:
                 self.seen[servo] = judged(self.seen[servo], answer, at, self._policy, moving=self._moving(servo))
                 self._servos[servo].misses, self._servos[servo].pause_s = 0, AGAIN_FIRST_S
+                self._rest.look(servo, position_rad(answer.position), answer.load / (HEAD - 1))
                 self._states += 1
                 self.heard = at
 
@@ -131,8 +138,9 @@ class Poller:
             self.ended, self.sweep_s = now, now - self._began
             self._count(now)
             self._quick -= self._quick > 0
-        if now < self._due and not self._quick:
-            return self._due - now
+        due = self._due + self._rest_period_s if self._rest.lasts else self._due
+        if now < due and not self._quick:
+            return due - now
         self._began, self._due = now, max(self._due + self._period_s, now)
         self._under_way = True
         ids = list(self._servos)
@@ -176,6 +184,8 @@ class Poller:
         servo = self._servos[number]
         self._apart.clear()
         servo.misses += 1
+        if servo.misses <= MISSES:
+            self._rest.stir()
         if servo.misses < MISSES:
             self._groups.append([number])
             return

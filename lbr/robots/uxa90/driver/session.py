@@ -10,6 +10,7 @@ from lbr.drivers.serial_line import open_line
 from lbr.drivers.servos.bus_thread import READ, STOP, WRITE, BusThread
 from lbr.drivers.servos.contract import Tell
 from lbr.drivers.servos.guard import Guard as ServosGuard
+from lbr.drivers.servos.rest import Rest
 from lbr.drivers.servos.session import CLOSING_S, JUDGED_S, NOTABLE_BYTES, GuardPost
 from lbr.drivers.wire import Wire
 from lbr.messages.imu import ImuSample
@@ -58,8 +59,17 @@ class Session:
         )
         self.unit = InertialUnit(settings.imu, simulated=ctx.simulated)
         period_s = 1.0 / settings.sweep_hz if settings.sweep_hz else 0.0
+        self.rest = Rest(ctx.clock, settings.still_rad, settings.still_load, ctx.wake)
         self.poller = Poller(
-            servos, ctx.clock, period_s, settings.trust, settings.together, moving=self._moving, told=tell
+            servos,
+            ctx.clock,
+            period_s,
+            settings.trust,
+            settings.together,
+            moving=self._moving,
+            told=tell,
+            rest=self.rest,
+            rest_period_s=max(period_s, 1.0 / settings.rest_hz),
         )
         self.thread = BusThread(self.bus, self._turn)
         seen = self.poller.seen
@@ -92,6 +102,8 @@ class Session:
     def tell(self, *, urgent: bool) -> None:
         """Have the servos told what is due, and read while nothing forbids it."""
         passes = self.controller.passes
+        if self.targets.due or not passes or not self.poller.told_apart:
+            self.rest.stir()
         if passes and not self.poller.reading:
             self.thread.submit(lambda _bus: self.poller.afresh(), WRITE)
         self.targets.open = self.poller.reading = passes
