@@ -1,6 +1,8 @@
 """Messages on `motors/*`: between drive operations and the motor driver."""
 
-from msgspec import Struct
+from typing import Annotated
+
+from msgspec import Meta, Struct
 
 from lbr.messages.units import Name, SignedPower
 
@@ -8,13 +10,15 @@ from lbr.messages.units import Name, SignedPower
 class MotorSetpoint(Struct, frozen=True, kw_only=True):
     """Power of both sides, forward positive, valid for 0.1 s. `lease`: a mark of its lease, which cannot be quoted.
 
-    `motors`: the power of each, where rows name others than `left` and `right`.
+    `motors`: the power of each, where rows name others than `left` and `right`. `moving_s`: the age of the motion,
+    null if unknown. A zero with an age stays in force at rest; a motion that begins within 0.1 s may follow it.
     """
 
     left: SignedPower
     right: SignedPower
     lease: str = ""
     motors: dict[Name, SignedPower] = {}
+    moving_s: Annotated[float, Meta(ge=0.0)] | None = None
 
 
 class MotorState(Struct, frozen=True, kw_only=True):

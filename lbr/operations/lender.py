@@ -115,9 +115,9 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self._driver_at, self._driver_alive = -inf, False
         self._alive_holder = self._pressed_by = ""
 
-    def keep_time(self) -> None:
-        """Begin the rounds of the loop at its rate of now."""
-        self._beat, self._meter, self._loop = Beat(self.rate_hz), LoopMeter(self.rate_hz), None
+    def keep_time(self, after: float | None = None) -> None:
+        """Begin the rounds of the loop at its rate of now: at once, or a period `after` a round."""
+        self._beat, self._meter, self._loop = Beat(self.rate_hz, after), LoopMeter(self.rate_hz), None
 
     def step(self) -> None:
         """Take in what arrived; at the loop's rate have time go by."""

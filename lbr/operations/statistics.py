@@ -10,11 +10,11 @@ WINDOW_S = 1.0
 
 
 class Beat:
-    """Says when a round of a fixed-rate loop is due, whatever else wakes the process."""
+    """Says when a round of a fixed-rate loop is due, whatever else wakes the process; a period `after` the last one."""
 
-    def __init__(self, rate_hz: float) -> None:
+    def __init__(self, rate_hz: float, after: float | None = None) -> None:
         self._period_s = 1.0 / rate_hz
-        self._due: float | None = None
+        self._due = None if after is None else after + self._period_s
 
     def due(self, now: float) -> bool:
         """Say whether a round is due, and count it as done."""

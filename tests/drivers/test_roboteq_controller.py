@@ -394,5 +394,7 @@ def test_what_the_controller_does_not_answer_any_more_becomes_unknown(bring_up, 
         controller.poll()
     assert controller.telemetry.measured()["voltage_v"] == 12.6
     now[0] = 1.0
+    measured = controller.telemetry.measured()
+    assert (controller.telemetry.faults, measured["counts_left"], measured["voltage_v"]) == (None, None, 12.6)
+    now[0] = 2.5
     assert controller.telemetry.measured()["voltage_v"] is None
-    assert controller.telemetry.faults is None

@@ -1,11 +1,11 @@
-from math import inf, nan
+from math import inf, isnan, nan
 
 import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from lbr.drivers.setpoint_gate import REVOKED_KEPT
-from lbr.drivers.wheels.arming import Arming, Inhibit, Setpoint, receive, tick
+from lbr.drivers.wheels.arming import RESTS_S, START, Arming, Inhibit, Setpoint, receive, tick
 
 VALID_S = 0.1
 
@@ -71,6 +71,34 @@ def test_a_late_zero_while_standing_disarms_without_a_trip():
     assert late.trips == 0
 
 
+def resting(now=10.0):
+    return receive(Arming(), Setpoint((0.0, 0.0), "", now, begun=now), now, VALID_S)
+
+
+def test_a_zero_with_the_age_of_its_motion_stays_in_force_until_signs_of_life_are_missing():
+    state = tick(resting(), None, 10.0 + RESTS_S - 0.001, VALID_S)
+    assert (state.armed, state.applied) == (True, (0.0, 0.0))
+    late = tick(state, None, 10.0 + RESTS_S + 0.001, VALID_S)
+    assert (late.armed, late.trips) == (False, 0)
+    assert late.reason.startswith("no setpoint within 1.2 s")
+
+
+@pytest.mark.parametrize(("age_s", "moves"), [(0.0, True), (0.02, True), (0.099, True), (0.101, False), (nan, False)])
+def test_after_a_long_rest_only_a_motion_that_has_just_begun_is_obeyed(age_s, moves):
+    begins = Setpoint((0.1, 0.1), "L1", 11.0, begun=11.0 - age_s)
+    state = receive(resting(), begins, 11.0, VALID_S)
+    assert (state.moving, state.armed) == (moves, moves)
+    if not moves:
+        again = receive(receive(state, at(11.02), 11.02, VALID_S), at(11.03, 0.1, 0.1, "L1"), 11.03, VALID_S)
+        assert not again.moving
+        assert (state.trips, state.reason) == (0, f"the beginning of this motion was not heard; {START}")
+
+
+def test_a_motion_lapses_as_ever_after_a_zero_that_stays():
+    moves = receive(resting(), Setpoint((0.1, 0.1), "L1", 11.0, begun=11.0), 11.0, VALID_S)
+    assert not tick(moves, None, 11.0 + VALID_S + 0.001, VALID_S).armed
+
+
 @pytest.mark.parametrize("power", [nan, inf, -inf])
 def test_a_power_that_is_no_number_stops_and_disarms(power):
     state = receive(moving(), at(10.01, power, 0.1, "L1"), 10.01, VALID_S)
@@ -123,10 +151,17 @@ class AnyHistory(RuleBasedStateMachine):
         if before.armed and not after.armed:
             self.zero_since_disarm = False
 
-    @rule(left=powers, right=powers, lease=leases, age_s=st.sampled_from([0.0, 0.05, 0.099, 0.101, 0.5, nan]))
-    def a_setpoint_comes(self, left, right, lease, age_s):
-        setpoint = Setpoint((left, right), lease, self.now - age_s)
-        was_armed = self.state.armed
+    @rule(
+        left=powers,
+        right=powers,
+        lease=leases,
+        age_s=st.sampled_from([0.0, 0.05, 0.099, 0.101, 0.5, nan]),
+        moving_s=st.sampled_from([0.0, 0.04, 0.2, nan]),
+    )
+    def a_setpoint_comes(self, left, right, lease, age_s, moving_s):
+        born = self.now - age_s
+        setpoint = Setpoint((left, right), lease, born, begun=born - (moving_s if left or right else moving_s * 0.0))
+        was_armed, before = self.state.armed, self.state.setpoint
         self._advance(receive(self.state, setpoint, self.now, VALID_S))
         if not was_armed and self.state.armed:
             assert setpoint.neutral
@@ -135,13 +170,17 @@ class AnyHistory(RuleBasedStateMachine):
         if self.state.moving and self.state.setpoint is setpoint:
             assert was_armed
             assert lease not in self.buried
+            heard_s = self.now - (before.born if before.neutral else self.now)
+            assert (
+                min(heard_s, inf if isnan(setpoint.begun) else self.now - setpoint.begun) < VALID_S or not before.stays
+            )
 
     @rule(passed_s=st.sampled_from([0.0, 0.02, 0.09, 0.11, 3.0]))
     def time_passes(self, passed_s):
         self.now += passed_s
         self._advance(tick(self.state, self.inhibit, self.now, VALID_S))
         if self.state.armed:
-            assert self.now - self.state.setpoint.born < VALID_S
+            assert self.now - self.state.setpoint.born < (RESTS_S if self.state.setpoint.stays else VALID_S)
 
     @rule(fault=st.booleans())
     def something_forbids_motion(self, fault):

@@ -8,12 +8,13 @@ from lbr.drivers.roboteq.protocol import Value
 from lbr.drivers.roboteq.readings import Amps, Channels, Flags, Reading, Setting, Temperatures, Volts, decode
 from lbr.drivers.wheels.contract import Measured
 
-BELIEVED_S = 1.0
+BELIEVED_S, SLOW_BELIEVED_S = 1.0, 2.5
+"""Voltage, temperature and settings are asked for once a second at rest."""
 R = TypeVar("R", bound=Reading)
 
 
 class Telemetry:
-    """The newest answer to each query; one that is older than a second counts as not measured."""
+    """The newest answer to each query; one that is too old counts as not measured."""
 
     def __init__(self, settings: RoboteqSettings, clock: Callable[[], float]) -> None:
         self._left = settings.left
@@ -43,15 +44,15 @@ class Telemetry:
     @property
     def watchdog_ms(self) -> int | None:
         """The controller's watchdog as it was last read back."""
-        setting = self._believed("RWD", Setting)
+        setting = self._believed("RWD", Setting, SLOW_BELIEVED_S)
         return setting.value if setting else None
 
     def measured(self) -> Measured:
         """Return everything as fields of MotorsState, currents and counts forward positive."""
-        volts = self._believed("V", Volts) or Volts(None, None, None)
+        volts = self._believed("V", Volts, SLOW_BELIEVED_S) or Volts(None, None, None)
         amps = self._believed("A", Amps) or Amps(())
         counts = self._believed("C", Channels) or Channels(())
-        temperatures = self._believed("T", Temperatures) or Temperatures(())
+        temperatures = self._believed("T", Temperatures, SLOW_BELIEVED_S) or Temperatures(())
         return Measured(
             voltage_v=volts.battery_v,
             internal_v=volts.internal_v,
@@ -64,9 +65,9 @@ class Telemetry:
             faults=self.faults or (),
         )
 
-    def _believed(self, name: str, kind: type[R]) -> R | None:
+    def _believed(self, name: str, kind: type[R], for_s: float = BELIEVED_S) -> R | None:
         reading, taken = self._newest.get(name, (None, 0.0))
-        if isinstance(reading, kind) and self._clock() - taken < BELIEVED_S:
+        if isinstance(reading, kind) and self._clock() - taken < for_s:
             return reading
         return None
 

@@ -5,24 +5,28 @@ is not finite or loses its source stops the motors, and the lease it quoted is d
 """
 
 from dataclasses import dataclass, replace
-from math import inf, isfinite
+from math import inf, isfinite, nan
 
 from lbr.drivers.setpoint_gate import SetpointGate, fresh
 
 START = "waiting for a zero setpoint"
+RESTS_S = 1.2
+"""The life of a zero that stays in force at rest: two signs of life may be missing."""
 
 
 @dataclass(frozen=True, slots=True)
 class Setpoint:
     """The powers that were asked of each motor; `born` is the older of its stamp and its arrival, in monotonic seconds.
 
-    `unnamed` is a motor that it gives no power, which is NaN then.
+    `unnamed` is a motor that it gives no power, which is NaN then. The motion of which it is part has `begun` then, a
+    zero at its own time; NaN: unknown.
     """
 
     powers: tuple[float, ...]
     lease: str
     born: float
     unnamed: str = ""
+    begun: float = nan
 
     @property
     def neutral(self) -> bool:
@@ -33,6 +37,11 @@ class Setpoint:
     def finite(self) -> bool:
         """All powers are numbers."""
         return all(map(isfinite, self.powers))
+
+    @property
+    def stays(self) -> bool:
+        """It is a zero that stays in force at rest."""
+        return self.neutral and isfinite(self.begun)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +78,11 @@ class Arming(SetpointGate[Setpoint]):
         """Return whether a power other than zero is in force."""
         return self.setpoint is not None and not self.setpoint.neutral
 
+    @property
+    def rests(self) -> bool:
+        """Return whether a zero is in force that stays."""
+        return self.setpoint is not None and self.setpoint.stays
+
 
 def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Arming:
     """Take a setpoint from the wired source."""
@@ -78,6 +92,8 @@ def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Ar
         why = unnamed if setpoint.unnamed else "the setpoint is not a finite number"
         return _disarm(state.revoked(setpoint.lease), why, now, fault=True)
     arms = setpoint.neutral and not state.inhibited and setpoint.born > state.since
+    if verdict == "passes" and not setpoint.neutral and _unheard(state, setpoint, now, valid_s):
+        return _disarm(state.revoked(setpoint.lease), "the beginning of this motion was not heard", now, fault=True)
     if verdict == "passes" and (state.armed or arms):
         return replace(state, setpoint=setpoint, reason="")
     return state
@@ -88,11 +104,19 @@ def tick(state: Arming, inhibit: Inhibit | None, now: float, valid_s: float) -> 
     if inhibit is not None:
         stopped = _disarm(state, inhibit.reason, now, fault=inhibit.fault)
         return replace(stopped, inhibited=True, reason=inhibit.reason)
-    if state.setpoint is not None and not fresh(state.setpoint.born, now, valid_s):
-        state = _disarm(state, f"no setpoint within {valid_s:g} s", now, fault=True)
+    lives_s = RESTS_S if state.rests else valid_s
+    if state.setpoint is not None and not fresh(state.setpoint.born, now, lives_s):
+        state = _disarm(state, f"no setpoint within {lives_s:g} s", now, fault=True)
     if state.inhibited:
         return replace(state, inhibited=False, reason=START)
     return state
+
+
+def _unheard(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> bool:
+    """Return whether a motion follows a zero that stayed for long, and may be far up its ramp."""
+    zero = state.setpoint
+    long_ago = zero is not None and zero.stays and not fresh(zero.born, now, valid_s)
+    return long_ago and not fresh(setpoint.begun, now, valid_s)
 
 
 def _disarm(state: Arming, reason: str, now: float, *, fault: bool) -> Arming:

@@ -19,13 +19,15 @@ from lbr.messages.kinematics import TWO, Kinematics, Wheel, base_of
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState, MotorState
 
-RATE_HZ, RESTING_HZ = 50.0, 20.0
-"""Each setpoint wakes the driver at rest, too. Its own rounds notice what is late."""
+RATE_HZ, STANDING_HZ = 50.0, 20.0
+RESTING_SHARE = 0.5
+"""The period of rounds of armed motors at rest, as a share of the controller's watchdog, which each of them feeds."""
 PUBLISH_PERIOD_S = 0.05
 STANDING_PERIOD_S = 0.09
 """The period of the state while the wheels stand: a third of the age at which the drive calls it too old."""
-RESEND_S = 0.015
-IDLE_QUERY_S = 0.05
+RESEND_S, IDLE_QUERY_S = 0.015, 0.05
+SOON = 0.75
+"""The share of a round after which what each round does is due; a setpoint may wake it in between."""
 REPORT_PERIOD_S = 5.0
 FEW = 8
 """The number of unanswered commands that is reported first, then each doubling: a few are harmless."""
@@ -73,6 +75,7 @@ class Wheels(Capability[S], ABC):
         self._lacks: Reason | None = None
         self._unanswered = 0
         self._reported = -inf
+        self._watchdog_s = ctx.settings.watchdog_ms / 1000.0
 
     @abstractmethod
     def connect(self, device: Device, beat: Callable[[], None]) -> WheelController:
@@ -112,7 +115,7 @@ class Wheels(Capability[S], ABC):
         self._tell_what_lacks()
         self._publish_when_due(controller)
         self._answer_switching()
-        self.rate_hz = RATE_HZ if self._arming.moving or not controller.resting else RESTING_HZ
+        self.rate_hz = RATE_HZ if self._arming.moving or not controller.resting else 1.0 / self._standing_s
 
     def command(self, call: Call) -> None:
         """Switch execution on or off; on waits for a zero setpoint, so that what is said next is obeyed."""
@@ -201,13 +204,14 @@ class Wheels(Capability[S], ABC):
     def _setpoint(self, received: Received) -> Setpoint:
         """Return the power of each motor; one that the message does not name gets NaN, unless all are to stand
         still."""
-        message = received.message
+        message, born = received.message, received.arrived
+        begun = nan if message.moving_s is None else born - message.moving_s
         told = message.motors or {"left": message.left, "right": message.right}
         if not message.motors and message.left == message.right == 0.0:
-            return Setpoint(self._rest, message.lease, received.arrived)
+            return Setpoint(self._rest, message.lease, born, begun=begun)
         powers = tuple(told.get(motor, nan) for motor in self.motors)
         unnamed = next((motor for motor in self.motors if motor not in told), "")
-        return Setpoint(powers, message.lease, received.arrived, unnamed)
+        return Setpoint(powers, message.lease, born, unnamed, begun)
 
     def _inhibit(self, controller: WheelController, now: float) -> Inhibit | None:
         if self.ctx.estop.engaged:
@@ -238,17 +242,24 @@ class Wheels(Capability[S], ABC):
 
     def _held_up(self, controller: WheelController, now: float) -> Inhibit | None:
         """After a pause longer than a setpoint lives, of its own or of the controller's, the next one begins with zero:
-        it may be far up its ramp."""
+        it may be far up its ramp. At rest its rounds are further apart, and the gate knows by their dates."""
         valid_s = self.ctx.settings.setpoint_valid_s
-        if self._stepped is not None and not now - self._stepped < valid_s:
+        most_s = valid_s + (self._standing_s if self._arming.rests else 0.0)
+        if self._stepped is not None and not now - self._stepped < most_s:
             return Inhibit(f"the driver was held up for {now - self._stepped:.2f} s", fault=True)
         if self._arming.moving and not controller.fed_s_ago < valid_s:
             return Inhibit(f"the controller has taken no command for {controller.fed_s_ago:.2f} s", fault=True)
         return None
 
+    @property
+    def _standing_s(self) -> float:
+        """The period of its rounds while nothing moves."""
+        return RESTING_SHARE * self._watchdog_s if self._arming.rests else 1.0 / STANDING_HZ
+
     def _act(self, controller: WheelController) -> None:
         state, held = self._arming, self._held_since is not None
-        hungry = not controller.fed_s_ago < (RESEND_S if state.moving else self.ctx.settings.watchdog_ms / 2000.0)
+        standing_s = SOON * self._standing_s if state.rests else self._watchdog_s / 2
+        hungry = not controller.fed_s_ago < (RESEND_S if state.moving else standing_s)
         if not state.moving and not controller.resting and not held:
             controller.stop()
         elif state.armed:
@@ -259,7 +270,8 @@ class Wheels(Capability[S], ABC):
 
     def _ask(self, controller: WheelController) -> None:
         now = self.ctx.clock()
-        if now - self._queried < (RESEND_S if self._arming.moving else IDLE_QUERY_S):
+        standing_s = SOON * self._standing_s if self._arming.rests else IDLE_QUERY_S
+        if now - self._queried < (RESEND_S if self._arming.moving else standing_s):
             return
         self._queried = now
         controller.poll()

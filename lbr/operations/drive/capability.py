@@ -34,6 +34,10 @@ from lbr.operations.lender import Answers, LeasingCapability, new_goal, said_by
 STATE_PERIOD_S = 0.1
 RESTING_PERIOD_S = 0.5
 """Half of the age at which readers call the state too old."""
+RESTING_HZ = 2.0
+"""The rate at rest: setpoints are signs of life then."""
+RESTS_AFTER_S = 0.5
+"""Zero goes on at the rate of a motion for so long after it, so that no lost message leaves the base moving."""
 MOTIONS = frozenset({"command", "turn", "heading", "twist"})
 NO_ANSWERS: Mapping[str, Any] = {}
 UNANSWERED: Mapping[str, Any] = {"(none in time)": None}
@@ -64,6 +68,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
 
     def begin(self) -> None:
         """Begin with nothing lent."""
+        self._moved_at, self.rate_hz = self.ctx.clock(), self.ctx.settings.rate_hz
         super().begin()
         self._reported: DriveState | None = None
         self._reported_at = -inf
@@ -108,6 +113,19 @@ class Drive(LeasingCapability[DriveSettings, State]):
         ask = partial(self.ctx.ask, "checks", question, timeout_s=timeout_s)
         self.wait_for(call, "checks", ask, timeout_s, lambda answers: self.happen(_event(call, answers), call))
 
+    def step(self) -> None:
+        """Take in what arrived; at the loop's rate have time go by, in long steps at rest."""
+        self._pace()
+        super().step()
+        self._pace()
+
+    def rests(self) -> bool:
+        """Return whether the base has stood for a while, and its motors know it."""
+        now = self.ctx.clock()
+        if not self._state.rests:
+            self._moved_at = now
+        return now - self._moved_at >= RESTS_AFTER_S
+
     def not_at_rest(self) -> str:
         """Return that a wheel is still to turn, if one is."""
         return "a wheel is still to turn" if any(self._state.sides) else ""
@@ -125,6 +143,13 @@ class Drive(LeasingCapability[DriveSettings, State]):
         if due or self._reported is None or _gist(state) != _gist(self._reported):
             self._reported, self._reported_at = state, now
             self.ctx.publish("state", state)
+
+    def _pace(self) -> None:
+        """Go on at the rate that this state needs: a command has changed it before the step, motors within it."""
+        rate_hz = RESTING_HZ if self.rests() else self.ctx.settings.rate_hz
+        if rate_hz != self.rate_hz:
+            self.rate_hz = rate_hz
+            self.keep_time(self.ctx.clock())
 
 
 def _event(call: Call, answers: Answers = NO_ANSWERS) -> Command:

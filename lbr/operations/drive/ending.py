@@ -13,7 +13,7 @@ from lbr.operations.drive.state import ActiveMotion, Outputs, State, motors_trou
 from lbr.operations.drive.wheels import next_wheels
 
 Decision = tuple[State, Outputs]
-ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0))
+ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0, moving_s=0.0))
 """For any base: no motor is named, and all stand still."""
 
 

@@ -137,7 +137,7 @@ class ActiveMotion(Struct, frozen=True, kw_only=True):
 class State(Struct, frozen=True, kw_only=True):
     """Everything the kernel remembers. `clock` is the time of the last event.
 
-    `left`, `right` and `aside`, to the left, are the setpoint now.
+    `left`, `right` and `aside`, to the left, are the setpoint now, which is not zero since `begun`.
     """
 
     settings: DriveSettings
@@ -149,6 +149,7 @@ class State(Struct, frozen=True, kw_only=True):
     right: float = 0.0
     aside: float = 0.0
     ticked: float = nan
+    begun: float = nan
     motors: MotorsState | None = None
     motors_at: float = nan
     motors_gone: str = "the motor driver was not heard yet"
@@ -175,6 +176,15 @@ class State(Struct, frozen=True, kw_only=True):
         if odometry_view.not_known(self.odometry, now):
             return abs(self.left + self.right) / 2 * self.settings.max_speed_mps
         return abs(self.odometry.speed_mps)
+
+    @property
+    def rests(self) -> bool:
+        """Return whether the base stands still, is not lent or offered, and its armed motors stand still, too."""
+        motors = self.motors
+        lent = self.lease is not None or bool(self.leases.offers)
+        if motors is None or lent or any(self.sides):
+            return False
+        return motors.armed and not any((motors.left, motors.right, *(one.power for one in motors.motors.values())))
 
     @property
     def lease(self) -> Lease[ActiveMotion] | None:

@@ -35,7 +35,8 @@ def next_wheels(state: State, now: float) -> State:
     if asked is None:
         asked = (*goals.wheels(goal, active.power, active.angle_deg, settings, now), 0.0)
     limited = limit(state, asked, now, state.limited.blocked)
-    step = settings.accel_per_s * elapsed_s
+    stands = not any(state.sides)
+    step = settings.accel_per_s * (min(elapsed_s, 1.0 / settings.rate_hz) if stands else elapsed_s)
     target = times(asked, limited.scale)
     sides = slew(state.sides, target, step)
     between = FREE if sides == target else limit(state, sides, now, limited.blocked)
@@ -44,14 +45,16 @@ def next_wheels(state: State, now: float) -> State:
     state = replace(state, leases=with_motion(state.leases, replace(active, goal=goal)))
     blocked = active.power > 0.0 and not limited.scale > 0.0
     since = (now if isnan(state.blocked_since) else state.blocked_since) if blocked else nan
-    return replace(state, left=left, right=right, aside=aside, limited=limited, blocked_since=since)
+    begun = now if stands else state.begun
+    return replace(state, left=left, right=right, aside=aside, limited=limited, blocked_since=since, begun=begun)
 
 
 def setpoint_of(state: State, lease: str) -> MotorSetpoint:
     """Return what the motors are to do now: by name where they are others than `left` and `right`."""
     base = state.base
     motors = {} if base.two else dict(zip(base.motors, base.powers(*state.sides), strict=True))
-    return MotorSetpoint(left=state.left, right=state.right, lease=lease, motors=motors)
+    moving_s = max(0.0, state.ticked - state.begun) if any(state.sides) else 0.0
+    return MotorSetpoint(left=state.left, right=state.right, lease=lease, motors=motors, moving_s=moving_s)
 
 
 def slew(sides: Sides, target: Sides, step: float) -> Sides:

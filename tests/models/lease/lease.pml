@@ -335,7 +335,7 @@ inline drive_motors() {
      if :: d_armed || !d_inhibited -> disarm() :: else fi;
      d_inhibited = 1; d_since = 0
   :: else ->
-     if :: d_armed && d_age >= VALID && bug != B_KEEPS_SETPOINT -> disarm() :: else fi;
+     if :: d_armed && d_mv && d_age >= VALID && bug != B_KEEPS_SETPOINT -> disarm() :: else fi;  /* a zero stays */
      d_inhibited = 0
   fi;
   motor = d_armed && d_mv; fed = 0;

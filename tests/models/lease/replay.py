@@ -64,7 +64,7 @@ class Driver:
         if not self._dates.newer(Stamp(source="drive", seq=number, mono_ns=number, wall_ns=0, boot="one")):
             return False
         valid_s = ROBOTEQ.setpoint_valid_s
-        told = arming.Setpoint((setpoint.left, setpoint.right), setpoint.lease, born)
+        told = arming.Setpoint((setpoint.left, setpoint.right), setpoint.lease, born, begun=born)
         self.state = self.receive(self.state, told, now, valid_s)
         self.step(now)
         return True

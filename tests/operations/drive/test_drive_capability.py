@@ -77,17 +77,67 @@ def test_a_bad_row_is_refused_naming_the_field(row, complaint):
         KIND.parse(row)
 
 
-def test_zero_is_published_from_the_start_at_the_rate_of_the_loop(robot):
-    robot.run(1.0)
-    setpoints = robot.ctx.said("setpoint")
-    assert 50 <= len(setpoints) <= 52
-    assert {(each.left, each.right) for each in setpoints} == {(0.0, 0.0)}
+@pytest.mark.parametrize(
+    ("armed", "holds", "least", "most"), [(True, False, 4, 4), (True, True, 100, 101), (False, False, 100, 101)]
+)
+def test_zero_is_published_from_the_start_and_twice_a_second_once_armed_motors_rest(robot, armed, holds, least, most):
+    call = robot.send(robot.ctx.command(0.5)) if holds else None
+
+    def goes_on():
+        robot.ctx.hear(armed=armed)
+        if call is not None:
+            robot.send(robot.ctx.command(0.0, lease=call.answer.lease))
+
+    goes_on()
+    for seconds in (0.6, 2.0):
+        robot.ctx.published.clear()
+        robot.run(seconds, goes_on, hear=False)
+        setpoints = robot.ctx.said("setpoint")
+        assert {(each.left, each.right) for each in setpoints} == {(0.0, 0.0)}
+        assert len(setpoints) >= (23 if seconds < 1.0 else least)
+    assert len(setpoints) <= most
+
+
+def ramp(robot, seconds):
+    """The setpoints of a motion that begins now, with their times from its beginning."""
+    robot.ctx.published.clear()
+    began, said = robot.ctx.now, []
+    call = robot.send(robot.ctx.command(0.5))
+    for _ in range(round(seconds * 1000)):
+        said += [(round(robot.ctx.now - began, 3), one) for one in robot.ctx.said("setpoint")]
+        robot.ctx.published.clear()
+        robot.drive.step()
+        said += [(round(robot.ctx.now - began, 3), one) for one in robot.ctx.said("setpoint")]
+        robot.ctx.published.clear()
+        robot.ctx.now = round(robot.ctx.now + 0.001, 6)
+    robot.send(robot.ctx.stop())
+    return call, said
+
+
+@pytest.mark.parametrize("rest_s", [0.0, 0.3, 0.6, 1.1, 7.93])
+def test_a_motion_begins_at_once_and_with_a_nominal_step_however_long_the_base_rested(robot, rest_s):
+    robot.run(0.1)
+    robot.run(rest_s)
+    robot.ctx.now = round(robot.ctx.now + 0.007, 6)
+    _, said = ramp(robot, 0.2)
+    step = robot.ctx.settings.accel_per_s / robot.ctx.settings.rate_hz
+    moving = [(at, one.left, one.moving_s) for at, one in said if one.left]
+    assert moving[0][0] <= 0.013  # at once, or where the loop's last round was a moment ago, with its next
+    assert all(left <= (number + 1) * step + 1e-9 for number, (_, left, _) in enumerate(moving))
+    if rest_s > 0.5:
+        assert moving[0] == (0.0, pytest.approx(step), 0.0)
+        assert [at for at, *_ in moving] == pytest.approx([0.02 * number for number in range(len(moving))], abs=0.0021)
+    assert all(age == pytest.approx(at - moving[0][0]) for at, _, age in moving)
 
 
 def test_the_loop_keeps_its_rate_however_often_it_is_woken(robot):
+    call = robot.send(robot.ctx.command(0.5))
     robot.ctx.published.clear()
-    for _ in range(1000):
+    for number in range(1000):
         robot.ctx.now += 0.002
+        if number % 50 == 0:
+            robot.ctx.hear()
+            robot.send(robot.ctx.command(0.5, lease=call.answer.lease))
         robot.drive.step()
     assert len(robot.ctx.said("setpoint")) == pytest.approx(100, abs=2)
 
@@ -319,9 +369,10 @@ def test_the_state_comes_twice_a_second_at_rest_ten_times_while_the_base_is_held
 
 
 def test_the_state_carries_the_loops_statistics(robot):
-    robot.run(0.5)
+    call = robot.send(robot.ctx.command(0.5))
+    robot.run(0.5, renewing(robot, call))
     assert robot.ctx.said("state")[-1].loop is None
-    robot.run(1.0)
+    robot.run(1.0, renewing(robot, call))
     loop = robot.ctx.said("state")[-1].loop
     assert loop.rate_hz == pytest.approx(50, abs=1)
     assert loop.period_p99_ms == pytest.approx(20, abs=0.1)
