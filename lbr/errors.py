@@ -1,9 +1,12 @@
 """The errors people handle. Each says what is wrong, where, and what to do; the rest are bugs and crash loudly."""
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from lbr.messages.codes import Code
+
+LONGEST_TEXT = 300
 
 
 class LbrError(Exception):
@@ -44,3 +47,11 @@ class BusError(LbrError, ConnectionError):
 
 class AlreadyRunningError(LbrError, RuntimeError):
     """This robot already runs here."""
+
+
+def told(err: BaseException) -> str:
+    """Return an exception as one short line; its `__str__` may be another's."""
+    text = ""
+    with suppress(Exception):
+        text = "".join(c if c.isprintable() else "?" for c in " ".join(str(err).split()))
+    return f"{type(err).__name__}: {text[:LONGEST_TEXT]}" if text else type(err).__name__

@@ -22,12 +22,11 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from lbr.component import CliCommand, CommandGroup, Component
-from lbr.errors import LbrError
+from lbr.errors import LbrError, told
 
 CORE = "lbr"
 """The package lbr, and its component `core`, whose commands come first."""
 GROUP = "lbr.components"
-LONGEST_TEXT = 300
 Field = Literal["kinds", "commands", "faces", "ports", "robots", "twins", "checks"]
 FIELDS: tuple[Field, ...] = ("kinds", "commands", "faces", "ports", "robots", "twins", "checks")
 _CHECKOUT = Path(__file__).resolve().parent.parent / "pyproject.toml"
@@ -198,15 +197,6 @@ def load(value: str) -> Any:
     """Import and return an object by its name `module:attribute`."""
     module, _, attribute = value.partition(":")
     return reduce(getattr, attribute.split("."), importlib.import_module(module))
-
-
-def told(err: BaseException) -> str:
-    """Return an exception as one short line; one that cannot even be told is one all the same."""
-    try:
-        text = "".join(c if c.isprintable() else "?" for c in " ".join(str(err).split()))
-    except Exception:  # noqa: BLE001 - its `__str__` is another's
-        text = ""
-    return f"{type(err).__name__}: {text[:LONGEST_TEXT]}" if text else type(err).__name__
 
 
 def remembered(judge: Callable[[Plugin], T]) -> Callable[[Plugin], T]:

@@ -89,7 +89,14 @@ ROOMS = {
     "lbr.robots.uxa90.twin": "simulation",
 }
 """Rooms of components that keep the rules of a floor of the core, or of a lower one than their folder's."""
-LIBRARIES = {"lbr.apps.bodies", "lbr.apps.http", "lbr.apps.program", "lbr.apps.retry", "lbr.apps.sound"}
+LIBRARIES = {
+    "lbr.apps.bodies",
+    "lbr.apps.http",
+    "lbr.apps.motion_requests",
+    "lbr.apps.program",
+    "lbr.apps.retry",
+    "lbr.apps.sound",
+}
 """What several components are built on, and no component itself."""
 OUTSIDE = {"lbr.gym": "lbr.simulation", "lbr.testing": "lbr.simulation"}
 """Doors for programs of others, by whose rights they import."""

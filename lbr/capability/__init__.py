@@ -4,10 +4,10 @@ A capability of your own needs no more than this package: `Kind` to declare it, 
 """
 
 from lbr.capability.base import Capability
-from lbr.capability.context import Call, Context, Device, PendingReply, Received
+from lbr.capability.context import Call, Context, Device, Received
 from lbr.capability.kind import Command, Kind, Needs, NoSettings, OnDevice, Rights, Rows, names
 from lbr.capability.word import Word
-from lbr.leases.client import LeaseClient, LeaseTarget
+from lbr.leases.client import LeaseClient, LeaseTarget, PendingReply
 from lbr.messages.rows import Row
 
 __all__ = [

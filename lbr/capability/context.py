@@ -1,12 +1,13 @@
 """The robot as a running capability sees it: settings, wiring, bus and emergency stop."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 from msgspec import Struct
 
 from lbr.capability.tap import Tap
+from lbr.leases.client import PendingReply
 from lbr.messages.codes import Code, Reason
 from lbr.messages.rows import Row
 from lbr.messages.system import Stamp
@@ -51,13 +52,6 @@ class Call(Protocol):
 
     def refuse(self, reason: str | Reason, code: Code = "refused") -> None:
         """Answer `{"accepted": false, "reason": …, "code": …}`; a `Reason` brings its own code."""
-
-
-class PendingReply(Protocol):
-    """A question put to every capability wired to a request."""
-
-    def answers(self) -> Mapping[str, Any] | None:
-        """Return the answer of each asked capability by name (None for one that gave none); None while waiting."""
 
 
 class EmergencyStop(Protocol):

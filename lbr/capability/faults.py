@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import is_dataclass, replace
 from itertools import chain
 from types import NoneType, UnionType
@@ -10,8 +11,10 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import msgspec
 from msgspec import Struct
 
+from lbr.capability.border import border
 from lbr.capability.kind import Command, Kind
 from lbr.capability.program import ProgramSettings
+from lbr.errors import told
 from lbr.messages.rows import Row
 
 PORTS = ("inputs", "setpoints", "outputs", "commands", "replies", "requests")
@@ -162,18 +165,16 @@ def _table(field: str, row: type[Row]) -> Iterator[str]:
 
 def _unfit(message: type[Struct]) -> str:
     """Return why a type cannot be written or read as JSON."""
-    try:
+    faults: list[Exception] = []
+    with border(faults.append):  # its annotations are evaluated here, and may be anything
         msgspec.json.schema(message)
         msgspec.json.Decoder(message)
-    except Exception as err:  # noqa: BLE001 - its annotations are evaluated here, and may be anything
-        return f"{type(err).__name__}: {' '.join(str(err).split())[:200]}"
-    return ""
+    return "".join(map(told, faults))
 
 
 def _brief(value: Any) -> str:
     """Return a foreign value as one short line; its `repr` may be anything."""
-    try:
+    text = type(value).__name__
+    with suppress(Exception):
         text = value.__name__ if isinstance(value, type) else repr(value)
-    except Exception:  # noqa: BLE001 - see above
-        text = type(value).__name__
     return "".join(c if c.isprintable() else "?" for c in text[:60])

@@ -12,6 +12,7 @@ from msgspec import Struct
 
 from lbr import plugins
 from lbr.capability import leaving
+from lbr.capability.border import border
 from lbr.capability.settings import decoded
 from lbr.capability.word import Word
 from lbr.errors import LbrError
@@ -234,10 +235,9 @@ class Kind:
         """Import and return the class that runs; KindError names the kind, its entry, and the line that is wrong."""
         if isinstance(self.entry, type):
             return self.entry
-        try:
+        entry = f"kind '{self.name}': its entry {self.entry}"
+        with border(lambda err: KindError(f"{entry} does not load: {leaving.text(err)}")):
             loaded = plugins.load(self.entry)
-        except Exception as err:
-            raise KindError(f"kind '{self.name}': its entry {self.entry} does not load: {leaving.text(err)}") from err
         if not isinstance(loaded, type):
-            raise KindError(f"kind '{self.name}': its entry {self.entry} is not a class")
+            raise KindError(f"{entry} is not a class")
         return loaded

@@ -4,6 +4,7 @@ import re
 import signal
 import sys
 import traceback
+from contextlib import suppress
 from pathlib import Path
 
 CRASHED = 70
@@ -19,13 +20,12 @@ def within(seconds: float) -> None:
 
 def text(err: BaseException) -> str:
     """Say what was raised, and in which line of whose file: the last that is not the runtime's own."""
-    try:
+    with suppress(Exception):  # that cannot even be told
         frames = traceback.extract_tb(err.__traceback__)
         last = next((frame for frame in reversed(frames) if not RUNTIME.search(frame.filename)), None)
         where = f" ({Path(last.filename).name}, line {last.lineno})" if last else ""
         return f"{type(err).__name__}: {err}{where}"
-    except Exception:  # noqa: BLE001 - an exception that cannot even be told is one all the same
-        return type(err).__name__
+    return type(err).__name__
 
 
 def trace(err: BaseException) -> None:

@@ -5,6 +5,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -135,11 +136,10 @@ class Loop:
         streams = self._woken if getattr(make, "woken_by_streams", True) else None
         seldom = getattr(make, "received_while_read", frozenset[str]())
         self._ctx = ctx = ProcessContext(self._config, kind, self._reporter, self._woken, streams, self._join, seldom)
-        try:
+        with ExitStack() as failed:
+            failed.callback(ctx.close)
             self._capability = make(ctx)
-        except BaseException:
-            ctx.close()
-            raise
+            failed.pop_all()
         if kind.moves:
             self._garbage.wait_for_us()
         self._opened_s = ctx.clock()

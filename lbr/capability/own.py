@@ -24,6 +24,7 @@ from types import CodeType
 from lbr import plugins
 from lbr.capability.faults import faults
 from lbr.capability.kind import Kind, KindError
+from lbr.errors import told
 
 LIMIT_S = 5.0
 """Importing lbr with numpy takes a Raspberry Pi 4 about two; what takes longer belongs into `open`, or behind
@@ -139,7 +140,7 @@ def _whole(name: str, path: Path, module: object) -> Kind:
 
 
 def _unloaded(path: Path, err: BaseException) -> KindError:
-    return KindError(f"{_place(path, _line(err, path))} does not load: {plugins.told(err)}")
+    return KindError(f"{_place(path, _line(err, path))} does not load: {told(err)}")
 
 
 def _line_of_kind(path: Path) -> int | None:

@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from lbr import plugins
+from lbr.capability.border import border
 from lbr.capability.kind import Kind, KindError
+from lbr.errors import told
 
 Read = Callable[[int, int], bytes]
 """Reads so many bytes from a register on: `read(register, count)`; OSError if nothing answers."""
@@ -75,10 +77,8 @@ def handshakes(kind: Kind) -> tuple[Handshake, ...]:
     if kind.device is None or not kind.device.recognised:
         return ()
     named = kind.device.recognised
-    try:
+    with border(lambda err: KindError(f"kind '{kind.name}': {named} does not load: {told(err)}")):
         loaded = plugins.load(named)
-    except Exception as err:  # a package of others may do anything
-        raise KindError(f"kind '{kind.name}': {named} does not load: {plugins.told(err)}") from err
     handshakes = loaded if isinstance(loaded, tuple) else (loaded,)
     for handshake in handshakes:
         if not isinstance(handshake, Handshake):

@@ -3,7 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from typing import Any, Protocol, TypeVar, cast
 
@@ -194,11 +194,10 @@ class ProcessContext:
         self._throttle = Throttle()
         self._dropped: dict[str, int] = {}
         self._refused_outputs: set[str] = set()
-        try:
+        with ExitStack() as failed:  # also an interruption leaves nothing open
+            failed.callback(self.estop.close)
             self._bus = join(config, alone=False)
-        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
-            self.estop.close()
-            raise
+            failed.pop_all()
         self._events = self._bus.publisher(keys.event(config.robot), config.name)
         taps = {device.name: device.tap for device in self.devices} if self.device is not None else {}
         self._tape = Tape(self._bus, config.robot, config.name, taps)

@@ -6,6 +6,7 @@ from typing import Any
 import msgspec
 from msgspec import Struct, inspect
 
+from lbr.capability.border import border
 from lbr.capability.choices import with_choices
 from lbr.names import near
 
@@ -14,12 +15,8 @@ MOST_TOLD = 20
 
 def decoded(content: str | bytes, kind: Any) -> Any:
     """Return a value out of JSON. Whatever a struct of the user's own raises is a msgspec.ValidationError, too."""
-    try:
+    with border(lambda err: msgspec.ValidationError(f"{type(err).__name__}: {err}"), msgspec.MsgspecError):
         return msgspec.json.decode(content, type=kind)
-    except msgspec.MsgspecError:
-        raise
-    except Exception as err:
-        raise msgspec.ValidationError(f"{type(err).__name__}: {err}") from err
 
 
 def faults(kind: type[Struct], settings: Any, at: str = "$") -> tuple[str, ...]:

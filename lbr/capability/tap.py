@@ -18,13 +18,13 @@ class Tap:
     def __init__(self) -> None:
         self._opening: list[LineBytes] = []
         self._opened_ns = 0
-        self._is_line = self._heard = False
+        self.is_line = self._heard = False
         self._live: deque[LineBytes] | None = None
         self._lost = 0
 
     def opened(self) -> None:
         """Begin anew: the line was opened now."""
-        self._is_line, self._heard = True, False
+        self.is_line, self._heard = True, False
         self._opening = []
         self._opened_ns = time.monotonic_ns()
 
@@ -45,14 +45,9 @@ class Tap:
             self._take(data, sent=False)
 
     @property
-    def is_line(self) -> bool:
-        """Say whether a driver has opened it: other devices have no bytes."""
-        return self._is_line
-
-    @property
     def heard(self) -> bool | None:
         """Say whether the device has sent anything since its line was opened; None where no line is."""
-        return self._heard if self._is_line else None
+        return self._heard if self.is_line else None
 
     @property
     def opening(self) -> tuple[LineBytes, ...]:

@@ -15,6 +15,7 @@ from msgspec import Struct
 
 from lbr import plugins
 from lbr.capability.kind import KindError
+from lbr.errors import told
 from lbr.plugins import Plugin, PluginError
 
 
@@ -48,7 +49,7 @@ class DeviceTwin:
         try:
             found = plugins.load(self.entry)
         except (Exception, SystemExit) as err:
-            raise TwinError(f"the twin of '{self.device}' ({self.entry}) does not load: {plugins.told(err)}") from err
+            raise TwinError(f"the twin of '{self.device}' ({self.entry}) does not load: {told(err)}") from err
         if not isinstance(found, type):
             raise TwinError(f"the twin of '{self.device}' ({self.entry}) is not a class; name one as module:Class")
         return found

@@ -14,11 +14,12 @@ from msgspec import Struct
 
 from lbr import home, ownership, plugins
 from lbr.bus import stamp, wire
+from lbr.capability.border import border
 from lbr.commands import device_checks, power_checks, service_checks
 from lbr.commands.finding import Finding
 from lbr.commands.rows import opened
 from lbr.console import target
-from lbr.errors import LbrError
+from lbr.errors import LbrError, told
 from lbr.executive.planning import joining
 from lbr.robot import registry
 
@@ -51,10 +52,11 @@ def examine() -> Iterator[Finding]:
         service_checks.services, power_checks.power,
     )  # fmt: skip
     for check in checks:
-        try:
+        faults: list[Exception] = []
+        with border(faults.append):
             yield from check()
-        except Exception as err:  # noqa: BLE001 - it is for what is wrong, and the checks after this one are needed too
-            text = str(err) if isinstance(err, LbrError | OSError) else f"{type(err).__name__}: {err}"
+        for err in faults:
+            text = str(err) if isinstance(err, LbrError | OSError) else told(err)
             yield Finding(about=check.__name__.strip("_"), level="bad", text=text)
 
 

@@ -5,6 +5,7 @@ import getpass
 import os
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import msgspec
@@ -83,10 +84,9 @@ def _of_keyring(endpoint: str) -> str | None:
         import keyring
     except ImportError:
         return None
-    try:
+    with suppress(Exception):  # stores of others fail in ways of their own; other tokens are still tried
         return keyring.get_password(SERVICE, endpoint)
-    except Exception:  # noqa: BLE001 - stores of others fail in ways of their own; other tokens are still tried
-        return None
+    return None
 
 
 def _path() -> Path:

@@ -9,7 +9,7 @@ from lbr.messages.codes import Code, ReasonCode
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.leases import LeaseId
 from lbr.messages.rows import Fault, Others, Row, shown
-from lbr.messages.servos import ServoId, ServoPhase
+from lbr.messages.servos import ServoId, ServoPhase, ServoState
 from lbr.messages.units import Name, NameOrNone, StepNumber, TtlS
 
 JointRad = Annotated[
@@ -276,29 +276,13 @@ class RecoverCommand(Struct, frozen=True, kw_only=True):
     joints: tuple[Name, ...] = ()
 
 
-class JointState(Struct, frozen=True, kw_only=True):
-    """One joint as measured last; null is not measured. `load`: a signed fraction of its most.
+class JointState(ServoState, frozen=True, kw_only=True):
+    """One joint as measured last, by its servo; null is not measured. `target_rad`: the end of its way, meanwhile.
 
-    `goal_rad`: what its servo holds or reaches. `target_rad`: the end of its way, meanwhile. `torque`: as applied, 0
-    for none. `faults`: present ones; `latched` keep it without torque until it is recovered. `raw`: the servo's own
-    number. `trusted`: whether the measurement is believed, where that is a question.
+    `torque`: as applied, 0 for none.
     """
 
-    id: int
-    position_rad: float | None = None
-    speed_rps: float | None = None
-    load: float | None = None
-    goal_rad: float | None = None
     target_rad: float | None = None
-    torque: float | None = None
-    voltage_v: float | None = None
-    temperature_c: float | None = None
-    faults: tuple[str, ...] = ()
-    latched: tuple[str, ...] = ()
-    raw: int | None = None
-    trusted: bool | None = None
-    age_s: float | None = None
-    reason: str = ""
 
 
 class JointsState(Struct, frozen=True, kw_only=True):

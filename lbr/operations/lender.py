@@ -13,8 +13,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.capability.base import Capability
-from lbr.capability.context import Call, PendingReply, Received
+from lbr.capability.context import Call, Received
 from lbr.capability.kind import STOP
+from lbr.leases.client import PendingReply
 from lbr.leases.lease import EstopChanged, Happened, LeaseTable, Reply, Result, Setpoint, Stop
 from lbr.leases.rules import latched
 from lbr.messages.codes import Reason

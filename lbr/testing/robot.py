@@ -9,7 +9,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from os import environ
 from pathlib import Path
 from typing import Any
@@ -104,12 +104,11 @@ class Robot:
             self.popen.send_signal(signal.SIGTERM)
         assert self.popen.stdout is not None
         self.popen.stdout.close()
-        try:
-            return self.popen.wait(ENDS_S)
-        except BaseException:  # also when the time of the test is over
-            self.popen.kill()
-            self.popen.wait()
-            raise
+        with ExitStack() as late:  # also when the time of the test is over
+            late.callback(_killed, self.popen)
+            code = self.popen.wait(ENDS_S)
+            late.pop_all()
+        return code
 
 
 def until(condition: Callable[[], object], what: str, within_s: float = 8.0) -> None:
@@ -154,17 +153,20 @@ def _started(home: Path, profile: str) -> Robot:
             stderr=errors,
             text=True,
         )
-    try:
+    with ExitStack() as failed:  # also when the time of the test is over
+        failed.callback(_killed, popen)
         assert popen.stdout is not None
         end = time.monotonic() + READY_S
         while not select.select([popen.stdout], [], [], 0.1)[0]:
             assert time.monotonic() < end, f"not ready within {READY_S:g} s: {errors_file.read_text()[-2000:]}"
         line = popen.stdout.readline()
         assert line, f"no ready line: {errors_file.read_text()[-2000:]}"
-        return Robot(home, popen, json.loads(line))
-    except BaseException:  # also when the time of the test is over
-        popen.kill()
-        popen.wait()
-        assert popen.stdout is not None
-        popen.stdout.close()
-        raise
+        failed.pop_all()
+    return Robot(home, popen, json.loads(line))
+
+
+def _killed(popen: "subprocess.Popen[str]") -> None:
+    popen.kill()
+    popen.wait()
+    assert popen.stdout is not None
+    popen.stdout.close()

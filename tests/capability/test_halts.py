@@ -14,7 +14,7 @@ STOPS = st.lists(st.tuples(st.integers(0, 12), st.sampled_from(SOURCES)), max_si
 def after(stops: list[tuple[int, str]]) -> Halts:
     known = Halts()
     for at, source in stops:
-        known = known.heard(float(at), source)
+        known = known.noted(float(at), source)
     return known
 
 
@@ -30,7 +30,7 @@ def test_the_last_stop_of_another_is_the_last_of_all_that_were_not_ones_own(stop
 def test_what_is_known_never_grows_and_no_stop_takes_back_a_later_one(stops):
     known = Halts()
     for at, source in stops:
-        before, known = known, known.heard(float(at), source)
+        before, known = known, known.noted(float(at), source)
         assert known.at >= max(before.at, float(at))
         assert known.before >= before.before
         assert known.before <= known.at

@@ -28,7 +28,7 @@ class Pipe:
     def reports(self) -> list[Report]:
         """Return what is more than a heartbeat."""
         reports = [msgspec.json.decode(line, type=Report) for line in self.lines()]
-        return [report for report in reports if report != Report(number=report.number)]
+        return [report for report in reports if report != Report(number=report.number, at=report.at)]
 
 
 @pytest.fixture

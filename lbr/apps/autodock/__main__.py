@@ -3,6 +3,7 @@
 import argparse
 import sys
 import time
+from contextlib import ExitStack
 from typing import Any
 
 from lbr.apps import program
@@ -38,11 +39,11 @@ def run(robot: Robot, table: str) -> tuple[bool, str]:
     if not reply.accepted:
         return False, reply.reason
     _tell(reply.reason)
-    try:
-        return _watched(states, table)
-    except BaseException:
-        _asked(robot, "stop", StopCommand(reason="the program that wanted it ends"))
-        raise
+    with ExitStack() as interrupted:
+        interrupted.callback(_asked, robot, "stop", StopCommand(reason="the program that wanted it ends"))
+        ended = _watched(states, table)
+        interrupted.pop_all()
+    return ended
 
 
 def _watched(states: wire.Subscription, table: str) -> tuple[bool, str]:

@@ -16,8 +16,9 @@ from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LowBattery
 from lbr.apps.behaviours.outputs import Aside, Halt, Motion
 from lbr.apps.behaviours.senses import Senses
 from lbr.capability.base import Capability
-from lbr.capability.context import Call, Context, PendingReply, Received
+from lbr.capability.context import Call, Context, Received
 from lbr.errors import InputError
+from lbr.leases.client import PendingReply
 from lbr.leases.halts import Halts
 from lbr.leases.holder import TARGETS, Holder, bounded
 from lbr.messages.behaviour import (

@@ -22,6 +22,8 @@ from lbr.apps.call.desk import without_names
 from lbr.apps.call.messages import Hears, Purpose
 from lbr.apps.call.sound import Source
 from lbr.apps.call.tracks import CameraTrack, Fan, Pictures, SoundTrack
+from lbr.capability.border import border
+from lbr.errors import told
 
 CLOSE_S = 3.0
 SPOKEN = {"video/VP8", "video/rtx"}
@@ -137,7 +139,8 @@ class Media:
         assert self._pictures is not None
         peer = self._peers[id] = _Peer(id, self._emit, self._start)
         peer.begun = asyncio.current_task()
-        try:
+        faults: list[Exception] = []
+        with border(faults.append):  # whatever a page sent: it must not end the calls of others
             if purpose == "display":
                 peer.send(self._fan.track("video"))
                 peer.send(self._fan.track("audio"))
@@ -147,12 +150,10 @@ class Media:
                 peer.send(SoundTrack(self._source))
                 peer.take(self._fan)
                 self._source.begin()
-            answer = await peer.answer(offer)
-        except Exception as err:  # noqa: BLE001 - whatever a page sent: it must not end the calls of others
+            self._emit(PeerNews(id, "answer", await peer.answer(offer)))
+        for err in faults:
             await self._close(id)
-            self._emit(PeerNews(id, "refused", f"the offer cannot be answered: {str(err)[:160] or type(err).__name__}"))
-        else:
-            self._emit(PeerNews(id, "answer", answer))
+            self._emit(PeerNews(id, "refused", f"the offer cannot be answered: {told(err)}"))
 
     async def _close(self, id: str) -> None:
         peer = self._peers.pop(id, None)

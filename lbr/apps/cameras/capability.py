@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from lbr.apps.cameras.kind import OFF, CamerasSettings
 from lbr.capability.base import Capability
-from lbr.capability.context import Call, Context, PendingReply
+from lbr.capability.context import Call, Context
+from lbr.leases.client import PendingReply
 from lbr.messages.camera import CameraPhase, CamerasState, CameraState, SelectCommand, SwitchCommand
 from lbr.messages.leases import CommandReply
 

@@ -1,9 +1,9 @@
 """The song of a dance, played by speech: when it began, and whether it goes on. Without sound, beats are counted from
 now."""
 
-from typing import Any, Protocol
+from typing import Any
 
-from lbr.capability.context import PendingReply, Received
+from lbr.capability.context import Context
 from lbr.messages.codes import Reason
 from lbr.messages.speech import HushCommand, PlayReply, SongCommand, SpeechState
 
@@ -12,29 +12,10 @@ PLAUSIBLE_S = 3.0
 NEAR_THE_END_S = 0.5
 
 
-class Asking(Protocol):
-    """The part of a context that is needed here."""
-
-    def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
-        """Ask by a request port."""
-
-    def clock(self) -> float:
-        """Monotonic seconds."""
-
-    def latest(self, port: str) -> Received | None:
-        """Return the newest message of an input."""
-
-    def sources(self, port: str) -> tuple[str, ...]:
-        """Return the capabilities wired to an input."""
-
-    def alive(self, capability: str) -> bool:
-        """Say whether a capability's process is on the bus."""
-
-
 class Music:
     """One song. `began` is None until it is known; `silent` says why nothing is heard, or nothing."""
 
-    def __init__(self, ctx: Asking, song: str, duration_s: float) -> None:
+    def __init__(self, ctx: Context[Any], song: str, duration_s: float) -> None:
         self.began: float | None = None
         self.silent = ""
         self._ctx = ctx

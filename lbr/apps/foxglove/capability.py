@@ -35,7 +35,7 @@ from lbr.apps.web.access import Access
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.api.feeds import Feeds
 from lbr.apps.web.api.requests import LINE_S, source_of
-from lbr.apps.web.api.robot_bus import Bus, Question, opened
+from lbr.apps.web.api.robot_bus import RobotBus, opened
 from lbr.apps.web.api.service import NO_BUS, NOT_YET, Api
 from lbr.apps.web.application import Gate, application, is_owners
 from lbr.apps.web.bridge import Bridge, until
@@ -47,6 +47,7 @@ from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.viewing import shown_token, who
 from lbr.bus.codec import Decoder
 from lbr.bus.door import LanUser
+from lbr.bus.wire import PendingQuery
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
 from lbr.errors import BusError, DeviceError, InputError, LbrError, MalformedError
@@ -322,7 +323,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         question = self.api.line(STOP, role="view", source=source_of(request.client), timeout_s=LINE_S)
         return Message(message=(await _result(question)).text)
 
-    def _opened(self) -> Bus:
+    def _opened(self) -> RobotBus:
         bus = opened(self.ctx)
         if bus is None:
             raise BusError(NO_BUS)
@@ -347,7 +348,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self._counts.tell("web_fault", f"{type(err).__name__}: {err}", "error")
 
 
-async def _result(question: Question) -> ConsoleResult:
+async def _result(question: PendingQuery) -> ConsoleResult:
     """Return the result of a line that succeeded; raise Refused for all others."""
     await until(lambda: question.done or bool(question.replies))
     if not question.replies:

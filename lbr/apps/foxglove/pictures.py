@@ -3,18 +3,19 @@
 from collections.abc import Callable, Iterable
 
 from lbr.apps.web.api.feeds import Sample
-from lbr.apps.web.api.robot_bus import Bus, Feed
+from lbr.apps.web.api.robot_bus import RobotBus
 from lbr.bus import stamp
+from lbr.bus.wire import PolledSubscription
 
 
 class Pictures:
     """The newest picture of each camera that is wanted; on the server's thread alone."""
 
-    def __init__(self, bus: Bus, key: Callable[[str], str]) -> None:
+    def __init__(self, bus: RobotBus, key: Callable[[str], str]) -> None:
         self._bus = bus
         self._key = key
         self._wanted: dict[object, frozenset[str]] = {}
-        self._subscribed: dict[str, tuple[Feed, Sample | None]] = {}
+        self._subscribed: dict[str, tuple[PolledSubscription, Sample | None]] = {}
 
     def want(self, viewer: object, names: Iterable[str]) -> None:
         """Replace the cameras that a viewer watches; an empty list after it has left."""

@@ -21,8 +21,9 @@ from lbr.apps.mqtt.shadow import Asked, ShadowState
 from lbr.apps.mqtt.words import Ask, Motion, Order, StopWord
 from lbr.bus.door import TokenRight
 from lbr.capability.base import Capability
-from lbr.capability.context import Context, PendingReply
+from lbr.capability.context import Context
 from lbr.errors import DeviceError, InputError
+from lbr.leases.client import PendingReply
 from lbr.leases.holder import TARGETS, Holder
 from lbr.messages.behaviour import RunBehaviour
 from lbr.messages.codes import Reason, heard

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.apps.motion_requests import motion_requests
 from lbr.apps.mqtt.messages import MqttState
 from lbr.apps.mqtt.words import Word
 from lbr.bus.door import TokenRight
@@ -14,9 +15,9 @@ from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.behaviour import BehaviourState, RunBehaviour
 from lbr.messages.camera import JpegFrame
-from lbr.messages.drive import DriveCommand, DriveState, GoalResult, HeadingCommand, TurnCommand
-from lbr.messages.joints import JointsState, MotionsState, PlayCommand
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.drive import DriveState, GoalResult
+from lbr.messages.joints import JointsState, MotionsState
+from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.speech import SayCommand
@@ -102,17 +103,7 @@ def is_here(host: str) -> bool:
         return host in {"", "localhost"}
 
 
-_ASKED = {
-    "move": Wire("drive.command"),
-    "turn": Wire("drive.turn"),
-    "heading": Wire("drive.heading"),
-    "halt": Wire("drive.stop"),
-    "play": Wire("motions.play"),
-    "play_halt": Wire("motions.stop"),
-    "run": Wire("behaviour.run"),
-    "say": Wire("speech.say"),
-    "stop_all": Wire("stop"),
-}
+_MOTION = motion_requests("move", "turn", "heading", "halt", "play", "play_halt", "stop_all")
 _STREAMS: dict[str, type[Struct]] = {
     "battery": BatteryState,
     "odometry": OdometryState,
@@ -139,23 +130,15 @@ KIND = Kind(
     inputs={**_STREAMS, "results": GoalResult, "frames": JpegFrame},
     optional=(*_STREAMS, "results", "frames"),
     outputs={"state": MqttState},
-    requests={
-        "move": DriveCommand,
-        "turn": TurnCommand,
-        "heading": HeadingCommand,
-        "halt": StopCommand,
-        "play": PlayCommand,
-        "play_halt": StopCommand,
-        "run": RunBehaviour,
-        "say": SayCommand,
-        "stop_all": StopCommand,
-    },
-    replies=dict.fromkeys(_ASKED, CommandReply),
+    requests={**_MOTION.requests, "run": RunBehaviour, "say": SayCommand},
+    replies={**_MOTION.replies, "run": CommandReply, "say": CommandReply},
     rows=(Rows(TokenRight, {"name": "token"}),),
     wires={
         **dict.fromkeys(_STREAMS, Wire("state")),
         "results": Wire("result", 16),
-        **_ASKED,
+        **_MOTION.wires,
+        "run": Wire("behaviour.run"),
+        "say": Wire("speech.say"),
     },
     needs=Needs("paho", extra="mqtt"),
 )

@@ -26,6 +26,7 @@ from lbr import home
 from lbr.apps.mqtt.documents import LARGEST_BYTES
 from lbr.apps.mqtt.inbox import Inbox
 from lbr.apps.retry import wait_s
+from lbr.capability.border import border
 from lbr.errors import InputError
 
 STEADY_S = 20.0
@@ -151,14 +152,15 @@ class Session:
         tries = 0
         while not self._ends.is_set():
             began = self._clock()
-            try:
+            with border(self._lose):
                 self._connection()
-            except Exception as err:  # noqa: BLE001 - of the network, the broker or its library: it is tried again
-                self.trouble = _reason(err)
             self.connected = False
             self._wake()
             tries = 0 if self._clock() - began > STEADY_S else tries + 1
             self._ends.wait(wait_s(tries))
+
+    def _lose(self, err: Exception) -> None:
+        self.trouble = _reason(err)
 
     def _connection(self) -> None:
         """Connect and serve until the connection is lost; raise why."""

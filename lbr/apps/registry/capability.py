@@ -20,8 +20,9 @@ from lbr.apps.retry import wait_s
 from lbr.bus import tokens
 from lbr.bus.tokens import Token
 from lbr.capability.base import Capability
+from lbr.capability.border import border
 from lbr.capability.context import Context
-from lbr.errors import DeviceError, InputError, LbrError
+from lbr.errors import DeviceError, InputError, LbrError, told
 from lbr.messages.web import WebState
 
 PUBLISH_S = 1.0
@@ -69,15 +70,12 @@ class Herald:
         while not self._ends:
             self._now.clear()
             up_s = time.monotonic() - self._began
-            try:
+            faults: list[Exception] = []
+            with border(faults.append):
                 asking.ask(self._url, self._token, "POST", msgspec.json.encode(replace(self.entry, up_s=up_s)))
-            except LbrError as err:
-                self.trouble, tries = str(err), tries + 1
-            except Exception as err:  # noqa: BLE001 - whatever the network or its library may raise: it is tried again
-                self.trouble, tries = f"{type(err).__name__}: {err}", tries + 1
-            else:
-                self.trouble, tries = "", 0
-                self.times += 1
+            self.trouble = "".join(str(err) if isinstance(err, LbrError) else told(err) for err in faults)
+            tries = tries + 1 if faults else 0
+            self.times += not faults
             self._changed()
             self._now.wait(wait_s(tries) if tries else self.entry.every_s)
         if not self.trouble:

@@ -6,18 +6,17 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.apps.motion_requests import motion_requests
 from lbr.apps.ros2.messages import Ros2State
 from lbr.bus.door import TokenRight
 from lbr.capability.kind import Kind, Needs, Rights, Rows, Wire
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
-from lbr.messages.beacon import SeekCommand
 from lbr.messages.camera import JpegFrame
-from lbr.messages.drive import DriveCommand, DriveState, GoalResult, HeadingCommand, TurnCommand, TwistCommand
+from lbr.messages.drive import DriveState, GoalResult
 from lbr.messages.imu import ImuSample
-from lbr.messages.joints import Joint, JointsCommand, JointsState, PlayCommand
+from lbr.messages.joints import Joint, JointsState
 from lbr.messages.kinematics import Wheel
-from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges, RangeSensor, Scan
 from lbr.messages.system import ConsoleResult, LineCommand
@@ -91,20 +90,10 @@ def is_here(host: str) -> bool:
         return host == "localhost"
 
 
-_ASKED = {
-    "twist": Wire("drive.twist"),
-    "move": Wire("drive.command"),
-    "turn": Wire("drive.turn"),
-    "heading": Wire("drive.heading"),
-    "halt": Wire("drive.stop"),
-    "joints_move": Wire("joints.command"),
-    "joints_halt": Wire("joints.stop"),
-    "play": Wire("motions.play"),
-    "play_halt": Wire("motions.stop"),
-    "seek": Wire("beacon.seek"),
-    "seek_halt": Wire("beacon.stop"),
-    "stop_all": Wire("stop"),
-}
+_MOTION = motion_requests(
+    *("twist", "move", "turn", "heading", "halt", "joints_move", "joints_halt"),
+    *("play", "play_halt", "seek", "seek_halt", "stop_all"),
+)
 _STREAMS: dict[str, type[Struct]] = {
     "odometry": OdometryState,
     "attitude": AttitudeState,
@@ -129,22 +118,8 @@ KIND = Kind(
     inputs={**_STREAMS, "ranges": Ranges, "scans": Scan, "imu": ImuSample, "frames": JpegFrame, "results": GoalResult},
     optional=(*_STREAMS, "ranges", "scans", "imu", "frames", "results"),
     outputs={"state": Ros2State},
-    requests={
-        "twist": TwistCommand,
-        "move": DriveCommand,
-        "turn": TurnCommand,
-        "heading": HeadingCommand,
-        "halt": StopCommand,
-        "joints_move": JointsCommand,
-        "joints_halt": StopCommand,
-        "play": PlayCommand,
-        "play_halt": StopCommand,
-        "seek": SeekCommand,
-        "seek_halt": StopCommand,
-        "stop_all": StopCommand,
-        "say": LineCommand,
-    },
-    replies={**dict.fromkeys(_ASKED, CommandReply), "say": ConsoleResult},
+    requests={**_MOTION.requests, "say": LineCommand},
+    replies={**_MOTION.replies, "say": ConsoleResult},
     rows=(Rows(TokenRight, {"name": "token"}), Joint, Wheel, RangeSensor),
     says="services",
     wires={
@@ -153,7 +128,7 @@ KIND = Kind(
         "scans": Wire("scan", 4),
         "imu": Wire("sample", 16),
         "results": Wire("result", 16),
-        **_ASKED,
+        **_MOTION.wires,
     },
     needs=Needs("rosbags", extra="ros2"),
 )

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from lbr.apps.ros2.kind import ESTOP, STOP
-from lbr.capability.context import Context, PendingReply
-from lbr.leases.client import LeaseTarget
+from lbr.capability.context import Context
+from lbr.leases.client import LeaseTarget, PendingReply
 from lbr.leases.holder import GONE, RESULT_S, Holder
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from lbr.apps.sound import formats
-from lbr.errors import InputError, LbrError
+from lbr.capability.border import border
+from lbr.errors import InputError, LbrError, told
 
 RATE_HZ = 44_100
 LONGEST_S = 1800.0
@@ -81,15 +82,12 @@ def main(argv: list[str]) -> int:
     """Decode one file."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
     source, target = argv
-    try:
+    faults: list[Exception] = []
+    with border(faults.append):
         decode(Path(source), Path(target))
-    except LbrError as err:
-        print(err, file=sys.stderr)
-        return 1
-    except Exception as err:  # noqa: BLE001 - whatever it is, there is no sound
-        print(f"{source} cannot be decoded ({type(err).__name__}: {str(err)[:200]})", file=sys.stderr)
-        return 1
-    return 0
+    for err in faults:
+        print(err if isinstance(err, LbrError) else f"{source} cannot be decoded ({told(err)})", file=sys.stderr)
+    return 1 if faults else 0
 
 
 if __name__ == "__main__":

@@ -17,7 +17,8 @@ from lbr.apps.sound import wav
 from lbr.apps.speech.piper import Piper
 from lbr.apps.speech.polly import Polly
 from lbr.apps.speech.request import Answer, Request
-from lbr.errors import LbrError
+from lbr.capability.border import border
+from lbr.errors import LbrError, told
 
 INSTALL = "`sudo apt install espeak-ng` brings one"
 
@@ -94,24 +95,28 @@ class Voices:
 
 def serve(requests: BinaryIO, answer: Callable[[Answer], None]) -> None:
     """Say whether there is an engine, then answer requests until they end."""
-    try:
+    faults: list[Exception] = []
+    with border(faults.append):
         voices = Voices(Engine())
-    except ImportError as err:
-        return answer(Answer(reason=f"there is no pyttsx3 ({err}); `pip install pyttsx3` brings it"))
-    except Exception as err:  # noqa: BLE001 - whatever it is, there is no engine
-        said = (str(err).strip().splitlines() or [type(err).__name__])[0]
-        return answer(Answer(reason=f"there is no speech engine ({said[:120]}); {INSTALL}"))
+    if faults:
+        return answer(Answer(reason=_lacking(faults[0])))
     answer(Answer())
     for line in requests:
-        try:
-            note = voices.write(msgspec.json.decode(line, type=Request))
-        except LbrError as err:
-            answer(Answer(reason=str(err)))
-        except Exception as err:  # noqa: BLE001 - the next text may do better
-            answer(Answer(reason=f"the speech engine failed: {type(err).__name__}: {str(err)[:200]}"))
-        else:
-            answer(Answer(note=note))
+        with border(lambda err: answer(Answer(reason=_failed(err)))):  # the next text may do better
+            answer(Answer(note=voices.write(msgspec.json.decode(line, type=Request))))
     return None
+
+
+def _lacking(err: Exception) -> str:
+    """Return why there is no engine."""
+    if isinstance(err, ImportError):
+        return f"there is no pyttsx3 ({err}); `pip install pyttsx3` brings it"
+    reason = (str(err).strip().splitlines() or [type(err).__name__])[0]
+    return f"there is no speech engine ({reason[:120]}); {INSTALL}"
+
+
+def _failed(err: Exception) -> str:
+    return str(err) if isinstance(err, LbrError) else f"the speech engine failed: {told(err)}"
 
 
 def main() -> None:

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from lbr.apps.speech.request import Request
-from lbr.errors import LbrError
+from lbr.capability.border import border
+from lbr.errors import LbrError, told
 
 INSTALL = "`pip install piper-tts` brings it"
 USUAL_WORDS_PER_MIN = 150
@@ -26,12 +27,10 @@ class Piper:
         model = Path(request.models) / f"{request.name}.onnx"
         if not model.is_file():
             raise LbrError(f"there is no voice {model}; download it and its .json there")
-        try:
+        with border(lambda err: LbrError(f"piper failed with {request.name} ({told(err)})")):
             if request.name not in self._voices:
                 self._voices[request.name] = PiperVoice.load(model)
             slower = USUAL_WORDS_PER_MIN / request.words_per_min
             how = SynthesisConfig(length_scale=slower, volume=request.volume)
             with wave.open(request.path, "wb") as out:
                 self._voices[request.name].synthesize_wav(request.text, out, syn_config=how)
-        except Exception as err:
-            raise LbrError(f"piper failed with {request.name} ({type(err).__name__}: {str(err)[:160]})") from err

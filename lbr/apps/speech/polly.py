@@ -13,7 +13,8 @@ from xml.sax.saxutils import escape
 
 from lbr.apps.sound import wav
 from lbr.apps.speech.request import Request
-from lbr.errors import LbrError
+from lbr.capability.border import border
+from lbr.errors import LbrError, told
 
 INSTALL = "`pip install 'lbr[polly]'` brings what asks for them"
 KEY, SECRET = "ROBOT_AWS_AK", "ROBOT_AWS_SK"
@@ -70,18 +71,17 @@ class Polly:
 
     def _ask(self, request: Request, file: Path, ended: "queue.SimpleQueue[str]") -> None:
         """Store the cloud's sound, in a thread of its own: a late answer is there for the next time."""
-        try:
+
+        def failed(err: Exception) -> None:
+            lost = f"the cloud's voice '{request.name}' cannot be had ({told(err)})"
+            lacking = f"the cloud's voices cannot be had; {INSTALL}"
+            ended.put(str(err) if isinstance(err, LbrError) else lacking if isinstance(err, ImportError) else lost)
+
+        with border(failed):  # another voice speaks
             sound = self._synthesised(request)
             file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             wav.write(file, sound, RATE_HZ, width=2)
             _drop_oldest(file.parent)
-        except ImportError:
-            ended.put(f"the cloud's voices cannot be had; {INSTALL}")
-        except LbrError as err:
-            ended.put(str(err))
-        except Exception as err:  # noqa: BLE001 - of the network, the service, its library or the disk: another voice speaks
-            ended.put(f"the cloud's voice '{request.name}' cannot be had ({str(err)[:200] or type(err).__name__})")
-        else:
             self._again_at = 0.0
             ended.put("")
 

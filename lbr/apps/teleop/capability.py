@@ -7,9 +7,9 @@ from lbr.apps.teleop.hand import REST, Hand, Twist, presses
 from lbr.apps.teleop.kind import TeleopSettings
 from lbr.apps.teleop.lines import Lines
 from lbr.capability.base import Capability
-from lbr.capability.context import Context, PendingReply
+from lbr.capability.context import Context
 from lbr.errors import DeviceError
-from lbr.leases.client import LeaseTarget
+from lbr.leases.client import LeaseTarget, PendingReply
 from lbr.leases.holder import FINAL, GONE, Holder
 from lbr.messages.codes import Reason
 from lbr.messages.drive import GoalResult, TwistCommand

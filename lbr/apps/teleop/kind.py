@@ -4,12 +4,10 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.apps.motion_requests import motion_requests
 from lbr.capability.kind import Kind, Rights, Wire
-from lbr.messages.beacon import SeekCommand
-from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand, TwistCommand
+from lbr.messages.drive import GoalResult
 from lbr.messages.gamepad import Button, GamepadState, TeleopState
-from lbr.messages.joints import PlayCommand
-from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.system import ConsoleResult, LineCommand
 
 Line = Annotated[str, Meta(min_length=1, max_length=250, description="a line of the console, such as /s/hello")]
@@ -48,18 +46,9 @@ class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             raise ValueError(f"the button {twice[0]} is to be two things: give each its own")
 
 
-_ASKED = {
-    "twist": Wire("drive.twist"),
-    "move": Wire("drive.command"),
-    "turn": Wire("drive.turn"),
-    "heading": Wire("drive.heading"),
-    "halt": Wire("drive.stop"),
-    "play": Wire("motions.play"),
-    "play_halt": Wire("motions.stop"),
-    "seek": Wire("beacon.seek"),
-    "seek_halt": Wire("beacon.stop"),
-    "stop_all": Wire("stop"),
-}
+_MOTION = motion_requests(
+    "twist", "move", "turn", "heading", "halt", "play", "play_halt", "seek", "seek_halt", "stop_all"
+)
 
 KIND = Kind(
     name="gamepad_teleop",
@@ -70,21 +59,9 @@ KIND = Kind(
     inputs={"pad": GamepadState, "results": GoalResult},
     optional=("results",),
     outputs={"state": TeleopState},
-    requests={
-        "twist": TwistCommand,
-        "move": DriveCommand,
-        "turn": TurnCommand,
-        "heading": HeadingCommand,
-        "halt": StopCommand,
-        "play": PlayCommand,
-        "play_halt": StopCommand,
-        "seek": SeekCommand,
-        "seek_halt": StopCommand,
-        "stop_all": StopCommand,
-        "say": LineCommand,
-    },
-    replies={**dict.fromkeys(_ASKED, CommandReply), "say": ConsoleResult},
+    requests={**_MOTION.requests, "say": LineCommand},
+    replies={**_MOTION.replies, "say": ConsoleResult},
     rights=Rights(serves=True),
     says="lines",
-    wires={"pad": Wire("gamepad.state", 16), "results": Wire("result", 16), **_ASKED},
+    wires={"pad": Wire("gamepad.state", 16), "results": Wire("result", 16), **_MOTION.wires},
 )

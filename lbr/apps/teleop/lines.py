@@ -3,8 +3,8 @@ held."""
 
 from typing import Any, NamedTuple
 
-from lbr.capability.context import Context, PendingReply
-from lbr.leases.client import LeaseTarget
+from lbr.capability.context import Context
+from lbr.leases.client import LeaseTarget, PendingReply
 from lbr.leases.holder import GONE, RESULT_S, Holder
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult

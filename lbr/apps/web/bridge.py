@@ -12,6 +12,7 @@ from contextlib import suppress
 from typing import Any, Generic, TypeVar
 
 from lbr.apps.web.face import ANSWER_S, Refused
+from lbr.capability.border import border
 
 T = TypeVar("T")
 MOST_WAITING = 256
@@ -103,14 +104,15 @@ class Bridge:
                 promise.refuse(Refused(503, why))
 
     def _go_on(self, work: Coroutine[Any, Any, Any], promise: Promise[Any]) -> None:
+        def broken(err: Exception) -> None:
+            self._failed(err)
+            promise.refuse(err)
+
         try:
-            work.send(None)
+            with border(broken, StopIteration, Refused):  # a fault in one answer must not silence the others
+                work.send(None)
+                self._under_way.append((work, promise))
         except StopIteration as done:
             promise.keep(done.value)
         except Refused as err:
             promise.refuse(err)
-        except Exception as err:  # noqa: BLE001 - a fault in one answer must not silence the others
-            self._failed(err)
-            promise.refuse(err)
-        else:
-            self._under_way.append((work, promise))

@@ -14,7 +14,6 @@ from lbr.apps.web import openapi
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.api.documented import with_robot
 from lbr.apps.web.api.requests import source_of
-from lbr.apps.web.api.robot_bus import Question
 from lbr.apps.web.api.service import Api
 from lbr.apps.web.bridge import until
 from lbr.apps.web.contract import Refuses
@@ -37,6 +36,7 @@ from lbr.apps.web.faces import Faces
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.states import State, States
 from lbr.bus.codec import Decoder
+from lbr.bus.wire import PendingQuery
 from lbr.capability.kind import STOP
 from lbr.errors import MalformedError
 from lbr.messages.codes import heard
@@ -154,7 +154,7 @@ class BuiltinRoutes:
     def _lenders(self) -> frozenset[str]:
         return self._api.known.lenders if self._api.known is not None else frozenset()
 
-    def _say_stop(self, source: str) -> Question | None:
+    def _say_stop(self, source: str) -> PendingQuery | None:
         with suppress(Refused):  # there is no bus
             return self._api.line(STOP, role="view", source=source, timeout_s=STOP_S)
         return None
@@ -229,7 +229,7 @@ def _refusal(name: str, answer: Any) -> Refused | None:
     return None if answer.accepted else Refused(409, answer.why)
 
 
-def _unless_done(said: Question) -> Refused | None:
+def _unless_done(said: PendingQuery) -> Refused | None:
     """Return why a line did not do what it says; None if it did."""
     if not said.replies:
         return Refused(503, "the robot does not answer", {"Retry-After": "1"})

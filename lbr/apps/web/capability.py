@@ -17,7 +17,7 @@ from lbr.apps.web.access import Access
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
 from lbr.apps.web.api.live import Live
-from lbr.apps.web.api.robot_bus import Bus, opened
+from lbr.apps.web.api.robot_bus import RobotBus, opened
 from lbr.apps.web.api.service import Api
 from lbr.apps.web.application import Gate, application
 from lbr.apps.web.bridge import Bridge
@@ -166,7 +166,7 @@ class Web(Capability[WebSettings]):
             self._api.close()
             self._api = None
 
-    def _open_bus(self) -> Bus | None:
+    def _open_bus(self) -> RobotBus | None:
         """Return a way onto the bus for the API; None if it has none."""
         return opened(self.ctx)
 

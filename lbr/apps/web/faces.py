@@ -11,7 +11,8 @@ from lbr.apps.web import openapi
 from lbr.apps.web.face import Face, Refused, Route
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.routing import Path
-from lbr.errors import InputError
+from lbr.capability.border import border
+from lbr.errors import InputError, told
 from lbr.plugins import Plugin, PluginError
 
 
@@ -53,11 +54,13 @@ class Shown:
     def _run(self, work: Callable[[], Any], otherwise: Any) -> Any:
         if self.broken:
             return otherwise
-        try:
-            return work()
-        except Exception as err:  # noqa: BLE001 - one face must not end the others
-            self.broken = f"{self._told}: it broke, and is shown no more: {plugins.told(err)}"
-            return otherwise
+        results = [otherwise]
+        with border(self._break):
+            results = [work()]
+        return results[0]
+
+    def _break(self, err: Exception) -> None:
+        self.broken = f"{self._told}: it broke, and is shown no more: {told(err)}"
 
     def _guarded(self, handle: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(handle)
@@ -149,13 +152,11 @@ class Faces:
 
     def _fitting(self, face: Face, builtin: tuple[Route, ...]) -> tuple[Route, ...]:
         """Return a face's routes; raise InputError if they are no routes, are taken, or cannot be described."""
-        try:
+        with border(lambda err: InputError(f"its routes cannot be described: {told(err)}")):
             routes = tuple(face.routes())
             for route in routes:
                 Path(route.path)
             openapi.document([*builtin, *routes], title="", description="", version="")
-        except Exception as err:
-            raise InputError(f"its routes cannot be described: {plugins.told(err)}") from err
         for route in routes:
             if (owner := self._taken.get(_claim(route))) is not None:
                 raise InputError(f"{route.method} {route.path} is taken by {owner}")
@@ -185,7 +186,7 @@ def _made(point: Plugin, robot: Robot) -> Face:
     try:
         face = make(robot)
     except (Exception, SystemExit) as err:
-        raise PluginError(point, f"it cannot be made: {plugins.told(err)}") from err
+        raise PluginError(point, f"it cannot be made: {told(err)}") from err
     return point.checked(face, Face)
 
 

@@ -19,6 +19,8 @@ from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.rates import Rates
 from lbr.apps.http.turns import Turns
 from lbr.apps.web.face import Refused, json
+from lbr.capability.border import border
+from lbr.errors import told
 
 LONGEST_URL = 4096
 TOO_OFTEN_S = 0.25
@@ -72,17 +74,19 @@ class Answering:
             begun = True
             await send(message)
 
+        faults: list[Exception] = []
         try:
-            await self._app(scope, receive, sealed)
+            with border(faults.append, ClientDisconnect, WebSocketDisconnect, Refused):
+                await self._app(scope, receive, sealed)
         except (ClientDisconnect, WebSocketDisconnect):
             return
         except Refused as err:
             await _answer(err.response(), scope, receive, sealed, begun=begun)
-        except Exception as err:  # noqa: BLE001 - a fault in one answer must not silence the others
-            traceback.print_exception(err)
+        for fault in faults:
+            traceback.print_exception(fault)
             sys.stderr.flush()
             asked = f"{scope.get('method', 'WebSocket')} {scope['path'][:80]}"
-            self._counts.tell("web_fault", f"{asked}: {type(err).__name__}: {err}", "error")
+            self._counts.tell("web_fault", f"{asked}: {told(fault)}", "error")
             broken = json({"message": "this answer is broken; the robot's log says how", "code": "failed"}, 500)
             await _answer(broken, scope, receive, sealed, begun=begun)
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from math import inf
 from typing import Protocol
 
-from lbr.capability.context import PendingReply, Received
-from lbr.leases.client import LeaseClient, LeaseTarget, Transport
+from lbr.capability.context import Received
+from lbr.leases.client import LeaseClient, LeaseTarget, PendingReply, Transport
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState

@@ -1,10 +1,10 @@
 """Bringing the robot down before the power goes: a motion under a lease that is renewed, then its joints are
 released."""
 
-from typing import Protocol
+from typing import Any
 
-from lbr.capability.context import PendingReply, Received
-from lbr.leases.client import ANSWER_S, LeaseTarget, Transport
+from lbr.capability.context import Context
+from lbr.leases.client import ANSWER_S, LeaseTarget, PendingReply
 from lbr.leases.holder import Holder
 from lbr.messages.codes import Reason
 from lbr.messages.joints import PlayCommand, TorqueCommand
@@ -19,20 +19,10 @@ MOTIONS = LeaseTarget(
 AGAIN_S = 0.2
 
 
-class Wired(Transport, Protocol):
-    """The part of a context that is needed here."""
-
-    def targets(self, request: str) -> tuple[str, ...]:
-        """Return the capability that is wired to it."""
-
-    def take(self, port: str) -> list[Received]:
-        """Return what came on an input."""
-
-
 class Parking:
     """One parking. `done` once nothing is left to do; `trouble` is what did not go well, in words."""
 
-    def __init__(self, ctx: Wired, settings: PowerSettings) -> None:
+    def __init__(self, ctx: Context[Any], settings: PowerSettings) -> None:
         self.done = False
         self.trouble = ""
         self._ctx = ctx

@@ -13,9 +13,9 @@ from itertools import islice
 import msgspec
 
 from lbr.apps.web.api.catalog import EVENT
-from lbr.apps.web.api.robot_bus import Bus, Feed, Question
+from lbr.apps.web.api.robot_bus import RobotBus
 from lbr.bus import stamp
-from lbr.bus.wire import RawMessage
+from lbr.bus.wire import PendingQuery, PolledSubscription, RawMessage
 from lbr.errors import BusError
 from lbr.messages.unreadable import UNREADABLE
 
@@ -39,8 +39,8 @@ class Sample:
 
 @dataclass(slots=True)
 class _Heard:
-    feed: Feed
-    first: Question | None
+    feed: PolledSubscription
+    first: PendingQuery | None
     unwanted_s: float | None = None
     looked_s: float = 0.0
     newest: Sample | None = None
@@ -52,7 +52,7 @@ class Feeds:
     """The streams that viewers want; `key` makes of a name below the robot's its key on the bus."""
 
     def __init__(
-        self, bus: Bus, key: Callable[[str], str], source: str, clock: Callable[[], float] = time.monotonic
+        self, bus: RobotBus, key: Callable[[str], str], source: str, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self._bus = bus
         self._key = key

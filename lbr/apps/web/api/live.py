@@ -8,7 +8,6 @@ import asyncio
 from collections import deque
 from contextlib import suppress
 from math import isnan
-from typing import Protocol
 
 import msgspec
 from msgspec import UNSET
@@ -28,6 +27,7 @@ from lbr.apps.web.application import Gate, is_owners
 from lbr.apps.web.face import Client, Refused
 from lbr.apps.web.guards import address_of, headers_of
 from lbr.apps.web.routing import Path
+from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.viewing import STALLED, STALLED_S, TALKS, Viewing, shown_token
 
 PATH = Path("/api/live")
@@ -44,13 +44,6 @@ LINK_S = 0.5
 """A page hears the age of what it drives by this often, and at once when its speed changes."""
 LOOK_S = 1.0
 _encode = msgspec.json.Encoder().encode
-
-
-class Sessions(Protocol):
-    """The sessions of browsers that go on."""
-
-    def knows(self, mark: str) -> bool:
-        """Say whether a session goes on."""
 
 
 class Live(Viewing[Feeds]):

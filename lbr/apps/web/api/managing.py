@@ -6,8 +6,8 @@ from msgspec import Meta, Struct
 from starlette.responses import Response
 
 from lbr.apps.web.api.requests import answered, payload_of, replied, source_of
-from lbr.apps.web.api.robot_bus import Question
 from lbr.apps.web.face import Client, get, post
+from lbr.bus.wire import PendingQuery
 from lbr.messages.manage import (
     MOST_CHANGES,
     MOST_EVENTS,
@@ -68,7 +68,7 @@ class EventsWanted(Struct, frozen=True, kw_only=True):
 class Asks(Protocol):
     """The needs of the routes: in the capability's loop."""
 
-    def manage(self, payload: bytes, *, source: str, timeout_s: float) -> Question:
+    def manage(self, payload: bytes, *, source: str, timeout_s: float) -> PendingQuery:
         """Ask the executive; Refused (503) without a bus."""
 
 

@@ -10,13 +10,12 @@ from starlette.responses import Response
 
 from lbr.apps.web.api.catalog import WATCHED, Catalog
 from lbr.apps.web.api.feeds import sample_of
-from lbr.apps.web.api.robot_bus import Question
 from lbr.apps.web.api.stops import AT_ONCE, Said, is_stop
 from lbr.apps.web.bridge import until
 from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import Client, Refused, Request, encoded, get, json, post
 from lbr.bus import codec
-from lbr.bus.wire import RawMessage, encode
+from lbr.bus.wire import PendingQuery, RawMessage, encode
 from lbr.capability.kind import STOP
 from lbr.errors import MalformedError
 from lbr.messages.codes import MEANINGS
@@ -90,10 +89,10 @@ class Asks(Protocol):
     def document(self, role: Role | None) -> dict[str, Any]:
         """Return what `GET /api` answers to one who has a role."""
 
-    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
+    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
         """Ask on a key below the robot's name; Refused (503) without a bus."""
 
-    def line(self, line: str, *, role: Role, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
+    def line(self, line: str, *, role: Role, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
         """Say a console line with the rights of a role."""
 
     def stopped(self, came_s: float, capability: str = "") -> None:
@@ -199,7 +198,7 @@ class Requests:
         return json(answer.get("data"))
 
 
-async def answered(question: Question, within_s: float) -> dict[str, Any]:
+async def answered(question: PendingQuery, within_s: float) -> dict[str, Any]:
     """Return what the robot answers; Refused (503) if that does not come in time, or cannot be read."""
     await until(lambda: question.done or bool(question.replies))
     if not question.replies:

@@ -1,61 +1,14 @@
 """The bus as the API uses it: a session beside the process's own, so that what pages look at delays no heartbeat."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Any
 
-from lbr.bus import wire
 from lbr.bus.stamp import Origin
-from lbr.bus.wire import RawMessage
+from lbr.bus.wire import PendingQuery, PolledSubscription
 from lbr.capability import way_in
 from lbr.capability.config import ProcessConfig
 from lbr.leases.client import Transport
 from lbr.leases.over_session import OverSession
-
-
-class Feed(Protocol):
-    """A stream that is heard."""
-
-    def take(self) -> list[RawMessage]:
-        """Return what came since the last call, oldest first."""
-
-    def close(self) -> None:
-        """Hear no more."""
-
-
-class Question(Protocol):
-    """A question under way."""
-
-    replies: list[RawMessage]
-    done: bool
-
-
-class Bus(Protocol):
-    """The needs of the API from a bus; from any thread."""
-
-    def hear(self, key: str, *, depth: int = 1) -> Feed:
-        """Hear the newest `depth` messages of a key."""
-
-    def ask(
-        self,
-        key: str,
-        payload: bytes,
-        *,
-        source: str,
-        timeout_s: float,
-        waited_s: float = 0.0,
-        sent_s: float | None = None,
-        wake: Callable[[], None] = lambda: None,
-    ) -> Question:
-        """Ask by a query what has waited here for so long, and was said at `sent_s`; BusError if that cannot be
-        sent."""
-
-    def transport(
-        self, source: str, keys: Mapping[str, str], wake: Callable[[], None], origin: Origin | None = None
-    ) -> Transport:
-        """Return by what motion is borrowed that somebody wants since then: `keys` by request."""
-
-    def close(self) -> None:
-        """Leave the bus."""
 
 
 class RobotBus:
@@ -64,9 +17,9 @@ class RobotBus:
     def __init__(self, config: ProcessConfig) -> None:
         self._session = way_in.enter_alone(config)
 
-    def hear(self, key: str, *, depth: int = 1) -> Feed:
+    def hear(self, key: str, *, depth: int = 1) -> PolledSubscription:
         """Hear the newest `depth` messages of a key, kept by the bus library until they are taken."""
-        return wire.PolledSubscription(self._session, key, depth=depth)
+        return PolledSubscription(self._session, key, depth=depth)
 
     def ask(
         self,
@@ -78,9 +31,9 @@ class RobotBus:
         waited_s: float = 0.0,
         sent_s: float | None = None,
         wake: Callable[[], None] = lambda: None,
-    ) -> Question:
-        """Ask by a query what has waited here for so long."""
-        return wire.PendingQuery(
+    ) -> PendingQuery:
+        """Ask by a query what has waited here for so long, and was said at `sent_s`; BusError if that cannot be sent."""
+        return PendingQuery(
             self._session,
             key,
             payload,
@@ -94,7 +47,7 @@ class RobotBus:
     def transport(
         self, source: str, keys: Mapping[str, str], wake: Callable[[], None], origin: Origin | None = None
     ) -> Transport:
-        """Return by what motion is borrowed; it is wanted since it is asked for, where no more is known."""
+        """Return by what motion is borrowed that somebody wants since then: `keys` by request."""
         return OverSession(self._session, source, keys, wake=wake, origin=origin)
 
     def close(self) -> None:

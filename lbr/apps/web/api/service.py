@@ -16,13 +16,14 @@ from lbr.apps.web.api.managing import Managing
 from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.patience import silent_s
 from lbr.apps.web.api.requests import Requests
-from lbr.apps.web.api.robot_bus import Bus, Feed, Question
+from lbr.apps.web.api.robot_bus import RobotBus
 from lbr.apps.web.api.stops import AT_ONCE, Said, Stops
 from lbr.apps.web.face import Client, Refused, Route, declared
 from lbr.apps.web.robot import Robot
 from lbr.bus import keys
 from lbr.bus.codec import Decoder
 from lbr.bus.stamp import Origin
+from lbr.bus.wire import PendingQuery, PolledSubscription
 from lbr.capability.kind import STOP
 from lbr.errors import BusError, MalformedError
 from lbr.leases.client import Transport
@@ -50,15 +51,15 @@ _reports = Decoder(_Told)
 class Api:
     """All but `known`, `may`, `feeds`, `wake`, `now` and `holds.add` is for the capability's loop alone."""
 
-    def __init__(self, robot: Robot, bus: Bus | None, version: str) -> None:
+    def __init__(self, robot: Robot, bus: RobotBus | None, version: str) -> None:
         self._robot = robot
         self._bus = bus
         self._version = version
         self._status: Status | None = None
         self._described: tuple[int, int] | None = None
-        self._asked: Question | None = None
+        self._asked: PendingQuery | None = None
         self._ask_at = 0.0
-        self._statuses: Feed | None = bus.hear(keys.status(robot.name)) if bus is not None else None
+        self._statuses: PolledSubscription | None = bus.hear(keys.status(robot.name)) if bus is not None else None
         self._stops = Stops()
         self.known: Catalog | None = None
         self.feeds = Feeds(bus, self._key, robot.ctx.name, robot.now) if bus is not None else None
@@ -113,11 +114,11 @@ class Api:
             buttons=robot.buttons,
         )
 
-    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
+    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
         """Ask on a key below the robot's name."""
         return self._ask(self._key(name), payload, source=source, timeout_s=timeout_s, said=said)
 
-    def line(self, line: str, *, role: Role, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
+    def line(self, line: str, *, role: Role, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
         """Say a console line with the rights of a role."""
         key = keys.console_of_pages(self._robot.name, role)
         return self._ask(key, line.encode(errors="replace"), source=source, timeout_s=timeout_s, said=said)
@@ -131,7 +132,7 @@ class Api:
         overtaken = self._stops.overtook(came_s, capability)
         return Said(waited_s=max(0.0, self.now() - came_s), sent_s=came_s if overtaken else None)
 
-    def manage(self, payload: bytes, *, source: str, timeout_s: float) -> Question:
+    def manage(self, payload: bytes, *, source: str, timeout_s: float) -> PendingQuery:
         """Ask the executive for what it knows of rows, tokens and logs."""
         return self._ask(keys.manage(self._robot.name), payload, source=source, timeout_s=timeout_s)
 
@@ -188,7 +189,7 @@ class Api:
         system = {STATUS: keys.status, EVENT: keys.event}
         return system[name](self._robot.name) if name in system else f"{self._robot.name}/{name}"
 
-    def _ask(self, key: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> Question:
+    def _ask(self, key: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
         if self._bus is None:
             raise Refused(503, NO_BUS, code="not_possible")
         try:
@@ -204,7 +205,7 @@ class Api:
         except BusError as err:
             raise Refused(503, str(err), {"Retry-After": "1"}) from None
 
-    def _look(self, bus: Bus, now: float) -> None:
+    def _look(self, bus: RobotBus, now: float) -> None:
         """Hear how the robot is; ask what it is whenever its rows, or its processes, are others."""
         for raw in self._statuses.take() if self._statuses is not None else ():
             self._status = _read(_statuses, raw.payload) or self._status
@@ -220,7 +221,7 @@ class Api:
                     key, REPORT, source=self._robot.ctx.name, timeout_s=REPORT_S, wake=self._robot.ctx.wake
                 )
 
-    def _take(self, asked: Question) -> None:
+    def _take(self, asked: PendingQuery) -> None:
         told = _read(_reports, asked.replies[0].payload) if asked.replies else None
         if told is None:
             return
