@@ -321,7 +321,7 @@ inline disarm() {
 inline receive() {
   if
   :: r_age < VALID && !(r_mv && r_dead) && (d_armed || ((!r_mv || bug == B_NOT_NEUTRAL) && !d_inhibited && r_age < d_since)) ->
-     d_armed = 1; d_mv = r_mv; d_age = r_age; d_held = r_held; g_d_pre = g_r_pre; g_d_old = g_r_old;
+     d_armed = 1; d_mv = r_mv; d_age = (r_mv -> r_age : 0); d_held = r_held; g_d_pre = g_r_pre; g_d_old = g_r_old;
      d_same = r_mv && s_used && s_mv && s_held && r_held
   :: else
   fi;
@@ -368,7 +368,7 @@ inline time_passes() {
   k_told = 0;
   OLDER(s_age, (s_used -> VALID : 0));
   if :: s_used && s_age >= VALID && bug != B_UNORDERED -> forget_setpoint() :: else fi;
-  OLDER(d_age, (d_armed -> VALID : 0)); OLDER(d_since, VALID); OLDER(fed, WATCHDOG);
+  OLDER(d_age, (d_armed && d_mv -> VALID : 0)); OLDER(d_since, VALID); OLDER(fed, WATCHDOG);
   OLDER(g_motor, (motor -> LIMIT : 0)); OLDER(g_word, LIMIT);
   if
   :: motor && bug == B_FEEDS -> fed = 0
