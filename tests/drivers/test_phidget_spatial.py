@@ -53,7 +53,7 @@ class World:
         while not self._ending.wait(0.002):
             rounds += 1
             x, y, z = self.felt.accel_mps2
-            self.twin.feel(ImuReading(**{**_fields(self.felt), "accel_mps2": (x, y, z + rounds % 7 / 1e4)}), 0.0)
+            self.twin.feel(ImuReading(**{**_fields(self.felt), "accel_mps2": (x, y, z + rounds % 89 / 1e5)}), 0.0)
             self.twin.service(time.monotonic())
 
 
@@ -113,6 +113,34 @@ def test_samples_are_dated_as_regularly_as_the_device_measures(imu, ctx):
     assert all(step > 0 for step in steps)
     assert steps[len(steps) // 2] == pytest.approx(0.004, abs=0.0005)
     assert times[-1] <= time.monotonic()
+
+
+def test_a_unit_that_lies_still_measures_25_times_a_second_until_it_is_moved(imu, ctx, world):
+    intervals = Intervals(imu, ctx)
+    intervals.until(0.04)
+    assert imu.rate_hz == 5.0
+    world.felt = ImuReading(gyro_rps=(0.0, 0.0, 1.0), accel_mps2=FELT.accel_mps2, mag_ut=FELT.mag_ut)
+    moved = time.monotonic()
+    intervals.until(0.004)
+    assert imu.rate_hz == 125.0
+    first = next(one for _, one in ctx.published if one.gyro_rps == pytest.approx((0.0, 0.0, 1.0)))
+    assert first.time_s >= moved - 0.05
+
+
+class Intervals:
+    """Steps a driver until its newest samples lie so far apart."""
+
+    def __init__(self, imu, ctx):
+        self.imu, self.ctx = imu, ctx
+
+    def until(self, interval_s):
+        samples(self.imu, self.ctx, lambda _one: self.newest_s() == pytest.approx(interval_s, abs=0.002))
+
+    def newest_s(self):
+        if len(self.ctx.published) < 2:
+            return 0.0
+        (_, before), (_, last) = self.ctx.published[-2:]
+        return last.time_s - before.time_s
 
 
 @pytest.mark.parametrize(("fault", "reason"), [("frozen", "frozen"), ("no_compass", "")])

@@ -9,7 +9,7 @@ from typing import Any
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
-from lbr.drivers.inertial import LifeSigns, Notices
+from lbr.drivers.inertial import QUIET_HZ, LifeSigns, Notices, Quiet
 from lbr.drivers.phidget_spatial import PhidgetSpatialSettings
 from lbr.drivers.phidget_spatial.emulated import RECORD
 from lbr.drivers.phidget_spatial.library import Opened, find
@@ -24,7 +24,8 @@ ZERO_S = 2.2
 STILL_DPS = 5.0
 MOST_ALIKE = 25
 MOST_WAITING = 512
-READING_HZ = 125.0
+READING_HZ, LOOKING_HZ = 125.0, 5.0
+QUIET_MS = round(1000.0 / QUIET_HZ)
 
 
 class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
@@ -36,6 +37,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         super().__init__(ctx)
         self._notices = Notices(ctx)
         self._opened: Opened | None = None
+        self._interval_ms: int = ctx.settings.interval_ms
         self._waiting: deque[Reading] = deque(maxlen=MOST_WAITING)
         self._begin()
 
@@ -49,7 +51,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         opened.unit.setOnDetachHandler(self._went)
         try:
             opened.unit.openWaitForAttachment(ATTACH_MS)
-            opened.unit.setDataInterval(self.ctx.settings.interval_ms)
+            opened.unit.setDataInterval(self._interval_ms)
             if self.ctx.settings.zero_at_start:
                 self._zero(opened)
         except opened.errors as err:
@@ -60,13 +62,17 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
     def step(self) -> None:
         """Publish what came; raise DeviceError if nothing does."""
         now = self.ctx.clock()
+        quiet = self._slow and not self._waiting
         while self._waiting:
             reading = self._waiting.popleft()
             self._heard_s = reading.arrived_s
-            self.ctx.publish("sample", self._sample(reading))
+            sample = self._sample(reading)
+            self.ctx.publish("sample", sample)
+            quiet = self._quiet.look(sample) or quiet  # samples of one burst may be the same
+        self._pace(quiet=quiet)
         if self._gone:
             raise DeviceError(f"{self._who()} was unplugged; plug it in again")
-        if not now - self._heard_s <= SILENT_S + 4 * self.ctx.settings.interval_ms / 1000.0:
+        if not now - self._heard_s <= SILENT_S + 4 * self._interval_ms / 1000.0:
             raise DeviceError(f"{self._who()} has fallen silent; reopening it")
 
     def command(self, call: Call) -> None:
@@ -104,7 +110,22 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         self._signs = LifeSigns(MOST_ALIKE)
         self._zeroed_s = -inf
         self._heard_s = -inf
-        self._gone = self._turns = False
+        self._gone = self._turns = self._slow = False
+        self._quiet = Quiet()
+        self.rate_hz, self._interval_ms = READING_HZ, self.ctx.settings.interval_ms
+
+    def _pace(self, *, quiet: bool) -> None:
+        """Have a unit that lies still measure seldom, each sample waking the loop; any other as often as its row
+        wants."""
+        if quiet == self._slow or self._opened is None:
+            return
+        usual_ms = self.ctx.settings.interval_ms
+        self._slow, self._interval_ms = quiet, max(usual_ms, QUIET_MS) if quiet else usual_ms
+        self.rate_hz = LOOKING_HZ if quiet else READING_HZ
+        try:
+            self._opened.unit.setDataInterval(self._interval_ms)
+        except self._opened.errors as err:
+            raise DeviceError(f"{self._who()}: {_said(err)}; reopening it") from err
 
     def _came(
         self, _: Any, accel: Sequence[float], gyro: Sequence[float], mag: Sequence[float], device_ms: float
@@ -114,6 +135,8 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         self._waiting.append(Reading(tuple(accel), tuple(gyro), tuple(mag), device_ms, time.monotonic()))
         if self.ctx.device is not None and self.ctx.device.tap.wanted:
             self.ctx.device.tap.came(RECORD.pack(*accel, *gyro, *mag, device_ms))
+        if self._slow:
+            self.ctx.wake()
 
     def _went(self, _: Any) -> None:
         self._gone = True

@@ -17,6 +17,8 @@ NOT_MEASURED = 1e300
 STANDARD_GRAVITY_MPS2 = 9.80665
 MAG_MS = 8
 ZEROING_MS = 2000
+USB_MS = 8
+"""The pace of its packets: samples that are no closer come one by one."""
 _LONGEST_LINE = 200
 _LATEST_MS = 80.0
 """Later samples are lost: after a halt of the world more of the same feeling would look like a frozen unit."""
@@ -56,7 +58,8 @@ class PhidgetSpatial:
 
     def next_due(self) -> float:
         """Return when the next burst is complete."""
-        return self._began + (self._due_ms + (self._burst - 1) * self._interval_ms) / 1000.0
+        late = self._burst - 1 if self._interval_ms < USB_MS else 0
+        return self._began + (self._due_ms + late * self._interval_ms) / 1000.0
 
     def records(self, now: float) -> bytes:
         """Return the records that are due."""
