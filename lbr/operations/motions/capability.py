@@ -47,6 +47,8 @@ from lbr.operations.motions.view import motions_state
 
 STATE_PERIOD_S = 0.5
 OLDEST_S = 0.5
+PLAYING_HZ, IDLE_HZ = 50.0, 10.0
+"""Commands and what the joints say wake it all the same."""
 
 
 class Motions(LeasingCapability[MotionsSettings, State]):
@@ -55,7 +57,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
 
     ends, tick = "motions are shutting down", Tick()
     feeds = ("joints", "attitude")
-    rate_hz = 50.0
+    rate_hz = IDLE_HZ
 
     def __init__(self, ctx: Context[MotionsSettings]) -> None:
         super().__init__(ctx)
@@ -71,6 +73,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
         self.listen()
         self.happen(Tick())
         self.report()
+        self.rate_hz = IDLE_HZ if self._state.lease is None and self._player is None else PLAYING_HZ
 
     def lend(self, call: Call) -> None:
         """Answer `play` and `capture`."""

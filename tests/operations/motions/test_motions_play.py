@@ -24,6 +24,16 @@ def test_a_motion_is_sent_as_one_command_and_reaches_its_end(stage, world):
     assert world.state.reason == result.reason
 
 
+def test_its_loop_is_slow_until_a_motion_begins_and_again_once_it_has_ended(stage):
+    stage.run(0.1)
+    assert stage.motions.rate_hz == 10.0
+    call = stage.begun("wave")
+    stage.run(0.02)
+    assert stage.motions.rate_hz == 50.0
+    stage.run(2.0, call)
+    assert stage.motions.rate_hz == 10.0
+
+
 def test_its_lease_on_the_joints_is_renewed_ten_times_a_second_without_the_key_frames(stage, world):
     stage.run(1.0, stage.begun("wave"))
     first, *renewals = world.body.commands
