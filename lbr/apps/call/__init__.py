@@ -4,7 +4,7 @@ from lbr.component import Component
 
 COMPONENT = Component(
     kinds={"call": "lbr.apps.call.kind:KIND"},
-    faces={"call": "lbr.apps.call.face:face"},
+    faces={"call": "lbr.apps.call.face.routes:CallFace"},
     ports={"call": "lbr.apps.call.face:PORTS"},
     needs=("web",),
     messages=("lbr.apps.call.messages",),

@@ -10,9 +10,9 @@ COMPONENT = Component(
         )
     },
     faces={
-        "cameras": "lbr.apps.web.cameras:face",
-        "model": "lbr.apps.web.model:face",
-        "page": "lbr.apps.web.page:face",
+        "cameras": "lbr.apps.web.cameras.ports:face",
+        "model": "lbr.apps.web.model.routes:ModelFace",
+        "page": "lbr.apps.web.page.files:face",
     },
     ports={
         "cameras": "lbr.apps.web.cameras:PORTS",

@@ -5,7 +5,7 @@ from lbr.component import Component
 COMPONENT = Component(
     robots={"lbr": "lbr.robots.lbr.robot:ROBOT"},
     kinds={"beacon": "lbr.robots.lbr.beacon:KIND"},
-    faces={"lbr_original": "lbr.robots.lbr.original:face"},
+    faces={"lbr_original": "lbr.robots.lbr.original.routes:LbrOriginalFace"},
     ports={"lbr_original": "lbr.robots.lbr.original:PORTS"},
     needs=("web",),
 )

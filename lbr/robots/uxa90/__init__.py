@@ -5,7 +5,7 @@ from lbr.component import Component
 COMPONENT = Component(
     robots={"uxa90": "lbr.robots.uxa90.robot:ROBOT"},
     kinds={"uxa90": "lbr.robots.uxa90.driver:KIND"},
-    faces={"uxa90": "lbr.robots.uxa90.rest:face"},
+    faces={"uxa90": "lbr.robots.uxa90.rest.legacy:Uxa90Face"},
     ports={"uxa90": "lbr.robots.uxa90.rest:PORTS"},
     twins={"uxa90": "lbr.robots.uxa90.twin:TWIN"},
     needs=("simulation", "web"),

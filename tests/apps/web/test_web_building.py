@@ -15,9 +15,8 @@ needs.modules("mujoco")
 
 from lbr.apps.bodies import motion_forms  # noqa: E402
 from lbr.apps.web.face import Client, Refused  # noqa: E402
-from lbr.apps.web.model import face  # noqa: E402
 from lbr.apps.web.model.building import CheckBody, CheckParams, ReadBody, UploadBody, VersionParams, WriteBody  # noqa: E402
-from lbr.apps.web.model.routes import MotionBody  # noqa: E402
+from lbr.apps.web.model.routes import ModelFace, MotionBody  # noqa: E402
 from lbr.apps.web.model.uploads import KEPT_S, MOST_BYTES, MOST_UPLOADS, Uploads  # noqa: E402
 from lbr.apps.web.model.work import MOST_AT_ONCE, UNASKED_S, Work, Works  # noqa: E402
 from lbr.messages.faces import EditReply  # noqa: E402
@@ -47,7 +46,7 @@ class Stage:
         robot: Any = SimpleNamespace(
             name="bioloid", ctx=ctx, now=time.monotonic, joints=joints, motors=(), motions=(WAVE,), edit=self._edit
         )
-        self.face = face(robot)
+        self.face = ModelFace(robot)
         self.routes = {(route.method, route.path): route for route in self.face.routes()}
 
     async def _edit(self, rows: Any, *, create: bool, by: str) -> EditReply:

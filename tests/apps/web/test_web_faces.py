@@ -164,7 +164,7 @@ def test_a_face_that_breaks_ends_and_no_other(packages):
 
 
 def test_what_lbr_ships_is_installed_as_anybodys():
-    assert plugins.installed("faces")["uxa90"].value == "lbr.robots.uxa90.rest:face"
+    assert plugins.installed("faces")["uxa90"].value == "lbr.robots.uxa90.rest.legacy:Uxa90Face"
 
 
 def test_the_face_that_the_page_shows_is_one(packages):

@@ -8,9 +8,9 @@ import msgspec
 import pytest
 
 from lbr.apps.web.face import Client, Refused, Route
-from lbr.apps.web.model import PORTS, face
+from lbr.apps.web.model import PORTS
 from lbr.apps.web.model.poses import key_pose
-from lbr.apps.web.model.routes import MotionBody, MotionParams
+from lbr.apps.web.model.routes import ModelFace, MotionBody, MotionParams
 from lbr.messages.faces import EditReply
 from lbr.messages.joints import Joint, KeyFrame, Motion
 from tests.apps.web.asking import called
@@ -33,7 +33,7 @@ def routes(tmp_path) -> dict[str, Any]:
     robot: Any = SimpleNamespace(
         name="bioloid", ctx=ctx, now=time.monotonic, joints=(ELBOW,), motors=(), motions=(WAVE,)
     )
-    return {route.path: route for route in face(robot).routes() if route.method == "GET"}
+    return {route.path: route for route in ModelFace(robot).routes() if route.method == "GET"}
 
 
 def asked(route: Route, **more: Any) -> Any:
@@ -102,7 +102,7 @@ def kept(tmp_path, reply: EditReply, **given: Any) -> tuple[Editor, Any]:
     robot: Any = SimpleNamespace(
         name="bioloid", ctx=ctx, now=time.monotonic, joints=(ELBOW,), motors=(), motions=(WAVE,), edit=editor.edit
     )
-    post = next(route for route in face(robot).routes() if route.method == "POST")
+    post = next(route for route in ModelFace(robot).routes() if route.method == "POST")
     return editor, asked(post, body=MotionBody(frames=(frame(left_elbow=-0.5),), **given))
 
 

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable
 
 from lbr.apps.web.cameras.hub import Deal
-from lbr.apps.web.cameras.routes import OLDEST_S, PREFIX
+from lbr.apps.web.cameras.routes import OLDEST_S, PREFIX, CamerasFace
 from lbr.apps.web.robot import Robot
 from lbr.capability.context import Received
 from lbr.messages.camera import CameraState
@@ -87,3 +87,8 @@ class Ports:
 def _soon(loop: asyncio.AbstractEventLoop, deal: Deal, camera: str, picture: bytes) -> None:
     if not loop.is_closed():
         loop.call_soon_threadsafe(deal, camera, picture)
+
+
+def face(robot: Robot) -> CamerasFace:
+    """Return the face."""
+    return CamerasFace(Ports(robot))

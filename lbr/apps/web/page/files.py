@@ -14,6 +14,7 @@ from starlette.responses import Response
 
 from lbr.apps.web.face import HTML, Face, Refused, Request, Route, declared, get
 from lbr.apps.web.guards import SECURITY
+from lbr.apps.web.robot import Robot
 from lbr.messages.unreadable import UNREADABLE
 
 FOREVER = "public, max-age=31536000, immutable"
@@ -68,6 +69,11 @@ def built(place: Traversable | None = None) -> tuple[File, ...]:
             f"the page is not built: {place}/{INDEX} is missing; `make page` builds it (node 20 or newer)"
         )
     return found
+
+
+def face(_robot: Robot) -> "PageFace":
+    """Return the face."""
+    return PageFace(built())
 
 
 class _Manifest(msgspec.Struct):

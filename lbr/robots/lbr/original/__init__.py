@@ -4,18 +4,12 @@
 at a time, and stops it when that client falls silent.
 """
 
-from typing import TYPE_CHECKING
-
 from lbr.apps.web.ports import FacePorts
 from lbr.messages.camera import CameraState, JpegFrame, SelectCommand
 from lbr.messages.dock import DockHeard
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
 from lbr.messages.speech import SayCommand
 from lbr.messages.telemetry import Telemetry
-
-if TYPE_CHECKING:
-    from lbr.apps.web.face import Face
-    from lbr.apps.web.robot import Robot
 
 PORTS = FacePorts(
     inputs={"telemetry": Telemetry, "cameras": CameraState, "frames": JpegFrame},
@@ -28,10 +22,3 @@ PORTS = FacePorts(
         "dock_heard": DockHeard,
     },
 )
-
-
-def face(robot: "Robot") -> "Face":
-    """Return the face."""
-    from lbr.robots.lbr.original.routes import LbrOriginalFace  # noqa: PLC0415 - who wants its ports alone needs no server
-
-    return LbrOriginalFace(robot)
