@@ -379,6 +379,14 @@ def test_axe_finds_nothing_serious(at, name, size):
 
 
 @pytest.mark.parametrize("name", VIEWS)
+def test_no_view_is_wider_than_its_screen(at, name, size):
+    """A phone would zoom out, and put the stop aside."""
+    for view in VIEWS[name]:
+        page, _ = at(name, view)
+        assert (view, page.evaluate("innerWidth")) == (view, SIZES[size]["viewport"]["width"])
+
+
+@pytest.mark.parametrize("name", VIEWS)
 def test_the_keyboard_reaches_all_shows_where_it_is_and_stops(house, name):
     robot = house.served(name)[0]
     for view in VIEWS[name][:2]:

@@ -126,6 +126,9 @@ function useClearance(): Ref<HTMLDivElement> {
   return box;
 }
 
+/** Who has not acknowledged the emergency stop; all that have is what one expects. */
+const waits = (text: string): string => (text.includes("acknowledged by") ? "" : text);
+
 function Alarms() {
   const box = useClearance();
   const { engaged, told, reason, source, text } = estop.value;
@@ -136,7 +139,7 @@ function Alarms() {
       {engaged && (
         <div class="alarm alarm-stop" role="alert">
           <Icon name="stop" />
-          <p class="alarm-said" tabIndex={0}><strong>{told ? t("stop.engaged") : t("stop.engaging")}</strong>{told && [[source, reason].filter(Boolean).join(": "), text].filter(Boolean).join(" · ")}</p>
+          <p class="alarm-said" tabIndex={0}><strong>{told ? t("stop.engaged") : t("stop.engaging")}</strong>{told && [reason.startsWith("pressed on the page") ? t("stop.by.page") : [source, reason].filter(Boolean).join(": "), waits(text)].filter(Boolean).join(" · ")}</p>
           {told && <Button onClick={() => { asksReset.value = true; }}>{t("stop.reset")}</Button>}
         </div>
       )}

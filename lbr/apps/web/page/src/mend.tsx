@@ -15,16 +15,15 @@ const lends = (name: string): boolean => robot.value?.capabilities.some((one) =>
 const all = (name: string, message: object, text: WordKey, icon: IconName): Way[] =>
   able(name).length > 0 ? [{ text, icon, go: () => able(name).forEach((owner) => void command(owner, name, message)) }] : [];
 
-const held = (about: string): Way[] => !lends(about) ? [] : [
-  { text: "hand.ask", icon: "person", go: () => void askFor(about) },
-  { text: "drive.takeover", icon: "drive", pressed: holding.takesOver.value, go: holding.takeOver },
-];
+const taken = (about: string): Way[] => !lends(about) ? [] : [{ text: "drive.takeover", icon: "drive", pressed: holding.takesOver.value, go: holding.takeOver }];
+const held = (about: string): Way[] => !lends(about) ? [] : [{ text: "hand.ask", icon: "person", go: () => void askFor(about) }, ...taken(about)];
 
 const WAYS: Record<string, (about: string) => Way[]> = {
   no_torque: () => all("torque", { on: true }, "mend.on", "bolt"),
   latched: () => all("recover", {}, "joints.recover", "restart"),
   estop: () => [{ text: "stop.reset", icon: "stop", go: () => { asksReset.value = true; } }],
   held,
+  held_by_part: taken,
   foreign_lease: held,
 };
 

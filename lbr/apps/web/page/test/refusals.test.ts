@@ -23,6 +23,7 @@ test("a refusal has a button where this robot, and this person, can mend it so",
   robot.value = base;
   assert.deepEqual(["estop", "no_torque", "latched", "obstacle"].map((code) => mendable(code)), [true, false, false, false]);
   assert.deepEqual(["drive", "speech", "console"].map((about) => mendable("held", about)), [true, false, false]);
+  assert.deepEqual(["drive", "speech"].map((about) => mendable("held_by_part", about)), [true, false]);
   robot.value = { ...base, capabilities: [capability("joints", { command: true, torque: false, recover: false })] };
   assert.deepEqual(["no_torque", "latched"].map((code) => mendable(code)), [true, true]);
   robot.value = { ...robot.value, role: "view" };

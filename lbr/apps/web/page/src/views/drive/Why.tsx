@@ -11,7 +11,7 @@ import { clock, pace, useStream, type Pace } from "../../live";
 import type { DriveState } from "../../messages";
 import { useNews } from "../../news";
 import { Button, Icon, Stale, type IconName } from "../../parts";
-import { consoleLine, fetchJson, knows, may, role } from "../../robot";
+import { consoleLine, fetchJson, knows, may, robot, role } from "../../robot";
 import { maybe, t } from "../../words";
 import { first } from "./line";
 import { refused } from "./pilot";
@@ -70,16 +70,16 @@ function said(drive: DriveState | null, fresh: boolean): Line {
     case "limited":
       return { tone: "warn", icon: "warn", head: t("drive.limited", { by: plain(drive!.limited_by!) }), text: drive!.reason };
     case "mine":
-      return slow(pace.value) ?? { tone: "good", icon: "drive", head: t("drive.you"), text: drive?.goal ?? "" };
+      return slow(pace.value) ?? { tone: "good", icon: "drive", head: t("drive.you"), text: goalOf(drive) ?? "" };
     case "other":
-      return { tone: "calm", icon: "person", head: t("drive.holder", { holder: named(drive!.holder ?? "?") }), text: drive!.goal ?? drive!.reason, code: "held" };
+      return { tone: "calm", icon: "person", head: t("drive.holder", { holder: whose(drive!.holder ?? "?") }), text: goalOf(drive) ?? drive!.reason, code: isPart(drive!.holder) ? "held_by_part" : "held" };
     case "ended": {
       const again = refused.value ? t("drive.again") : "";
       if (code === "stopped" && justStopped()) return again ? { tone: "warn", icon: "warn", head: again, text: "" } : rest(drive, false);
       if (code === "held") return { tone: "warn", icon: "person", head: heldBy(holder || drive?.holder), text: again, code };
       const own = maybe(`refused.${code}`) || maybe(`code.${code}`);
       const head = over ? own || told({ code: "", reason }) : again;
-      const more = over ? [own && !maybe(`refused.${code}`) ? reason : "", again] : [];
+      const more = over ? [again, own && !maybe(`refused.${code}`) ? reason : ""] : [];
       return { tone: "warn", icon: "warn", head, text: more.filter(Boolean).map((one) => one.replace(/[.\s]*$/, ".")).join(" "), code };
     }
     default:
@@ -93,7 +93,14 @@ function slow(told: Pace | null): Line | null {
   return { tone: "warn", icon: "link", head: t("drive.slow", { speed: told.speed === 0.5 ? t("drive.slow.half") : percent(told.speed) }), text: t("drive.slow.age", { age: number(told.age_ms / 1000, 1) }) };
 }
 
-const heldBy = (holder: string | null | undefined): string => (holder ? t("drive.holder", { holder: named(holder) }) : t("code.held"));
+/** What it drives for; a number that a part of the robot gave it says nothing. */
+const goalOf = (drive: DriveState | null): string | undefined => (drive?.goal?.startsWith("goal-") ? undefined : drive?.goal ?? undefined);
+
+/** Whether a part of the robot drives, which nobody can ask. */
+const isPart = (holder: string | null | undefined): boolean => robot.value?.capabilities.some((one) => one.name === holder) ?? false;
+const whose = (holder: string): string => (isPart(holder) ? maybe(`part.${holder}`) || plain(holder) : named(holder));
+
+const heldBy = (holder: string | null | undefined): string => (holder ? t("drive.holder", { holder: whose(holder) }) : t("code.held"));
 
 function rest(drive: DriveState | null, fresh: boolean): Line {
   if (!drive) return { tone: "calm", icon: "info", head: t("age.never"), text: "" };

@@ -139,9 +139,12 @@ function byOwner(joints: AllJoints | null, named: string[]): Map<string, string[
   return found;
 }
 
+/** What is as it should be, what an alarm above tells, and the end of a motion, of which its page tells. */
+const SAID_ELSEWHERE = new Set(["done", "idle", "superseded", "cancelled", "released", "estop", "lapsed", "holder_gone"]);
+
 /** Why the joints do not move, by the code and sentence of the robot; empty while nothing is wrong. */
 function whyNot(state: JointsState): string {
-  if (!state.code || ["done", "idle", "superseded", "cancelled", "released"].includes(state.code)) return "";
+  if (!state.code || SAID_ELSEWHERE.has(state.code)) return "";
   return told({ code: state.code, reason: state.reason ?? "" });
 }
 

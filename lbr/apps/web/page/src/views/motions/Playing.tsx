@@ -11,7 +11,7 @@ import "./Playing.css";
 export function Playing({ state, part, onStop }: { state?: MotionsState; part: number; onStop: () => void }) {
   const fresh = useNews(state && !state.playing ? `${state.code ?? ""} ${state.reason ?? ""}`.trim() : "");
   if (!state?.playing) {
-    const why = fresh && state?.reason && state.code && !["done", "idle", "", "cancelled"].includes(state.code) ? told({ code: state.code, reason: state.reason }) : "";
+    const why = fresh && state?.reason && state.code && !["done", "idle", "", "cancelled", "estop", "lapsed", "holder_gone"].includes(state.code) ? told({ code: state.code, reason: state.reason }) : "";
     return why ? <div class="motions-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={state?.code ?? ""} /></div> : null;
   }
   return (

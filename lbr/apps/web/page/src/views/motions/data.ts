@@ -14,12 +14,19 @@ export interface Motion { name: string; help?: string; frames: KeyFrame[]; lead_
 
 export const poses = signal<Record<string, Record<string, number>>>({});
 let of = "";
+const AGAIN_MS = 1000, MOST_TRIES = 8;
 
+/** Loads a pose of each motion. A server that starts again with new rows does not answer, or not of them yet: then it is asked again. */
 export async function loadPoses(revision: string): Promise<void> {
   if (of === revision) return;
   of = revision;
-  const answer = await fetchJson<{ poses: Record<string, Record<string, number>> }>("api/poses", { quiet: true });
-  if (answer.ok && answer.data && of === revision) poses.value = answer.data.poses;
+  for (let tries = 0; tries < MOST_TRIES; tries += 1) {
+    const answer = await fetchJson<{ poses: Record<string, Record<string, number>> }>("api/poses", { quiet: true });
+    if (of !== revision) return;
+    if (answer.ok && answer.data) poses.value = answer.data.poses;
+    if (answer.ok && rows().every((one) => one.slot != null || one.name in poses.value)) return;
+    await new Promise((done) => { setTimeout(done, AGAIN_MS); });
+  }
 }
 
 export const rows = (): MotionRow[] => (robot.value?.motions ?? []) as unknown as MotionRow[];

@@ -72,7 +72,7 @@ function Basics() {
     return schema && row["enabled"] !== false ? [[String(row["name"]), { row, fields: fieldsOf(schema) }] as const] : [];
   }));
   const own = robots?.rows[0];
-  const names: Basic[] = robots && own ? fieldsOf(robots.schema).filter((one) => NAMES.includes(one.name)).map((field) => ({ part: "", path: [field.name], group: "name", title: maybe(`settings.of.${field.name}`) || plain(field.name), field })) : [];
+  const names: Basic[] = robots && own ? fieldsOf(robots.schema).filter((one) => NAMES.includes(one.name)).map((field) => ({ part: "", path: [field.name], group: "name", title: maybe(`settings.of.${field.name}`) || plain(field.name), field: { ...field, help: "" } })) : [];
   const groups = [...groupsOf([...parts].flatMap(([name, { row, fields }]) => basicsOf(name, fields, row["settings"] as Values))), ...(names.length > 0 ? [{ group: "name", basics: names }] : [])];
   const editable = may("admin");
   const written = ({ part, path }: Basic): unknown => (part === "" ? own?.[String(path[0])] : valueAt(parts.get(part)?.fields ?? [], parts.get(part)?.row["settings"], path));
