@@ -265,7 +265,7 @@ def _component(entry: Entry) -> tuple[Component | None, str]:
     return None, f"{entry.label} ({entry.value}): {why}"
 
 
-def _faults(found: Any) -> Iterator[str]:
+def _faults(found: object) -> Iterator[str]:
     """Yield what is wrong with the fields of a component of another package."""
     if not isinstance(found, Component):
         yield f"it is no Component(…), but of type {type(found).__name__}"

@@ -29,7 +29,7 @@ class BusCall:
     def __init__(
         self,
         name: str,
-        message: Any,
+        message: object,
         request: wire.Request,
         owner: str,
         refused: Callable[[str, CommandReply], None],

@@ -2,14 +2,14 @@
 
 import re
 from collections.abc import Iterator
-from typing import Any, Literal, get_args, get_origin
+from typing import Literal, get_args, get_origin
 
 from lbr.names import did_you_mean
 
 _NO_CHOICE = re.compile(r"""Invalid enum value (['"])(.*?)\1(?= - at `|\Z)""")
 
 
-def with_choices(said: str, kind: Any) -> str:
+def with_choices(said: str, kind: object) -> str:
     """Return msgspec's objection to a value, and the nearest of the type's choices at the place where it is not one of
     them."""
     found, names = _NO_CHOICE.search(said), tuple(_choices(kind))
@@ -18,7 +18,7 @@ def with_choices(said: str, kind: Any) -> str:
     return f"{said[: found.end()]}, {did_you_mean(found[2], names)}{said[found.end() :]}"
 
 
-def _choices(kind: Any) -> Iterator[str]:
+def _choices(kind: object) -> Iterator[str]:
     for one in get_args(kind):
         if get_origin(kind) is not Literal:
             yield from _choices(one)

@@ -32,7 +32,7 @@ def faults(kind: Kind) -> tuple[str, ...]:
     return (*chain.from_iterable(misfits.values()), *_contradictions(sound))
 
 
-def _misfits(part: Any) -> Iterator[tuple[str, tuple[str, ...]]]:
+def _misfits(part: object) -> Iterator[tuple[str, tuple[str, ...]]]:
     """Yield the fields of a part, each with a sentence for each value that does not fit its annotation."""
     for name, hint in get_type_hints(type(part)).items():
         yield name, tuple(_misfit(f"'{name}'", getattr(part, name), hint))
@@ -172,7 +172,7 @@ def _unfit(message: type[Struct]) -> str:
     return "".join(map(told, faults))
 
 
-def _brief(value: Any) -> str:
+def _brief(value: object) -> str:
     """Return a foreign value as one short line; its `repr` may be anything."""
     text = type(value).__name__
     with suppress(Exception):

@@ -13,13 +13,13 @@ from lbr.names import near
 MOST_TOLD = 20
 
 
-def decoded(content: str | bytes, kind: Any) -> Any:
+def decoded(content: str | bytes, kind: object) -> Any:
     """Return a value out of JSON. Whatever a struct of the user's own raises is a msgspec.ValidationError, too."""
     with border(lambda err: msgspec.ValidationError(f"{type(err).__name__}: {err}"), msgspec.MsgspecError):
         return msgspec.json.decode(content, type=kind)
 
 
-def faults(kind: type[Struct], settings: Any, at: str = "$") -> tuple[str, ...]:
+def faults(kind: type[Struct], settings: object, at: str = "$") -> tuple[str, ...]:
     """Return what each field of decoded JSON has against a struct, in msgspec's words; nothing if all of it fits."""
     try:
         decoded(msgspec.json.encode(settings), kind)
@@ -57,7 +57,7 @@ def _meant(name: str, fields: Iterable[str]) -> str:
     return f", there is {', '.join(sorted(fields)) or 'none'}"
 
 
-def _of_value(kind: Any, value: Any, at: str) -> tuple[str, ...]:
+def _of_value(kind: object, value: object, at: str) -> tuple[str, ...]:
     if isinstance(kind, type) and issubclass(kind, Struct):
         return faults(kind, value, at)
     try:
@@ -67,7 +67,7 @@ def _of_value(kind: Any, value: Any, at: str) -> tuple[str, ...]:
     return ()
 
 
-def _beyond(kind: Any, value: Any, at: str) -> str:
+def _beyond(kind: object, value: object, at: str) -> str:
     """Return which bounds a number is beyond, in the console's words; nothing if something else is wrong."""
     found = inspect.type_info(kind)
     while isinstance(found, inspect.Metadata):

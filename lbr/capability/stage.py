@@ -219,14 +219,14 @@ class Stage:
         """Press the emergency stop."""
         self.bus.publish(keys.estop(self.robot), EstopRequest(engaged=True, reason=reason), source)
 
-    def command(self, name: str, what: str, message: Any, source: str, timeout_s: float = 2.0) -> Answers:
+    def command(self, name: str, what: str, message: object, source: str, timeout_s: float = 2.0) -> Answers:
         """Ask one capability from outside."""
         replies = self.members[name].ctx.kind.replies if name in self.members else {}
         key = keys.port(self.robot, name, what)
         question: Question = self._outside.query(key, wire.encode(message), timeout_s=timeout_s, source=source)
         return Answers({name: question}, Decoder(replies.get(what, CommandReply)))
 
-    def answer(self, name: str, what: str, message: Any, source: str = "stage", timeout_s: float = 2.0) -> Any:
+    def answer(self, name: str, what: str, message: object, source: str = "stage", timeout_s: float = 2.0) -> Any:
         """Ask one capability, and let time go by until it has answered; None if it does not."""
         asked = self.command(name, what, message, source, timeout_s)
         while (answers := asked.answers()) is None:

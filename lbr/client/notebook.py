@@ -112,7 +112,7 @@ def _ticks() -> Iterator[None]:
         time.sleep(DRAW_S)
 
 
-def _until_over(found: Iterator[Any], for_s: float) -> Iterator[Any]:
+def _until_over(found: Iterator[object], for_s: float) -> Iterator[Any]:
     until = time.monotonic() + for_s
     for one in found:
         yield one

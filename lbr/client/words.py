@@ -61,14 +61,14 @@ class Word(Generic[R]):
         self._entries = entries
         self._say = say
 
-    def __call__(self, *values: Any) -> R:
+    def __call__(self, *values: object) -> R:
         """Say it."""
         return self._say(self.line(*values))
 
     def __repr__(self) -> str:
         return self.__doc__ or self.__name__
 
-    def line(self, *values: Any) -> str:
+    def line(self, *values: object) -> str:
         """Return the line of the console; InputError if a value does not fit into one."""
         texts = [_text(value) for value in values]
         if any(entry.get("target") == "external" for entry in self._entries):
@@ -82,7 +82,7 @@ class Word(Generic[R]):
         return "/".join(("", self.__name__, *texts))
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     text = str(value)
     if not text.strip() or not text.isprintable():
         raise InputError(f"{text!r} cannot be said: it is empty, or more than a line")

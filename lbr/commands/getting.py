@@ -85,6 +85,6 @@ def _chosen(part: str, name: str, settings: Iterable[Setting]) -> Setting:
     return there[name]
 
 
-def _as_typed(value: Any) -> str:
+def _as_typed(value: object) -> str:
     """Return a value as `lbr set` takes it."""
     return value if isinstance(value, str) else msgspec.json.encode(value).decode()

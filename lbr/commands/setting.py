@@ -70,7 +70,7 @@ def meant(rows: "Database", robot: str | None, running: Iterable[str]) -> str:
     return robot_in(rows, robot or (here[0] if len(here) == 1 else None))
 
 
-def refuse_unknown(part: str, names: Iterable[Any], robot: str) -> None:
+def refuse_unknown(part: str, names: Iterable[object], robot: str) -> None:
     """Raise InputError if a robot has no part of this name."""
     there = sorted(map(str, names))
     if part not in there:

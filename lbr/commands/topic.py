@@ -213,7 +213,7 @@ def value_of(payload: bytes) -> Any:
         return f"{len(payload)} bytes that are not JSON"
 
 
-def lines_of(value: Any, indent: str = "") -> Iterator[str]:
+def lines_of(value: object, indent: str = "") -> Iterator[str]:
     """Return lines for people, a field in each."""
     if not isinstance(value, dict):
         yield indent + one_line(_scalar(value))
@@ -226,7 +226,7 @@ def lines_of(value: Any, indent: str = "") -> Iterator[str]:
             yield f"{indent}{one_line(name)}: {one_line(_scalar(one))}"
 
 
-def _scalar(value: Any) -> str:
+def _scalar(value: object) -> str:
     if isinstance(value, str):
         return value
     return f"{value:.6g}" if isinstance(value, float) else msgspec.json.encode(value).decode()

@@ -94,7 +94,7 @@ def _next(entry: dict[str, Any], index: int, start: str) -> Iterator[tuple[str, 
 
 
 def _allowed(
-    field: dict[str, Any], choices: Iterable[Any], start: str, entry: dict[str, Any]
+    field: dict[str, Any], choices: Iterable[object], start: str, entry: dict[str, Any]
 ) -> Iterator[tuple[str, str, str]]:
     """Yield the choices of a field that begin so, or a hint if it has none."""
     for choice in choices:

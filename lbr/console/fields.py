@@ -154,7 +154,7 @@ class Message:
         """Return a field; one that no type describes is a text."""
         return Field(name, _resolved(self._properties.get(name, {"type": "string"}), self._definitions))
 
-    def check(self, payload: Mapping[str, Any]) -> None:
+    def check(self, payload: Mapping[str, object]) -> None:
         """Raise InputError if the whole does not make a message."""
         if self._type is not None:
             try:

@@ -99,7 +99,7 @@ def plain(of: Graph) -> dict[str, Any]:
     }
 
 
-def from_plain(data: Any) -> Graph:
+def from_plain(data: object) -> Graph:
     """Return the graph that plain data describes; raise MalformedError if it describes none."""
     try:
         return msgspec.convert(data, Graph)

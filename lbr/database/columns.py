@@ -103,7 +103,7 @@ class Column:
             literal = get_args(literal)[0]
         return get_args(literal) if get_origin(literal) is Literal else tuple(self.info.values)
 
-    def _check_text(self, value: Any) -> None:
+    def _check_text(self, value: object) -> None:
         if not isinstance(value, str):
             raise WrongError(f"is {_type(value)}, not a text")
         if fault := text_fault(value):
@@ -118,7 +118,7 @@ class Column:
         except ValueError as err:
             raise WrongError(f"is not JSON: {err}") from None
 
-    def _sentence(self, value: Any, complaint: str) -> str:
+    def _sentence(self, value: object, complaint: str) -> str:
         """Return the rule that a value breaks, as its annotation or else msgspec has it."""
         info = self.info
         if self._meant:
@@ -135,12 +135,12 @@ class Column:
             return f"is longer than {info.max_length} characters" if longer else complaint
         return self._no_json(value, complaint)
 
-    def _no_json(self, value: Any, complaint: str) -> str:
+    def _no_json(self, value: object, complaint: str) -> str:
         if isinstance(self.info, inspect.DictType):
             return self._entries(value) or complaint if isinstance(value, dict) else _OBJECT
         return _TEXTS if _texts(self.info) else _LIST if not isinstance(value, list) else complaint
 
-    def _number(self, value: Any) -> str:
+    def _number(self, value: object) -> str:
         info, zero = self.info, self.extra.get("zero")
         null = " (or NULL)" if self.nullable else ""
         if info.gt is not None and zero is None:
@@ -150,7 +150,7 @@ class Column:
         lowest = info.ge if info.ge is not None else info.gt
         return str(zero) if value == info.gt else f"{value:g} is outside {lowest:g} to {info.le:g}"
 
-    def _entries(self, value: Mapping[str, Any]) -> str:
+    def _entries(self, value: Mapping[str, object]) -> str:
         """Return what is wrong with the entries of an object, as far as their annotation says what is meant."""
         _, extra, _ = _bare(self.info.value_type)
         return "; ".join(
@@ -174,7 +174,7 @@ class Column:
         return "" if self.is_text else False if self.is_flag else 0
 
 
-def _fits(one: Any, of: Any, name: str) -> bool:
+def _fits(one: object, of: object, name: str) -> bool:
     try:
         msgspec.convert({name: one}, of)
     except msgspec.ValidationError:
@@ -182,7 +182,7 @@ def _fits(one: Any, of: Any, name: str) -> bool:
     return True
 
 
-def _bare(info: Any) -> tuple[Any, dict[str, Any], bool]:
+def _bare(info: object) -> tuple[Any, dict[str, Any], bool]:
     """Return a type without what is said of it, what is said, and whether it may be NULL."""
     if isinstance(info, inspect.Metadata):
         bare, extra, nullable = _bare(info.type)
@@ -195,13 +195,13 @@ def _bare(info: Any) -> tuple[Any, dict[str, Any], bool]:
     return info, {}, False
 
 
-def _descriptions(annotation: Any) -> list[str]:
+def _descriptions(annotation: object) -> list[str]:
     """Return the texts in an annotation."""
     texts = [one for one in getattr(annotation, "__metadata__", ()) if isinstance(one, str)]
     return texts or [text for one in get_args(annotation) for text in _descriptions(one)]
 
 
-def _texts(info: Any) -> bool:
+def _texts(info: object) -> bool:
     return isinstance(info, inspect.VarTupleType) and isinstance(info.item_type, inspect.StrType)
 
 

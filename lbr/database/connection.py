@@ -48,7 +48,7 @@ class Connection(sqlite3.Connection):
         with knowing(sql):
             return super().executemany(sql, values)
 
-    def scalar(self, sql: str, values: Any = ()) -> Any:
+    def scalar(self, sql: str, values: object = ()) -> Any:
         """Run a statement and return the first value of its first row, or None."""
         row = self.execute(sql, values).fetchone()
         return row[0] if row else None
@@ -84,14 +84,14 @@ def damage(connection: Connection) -> str:
     return next((fault for (fault,) in found if fault != "ok" and not _ROW_FAULT.match(fault)), "")
 
 
-def selected(connection: Connection, table: str, where: str, *values: Any) -> list[dict[str, Any]]:
+def selected(connection: Connection, table: str, where: str, *values: object) -> list[dict[str, Any]]:
     """Return the rows of one of lbr's own tables."""
     found = connection.execute(f"{statements.select(table)} WHERE {where}", values)
     names = [column[0] for column in found.description]
     return [dict(zip(names, row, strict=True)) for row in found]
 
 
-def insert(connection: Connection, table: str, rows: Sequence[Mapping[str, Any]], more: str = "") -> None:
+def insert(connection: Connection, table: str, rows: Sequence[Mapping[str, object]], more: str = "") -> None:
     """Write rows of the same columns; `more` is what follows the values, such as ON CONFLICT."""
     if rows:
         statement = f"{statements.insert(table, rows[0])} {more}"

@@ -32,7 +32,7 @@ def changed_columns(table: str, before: RawRow, after: RawRow) -> dict[str, tupl
     }
 
 
-def same(old: Any, new: Any) -> bool:
+def same(old: object, new: object) -> bool:
     """Say whether two values mean the same; JSON does not care for spaces and the order of keys."""
     if old == new or not (isinstance(old, str) and isinstance(new, str) and old[:1] in "{[" and new[:1] in "{["):
         return bool(old == new)
@@ -42,7 +42,7 @@ def same(old: Any, new: Any) -> bool:
         return False
 
 
-def _alike(old: Any, new: Any) -> bool:
+def _alike(old: object, new: object) -> bool:
     """Say whether two values of JSON are the same; `true` is no 1."""
     if isinstance(old, bool) or isinstance(new, bool):
         return old is new

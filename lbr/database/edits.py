@@ -71,7 +71,7 @@ def write_rows(
 
 
 def write_setting(
-    database: Database, robot: str, capability: str, setting: str, value: Any, judge: Judge, *, by: str = ""
+    database: Database, robot: str, capability: str, setting: str, value: object, judge: Judge, *, by: str = ""
 ) -> Proposed:
     """Propose a new value of a setting. All others stay, and the robot's rows must be good then."""
 
@@ -85,7 +85,7 @@ def learn(
     database: Database,
     robot: str,
     rows: Sequence[Row],
-    known: Mapping[RowKey, Mapping[str, Any]] | None = None,
+    known: Mapping[RowKey, Mapping[str, object]] | None = None,
     *,
     by: str = "",
 ) -> None:
@@ -99,7 +99,7 @@ def learn(
         changes.write(connection, [_learnt(row, robot, known or {}, schema) for row in rows], schema)
 
 
-def with_setting(tables: RawTables, robot: str, capability: str, setting: str, value: Any) -> RawTables:
+def with_setting(tables: RawTables, robot: str, capability: str, setting: str, value: object) -> RawTables:
     """Return the tables as they are with another setting of a capability; InputError if there is no such row."""
     rows = tables.get("capability", ())
     if not any((row["robot"], row["name"]) == (robot, capability) for row in rows):
@@ -164,7 +164,7 @@ def _with_rows(
     return after
 
 
-def _learnt(row: Row, robot: str, known: Mapping[RowKey, Mapping[str, Any]], schema: Schema) -> Change:
+def _learnt(row: Row, robot: str, known: Mapping[RowKey, Mapping[str, object]], schema: Schema) -> Change:
     values = {**_owner(row.TABLE, robot, schema), **raw(row)}
     key = tuple(values[name] for name in schema.keys_of[row.TABLE])
     before = known.get((row.TABLE, row.key))
@@ -221,5 +221,5 @@ def _owner(table: str, robot: str, schema: Schema) -> dict[str, str]:
     return {"robot": robot} if "robot" in schema[table] else {}
 
 
-def _texts(key: Iterable[Any]) -> Key:
+def _texts(key: Iterable[object]) -> Key:
     return tuple(map(str, key))

@@ -25,7 +25,7 @@ PROGRAM_KIND = "exec"
 class ChangedError(InputError):
     """A row was changed or deleted after the form read it. The error has its table and key."""
 
-    def __init__(self, text: str, table: str, key: tuple[Any, ...]) -> None:
+    def __init__(self, text: str, table: str, key: tuple[object, ...]) -> None:
         super().__init__(text, "changed")
         self.table = table
         self.key = key
@@ -113,12 +113,12 @@ def _key(row: type[Row], change: RowChange) -> tuple[Any, ...]:
     return key
 
 
-def _is(values: RawRow, row: type[Row], schema: Schema, robot: str, key: tuple[Any, ...]) -> bool:
+def _is(values: RawRow, row: type[Row], schema: Schema, robot: str, key: tuple[object, ...]) -> bool:
     mine = row.TABLE == ROBOT or "robot" not in schema[row.TABLE] or values["robot"] == robot
     return mine and tuple(values[name] for name in row.KEY) == key
 
 
-def _compare(row: type[Row], key: tuple[Any, ...], existing: RawRow | None, change: RowChange) -> None:
+def _compare(row: type[Row], key: tuple[object, ...], existing: RawRow | None, change: RowChange) -> None:
     """Raise InputError if the row was changed after the form read it."""
     before = change.before
     if before is None:
@@ -132,7 +132,7 @@ def _compare(row: type[Row], key: tuple[Any, ...], existing: RawRow | None, chan
         raise ChangedError(f"{_named(row, key)} was changed meanwhile: {', '.join(others)}", row.TABLE, key)
 
 
-def _allow(row: type[Row], key: tuple[Any, ...], existing: RawRow | None, change: RowChange) -> None:
+def _allow(row: type[Row], key: tuple[object, ...], existing: RawRow | None, change: RowChange) -> None:
     """Raise InputError for a change that pages may not make."""
     after = change.after or {}
     if row.TABLE == ROBOT:
@@ -146,7 +146,7 @@ def _allow(row: type[Row], key: tuple[Any, ...], existing: RawRow | None, change
         raise InputError(f"{_named(row, key)} {NAMES_PROGRAMS}", "denied")
 
 
-def _raw(row: type[Row], schema: Schema, robot: str, existing: RawRow | None, after: Mapping[str, Any]) -> RawRow:
+def _raw(row: type[Row], schema: Schema, robot: str, existing: RawRow | None, after: Mapping[str, object]) -> RawRow:
     values: dict[str, Any] = dict(existing) if existing is not None else _defaults(row)
     if existing is None and "robot" in schema[row.TABLE]:
         values = {"robot": robot, **values}
@@ -161,7 +161,7 @@ def _defaults(row: type[Row]) -> dict[str, Any]:
     return {name: one.write(one.stand_in) for name, one in columns(row).items() if not one.field.required}
 
 
-def _json_value(column: Column, value: Any) -> Any:
+def _json_value(column: Column, value: object) -> Any:
     if column.holds_json and isinstance(value, str):
         try:
             return json_strictly(value)
@@ -170,7 +170,7 @@ def _json_value(column: Column, value: Any) -> Any:
     return bool(value) if column.is_flag and value in (0, 1) else value
 
 
-def _stored(column: Column, value: Any) -> Any:
+def _stored(column: Column, value: object) -> Any:
     """Return a value for SQLite. The check of all rows reports a bad value beside its column."""
     if column.holds_json and value is not None:
         return json.dumps(value, ensure_ascii=False)
@@ -179,5 +179,5 @@ def _stored(column: Column, value: Any) -> Any:
     return value if isinstance(value, str | int | float | None) and not isinstance(value, bool) else json.dumps(value)
 
 
-def _named(row: type[Row], key: Iterable[Any]) -> str:
+def _named(row: type[Row], key: Iterable[object]) -> str:
     return f"{row.TABLE} '{shown('/'.join(map(str, key)))}'"

@@ -133,8 +133,8 @@ def _undo(rows: dict[Key, RawRow], schema: Schema, revision: RevisionRow) -> Non
 def _before(
     name: str,
     now: RawRow | None,
-    old: Mapping[str, Any],
-    new: Mapping[str, Any] | None,
+    old: Mapping[str, object],
+    new: Mapping[str, object] | None,
     schema: Schema,
     of: RevisionRow,
 ) -> Any:
@@ -151,7 +151,7 @@ def _before(
         ) from None
 
 
-def _alike(one: Any, other: Any) -> bool:
+def _alike(one: object, other: object) -> bool:
     if isinstance(one, float) and isinstance(other, float):
         return one == other or math.isclose(one, other, rel_tol=ALIKE, abs_tol=0.0)
     return type(one) is type(other) and bool(one == other)

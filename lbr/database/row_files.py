@@ -152,7 +152,7 @@ def _told(value: Any) -> Any:
     return value
 
 
-def _stored(value: Any) -> Any:
+def _stored(value: object) -> Any:
     if isinstance(value, dict | list):
         return json.dumps(value, ensure_ascii=False)
     return int(value) if isinstance(value, bool) else value
@@ -191,7 +191,7 @@ def _no_json(file: File, err: Exception) -> str:
     return f"{file.name}: is not JSON: {'nested too deeply' if isinstance(err, RecursionError) else err}"
 
 
-def _row(file: File, number: int, values: Any, schema: Schema) -> tuple[RawRow, list[str]]:
+def _row(file: File, number: int, values: object, schema: Schema) -> tuple[RawRow, list[str]]:
     at = _at(file, number, values, schema)
     if not isinstance(values, dict):
         return {}, [f"{at}: is not an object of columns"]
@@ -213,7 +213,7 @@ def _row(file: File, number: int, values: Any, schema: Schema) -> tuple[RawRow, 
     return row, faults
 
 
-def _at(file: File, number: int, values: Any, schema: Schema) -> str:
+def _at(file: File, number: int, values: object, schema: Schema) -> str:
     keys = [name for name in schema.keys_of[file.table] if name != "robot"]
     told = "/".join(shown(values.get(name)) for name in keys) if isinstance(values, dict) else ""
     return f"{file.name}, row {number}" + (f" ('{told}')" if told else "")

@@ -185,7 +185,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         return start
 
     def _hears(self, what: str) -> Any:
-        def hear(message: Any) -> None:
+        def hear(message: object) -> None:
             self._seen[what] = message
 
         return hear

@@ -25,7 +25,7 @@ FINAL = frozenset({"stopped", "stopped_since", "taken_over", "held", "estop", "r
 """Codes of an end or a refusal by a person who stops or holds the robot. All plans are over then, too."""
 
 
-def bounded(motion: Any) -> bool:
+def bounded(motion: object) -> bool:
     """Return whether a motion ends by itself."""
     if isinstance(motion, DriveCommand):
         return bool(motion.range_cm or motion.interval_s or motion.distance_cm)

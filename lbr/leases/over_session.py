@@ -29,7 +29,7 @@ class OverSession:
     clock: Callable[[], float] = time.monotonic
     origin: Origin | None = None
 
-    def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
+    def ask(self, request: str, message: object, timeout_s: float) -> PendingReply:
         """Ask; the answer is a `CommandReply`."""
         key, payload = self.keys[request], wire.encode(message)
         query = wire.PendingQuery(

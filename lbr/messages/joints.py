@@ -129,7 +129,7 @@ class MotionRow(Row, frozen=True, kw_only=True):
     limp: Annotated[bool, "the controller releases the joints at its end"] = False
     builtin: Annotated[bool, "changed here only, not from the network"] = False
 
-    def refusal(self, before: Mapping[str, Any] | None, parts: Sequence[Row]) -> tuple[str, Code] | None:
+    def refusal(self, before: Mapping[str, object] | None, parts: Sequence[Row]) -> tuple[str, Code] | None:
         """Return why an edit on another's behalf may not write it: what the controller keeps is entered at the
         robot."""
         if why := super().refusal(before, parts):

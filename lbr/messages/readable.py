@@ -17,7 +17,7 @@ WHOLE = (1e3, 1e9)
 EMPTY: tuple[Any, ...] = ("", [], {}, ())
 
 
-def fields(message: Mapping[str, Any]) -> str:
+def fields(message: Mapping[str, object]) -> str:
     """Return the fields of a message, such as `forward 2.61 m, charging yes`, and its age last, in parentheses."""
     shown = [_field(name, value) for name, value in message.items() if name != "age_s" and value not in EMPTY]
     age = message.get("age_s")
@@ -25,13 +25,13 @@ def fields(message: Mapping[str, Any]) -> str:
     return f"{', '.join(shown) or 'nothing'}{old}"
 
 
-def _field(name: str, value: Any) -> str:
+def _field(name: str, value: object) -> str:
     words, _, suffix = name.rpartition("_")
     unit = UNITS.get(suffix, "") if words else ""
     return f"{(words if unit else name).replace('_', ' ')} {_value(value, unit)}"
 
 
-def _value(value: Any, unit: str) -> str:
+def _value(value: object, unit: str) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, Mapping):
@@ -61,6 +61,6 @@ def _number(value: float) -> str:
     return f"{value:.0f}" if WHOLE[0] <= abs(value) < WHOLE[1] else f"{value or 0.0:.3g}"
 
 
-def _bounded(text: str, value: Sequence[Any] | Mapping[str, Any]) -> str:
+def _bounded(text: str, value: Sequence[object] | Mapping[str, object]) -> str:
     """Return a text, or how much it is of what would fill a screen."""
     return text if len(text) <= LONGEST else f"({len(value)} entries)"

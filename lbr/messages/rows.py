@@ -72,7 +72,7 @@ class Row(Struct, frozen=True, kw_only=True):
         """Return the row's table and key, for people."""
         return f"{self.TABLE} '{'/'.join(map(str, self.key))}'"
 
-    def refusal(self, before: Mapping[str, Any] | None, parts: Sequence["Row"]) -> tuple[str, Code] | None:  # noqa: ARG002
+    def refusal(self, before: Mapping[str, object] | None, parts: Sequence["Row"]) -> tuple[str, Code] | None:  # noqa: ARG002
         """Return why an edit on another's behalf may not write this row, or None.
 
         `before` are the columns that are there now, `parts` the rows of other tables that come as parts of this one.

@@ -200,7 +200,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
             self._waiting.popleft()
             waiting.then(answers)
 
-    def happen(self, event: Any, call: Call | None = None) -> None:
+    def happen(self, event: object, call: Call | None = None) -> None:
         """Have an event decided, and pass on what follows, setpoints before all that is told of them.
 
         `call` is the command that this answers.
@@ -245,7 +245,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self._alive_holder = holder if alive else ""
 
 
-def _is_told(output: Any) -> bool:
+def _is_told(output: object) -> bool:
     return not isinstance(output, Setpoint)
 
 

@@ -80,7 +80,7 @@ class Given:
 
     done = True
 
-    def __init__(self, answer: Any) -> None:
+    def __init__(self, answer: object) -> None:
         self.replies = [] if answer is None else [wire.RawMessage("", wire.encode(answer), b"", 0.0)]
 
 
@@ -180,7 +180,7 @@ class FakeContext(ProcessContext):
         return {output for output in self._outputs if self.config.outputs[output][0].key in self._memory.latest}
 
     def arrive(
-        self, port: str, message: Any, *, source: str = "", stamp: Stamp | None = None, late_s: float = 0.0
+        self, port: str, message: object, *, source: str = "", stamp: Stamp | None = None, late_s: float = 0.0
     ) -> None:
         """Have a message come on an input or setpoint, sent `late_s` ago or when its stamp says."""
         payload = message.data if isinstance(message, JpegFrame) else wire.encode(message)
@@ -202,7 +202,7 @@ class FakeContext(ProcessContext):
         """Return the texts of all events of a kind."""
         return [text for name, text in self.events if name == kind]
 
-    def answer(self, request: str, message: Any) -> Mapping[str, Any] | None:
+    def answer(self, request: str, message: object) -> Mapping[str, Any] | None:
         """Return what a question is answered with at once, None: it waits; for tests to replace."""
         del message
         return self.replies.get(request)

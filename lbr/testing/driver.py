@@ -177,7 +177,7 @@ class DriverBench:
         return f"errors {[str(err) for err in self.errors[-2:]]}, health {self.ctx.health[-2:]}{said}"
 
 
-def _valid(published: tuple[str, Any]) -> bool:
+def _valid(published: tuple[str, object]) -> bool:
     return getattr(published[1], "valid", True) is not False
 
 
@@ -314,7 +314,7 @@ def _turns(twin: WheelDrive) -> bool:
     return any(power != 0.0 for power in twin.wheels(time.monotonic()))
 
 
-def _finite(value: Any) -> bool:
+def _finite(value: object) -> bool:
     """Say whether all numbers in it are some."""
     if isinstance(value, dict):
         return all(map(_finite, value.values()))

@@ -112,7 +112,7 @@ class ServosBench(DriverBench):
     silence."""
 
     def __init__(
-        self, kind: Kind, settings: Mapping[str, Any], device: Plugged, shafts: Shafts, *, fades: bool = True
+        self, kind: Kind, settings: Mapping[str, object], device: Plugged, shafts: Shafts, *, fades: bool = True
     ) -> None:
         self.ids = tuple(shafts.at())
         self.fades = fades
@@ -187,8 +187,8 @@ def bench(
     folder: Path,
     *,
     ids: Sequence[int] = (1, 2),
-    settings: Mapping[str, Any] | None = None,
-    device: Mapping[str, Any] | None = None,
+    settings: Mapping[str, object] | None = None,
+    device: Mapping[str, object] | None = None,
     fades: bool = True,
 ) -> Iterator[ServosBench]:
     """Plug in the twin of a kind's device, with servos that turn, and put the driver beside it.

@@ -4,7 +4,6 @@ import argparse
 import sys
 import time
 from contextlib import ExitStack
-from typing import Any
 
 from lbr.apps import program
 from lbr.apps.program import Robot
@@ -86,7 +85,7 @@ def _stopped_since(robot: Robot) -> str:
     raise BusError("the drive does not say whether the robot was stopped: the capability 'drive' is silent")
 
 
-def _asked(robot: Robot, command: str, message: Any) -> CommandReply:
+def _asked(robot: Robot, command: str, message: object) -> CommandReply:
     key = keys.port(robot.name, "behaviour", command)
     for answer in wire.ask(robot.bus, key, message, source=robot.source, timeout_s=ANSWER_S, origin=robot.origin):
         return Decoder(CommandReply).decode(answer.payload)

@@ -175,7 +175,7 @@ class RelayTrack(MediaStreamTrack):  # type: ignore[misc]
         self._frames: deque[Any] = deque(maxlen=1 if kind == "video" else MOST_SOUND)
         self._news = asyncio.Event()
 
-    def give(self, frame: Any) -> None:
+    def give(self, frame: object) -> None:
         """Take a frame in."""
         self._frames.append(frame)
         self._news.set()

@@ -4,7 +4,6 @@
 import json
 import math
 from pathlib import Path
-from typing import Any
 
 from msgspec import Struct
 
@@ -62,7 +61,7 @@ def parse(text: str, where: str) -> tuple[float, ...]:
     return _in_order([_beat(value, f"{where}: {KEY}[{index}]") for index, value in enumerate(beats)], where)
 
 
-def _beat(value: Any, where: str) -> float:
+def _beat(value: object, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{where} is not a number of seconds")
     if not (0 <= value <= LATEST_S and math.isfinite(value)):

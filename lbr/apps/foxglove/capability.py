@@ -363,7 +363,7 @@ async def _result(question: PendingQuery) -> ConsoleResult:
     return result
 
 
-def numbered(names: Mapping[str, Any], before: Mapping[str, int]) -> dict[str, int]:
+def numbered(names: Mapping[str, object], before: Mapping[str, int]) -> dict[str, int]:
     """Return a number for each name: its number of before, or a new one."""
     next_ = max(before.values(), default=0) + 1
     added = [name for name in sorted(names) if name not in before]

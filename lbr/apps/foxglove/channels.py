@@ -100,7 +100,7 @@ def _body(typed: Mapping[str, Sequence[str]], model: RobotModel) -> Iterable[Sou
     yield _own(TRANSFORMS, "FrameTransforms", streams, make, still=not streams)
 
 
-def _read(message: Any, data: bytes | None) -> Any:
+def _read(message: object, data: bytes | None) -> Any:
     return msgspec.json.decode(data, type=message) if data is not None else None
 
 

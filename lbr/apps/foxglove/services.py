@@ -33,7 +33,7 @@ class Service(Struct, frozen=True, kw_only=True):
     external: bool = False
     choices: Mapping[str, tuple[str, ...]] = {}
 
-    def line(self, given: Mapping[str, Any]) -> str:
+    def line(self, given: Mapping[str, object]) -> str:
         """Return the console line with these fields; InputError names the fields that do not fit."""
         given_values = {name: _value(name, value) for name, value in given.items() if value is not None and value != ""}
         for pattern, fields in self.ways:
@@ -44,7 +44,7 @@ class Service(Struct, frozen=True, kw_only=True):
         raise InputError(f"'{self.word}' takes {ways}, and not {{{', '.join(sorted(given_values))}}}", "bad_value")
 
 
-def services(words: Iterable[Mapping[str, Any]]) -> tuple[Service, ...]:
+def services(words: Iterable[Mapping[str, object]]) -> tuple[Service, ...]:
     """Return a service for each word of the robot; `stop` and `estop` always."""
     found: dict[str, list[Mapping[str, Any]]] = {}
     for entry in words:
@@ -89,7 +89,7 @@ def read(payload: bytes) -> dict[str, Any]:
     return fields
 
 
-def _name(entry: Mapping[str, Any]) -> str:
+def _name(entry: Mapping[str, object]) -> str:
     """Return the fixed parts of a word's pattern, so that each of its meanings is a service of its own."""
     fast = _PLACE.sub(" ", str(entry.get("pattern") or entry.get("word", "")))
     return "/".join(fast.replace("/", " ").split())
@@ -123,7 +123,7 @@ def _field(service: Service, name: str) -> dict[str, Any]:
     return {"type": ["string", "number"], **({"examples": list(choices[:20])} if choices else {})}
 
 
-def _value(name: str, value: Any) -> str:
+def _value(name: str, value: object) -> str:
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise InputError(f"'{name}' is to be a text or a number", "bad_value")
     text = str(value)

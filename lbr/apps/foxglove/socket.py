@@ -398,7 +398,7 @@ def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, 
     return f"{base.capability}/twist", {"vx_mps": vx, "vy_mps": vy if base.sideways else 0.0, "wz_rps": wz}
 
 
-def _part(said: Any, vector: str, axis: str) -> float:
+def _part(said: object, vector: str, axis: str) -> float:
     found = said.get(vector, {}) if isinstance(said, dict) else None
     value = found.get(axis, 0.0) if isinstance(found, dict) else None
     if isinstance(value, bool) or not isinstance(value, int | float):

@@ -165,7 +165,7 @@ class Agent:
             self._known, self._known_until = Known(words=tuple(words), described=described, rules=rules), now + KNOWN_S
         return self._known
 
-    async def call(self, name: str, arguments: Mapping[str, Any], way: Way) -> Outcome:
+    async def call(self, name: str, arguments: Mapping[str, object], way: Way) -> Outcome:
         """Do what a tool does."""
         tool: Tool | None = None
         try:
@@ -183,7 +183,7 @@ class Agent:
     def _ended(self) -> str:
         return self.motion.ended if self.motion is not None else "the agent called it off"
 
-    async def _done(self, tool: Tool, arguments: Mapping[str, Any], way: Way) -> Outcome:
+    async def _done(self, tool: Tool, arguments: Mapping[str, object], way: Way) -> Outcome:
         if tool.name == "stop":
             if self.motion is not None:
                 self.motion.ended = STOPPED
@@ -227,7 +227,7 @@ class Agent:
         if len(self._begun) == MOTIONS and time.monotonic() - self._begun[0] < MOTIONS_S:
             raise InputError(f"{MOTIONS} motions in {MOTIONS_S:g} s are the most; wait a little", "busy")
 
-    async def _ask(self, tool: Tool, given: Mapping[str, Any], known: Known, line: str, way: Way) -> None:
+    async def _ask(self, tool: Tool, given: Mapping[str, object], known: Known, line: str, way: Way) -> None:
         """Ask a person where the row requires it; raise InputError if the person does not agree."""
         wanted = set(known.rules.ask) & _asked_before(tool, given, known, line) - self._confirmed
         if not wanted or self.name in (await self._rules(await self._connected())).allowed:
@@ -293,7 +293,7 @@ class Agent:
         text, do = chain.get("text") or answer.text, chain.get("do", "")
         return Outcome(code="done", text=text, do=do, data=facts | {"links": wrong})
 
-    async def _words(self, _given: Mapping[str, Any], known: Known) -> Outcome:
+    async def _words(self, _given: Mapping[str, object], known: Known) -> Outcome:
         words = [
             {
                 "pattern": entry["pattern"],
@@ -311,7 +311,7 @@ class Agent:
         small = await asyncio.to_thread(scaled, bytes(picture))
         return Outcome(code="done", text=f"what {given['camera']} sees now", picture=small)
 
-    async def _status(self, _given: Mapping[str, Any], _known: Known) -> Outcome:
+    async def _status(self, _given: Mapping[str, object], _known: Known) -> Outcome:
         robot = await self._connected()
         status = await robot.latest("@status")
         parts = {part["name"]: part for part in status["capabilities"]}
@@ -354,7 +354,7 @@ class Agent:
         properties: Mapping[str, Any] = named_schema.get("properties", {})
         return properties
 
-    async def _note(self, tool: str, arguments: Mapping[str, Any], outcome: Outcome) -> None:
+    async def _note(self, tool: str, arguments: Mapping[str, object], outcome: Outcome) -> None:
         """Publish the call and its outcome as an event; the robot writes it into its audit trail."""
         asked = ", ".join(f"{name}={bounds.brief(value)}" for name, value in list(arguments.items())[:8])
         text = f"{self.name} asked for {bounds.brief(tool)}({asked}): {outcome.code}: {one_line(outcome.text)}"
@@ -420,6 +420,6 @@ def scaled(picture: bytes) -> bytes:
     return picture
 
 
-def encoded(value: Any) -> str:
+def encoded(value: object) -> str:
     """Return a value as JSON text."""
     return msgspec.json.encode(value).decode()

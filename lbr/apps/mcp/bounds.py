@@ -36,7 +36,7 @@ def of_object(properties: Mapping[str, Schema], required: list[str]) -> Schema:
     return {"type": "object", "properties": dict(properties), "required": required, "additionalProperties": False}
 
 
-def checked(schema: Schema, arguments: Mapping[str, Any]) -> dict[str, Any]:
+def checked(schema: Schema, arguments: Mapping[str, object]) -> dict[str, Any]:
     """Return arguments that fit, with the defaults of those left out; raise InputError that names what does not."""
     properties: dict[str, Schema] = schema["properties"]
     if unknown := [name for name in arguments if name not in properties]:
@@ -79,7 +79,7 @@ def allowed(schema: Schema) -> str:
     return f"a {schema.get('type', 'text')}"
 
 
-def brief(value: Any) -> str:
+def brief(value: object) -> str:
     """Return a value of an agent's for a sentence: short, and one line."""
     text = repr(value) if not isinstance(value, str) else value
     text = "".join(one if one.isprintable() else "?" for one in text[:LONGEST_BRIEF])

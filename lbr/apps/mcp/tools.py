@@ -43,7 +43,7 @@ class Known(Struct, frozen=True, kw_only=True):
         """Return the words that the row allows to agents."""
         return [one for one in self.words if self.allows(one)]
 
-    def allows(self, entry: Mapping[str, Any]) -> bool:
+    def allows(self, entry: Mapping[str, object]) -> bool:
         """Return whether agents may use a word: the row names it, it starts no program, and needs no administrator."""
         stops = entry["word"] in STOPS and entry.get("role") == "view"
         named = entry["word"] in self.rules.words
@@ -112,7 +112,7 @@ class Tool(Struct, frozen=True, kw_only=True):
         return pattern
 
 
-def typed(value: Any) -> str:
+def typed(value: object) -> str:
     """Return a value as it is typed at a console."""
     return str(value) if isinstance(value, str) else f"{value:.4f}".rstrip("0").rstrip(".")
 

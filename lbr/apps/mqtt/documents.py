@@ -82,7 +82,7 @@ def answer(fields: dict[str, Any]) -> Answer:
     )
 
 
-def _object(value: Any, what: str) -> dict[str, Any]:
+def _object(value: object, what: str) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise InputError(f"{what} is no JSON object", "malformed")
     return value
@@ -99,7 +99,7 @@ def _age_s(fields: dict[str, Any]) -> float | None:
     return float(max(0, sent - max(stamps)))
 
 
-def _stamps(metadata: Any) -> list[float]:
+def _stamps(metadata: object) -> list[float]:
     """Return all times in metadata, however deep: the reader of JSON has bounded that."""
     stamps, waiting = [], [metadata]
     while waiting:

@@ -245,7 +245,9 @@ class Session:
         else:
             self._begin()
 
-    def _on_subscribe(self, _client: mqtt.Client, _data: Any, _mid: int, codes: list[Any], _properties: Any) -> None:
+    def _on_subscribe(
+        self, _client: mqtt.Client, _data: object, _mid: int, codes: list[Any], _properties: object
+    ) -> None:
         refused = [topic for topic, code in zip(self._broker.topics, codes, strict=False) if code.is_failure]
         if refused:
             raise PermissionError(f"it lets us not hear {', '.join(refused)}")
@@ -256,7 +258,7 @@ class Session:
         self.count += 1
         self._wake()
 
-    def _on_message(self, _client: mqtt.Client, _data: Any, message: mqtt.MQTTMessage) -> None:
+    def _on_message(self, _client: mqtt.Client, _data: object, message: mqtt.MQTTMessage) -> None:
         self._inbox.put(Incoming(message.topic, message.payload, message.retain))
         self._wake()
 

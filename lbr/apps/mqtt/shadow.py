@@ -97,7 +97,7 @@ class ShadowState:
             del update["version"]  # a shadow that does not exist yet has no version
         yield f"{self.root}/update", msgspec.json.encode(update)
 
-    def done(self, raw: Any) -> Any:
+    def done(self, raw: object) -> Any:
         """Note that a desire was answered, and return its report: the desire itself, unless it is too
         long."""
         self._handled = _text(raw)
@@ -148,6 +148,6 @@ class ShadowState:
         return f"{self._mark}-{self._count}"
 
 
-def _text(value: Any) -> bytes:
+def _text(value: object) -> bytes:
     """Return a JSON value as bytes that are the same for the same value."""
     return msgspec.json.encode(value, order="sorted")

@@ -1,7 +1,7 @@
 """The words of a row for use from outside: each a stop or a goal that ends by itself. Pure."""
 
 from math import isfinite
-from typing import Annotated, Any
+from typing import Annotated
 
 import msgspec
 from msgspec import Meta, Struct
@@ -108,7 +108,7 @@ def role(word: Word) -> Role:
     return "view" if isinstance(word, StopWord) else "operate"
 
 
-def read(raw: Any) -> Ask:
+def read(raw: object) -> Ask:
     """Return the request in a decoded JSON value; InputError names its fault."""
     try:
         return msgspec.convert(raw, Ask)

@@ -58,7 +58,7 @@ def type_hash(type_: str, *, humble: bool = False) -> str:
     return SERVICE_HASHES.get(type_) or str(_store().hash_rihs01(type_))
 
 
-def encode(type_: str, fields: Mapping[str, Any]) -> bytes:
+def encode(type_: str, fields: Mapping[str, object]) -> bytes:
     """Return a message; fields that are not given are zero, empty or false."""
     return bytes(_store().serialize_cdr(_made(type_, fields), type_))
 

@@ -224,7 +224,7 @@ def camera_info(data: bytes, camera: str, body: Sensor | None, at_ns: int) -> Fi
     }
 
 
-def diagnostics(robot: str, states: Mapping[str, Any], at_ns: int) -> Fields:
+def diagnostics(robot: str, states: Mapping[str, object], at_ns: int) -> Fields:
     """Return a DiagnosticArray with the state of each part; a part without one is stale."""
     return {
         "header": {"stamp": stamp(at_ns)},
@@ -232,7 +232,7 @@ def diagnostics(robot: str, states: Mapping[str, Any], at_ns: int) -> Fields:
     }
 
 
-def _status(robot: str, name: str, state: Any) -> Fields:
+def _status(robot: str, name: str, state: object) -> Fields:
     reason, code = getattr(state, "reason", ""), getattr(state, "code", "")
     if state is None:
         level, reason = STALE, "nothing comes from it"

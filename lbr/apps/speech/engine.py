@@ -9,7 +9,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import msgspec
 
@@ -124,7 +124,7 @@ def main() -> None:
     output = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
-    def answer(message: Any) -> None:
+    def answer(message: object) -> None:
         os.write(output, msgspec.json.encode(message) + b"\n")
 
     serve(sys.stdin.buffer, answer)

@@ -163,7 +163,7 @@ class Endpoint(BaseRoute):
             answer = self.route.refused(err)
         await answer(scope, receive, send)
 
-    async def _answer(self, arguments: Mapping[str, Any]) -> Response:
+    async def _answer(self, arguments: Mapping[str, object]) -> Response:
         async def answer() -> Response:
             return response(await self.route.handle(**arguments))
 

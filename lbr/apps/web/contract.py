@@ -89,7 +89,7 @@ def contract(route: Route) -> Contract:
     )
 
 
-def response(answer: Any) -> Response:
+def response(answer: object) -> Response:
     """Return the response for a handler's return value."""
     if isinstance(answer, Response):
         return answer
@@ -104,7 +104,7 @@ def _annotated(given: Mapping[str, inspect.Parameter], name: str) -> tuple[Any, 
     return get_args(annotation) if get_origin(annotation) is Annotated else (annotation,)
 
 
-def _returned(annotation: Any) -> tuple[dict[int, Any], Refuses]:
+def _returned(annotation: object) -> tuple[dict[int, Any], Refuses]:
     """Return the type for each status of success, and the statuses of refusals."""
     kind, *marks = get_args(annotation) if get_origin(annotation) is Annotated else (annotation,)
     replies: dict[int, Any] = {}

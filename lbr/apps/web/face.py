@@ -173,7 +173,7 @@ def refuse_unknown(client: Client) -> None:
         raise Refused(401, text, {"WWW-Authenticate": 'Bearer realm="lbr"'})
 
 
-def json(data: Any, status: int = 200, **headers: str) -> Response:
+def json(data: object, status: int = 200, **headers: str) -> Response:
     """Return an answer in JSON, keys in the order that they have; a header's `_` stands for `-`."""
     return encoded(_encode(data), status, **headers)
 

@@ -51,7 +51,7 @@ class Shown:
         """Return what belongs into the stream of states."""
         return dict(self._run(self._face.state, {}))
 
-    def _run(self, work: Callable[[], Any], otherwise: Any) -> Any:
+    def _run(self, work: Callable[[], object], otherwise: object) -> Any:
         if self.broken:
             return otherwise
         results = [otherwise]
@@ -62,7 +62,7 @@ class Shown:
     def _break(self, err: Exception) -> None:
         self.broken = f"{self._told}: it broke, and is shown no more: {told(err)}"
 
-    def _guarded(self, handle: Callable[..., Any]) -> Callable[..., Any]:
+    def _guarded(self, handle: Callable[..., object]) -> Callable[..., Any]:
         @wraps(handle)
         def guarded(**arguments: Any) -> Any:
             if self.broken:

@@ -98,7 +98,7 @@ def _query(schema: Mapping[str, Any], components: Mapping[str, Any]) -> list[dic
     ]
 
 
-def _responses(route: Route, promised: Contract, schemas: Mapping[int, Any]) -> dict[str, Any]:
+def _responses(route: Route, promised: Contract, schemas: Mapping[int, object]) -> dict[str, Any]:
     message = {JSON: {"schema": schemas[id(Message)]}}
     refusals = {
         **ALWAYS,
@@ -118,7 +118,7 @@ def _responses(route: Route, promised: Contract, schemas: Mapping[int, Any]) -> 
     return dict(sorted(responses.items()))
 
 
-def _content(reply: Any, schemas: Mapping[int, Any]) -> dict[str, Any]:
+def _content(reply: object, schemas: Mapping[int, object]) -> dict[str, Any]:
     if reply is None:
         return {}
     if isinstance(reply, str):

@@ -71,7 +71,7 @@ def converted(query: Iterable[tuple[str, str]], kind: type[Struct]) -> Any:
         raise Refused(400, plain(err)) from None
 
 
-def decoded(body: bytes, kind: Any) -> Any:
+def decoded(body: bytes, kind: object) -> Any:
     """Return a JSON body as what a route takes; Refused (400) says where it does not fit."""
     try:
         return msgspec.json.decode(keyed_once(body), type=kind)

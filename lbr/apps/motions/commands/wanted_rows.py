@@ -130,7 +130,7 @@ class _Taking:
                 self._notes.append(Note("no_place", table, row_name, "", _plain(str(err))))
         return Imported(rows=tuple(rows), notes=tuple(self._notes), conflicts=tuple(self._conflicts))
 
-    def _state(self, want: Want, key: tuple[Any, ...]) -> _State:
+    def _state(self, want: Want, key: tuple[object, ...]) -> _State:
         if (want.table, _row_name(key)) not in self._states:
             kind = TABLES[want.table]
             before = _existing(kind, key, self._present)
@@ -138,7 +138,7 @@ class _Taking:
             self._states[want.table, _row_name(key)] = state
         return self._states[want.table, _row_name(key)]
 
-    def _column(self, want: Want, state: _State, row_name: str, column: str, value: Any) -> bool:
+    def _column(self, want: Want, state: _State, row_name: str, column: str, value: object) -> bool:
         """Apply a column, and say whether that changes it; of two that contradict each other the first counts."""
         place = want.table, row_name, column
         if place in self._wanted:
@@ -192,7 +192,7 @@ def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables,
     return Imported(rows=tuple(written), notes=tuple(notes), conflicts=tuple(conflicts))
 
 
-def _row_name(key: Iterable[Any]) -> str:
+def _row_name(key: Iterable[object]) -> str:
     return "/".join(map(shown, key))
 
 
@@ -215,7 +215,7 @@ def _clamped(asked: Motion, motion: Motion) -> Iterator[Note]:
         yield Note("clamped", "motion_step", motion.name, f"positions.{name}", text)
 
 
-def _existing(kind: type[Row], key: tuple[Any, ...], here: Here) -> dict[str, Any] | None:
+def _existing(kind: type[Row], key: tuple[object, ...], here: Here) -> dict[str, Any] | None:
     for values in here.rows(kind.TABLE):
         if tuple(values.get(name) for name in kind.KEY) == key:
             return _read(kind, values)
@@ -234,7 +234,7 @@ def _read(kind: type[Row], values: RawRow) -> dict[str, Any]:
     return columns_of
 
 
-def _row(kind: type[Row], after: Mapping[str, Any]) -> Row:
+def _row(kind: type[Row], after: Mapping[str, object]) -> Row:
     """Return a row of columns; WrongError or ValidationError names the wrong one."""
     row = msgspec.convert(dict(after), kind)
     for name, value in raw(row).items():
@@ -245,7 +245,7 @@ def _row(kind: type[Row], after: Mapping[str, Any]) -> Row:
     return row
 
 
-def _get(row: Mapping[str, Any], column: str) -> Any:
+def _get(row: Mapping[str, object], column: str) -> Any:
     """Return a column, or an entry of one that is a JSON object; None if it is not there."""
     name, *path = column.split(".")
     value = row.get(name)
@@ -256,7 +256,7 @@ def _get(row: Mapping[str, Any], column: str) -> Any:
     return value
 
 
-def _set(row: dict[str, Any], path: Sequence[str], value: Any) -> None:
+def _set(row: dict[str, Any], path: Sequence[str], value: object) -> None:
     name, *inner = path
     if not inner:
         row[name] = value

@@ -47,7 +47,7 @@ class Catalog:
         phases: Iterable[CapabilityStatus],
         joints: Iterable[Joint],
         motions: Iterable[Motion],
-        buttons: Iterable[Any],
+        buttons: Iterable[object],
     ) -> dict[str, Any]:
         """Return what `GET /api` answers to one who has a role."""
         told, known = self.told, {one.name: one for one in phases}
@@ -90,7 +90,7 @@ def _is_picture(schema: Schema) -> bool:
     return "contentMediaType" in schema
 
 
-def _word(said: Mapping[str, Any]) -> dict[str, Any]:
+def _word(said: Mapping[str, object]) -> dict[str, Any]:
     """Return a word as pages know it; `fields` say what may be filled in."""
     return {
         "word": said["word"],

@@ -59,7 +59,7 @@ class Components:
         return found
 
 
-def _moved(schema: Any, names: Mapping[str, str]) -> Any:
+def _moved(schema: object, names: Mapping[str, str]) -> Any:
     """Return a schema that refers to the components of a document."""
     if isinstance(schema, dict):
         return {
@@ -68,7 +68,7 @@ def _moved(schema: Any, names: Mapping[str, str]) -> Any:
     return [_moved(one, names) for one in schema] if isinstance(schema, list) else schema
 
 
-def _reference(to: Any, names: Mapping[str, str]) -> Any:
+def _reference(to: object, names: Mapping[str, str]) -> Any:
     if not isinstance(to, str) or not to.startswith(_DEFS):
         return to
     name = to.removeprefix(_DEFS)
@@ -76,7 +76,7 @@ def _reference(to: Any, names: Mapping[str, str]) -> Any:
 
 
 def _paths(
-    one: CapabilityDescription, catalog: Catalog, components: Components, reply: Schema, refusal: Mapping[str, Any]
+    one: CapabilityDescription, catalog: Catalog, components: Components, reply: Schema, refusal: Mapping[str, object]
 ) -> Iterator[tuple[str, dict[str, Any]]]:
     for name, schema in one.outputs.items():
         if f"{one.name}/{name}" in catalog.streams:
@@ -86,7 +86,7 @@ def _paths(
         yield f"/api/{one.name}/{name}", {"post": _command(one, name, command, body, reply, refusal)}
 
 
-def _stream(one: CapabilityDescription, name: str, message: Schema, refusal: Mapping[str, Any]) -> dict[str, Any]:
+def _stream(one: CapabilityDescription, name: str, message: Schema, refusal: Mapping[str, object]) -> dict[str, Any]:
     newest = {
         "type": "object",
         "properties": {"age_s": {"type": "number", "minimum": 0}, "message": message},
@@ -112,7 +112,7 @@ def _command(
     command: CommandDescription,
     body: Schema,
     reply: Schema,
-    refusal: Mapping[str, Any],
+    refusal: Mapping[str, object],
 ) -> dict[str, Any]:
     held = (
         " It is held by a lease: repeat it with the lease of the answer, ten times a second." if command.leased else ""
@@ -140,5 +140,5 @@ def _answer(command: CommandDescription, reply: Schema) -> Schema:
     return reply if command.leased else {"type": "object"}
 
 
-def _refusals(statuses: Mapping[int, str], refusal: Mapping[str, Any]) -> dict[str, Any]:
+def _refusals(statuses: Mapping[int, str], refusal: Mapping[str, object]) -> dict[str, Any]:
     return {str(status): {"description": why, "content": refusal} for status, why in sorted(statuses.items())}

@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from math import nan
-from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -144,7 +143,7 @@ class Holds:
         keys: Callable[[Wanted], Mapping[str, str]],
         clock: Callable[[], float] = time.monotonic,
         patience_s: Callable[[Wanted], float] = lambda _wanted: SILENT_S,
-        slowed: Callable[[Wanted, float], Mapping[str, Any]] = lambda wanted, _speed: wanted.message,
+        slowed: Callable[[Wanted, float], Mapping[str, object]] = lambda wanted, _speed: wanted.message,
     ) -> None:
         self._slowed = slowed
         self._patience_s = patience_s

@@ -1,6 +1,6 @@
 """The API's routes for rows, tokens and logs: asked of the executive, with the asker's role looked at here."""
 
-from typing import Annotated, Any, Literal, Protocol
+from typing import Annotated, Literal, Protocol
 
 from msgspec import Meta, Struct
 from starlette.responses import Response
@@ -132,6 +132,6 @@ class Managing:
         """Events, the newest first, as they were written down."""
         return await self._ask(client, LookAtEvents(subject=params.subject, level=params.level, limit=params.limit))
 
-    async def _ask(self, client: Client, command: Any) -> Response:
+    async def _ask(self, client: Client, command: object) -> Response:
         question = self._robot.manage(payload_of(command), source=source_of(client), timeout_s=ANSWER_S)
         return replied(await answered(question, ANSWER_S), STATUSES)

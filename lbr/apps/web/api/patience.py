@@ -6,7 +6,6 @@ there.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 from lbr.messages.description import CommandDescription, Schema
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand
@@ -20,7 +19,7 @@ times."""
 _END_BY_THEMSELVES = frozenset(message.__name__ for message in (PlayCommand, TurnCommand, HeadingCommand))
 
 
-def silent_s(command: CommandDescription | None, message: Mapping[str, Any]) -> float:
+def silent_s(command: CommandDescription | None, message: Mapping[str, object]) -> float:
     """Return for how long a page may say nothing while a command of its goes on: longer where that ends by itself."""
     name = type_of(command.schema) if command is not None else ""
     if name == DriveCommand.__name__:

@@ -212,7 +212,7 @@ def source_of(client: Client) -> str:
     return f"{OF_PEOPLE}{name or client.address}"[:80]
 
 
-def payload_of(message: Any) -> bytes:
+def payload_of(message: object) -> bytes:
     """Return a message as it is passed on; Refused (400) for what JSON cannot say."""
     try:
         return encode(message)

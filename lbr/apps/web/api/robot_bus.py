@@ -1,7 +1,6 @@
 """The bus as the API uses it: a session beside the process's own, so that what pages look at delays no heartbeat."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from lbr.bus.stamp import Origin
 from lbr.bus.wire import PendingQuery, PolledSubscription
@@ -55,7 +54,7 @@ class RobotBus:
         self._session.close()
 
 
-def opened(ctx: Any) -> RobotBus | None:
+def opened(ctx: object) -> RobotBus | None:
     """Return a session for the API; None where the process runs on another machine, which has no rights for it."""
     config = getattr(ctx, "config", None)
     return RobotBus(config) if isinstance(config, ProcessConfig) and not config.host else None
