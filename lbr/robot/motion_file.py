@@ -46,7 +46,7 @@ class ReadMotion(Protocol):
 
 
 class WriteMotion(Protocol):
-    """Writes a motion as the content of a file; InputError says why it cannot be."""
+    """Writes a motion as the content of a file; InputError is the reason if it cannot."""
 
     def __call__(self, motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
         """Return the content, and what people should know of it."""

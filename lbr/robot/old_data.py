@@ -100,7 +100,7 @@ class Source:
 
 
 class ReadOldData(Protocol):
-    """Reads a file; None if it is of another format, InputError says what is wrong with one of this."""
+    """Reads a file; None if it is of another format, InputError names the fault of one of this."""
 
     def __call__(self, source: Source) -> OldData | None:
         """Return what is in it."""

@@ -182,7 +182,7 @@ class FakeContext(ProcessContext):
     def arrive(
         self, port: str, message: object, *, source: str = "", stamp: Stamp | None = None, late_s: float = 0.0
     ) -> None:
-        """Have a message come on an input or setpoint, sent `late_s` ago or when its stamp says."""
+        """Put a message on an input or setpoint, sent `late_s` ago or when it was stamped."""
         payload = message.data if isinstance(message, JpegFrame) else wire.encode(message)
         (feed,), sent_s, who = self.config.wiring[port], self.clock() - late_s, source or port
         stamped = wire.encode(replace(stamp, source=who)) if stamp else stamps.make(who, 0, sent_s=sent_s)
@@ -249,7 +249,7 @@ class FakeContext(ProcessContext):
         *,
         only: Collection[str] | None = None,
     ) -> FakeAsked:
-        """Keep the question, and answer it as the test says."""
+        """Keep the question, and answer it as the test decides."""
         del timeout_s
         given = self.answer(request, message)
         if given is not None and only is not None:

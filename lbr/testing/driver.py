@@ -113,7 +113,7 @@ class DriverBench:
         self.ctx.arrive("setpoint", message, source=self._sender())
 
     def drives(self, power: Powers = POWER) -> None:
-        """Have wheels turn, by a lease of their own: a zero arms their driver, then they are told to."""
+        """Turn the wheels, by a lease of their own: a zero arms their driver, then the power follows."""
         self._leases += 1
 
         def armed() -> bool:
@@ -159,7 +159,7 @@ class DriverBench:
         self.until(lambda: any(map(_valid, self.ctx.published[before:])), "something is published")
 
     def in_trouble(self) -> bool:
-        """Say whether it has told that its device is away, does not work as it should, or measures nothing valid."""
+        """Tell whether it has reported a device that is away, at fault, or without a valid reading."""
         return (
             bool(self.errors)
             or any(phase != "ready" for phase in self.ctx.health)
@@ -217,7 +217,7 @@ def names_a_device_that_is_not_there(bench: DriverBench) -> None:
 
 
 def misses_its_device_and_comes_back(bench: DriverBench) -> None:
-    """When its device is lost it says so; when that is back, it works again, in the same process."""
+    """It reports a lost device. When that is back, it works again, in the same process."""
     bench.works()
     bench.errors.clear()
     bench.ctx.health.clear()
@@ -239,7 +239,7 @@ def acknowledges_the_emergency_stop(bench: DriverBench) -> None:
 
 
 def says_that_its_device_is_silent(bench: DriverBench) -> None:
-    """When its device is there and says nothing it tells so; when that speaks again, it works again."""
+    """It reports a silent device. When that answers again, it works again."""
     usual, twin = bench.faults().get("silent"), bench.device.twin
     if usual is None:
         return

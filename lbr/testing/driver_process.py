@@ -15,13 +15,13 @@ WORKS = "works"
 
 
 def started(bench: dict[str, Any]) -> "subprocess.Popen[str]":
-    """Start the driver of a bench that is told as JSON; it dies with this process."""
+    """Start the driver of a bench, given as JSON; it dies with this process."""
     argv = dying_with_parent((sys.executable, "-m", PROGRAM, json.dumps(bench)))
     return subprocess.Popen(argv, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
 
 
 def wait_until_it_works(process: "subprocess.Popen[str]", within_s: float) -> None:
-    """Wait until it says that it works."""
+    """Wait until it reports that it works."""
     assert process.stdout is not None
     end = time.monotonic() + within_s
     while not select.select([process.stdout], [], [], 0.05)[0]:

@@ -1,4 +1,4 @@
-"""The duties of every driver of servos, tried on its twin, whose servos turn as they are told.
+"""The duties of every driver of servos, tried on its twin, whose servos follow their goals.
 
     @pytest.mark.parametrize("check", lbr.testing.servos.CHECKS)
     def test_my_servos(check, tmp_path):
@@ -206,7 +206,7 @@ def bench(
 
 
 def moves_nothing_when_it_opens(servos: ServosBench) -> None:
-    """Before a setpoint wants it, no servo gets torque; and the driver says truly where each is."""
+    """Before the first setpoint no servo gets torque. The driver knows where each is."""
     servos.works()
     began = servos.shafts.at()
     servos.until(lambda: _positions_known(servos), "each servo's position is told")
@@ -240,7 +240,7 @@ def switches_torque_on_where_the_servos_are(servos: ServosBench) -> None:
 
 
 def follows_its_goals(servos: ServosBench) -> None:
-    """Goals are followed to their end, and told truly."""
+    """Goals are followed to their end, and reported truly."""
     servos.energised()
     for way_rad in (0.5, -0.8):
         began = servos.shafts.at()

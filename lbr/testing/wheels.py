@@ -59,7 +59,7 @@ def stops_by_its_watchdog_alone(bench: DriverBench) -> None:
 
 
 def _each_way(bench: DriverBench, mounted: Mapping[str, float]) -> None:
-    """Turn each motor alone, both ways; `mounted` has -1 for one that turns the other way than it is told."""
+    """Turn each motor alone, both ways; `mounted` has -1 for one that turns against its setpoint."""
     motors = _powers(bench, time.monotonic())
     for name in motors:
         for way in (1.0, -1.0):

@@ -7,7 +7,7 @@ from lbr.messages.joints import JointsState, JointState
 from lbr.simulation.messages import HumanoidPose
 
 WEAK = 0.95
-"""A joint that has less of its torque is said to."""
+"""A joint with less of its torque than this is marked."""
 _HEAD = f"{'joint':<22}{'angle':>8}{'goal':>8}{'load':>7}{'°C':>5}{'V':>6}  "
 
 

@@ -52,7 +52,7 @@ def standing_angles(engine: HumanoidEngine) -> list[float]:
 
 
 class BodyInstruments:
-    """Moves the body as servos do that were told, and tells on the keys of the drivers. `pose` is the truth."""
+    """Moves the body as its servos' goals, and publishes on the keys of the drivers. `pose` is the truth."""
 
     def __init__(
         self,
@@ -97,7 +97,7 @@ class BodyInstruments:
                     board.listen(keys.port(board.robot, name, port), ServoSetpoint, self._take)
 
     def round(self) -> None:
-        """Move the body for one round, and tell what is due."""
+        """Move the body for one round, and publish the states that are due."""
         now = self._board.now
         self._push(now)
         self._move(now)

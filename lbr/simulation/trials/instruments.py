@@ -75,7 +75,7 @@ class Instruments:
                     board.listen(keys.port(board.robot, name, port), MotorSetpoint, self._take)
 
     def round(self) -> None:
-        """Move the world for one round, and tell what is due."""
+        """Move the world for one round, and publish the states that are due."""
         now = self._board.now
         self._slip(now)
         self._engine.drive(self.powers, ROUND_S)

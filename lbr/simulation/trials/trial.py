@@ -195,7 +195,7 @@ class TableTrial(ABC):
 
     @abstractmethod
     def _seen(self) -> dict[str, Any]:
-        """Return what else the outcome says, of this world."""
+        """Return further parts of the outcome, of this world."""
 
 
 class Trial(TableTrial):

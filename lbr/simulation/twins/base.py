@@ -66,7 +66,7 @@ class Twin(Protocol):
     name: str
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
-        """Set a fault and return them all; raise InputError saying what is allowed."""
+        """Set a fault and return them all; InputError names the allowed ones."""
 
     def watched(self) -> int | None:
         """Return the descriptor whose bytes it will take; None: none now."""
@@ -86,7 +86,7 @@ class Twin(Protocol):
 
 @runtime_checkable
 class Feeling(Protocol):
-    """A twin that is told of every step of the world what it feels of it."""
+    """A twin that receives its motion at every step of the world."""
 
     def feel(self, reading: ImuReading, now: float) -> None:
         """Take in what an inertial unit measures now."""
@@ -140,7 +140,7 @@ class PortTwin(Generic[P, F]):
         self._faults = faults
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
-        """Set a fault and return them all; raise InputError saying what is allowed."""
+        """Set a fault and return them all; InputError names the allowed ones."""
         self._faults = changed(self._faults, name, value)
         return msgspec.structs.asdict(self._faults)
 

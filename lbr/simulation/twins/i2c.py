@@ -43,7 +43,7 @@ class I2cTwin(PortTwin[SocketPort, F], ABC):
         """Return when it next has something to do by itself: never."""
 
     def sense(self, sensed: Sensed) -> None:
-        """Take in what the world lets it measure: nothing, unless it says otherwise."""
+        """Receive the measurements of the world: none, unless a twin overrides this."""
 
     def _serve(self, client: int, data: bytes, now: float) -> None:
         if not data or self._faults.silent:

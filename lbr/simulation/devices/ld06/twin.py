@@ -22,7 +22,7 @@ class Ld06Twin(PortTwin[PtyPort, Ld06Faults]):
         self._lidar = Ld06(faults=settings.faults, seed=around.seed_for(device), powered_at=around.now)
 
     def service(self, now: float) -> None:
-        """Do all that is due: the cable, bytes out; what is said to it is lost."""
+        """Do all that is due: the cable, bytes out; its input is lost."""
         self._lidar.faults = self._faults
         if plug(self.port, present=not self._lidar.faults.unplug):
             self._lidar.power_cycle(now)

@@ -36,7 +36,7 @@ _NOISE = {"gyro_rps": 0.002, "accel_mps2": 0.04, "mag_ut": 0.5}
 
 
 class Mpu9150(RegisterDevice):
-    """The chip from power-up on; it is told what it feels, and gives the newest of its own samples."""
+    """The chip from power-up on: it receives the motion of the world, and gives the newest of its own samples."""
 
     def __init__(
         self, *, faults: Mpu9150Faults | None = None, seed: int = 0, sensitivity: tuple[int, int, int] = SENSITIVITY

@@ -21,7 +21,7 @@ _TIMER, _CHEMISTRY, _RELAY = 0x05, 0x07, 0x0C
 
 
 class Pico:
-    """The supply from power-up on; it is told what feeds it. `resets` counts how often it reset its computer."""
+    """The supply from power-up on; it receives the state of its source. `resets` counts how often it reset its computer."""
 
     def __init__(self, battery_v: float = FULL_V, temperature_c: int = 33, faults: PicoFaults | None = None) -> None:
         self.external_v = 12.0

@@ -12,7 +12,7 @@ from lbr.simulation.twins.i2c import I2cTwin
 
 
 class PicoTwin(I2cTwin[PicoFaults]):
-    """Tells the voltage of the world's battery, unless a fault says another."""
+    """Reports the voltage of the world's battery, unless a fault sets another."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, PicoRow)

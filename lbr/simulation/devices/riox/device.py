@@ -31,7 +31,7 @@ class RioxDevice(AsciiDevice[RioxFaults]):
         super().__init__(settings.faults, seed)
 
     def boot(self) -> None:
-        """Start as the row says; all else is forgotten."""
+        """Start with the settings of the row; all else is forgotten."""
         super().boot()
         self.echo = self._settings.echo
 
@@ -62,7 +62,7 @@ class RioxDevice(AsciiDevice[RioxFaults]):
         return not (self.faults.unplug or self.faults.brown_out)
 
     def execute(self, line: str, now: float) -> None:
-        """Do what a line says, and answer."""
+        """Obey a line, and answer."""
         if line:
             words = line.upper().split()
             refused = self.hit(self.faults.refuse)

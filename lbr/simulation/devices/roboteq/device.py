@@ -131,7 +131,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
     # Lines to meaning.
 
     def execute(self, line: str, now: float) -> None:
-        """Do what a line says, and answer."""
+        """Obey a line, and answer."""
         if not line:
             return
         kind, rest = line[0], line[1:].upper()

@@ -7,10 +7,10 @@ from lbr.simulation.devices.ultrasonic_ring import Board, UltrasonicFaults
 from lbr.simulation.wire import Outbox, noise
 
 ORDER: tuple[str, ...] = ("forward", "left", "right", "back")
-"""The order in which the sensors take their turn, so that they do not hear each other."""
+"""The order of the sensors' turns, so that none receives the echo of another."""
 
 MINIMUM_CM = 17
-"""The least that the boards were seen to tell; the sensors' datasheet says 20."""
+"""The least reading that was seen of the boards; the sensors' datasheet has 20."""
 MAXIMUM_CM = 765
 
 _STARTUP_S = 0.5
