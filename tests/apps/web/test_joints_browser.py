@@ -403,6 +403,7 @@ def test_a_robot_that_lies_is_shown_above_every_view_with_what_gets_it_up(opened
     page = opened("system", size)
     banner = page.get_by_role("alert").filter(has_text="It has fallen: it lies on its face")
     expect(banner).to_be_visible()
+    assert banner.locator("p").bounding_box()["width"] > 180, "in two lines at most"
     banner.get_by_role("button", name="Get up").click()
     assert until_true(page, lambda: robot.held and robot.held[-1]["message"]["motion"] == "get_up_face")
     robot.fallen = ""
