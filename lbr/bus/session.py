@@ -13,10 +13,14 @@ from typing import Any
 # messages have threads of their own: an answer given there waits for the sender, and would wait for itself. So threads
 # that read (rx) do not watch sockets (app, acc), though each message wakes two threads so. With both waiting to pass a
 # large message on, nothing was sent any more, and the link was given up.
-LEAF_RUNTIME = "(rx: (worker_threads: 2), acc: (handover: app), tx: (handover: app), net: (handover: app))"
+# Two of them wake each other for each message. What moves or serves has two all the same: one may wait while a stop comes.
+LEAF_RUNTIMES = tuple(
+    f"(rx: (worker_threads: {receivers}), acc: (handover: app), tx: (handover: app), net: (handover: app))"
+    for receivers in (1, 2)
+)
 RUNTIME_VARIABLE = "ZENOH_RUNTIME"
 
-if os.environ.get(RUNTIME_VARIABLE) != LEAF_RUNTIME:
+if os.environ.get(RUNTIME_VARIABLE) not in LEAF_RUNTIMES:
     os.environ.pop(RUNTIME_VARIABLE, None)  # a shell's own wish, which the library may not understand, and then panics
 
 import zenoh
@@ -205,6 +209,6 @@ def _open(settings: dict[str, Any], subject: str) -> Session:
         raise BusError(f"{subject}: the bus library does not start ({err}); free memory, or raise 'ulimit -u'") from err
 
 
-def leaf_environment() -> dict[str, str]:
-    """Return this process's environment for a child that opens leaf sessions."""
-    return os.environ | {RUNTIME_VARIABLE: LEAF_RUNTIME}
+def leaf_environment(*, waits: bool = False) -> dict[str, str]:
+    """Return this process's environment for a child that opens leaf sessions; `waits`: nothing of it is urgent."""
+    return os.environ | {RUNTIME_VARIABLE: LEAF_RUNTIMES[0 if waits else 1]}

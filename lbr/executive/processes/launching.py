@@ -59,11 +59,14 @@ class Reports:
 
 
 def launch(
-    name: str, config: ProcessConfig, log: IO[bytes], mark: Mark, forks: ForkServer | None
+    name: str, config: ProcessConfig, log: IO[bytes], mark: Mark, forks: ForkServer | None, *, waits: bool = False
 ) -> tuple[Running, Reports]:
-    """Start the process `name`, which waits for orders on standard input; return it and its reports."""
+    """Start the process `name`, which waits for orders on standard input; return it and its reports.
+
+    `waits`: it neither moves nor serves, so that it may wait for what it receives.
+    """
     words = (f"{config.robot}/{name}", config.home)
-    environment = _environment(config) | mark.environment
+    environment = _environment(config, waits=waits) | mark.environment
     reports_fd, report_fd = os.pipe()
     os.set_blocking(reports_fd, False)
     try:
@@ -113,8 +116,8 @@ def program_environment(program: ProgramSettings, config: ProcessConfig) -> dict
     }
 
 
-def _environment(config: ProcessConfig) -> dict[str, str]:
-    environment = leaf_environment() if _is_leaf(config) else dict(os.environ)
+def _environment(config: ProcessConfig, *, waits: bool = False) -> dict[str, str]:
+    environment = leaf_environment(waits=waits) if _is_leaf(config) else dict(os.environ)
     environment.pop(token_store.VARIABLE, None)
     return environment | {"LBR_HOME": config.home}
 

@@ -74,9 +74,10 @@ class ProcessHost:
         for process in self._open:
             process.quiet = ready.isdisjoint(process.fds)
 
-    def start(self, spec: ProcessSpec, config: ProcessConfig) -> "Child":
+    def start(self, spec: ProcessSpec, config: ProcessConfig, *, waits: bool = False) -> "Child":
         """Start a capability in its process; raise ValueError if its order is too large.
 
+        `waits`: none of those that share the process moves or serves anything.
         A new process begins where none runs, or where the running one may not open the device any more.
         """
         number = next(self._numbers)
@@ -85,17 +86,17 @@ class ProcessHost:
             raise ValueError(f"its settings and wiring have {len(order)} bytes, more than a process can be given")
         process = self._processes.get(spec.process)
         if process is None or process.over or not process.reaches(config):
-            process = self._processes[spec.process] = self._begin(spec, config)
+            process = self._processes[spec.process] = self._begin(spec, config, waits=waits)
             self.watch(process)
         return process.start(spec, config, number, order)
 
-    def _begin(self, spec: ProcessSpec, config: ProcessConfig) -> "Process":
+    def _begin(self, spec: ProcessSpec, config: ProcessConfig, *, waits: bool) -> "Process":
         mark = self._reaper.mark()
         with open_log(self._logs / spec.log) as log:
             if spec.program is not None:
                 running, reports = launch_program(spec.program, config, log, mark), Reports(-1)
             else:
-                running, reports = launch(spec.process, config, log, mark, self._forks)
+                running, reports = launch(spec.process, config, log, mark, self._forks, waits=waits)
         mark.began(running.pid)  # before an order comes, it does nothing and hides nothing
         return Process(spec.process, config, running, reports, mark)
 

@@ -154,4 +154,5 @@ class RobotProcesses(Service):
             inside = inside_endpoint(self._plan.robot, spec.name)
             lan = replace(spec.lan, upstream=place.router_id, inside=inside)
             config = replace(config, private=Raw(msgspec.json.encode(lan)))
-        return self._host.start(spec, config)
+        waits = not any(mate.moves or mate.serves for mate in mates)
+        return self._host.start(spec, config, waits=waits)
