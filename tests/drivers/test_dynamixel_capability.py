@@ -577,3 +577,24 @@ def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(chain, d
     rig.until(lambda: rig.ctx.state.phase == "holding" and rig.seen())
     rig.on(lease="b")
     rig.driver.close()
+
+
+def test_at_rest_lost_torque_a_push_and_a_latched_fault_are_told_as_ever(rig, chain):
+    rig.on()
+    rig.until(lambda: rig.ctx.state.rests)
+    chain.servos[1].stuck = 600
+    chain.servos[1].settle()
+    rig.until(lambda: rig.servo(1).raw == 600)
+    rig.until(lambda: rig.ctx.state.rests)
+    chain.servos[2].table[24] = 0
+    rig.until(lambda: "torque_lost" in rig.ctx.kinds())
+    rig.until(lambda: rig.ctx.state.rests)
+    chain.servos[3].trip(0x20)
+    rig.until(lambda: rig.servo(3).latched == ("overload",))
+
+
+def test_the_first_goal_after_a_rest_is_followed(rig, chain):
+    rig.on()
+    rig.until(lambda: rig.ctx.state.rests and rig.driver.rate_hz == 10.0)
+    rig.go(600)
+    rig.until(lambda: rig.servo(1).raw == 600 and rig.ctx.state.phase == "following")

@@ -83,7 +83,7 @@ def bus(
         timing=BusTiming(usb_us=usb_us),
         faults=msgspec.convert(faults or {}, DynamixelFaults),
         seed=1,
-        heard=_logger(Path(log)) if log else None,
+        on_instruction=_logger(Path(log)) if log else None,
     )
 
 
