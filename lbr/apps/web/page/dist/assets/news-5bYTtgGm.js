@@ -1,1 +1,0 @@
-import{Dt as e,jt as t}from"./parts-Ct5C6r0z.js";import{l as n}from"./index-D0PKDC32.js";function r(r){let[i,a]=t(``);return e(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
