@@ -18,7 +18,7 @@ COMMAND_GROUPS: tuple[CommandGroup, ...] = get_args(CommandGroup)
 """The headings of `lbr --help`, in their order."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class CliCommand:
     """A command of the command line; `entry` is a `click.Command`, as `module:attribute`.
 

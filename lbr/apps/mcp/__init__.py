@@ -11,9 +11,9 @@ COMPONENT = Component(
     kinds={"mcp": "lbr.apps.mcp.kind:KIND"},
     commands={
         "mcp": CliCommand(
-            entry="lbr.apps.mcp.commands.mcp:command",
-            help="Let a language agent look and drive, by the Model Context Protocol.",
-            group="drive",
+            "lbr.apps.mcp.commands.mcp:command",
+            "Let a language agent look and drive, by the Model Context Protocol.",
+            "drive",
         )
     },
     messages=("lbr.apps.mcp.messages",),

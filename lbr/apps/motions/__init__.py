@@ -5,14 +5,12 @@ from lbr.component import CliCommand, Component
 COMPONENT = Component(
     commands={
         "import": CliCommand(
-            entry="lbr.apps.motions.commands.importing:command",
-            help="Take what a robot's former programs kept: databases, tables, motions.",
-            group="change",
+            "lbr.apps.motions.commands.importing:command",
+            "Take what a robot's former programs kept: databases, tables, motions.",
+            "change",
         ),
         "motion": CliCommand(
-            entry="lbr.apps.motions.commands.motion:command",
-            help="Take motions from files, and write them to files.",
-            group="build",
+            "lbr.apps.motions.commands.motion:command", "Take motions from files, and write them to files.", "build"
         ),
     },
     needs=("simulation",),

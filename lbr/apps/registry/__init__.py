@@ -11,9 +11,9 @@ COMPONENT = Component(
     kinds={"registrar": "lbr.apps.registry.kind:KIND"},
     commands={
         "registry": CliCommand(
-            entry="lbr.apps.registry.commands.registry:command",
-            help="List which robots are up and how to reach them, or run the service that does.",
-            group="run for good",
+            "lbr.apps.registry.commands.registry:command",
+            "List which robots are up and how to reach them, or run the service that does.",
+            "run for good",
         ),
     },
     messages=("lbr.apps.registry.messages",),

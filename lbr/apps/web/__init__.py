@@ -5,9 +5,7 @@ from lbr.component import CliCommand, Component
 COMPONENT = Component(
     kinds={"web": "lbr.apps.web.kind:KIND"},
     commands={
-        "phone": CliCommand(
-            entry="lbr.apps.web.commands.phone:command", help="Connect a phone: show one code to scan.", group="start"
-        )
+        "phone": CliCommand("lbr.apps.web.commands.phone:command", "Connect a phone: show one code to scan.", "start")
     },
     faces={
         "cameras": "lbr.apps.web.cameras.ports:face",

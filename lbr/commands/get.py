@@ -13,7 +13,7 @@ from lbr.capability import registry
 from lbr.commands.completing import complete_setting
 from lbr.commands.options import complete_robot, database_option, json_option, print_json
 from lbr.commands.rows import opened, running_here
-from lbr.commands.setting import meant, parted, refuse_unknown
+from lbr.commands.set import meant, parted, refuse_unknown
 from lbr.database.rows import CapabilityRow
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
