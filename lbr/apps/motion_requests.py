@@ -1,15 +1,19 @@
-"""The requests by which components move a robot: the message of each, and the port that it goes to."""
+"""The requests by which components move a robot: the message and the port of each, and how a line's motion goes on."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from msgspec import Struct
 
+from lbr.capability.context import Context
 from lbr.capability.kind import Wire
+from lbr.leases.client import LeaseTarget
+from lbr.leases.holder import GONE, RESULT_S, Holder
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand, TwistCommand
 from lbr.messages.joints import JointsCommand, PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.system import Hold
 
 _KNOWN: Mapping[str, tuple[type[Struct], str]] = {
     "twist": (TwistCommand, "drive.twist"),
@@ -25,6 +29,15 @@ _KNOWN: Mapping[str, tuple[type[Struct], str]] = {
     "seek_halt": (StopCommand, "beacon.stop"),
     "stop_all": (StopCommand, "stop"),
 }
+_COMMANDS = {
+    "command": ("move", "halt", "drive"),
+    "turn": ("turn", "halt", "drive"),
+    "heading": ("heading", "halt", "drive"),
+    "twist": ("twist", "halt", "drive"),
+    "play": ("play", "play_halt", "motions"),
+    "seek": ("seek", "seek_halt", "beacon"),
+}
+"""By which requests the motion of a command is renewed and halted."""
 
 
 class MotionRequests(NamedTuple):
@@ -43,3 +56,19 @@ def motion_requests(*names: str) -> MotionRequests:
         replies=dict.fromkeys(names, CommandReply),
         wires={name: Wire(port) for name, (_, port) in chosen.items()},
     )
+
+
+def target_of(ctx: Context[Any], hold: Hold) -> LeaseTarget | None:
+    """Return how the motion that a line began is renewed; None where this capability is not wired to its mover."""
+    capability, command = hold.key.split("/")[-2:]
+    motion, halt, kind = _COMMANDS.get(command, ("", "", ""))
+    if capability not in (ctx.targets(motion) if motion else ()):
+        return None
+    return LeaseTarget(motion, halt, kind, f"{kind}: {GONE}", result_s=RESULT_S)
+
+
+def adopt(holder: Holder, target: LeaseTarget, hold: Hold) -> None:
+    """Have a holder go on with the motion that a line began."""
+    given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
+    payload = {name: value for name, value in hold.payload.items() if name != "lease"}
+    holder.begin(target, payload, given=given)

@@ -31,6 +31,7 @@ from lbr.apps.http.connection import connection_of
 from lbr.apps.http.pages import Pages
 from lbr.apps.http.rates import Rates
 from lbr.apps.http.turns import Turns
+from lbr.apps.motion_requests import adopt
 from lbr.apps.web.access import Access
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.api.feeds import Feeds
@@ -56,7 +57,6 @@ from lbr.leases.holder import Holder
 from lbr.messages.codes import Reason
 from lbr.messages.joints import Joint
 from lbr.messages.kinematics import Wheel
-from lbr.messages.leases import CommandReply
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.system import ConsoleResult, Hold
 
@@ -249,13 +249,11 @@ class Foxglove(Capability[FoxgloveSettings]):
         """Renew a goal while its client is connected; motion without an end is over when it is not published."""
         if not hold.goal:
             return f"{text}; it is over in {hold.ttl_s:g} s: to drive, publish it (docs/foxglove.md)"
-        given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
         at = {"motion": hold.key, **({"halt": hold.stop_key} if hold.stop_key else {})}
         transport = self._bus.transport(source_of(viewer.client), at, self.ctx.wake)
         target = LeaseTarget("motion", halt="halt" if "halt" in at else "")
-        payload = {name: value for name, value in hold.payload.items() if name != "lease"}
         goal = Goal(viewer, Holder(transport), self.ctx.clock() + hold.max_run_s)
-        goal.holder.begin(target, payload, given=given)
+        adopt(goal.holder, target, hold)
         self._goals.append(goal)
         return text
 

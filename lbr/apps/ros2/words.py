@@ -3,26 +3,19 @@
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from lbr.apps.motion_requests import adopt, target_of
 from lbr.apps.ros2.kind import ESTOP, STOP
 from lbr.capability.context import Context
-from lbr.leases.client import LeaseTarget, PendingReply
-from lbr.leases.holder import GONE, RESULT_S, Holder
+from lbr.leases.client import PendingReply
+from lbr.leases.holder import Holder
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.system import ConsoleResult, Hold, LineCommand
 
 SAY_S, STOP_S = 3.0, 1.0
 MOST_WAITING = 4
 FROM_ROS = "stopped from ROS"
-COMMANDS = {
-    "command": ("move", "halt", "drive"),
-    "turn": ("turn", "halt", "drive"),
-    "heading": ("heading", "halt", "drive"),
-    "play": ("play", "play_halt", "motions"),
-    "seek": ("seek", "seek_halt", "beacon"),
-}
-"""By which requests the motion of a command is renewed and halted."""
 Reply = Callable[[str, bool], None]
 """Answers a call: by a text, and whether it was done."""
 
@@ -98,17 +91,14 @@ class Words:
 
     def _hold(self, service: str, hold: Hold) -> Reason | None:
         """Go on with the motion that a line began; return why that cannot be."""
-        capability, command = hold.key.split("/")[-2:]
-        motion, halt, kind = COMMANDS.get(command, ("", "", ""))
         if not hold.goal:
             return Reason("not_possible", "it has no end of its own, and nobody to end it: publish on cmd_vel instead")
-        if capability not in (self._ctx.targets(motion) if motion else ()):
-            return Reason("not_possible", f"what {capability}/{command} moves cannot be held from ROS")
-        given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
-        target = LeaseTarget(motion, halt, kind, f"{kind}: {GONE}", result_s=RESULT_S)
-        payload = {name: value for name, value in hold.payload.items() if name != "lease"}
+        target = target_of(self._ctx, hold)
+        if target is None:
+            moved = "/".join(hold.key.split("/")[-2:])
+            return Reason("not_possible", f"what {moved} moves cannot be held from ROS")
         self._service = service
-        self._holder.begin(target, payload, given=given)
+        adopt(self._holder, target, hold)
         return None
 
     def _report(self, service: str, why: Reason) -> None:

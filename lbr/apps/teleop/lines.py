@@ -3,25 +3,16 @@ held."""
 
 from typing import Any, NamedTuple
 
+from lbr.apps.motion_requests import adopt, target_of
 from lbr.capability.context import Context
-from lbr.leases.client import LeaseTarget, PendingReply
-from lbr.leases.holder import GONE, RESULT_S, Holder
+from lbr.leases.client import PendingReply
+from lbr.leases.holder import Holder
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
-from lbr.messages.leases import CommandReply
 from lbr.messages.system import ConsoleResult, Hold, LineCommand
 
 SAY_S = 3.0
 MOST_WAITING = 4
-COMMANDS = {
-    "command": ("move", "halt", "drive"),
-    "turn": ("turn", "halt", "drive"),
-    "heading": ("heading", "halt", "drive"),
-    "twist": ("twist", "halt", "drive"),
-    "play": ("play", "play_halt", "motions"),
-    "seek": ("seek", "seek_halt", "beacon"),
-}
-"""By which requests the motion of a command is renewed and halted."""
 
 
 class _SentLine(NamedTuple):
@@ -73,18 +64,15 @@ class Lines:
             self._hold(sent.line, answer.hold)
 
     def _hold(self, line: str, hold: Hold) -> None:
-        capability, command = hold.key.split("/")[-2:]
-        motion, halt, kind = COMMANDS.get(command, ("", "", ""))
-        if capability not in (self._ctx.targets(motion) if motion else ()):
-            self._report(line, Reason("not_possible", f"what {capability}/{command} moves cannot be held by a gamepad"))
+        target = target_of(self._ctx, hold)
+        if target is None:
+            moved = "/".join(hold.key.split("/")[-2:])
+            self._report(line, Reason("not_possible", f"what {moved} moves cannot be held by a gamepad"))
             return
         if not self._key.startswith(hold.key.rpartition("/")[0]):
             self.halt("another line moves something else")
-        given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
-        target = LeaseTarget(motion, halt, kind, f"{kind}: {GONE}", result_s=RESULT_S)
         self._line, self._key = line, hold.key
-        payload = {name: value for name, value in hold.payload.items() if name != "lease"}
-        self._holder.begin(target, payload, given=given)
+        adopt(self._holder, target, hold)
 
     def _report(self, line: str, why: Reason) -> None:
         self._ctx.event("teleop_line", f"'{line}': {why}", level="warning", code=why.code)
