@@ -30,7 +30,7 @@ from lbr.capability.kind import Kind
 from lbr.capability.word import Word
 from lbr.console.verbs import Vocabulary
 from lbr.database import builtin, migrate, schema
-from lbr.database.arguments import told
+from lbr.database.arguments import described
 from lbr.database.books import BOOKS
 from lbr.database.checks import check
 from lbr.database.rows import CORE, ExternalCommandRow, VerbRow
@@ -830,7 +830,7 @@ def _payload(row: VerbRow) -> str:
 
 
 def _arguments(row: ExternalCommandRow) -> str:
-    return ", then ".join(told(one) for one in row.arguments or ()) or "none"
+    return ", then ".join(described(one) for one in row.arguments or ()) or "none"
 
 
 def _waits(row: ExternalCommandRow) -> str:

@@ -160,7 +160,7 @@ def restore(source: Path | None, database: Path | None, only_list: bool, as_json
     """
     path = database or home.default_database()
     if only_list:
-        found = copies.kept(path)
+        found = copies.stored(path)
         if as_json:
             print_json(found)
         for copy in () if as_json else found:

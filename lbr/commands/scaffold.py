@@ -141,7 +141,7 @@ def _brought(name: str) -> Iterator[str]:
 
 def _word_of(name: str) -> str:
     """Return what has brought a word of the console; empty if nothing has."""
-    if builtin.taken(name):
+    if builtin.is_builtin(name):
         return "every robot"
     for kind in plugins.installed("kinds"):
         with suppress(KindError):

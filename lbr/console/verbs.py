@@ -113,7 +113,7 @@ class Vocabulary:
                 "fields": [
                     {
                         "name": f"argument_{n}",
-                        "hint": arguments.told(one),
+                        "hint": arguments.described(one),
                         "choices": [] if isinstance(one, str) else list(one),
                     }
                     for n, one in enumerate(row.arguments or (), start=1)
@@ -160,7 +160,7 @@ class Vocabulary:
     def _path(self, line: str) -> Parsed:
         parts = [part for part in line.split("/") if part]
         word = parts[0].strip() if parts else ""
-        if len(parts) == 1 and builtin.taken(word) and self._is_bare(word):
+        if len(parts) == 1 and builtin.is_builtin(word) and self._is_bare(word):
             return self._words(word)
         known = [verb for verb in self._verbs if not verb.pattern.alias and verb.pattern.word == word]
         fitting = [verb for verb in known if verb.takes(parts[1:])]
@@ -299,7 +299,7 @@ def _arguments(row: ExternalCommandRow, text: str) -> tuple[str, ...]:
 
 def _said(row: ExternalCommandRow) -> str:
     """Return how it is said, for people: each argument by what it may be."""
-    return " ".join((row.name, *(f"[{arguments.told(one)}]" for one in row.arguments or ())))
+    return " ".join((row.name, *(f"[{arguments.described(one)}]" for one in row.arguments or ())))
 
 
 def _count(number: int) -> str:

@@ -15,12 +15,12 @@ _CHANGED = (
 
 def digest(tables: RawTables) -> str:
     """Return the hash of the rows that make robots, without what lbr itself writes into them."""
-    found = blake2b(digest_size=16)
+    hasher = blake2b(digest_size=16)
     for table, rows in sorted(tables.items()):
         for row in rows:
-            kept = sorted((name, value) for name, value in row.items() if (table, name) not in WRITTEN_BY_LBR)
-            found.update(repr((table, kept)).encode(errors="surrogateescape"))
-    return found.hexdigest()
+            written = sorted((name, value) for name, value in row.items() if (table, name) not in WRITTEN_BY_LBR)
+            hasher.update(repr((table, written)).encode(errors="surrogateescape"))
+    return hasher.hexdigest()
 
 
 def revision(connection: Connection) -> int:

@@ -35,22 +35,22 @@ def refusal(allowed: Sequence[Argument], given: Sequence[str]) -> str:
         return f"takes {most}"
     for number, (one, word) in enumerate(zip(allowed, given, strict=False), start=1):
         if not _takes(one, word):
-            return f"takes as its {_ordinal(number)} argument {told(one)}, not '{_shown(word)}'"
+            return f"takes as its {_ordinal(number)} argument {described(one)}, not '{_shortened(word)}'"
     return ""
 
 
-def told(one: Argument) -> str:
-    """Return what an argument may be, for people."""
-    return f"what fits {one}" if isinstance(one, str) else " or ".join(one)
+def described(argument: Argument) -> str:
+    """Return the values that an argument may have, for people."""
+    return f"what fits {argument}" if isinstance(argument, str) else " or ".join(argument)
 
 
-def _takes(one: Argument, word: str) -> bool:
-    """Say whether an argument is taken; what a program may read as an option is taken only if the row lists it."""
-    if not isinstance(one, str):
-        return word in one
+def _takes(argument: Argument, word: str) -> bool:
+    """Tell whether a word fits an argument; one that a program may read as an option fits only if the row lists it."""
+    if not isinstance(argument, str):
+        return word in argument
     if word.startswith("-") or len(word) > LONGEST or not word.isprintable():
         return False
-    return _fits(one, word)
+    return _fits(argument, word)
 
 
 def _fits(pattern: str, word: str) -> bool:
@@ -73,13 +73,13 @@ def _fits(pattern: str, word: str) -> bool:
     return done.returncode == _FITS
 
 
-def _fault(number: int, one: object) -> str:
-    if isinstance(one, list) and one and all(_is_word(word) for word in one):
+def _fault(number: int, entry: object) -> str:
+    if isinstance(entry, list) and entry and all(_is_word(word) for word in entry):
         return ""
-    if not isinstance(one, str) or not _is_word(one):
+    if not isinstance(entry, str) or not _is_word(entry):
         return f'entry {number} is neither a list of words, such as ["left", "right"], nor a regular expression'
     try:
-        re.compile(one, re.ASCII)
+        re.compile(entry, re.ASCII)
     except (re.error, OverflowError, RecursionError) as err:
         return f"entry {number} is not a regular expression: {err}"
     return ""
@@ -93,5 +93,5 @@ def _ordinal(number: int) -> str:
     return {1: "first", 2: "second", 3: "third"}.get(number, f"{number}th")
 
 
-def _shown(word: str) -> str:
+def _shortened(word: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in word[:40]) + ("…" if len(word) > 40 else "")

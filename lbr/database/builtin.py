@@ -39,11 +39,11 @@ _TAKEN = frozenset(row.word.lower() for row in WORDS)
 _WITH_PARTS = frozenset(row.word.lower() for row in WORDS if row.pattern.startswith("/"))
 
 
-def taken(word: str) -> bool:
-    """Say whether a bare word is one of them, in capital letters or small ones."""
+def is_builtin(word: str) -> bool:
+    """Tell whether a bare word is one of them, in capital letters or small ones."""
     return word.lower() in _TAKEN
 
 
 def shadowed(pattern: Pattern) -> bool:
     """Say whether a pattern would take a line that is theirs: `/stop` says what `stop` does."""
-    return taken(pattern.word) if not pattern.parts else pattern.word.lower() in _WITH_PARTS
+    return is_builtin(pattern.word) if not pattern.parts else pattern.word.lower() in _WITH_PARTS

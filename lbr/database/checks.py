@@ -28,11 +28,11 @@ def check(
 ) -> RobotRows:
     """Decode and check one robot's rows, and `also` some of those that kinds read; never raises, whatever they are."""
     tables = Tables(raw, robot, columns or {})
-    found = [*problems]
-    itself = _robot(raw, tables, robot, found)
+    faults = [*problems]
+    itself = _robot(raw, tables, robot, faults)
     rows: tuple[type[Row], ...] = (*CORE[1:], *also)
     for row in rows:
-        found += tables.problems(row)
+        faults += tables.problems(row)
     return RobotRows(
         robot=itself,
         capabilities=tables.good(CapabilityRow),
@@ -42,12 +42,12 @@ def check(
         external_commands=tables.good(ExternalCommandRow),
         tables=tables,
         revision=revision,
-        problems=tuple(found),
+        problems=tuple(faults),
         faulty=tuple(
-            Faulty(row.TABLE, one.label, one.row, frozenset(one.wrong))
+            Faulty(row.TABLE, read.label, read.row, frozenset(read.wrong))
             for row in CORE[1:]
-            for one in tables.rows(row)
-            if one.wrong
+            for read in tables.rows(row)
+            if read.wrong
         ),
     )
 

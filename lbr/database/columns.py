@@ -62,7 +62,7 @@ class Column:
         return self.is_json or self.extra.get("shape") is shapes.OBJECT
 
     def read(self, value: Any) -> Any:
-        """Return the value of a column; WrongError says what is wrong with it."""
+        """Return the value of a column; WrongError names its fault."""
         if value is None and self.nullable:
             return None
         if self.is_text and not self._meant:
@@ -73,16 +73,16 @@ class Column:
             raise WrongError(f"'{shown(value)}' is neither 0 nor 1")
         plain = bool(value) if self.is_flag else self._json(value) if self.is_json else value
         try:
-            found = msgspec.convert(plain, self._type)
+            converted = msgspec.convert(plain, self._type)
         except (msgspec.ValidationError, UnicodeError) as err:  # SQLite holds what is no text, too
             raise WrongError(self._sentence(plain, str(err))) from None
-        if isinstance(found, float) and not math.isfinite(found):
+        if isinstance(converted, float) and not math.isfinite(converted):
             raise WrongError(self._number(plain))
-        if self.is_json and _texts(self.info) and any(map(text_fault, found)):
+        if self.is_json and _texts(self.info) and any(map(text_fault, converted)):
             raise WrongError(_TEXTS)
         if self.extra.get("shape") is shapes.OBJECT and not isinstance(self._json(value), dict):
             raise WrongError(_OBJECT)
-        return found
+        return converted
 
     def write(self, value: Any) -> Any:
         """Return what SQLite is to hold for a value."""
@@ -119,7 +119,7 @@ class Column:
             raise WrongError(f"is not JSON: {err}") from None
 
     def _sentence(self, value: object, complaint: str) -> str:
-        """Return the rule that a value breaks, as its annotation or else msgspec has it."""
+        """Return the rule that a value breaks, in the words of its annotation or else of msgspec."""
         info = self.info
         if self._meant:
             return f"'{shown(value)}' is not {self._meant}"

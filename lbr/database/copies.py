@@ -45,9 +45,9 @@ def keep(path: Path, digest: str) -> Path | None:
         raise RowError((f"database {path} cannot be copied ({err.strerror}): check the folder",)) from err
 
 
-def kept(path: Path) -> tuple[Copy, ...]:
+def stored(path: Path) -> tuple[Copy, ...]:
     """Return the copies of a database, newest first."""
-    return _kept(path, digested=True)
+    return _stored(path, digested=True)
 
 
 def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
@@ -76,7 +76,7 @@ def refuse_if_lost(path: Path) -> None:
 
 def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
     """Return the problem with a database that is older than its newest copy: edits are missing that have run."""
-    newest = max((copy.revision for copy in _kept(path, digested=False) if not copy.fault), default=0)
+    newest = max((copy.revision for copy in _stored(path, digested=False) if not copy.fault), default=0)
     if newest <= revision:
         return ()
     text = (
@@ -86,7 +86,7 @@ def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
     return (Problem("revision", str(revision), "", text),)
 
 
-def _kept(path: Path, *, digested: bool) -> tuple[Copy, ...]:
+def _stored(path: Path, *, digested: bool) -> tuple[Copy, ...]:
     names = {number: _name(path, number) for number in range(1, GENERATIONS + 1)}
     return tuple(look(name, number, digested=digested) for number, name in names.items() if name.exists())
 
@@ -109,26 +109,26 @@ def sync(folder: Path) -> None:
         os.close(fd)
 
 
-def _keep(path: Path, new: Path, digest: str) -> Path | None:
-    new.unlink(missing_ok=True)
+def _keep(path: Path, draft: Path, digest: str) -> Path | None:
+    draft.unlink(missing_ok=True)
     try:
-        copy_whole(path, new)
-        found = look(new)
-        if found.fault:
-            raise RowError((f"database {path} is not as it runs ({found.fault}): not copied",))
-        if found.digest != digest:
+        copy_whole(path, draft)
+        copy = look(draft)
+        if copy.fault:
+            raise RowError((f"database {path} is not as it runs ({copy.fault}): not copied",))
+        if copy.digest != digest:
             raise EditedError((f"database {path} is not as it runs (its rows differ): not copied",))
         newest = _name(path, 1)
-        if newest.exists() and _same(newest, new):
+        if newest.exists() and _same(newest, draft):
             return None
         for number in range(GENERATIONS - 1, 0, -1):
             if _name(path, number).exists():
                 _name(path, number).replace(_name(path, number + 1))
-        new.replace(newest)
+        draft.replace(newest)
         sync(path.parent)
     finally:
         with suppress(OSError):
-            new.unlink()
+            draft.unlink()
     return newest
 
 

@@ -32,22 +32,22 @@ def changed_columns(table: str, before: RawRow, after: RawRow) -> dict[str, tupl
     }
 
 
-def same(old: object, new: object) -> bool:
-    """Say whether two values mean the same; JSON does not care for spaces and the order of keys."""
-    if old == new or not (isinstance(old, str) and isinstance(new, str) and old[:1] in "{[" and new[:1] in "{["):
-        return bool(old == new)
+def same(a: object, b: object) -> bool:
+    """Tell whether two values mean the same; in JSON, spaces and the order of keys do not count."""
+    if a == b or not (isinstance(a, str) and isinstance(b, str) and a[:1] in "{[" and b[:1] in "{["):
+        return bool(a == b)
     try:
-        return _alike(json_strictly(old), json_strictly(new))
+        return _alike(json_strictly(a), json_strictly(b))
     except (ValueError, RecursionError):
         return False
 
 
-def _alike(old: object, new: object) -> bool:
-    """Say whether two values of JSON are the same; `true` is no 1."""
-    if isinstance(old, bool) or isinstance(new, bool):
-        return old is new
-    if isinstance(old, dict) and isinstance(new, dict):
-        return old.keys() == new.keys() and all(_alike(value, new[name]) for name, value in old.items())
-    if isinstance(old, list) and isinstance(new, list):
-        return len(old) == len(new) and all(map(_alike, old, new))
-    return bool(old == new)
+def _alike(a: object, b: object) -> bool:
+    """Tell whether two values of JSON are the same; `true` is not 1."""
+    if isinstance(a, bool) or isinstance(b, bool):
+        return a is b
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(_alike(value, b[name]) for name, value in a.items())
+    if isinstance(a, list) and isinstance(b, list):
+        return len(a) == len(b) and all(map(_alike, a, b))
+    return bool(a == b)

@@ -13,15 +13,15 @@ from lbr.ownership import Fault
 def check_file(path: Path) -> None:
     """Raise InputError or RowError unless the file exists and only its owner, we or root, may change it."""
     try:
-        found = path.stat()
+        status = path.stat()
     except FileNotFoundError:
         raise InputError(f"database {path} does not exist: `lbr db init` builds one, or name another") from None
     except OSError as err:
         raise InputError(f"database {path} cannot be reached ({err.strerror}): check the path") from err
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise InputError(f"database {path} is not a file: name another")
     check_owners(path)
-    if fault := _unwritable(path, found):
+    if fault := _unwritable(path, status):
         raise RowError((f"database {path} {fault}",))
 
 
@@ -51,21 +51,21 @@ def check_folder(path: Path) -> None:
 
 
 def _refuse(path: Path, faults: Iterable[Fault]) -> None:
-    told = tuple(
+    problems = tuple(
         f"database {path} {fault.text}: {fault.do}" if fault.path == path else f"database {path} is not safe: {fault}"
         for fault in faults
     )
-    if told:
-        raise RowError(told)
+    if problems:
+        raise RowError(problems)
 
 
-def _unwritable(path: Path, found: os.stat_result) -> str:
+def _unwritable(path: Path, status: os.stat_result) -> str:
     if os.statvfs(path).f_flag & os.ST_RDONLY:  # as Linux makes it when the disk or card fails
         return (
             "is on a file system that is read-only: `dmesg` tells why, `mount -o remount,rw` undoes it on a sound disk"
         )
-    if not found.st_mode & 0o200 or not os.access(path, os.R_OK | os.W_OK):
-        return f"is read-only for you (mode {found.st_mode & 0o777:04o}): `chmod u+rw` it"
+    if not status.st_mode & 0o200 or not os.access(path, os.R_OK | os.W_OK):
+        return f"is read-only for you (mode {status.st_mode & 0o777:04o}): `chmod u+rw` it"
     if not os.access(path.absolute().parent, os.W_OK | os.X_OK):
         return "is in a folder that is read-only for you: SQLite keeps its log beside the database"
     return ""

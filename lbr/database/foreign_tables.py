@@ -100,16 +100,16 @@ def _tables(connection: sqlite3.Connection) -> ForeignTables:
     connection.set_authorizer(_reading)
     made = connection.execute("SELECT name, sql FROM sqlite_master WHERE type = 'table'").fetchall()
     names = [name for name, sql in made if not str(sql).upper().startswith("CREATE VIRTUAL")]
-    found: dict[str, list[dict[str, Any]]] = {}
-    left = MOST_ROWS
+    tables: dict[str, list[dict[str, Any]]] = {}
+    room = MOST_ROWS
     for name in names:
         if name.startswith("sqlite_"):
             continue
-        cursor = connection.execute(f"{statements.select(name)} LIMIT ?", (left + 1,))
+        cursor = connection.execute(f"{statements.select(name)} LIMIT ?", (room + 1,))
         columns = [column[0] for column in cursor.description]
         rows = cursor.fetchall()
-        left -= len(rows)
-        if left < 0:
+        room -= len(rows)
+        if room < 0:
             raise InputError(f"it has more than {MOST_ROWS} rows, which is no robot's database")
-        found[name] = [dict(zip(columns, row, strict=True)) for row in rows]
-    return found
+        tables[name] = [dict(zip(columns, row, strict=True)) for row in rows]
+    return tables

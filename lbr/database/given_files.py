@@ -19,13 +19,13 @@ def read(path: Path, largest_bytes: int) -> bytes:
         number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe without a writer holds nothing up
     except OSError as err:
         raise InputError(f"{path} cannot be read: {err.strerror}") from err
-    found = os.fstat(number)
-    if not stat.S_ISREG(found.st_mode):
+    status = os.fstat(number)
+    if not stat.S_ISREG(status.st_mode):
         os.close(number)
         raise InputError(f"{path} is no file that could be read to its end: name a regular file")
     with open(number, "rb") as file:  # noqa: PTH123 - by its number
-        if found.st_size > largest_bytes:
-            raise InputError(f"{path} has {found.st_size} bytes, and {largest_bytes} are the most that is read")
+        if status.st_size > largest_bytes:
+            raise InputError(f"{path} has {status.st_size} bytes, and {largest_bytes} are the most that is read")
         try:
             content = file.read(largest_bytes + 1)
         except OSError as err:
@@ -38,13 +38,13 @@ def read(path: Path, largest_bytes: int) -> bytes:
 def listed(folder: Path) -> tuple[list[Path], list[Path]]:
     """Return the files of a folder by their names, and what else is in it: folders, links, pipes."""
     try:
-        found = sorted(folder.iterdir())
+        entries = sorted(folder.iterdir())
     except OSError as err:
         raise InputError(f"{folder} cannot be read: {err.strerror}") from err
-    if len(found) > MOST_FILES:
-        raise InputError(f"{folder} has {len(found)} entries, and {MOST_FILES} are the most that is looked at")
-    files = [path for path in found if path.is_file() and not path.is_symlink()]
-    return files, [path for path in found if path not in files]
+    if len(entries) > MOST_FILES:
+        raise InputError(f"{folder} has {len(entries)} entries, and {MOST_FILES} are the most that is looked at")
+    files = [path for path in entries if path.is_file() and not path.is_symlink()]
+    return files, [path for path in entries if path not in files]
 
 
 def unicode_text(content: bytes) -> str:

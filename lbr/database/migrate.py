@@ -28,7 +28,7 @@ def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
     if claims.any_robot(path):
         text = f"database {path} has the schema '{stamp}', and a robot of the older lbr that made it runs from it"
         raise RowError((f"{text}: end that first (`lbr stop`, or `systemctl stop`), then it is brought to '{HEAD}'",))
-    kept = backup(connection, path, stamp)
+    backup_file = backup(connection, path, stamp)
     pragma(connection, "foreign_keys = OFF")  # or the rebuilding of a table would delete what refers to it
     try:
         with transaction(connection, "IMMEDIATE"):
@@ -36,7 +36,7 @@ def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
                 _upgrade(connection)
     finally:
         pragma(connection, "foreign_keys = ON")
-    return kept
+    return backup_file
 
 
 def backup(connection: Connection, path: Path, stamp: str) -> Path:

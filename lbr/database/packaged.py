@@ -46,23 +46,23 @@ class Brought(Struct, frozen=True):
 def every(judge: Judge = lambda _rows: ()) -> Brought:
     """Return the rows of all robots that packages bring; one that is refused is named, and keeps out no other."""
     robots, refused = [], []
-    for found in registry.every():
-        if found.robot is None:
-            refused.append(found.fault)
-        elif found.robot.rows is not None:
+    for installed in registry.every():
+        if installed.robot is None:
+            refused.append(installed.fault)
+        elif installed.robot.rows is not None:
             try:
-                robots.append(rows_of(found, judge))
+                robots.append(rows_of(installed, judge))
             except RowError as err:
                 refused += err.problems
     return Brought(tuple(robots), tuple(refused))
 
 
-def rows_of(found: Found, judge: Judge = lambda _rows: ()) -> RawTables:
+def rows_of(installed: Found, judge: Judge = lambda _rows: ()) -> RawTables:
     """Return the rows that a package brings for its robot; RowError names package and row of everything wrong."""
-    label = f"robot '{found.name}' of package '{found.package}'"
-    if found.robot is None or found.robot.rows is None:
-        raise RowError((found.fault or f"{label} brings no rows",))
-    path = found.robot.rows
+    label = f"robot '{installed.name}' of package '{installed.package}'"
+    if installed.robot is None or installed.robot.rows is None:
+        raise RowError((installed.fault or f"{label} brings no rows",))
+    path = installed.robot.rows
     with closing(sqlite3.connect(":memory:", factory=Connection, isolation_level=None)) as connection:
         connection.executescript(robot_db_sql().read_text(encoding="utf-8"))
         before, schema = read_tables(connection)
@@ -71,13 +71,13 @@ def rows_of(found: Found, judge: Judge = lambda _rows: ()) -> RawTables:
         except ValueError as err:
             raise RowError((f"{label}, {path.name}, {err}",)) from err
         after, _ = read_tables(connection)
-    faults = tuple(_faults(found.name, before, after, schema))
+    faults = tuple(_faults(installed.name, before, after, schema))
     if not faults:
-        rows = check(after, found.name, columns=schema)
+        rows = check(after, installed.name, columns=schema)
         faults = tuple(map(str, rows.problems)) or tuple(judge(rows))
     if faults:
         raise RowError(tuple(f"{label}: {fault}" for fault in faults))
-    return {table: _new(table, before, after, schema) for table in schema}
+    return {table: _added(table, before, after, schema) for table in schema}
 
 
 def _run(connection: Connection, schema: Schema, path: Path) -> None:
@@ -106,21 +106,21 @@ def _run(connection: Connection, schema: Schema, path: Path) -> None:
 
 
 def _faults(name: str, before: RawTables, after: RawTables, schema: Schema) -> Iterator[str]:
-    """Yield what a package does to rows that are not its robot's."""
+    """Yield a fault for each row of another robot that a package adds or changes."""
     for table in schema:
         known, now = (_by_key(table, rows, schema) for rows in (before, after))
         for key, row in known.items():
             if now.get(key) != row:
-                yield f"{table} '{_told(key)}' is not of this robot, and may not be changed"
+                yield f"{table} '{_row_name(key)}' is not of this robot, and may not be changed"
         for key, row in now.items():
             owner = row["name"] if table == ROBOT else row.get("robot", name)
             if key not in known and owner != name:
-                yield f"{table} '{_told(key)}' is of robot '{shown(owner)}': a package brings rows of its own robot"
+                yield f"{table} '{_row_name(key)}' is of robot '{shown(owner)}': a package brings rows of its own robot"
     if name not in {row["name"] for row in after[ROBOT]}:
         yield "there is no row of it in the table 'robot'"
 
 
-def _new(table: str, before: RawTables, after: RawTables, schema: Schema) -> list[RawRow]:
+def _added(table: str, before: RawTables, after: RawTables, schema: Schema) -> list[RawRow]:
     known = _by_key(table, before, schema)
     return [row for key, row in _by_key(table, after, schema).items() if key not in known]
 
@@ -129,5 +129,5 @@ def _by_key(table: str, rows: RawTables, schema: Schema) -> dict[tuple[object, .
     return {tuple(row[name] for name in schema.keys_of[table]): row for row in rows[table]}
 
 
-def _told(key: tuple[object, ...]) -> str:
+def _row_name(key: tuple[object, ...]) -> str:
     return "/".join(map(shown, key))

@@ -57,15 +57,15 @@ class HistoryEntry(Struct, frozen=True, kw_only=True):
 def at(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow]) -> RawTables:
     """Return the tables as they were before the revisions `newer`, oldest first; InputError says what keeps one from
     that."""
-    found = {
+    by_key = {
         table: {tuple(row[name] for name in key): row for row in tables.get(table, ())}
         for table, key in schema.keys_of.items()
     }
     for revision in reversed(newer):
-        if revision.table not in found:
+        if revision.table not in by_key:
             raise _lost(revision, f"there is no table '{shown(revision.table)}' any more")
-        _undo(found[revision.table], schema, revision)
-    return {table: [rows[key] for key in sorted(rows)] for table, rows in found.items()}
+        _undo(by_key[revision.table], schema, revision)
+    return {table: [rows[key] for key in sorted(rows)] for table, rows in by_key.items()}
 
 
 def around(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow], last: int) -> tuple[RawTables, RawTables]:
@@ -85,62 +85,63 @@ def of_revision(revision: RevisionRow) -> Difference:
 
 
 def entries(revisions: Iterable[RevisionRow], known: Iterable[ChangeRow]) -> tuple[HistoryEntry, ...]:
-    """Return revisions by what they belong to, oldest first; those that lbr did not make by their moments."""
+    """Return revisions grouped by their change, oldest first; those that lbr did not make by their time."""
     ahead = sorted(known, key=lambda change: change.first_revision, reverse=True)
-    found: list[list[RevisionRow]] = []
-    who: list[ChangeRow | None] = []
+    groups: list[list[RevisionRow]] = []
+    causes: list[ChangeRow | None] = []
     for revision in revisions:
         while ahead and ahead[-1].last_revision < revision.id:
             ahead.pop()
         covering = ahead[-1] if ahead and ahead[-1].first_revision <= revision.id else None
-        same = bool(found) and who[-1] is covering
+        same = bool(groups) and causes[-1] is covering
         if same and (covering is None or not covering.program):
-            same = _at(revision) - _at(found[-1][-1]) <= TOGETHER
+            same = _at(revision) - _at(groups[-1][-1]) <= TOGETHER
         if same:
-            found[-1].append(revision)
+            groups[-1].append(revision)
         else:
-            found.append([revision])
-            who.append(covering)
-    return tuple(_change(rows, by) for rows, by in zip(found, who, strict=True))
+            groups.append([revision])
+            causes.append(covering)
+    return tuple(_change(rows, by) for rows, by in zip(groups, causes, strict=True))
 
 
 def _undo(rows: dict[Key, RawRow], schema: Schema, revision: RevisionRow) -> None:
     """Take one revision back, the newest that has not been taken back yet."""
-    old, new, table = revision.old, revision.new, revision.table
-    if old is None and new is None:
+    before, after, table = revision.old, revision.new, revision.table
+    if before is None and after is None:
         raise _lost(revision, "the whole database was replaced by a copy then (`lbr db restore`)")
     key_of = schema.keys_of[table]
-    for values in (old, new):
+    for values in (before, after):
         for name in values or ():
             if name not in schema[table]:
                 raise _lost(revision, f"an upgrade of lbr has taken the column '{shown(name)}' from {table} since")
         if values is not None and any(name not in values for name in key_of):
             raise _lost(revision, f"an upgrade of lbr has changed what names a row of {table} since")
     now: RawRow | None = None
-    if new is not None:
-        now = rows.pop(tuple(new[name] for name in key_of), None)
+    if after is not None:
+        now = rows.pop(tuple(after[name] for name in key_of), None)
         if now is None or any(
-            not _alike(now.get(name), value) and not same(now.get(name), value) for name, value in new.items()
+            not _alike(now.get(name), value) and not same(now.get(name), value) for name, value in after.items()
         ):
             raise _lost(revision, f"{table} '{'/'.join(revision.row_key)}' was changed since with its triggers off")
-    if old is not None:
-        key = tuple(old[name] for name in key_of)
+    if before is not None:
+        key = tuple(before[name] for name in key_of)
         if key in rows:
             raise _lost(revision, f"{table} '{'/'.join(revision.row_key)}' was written since with its triggers off")
-        rows[key] = {name: _before(name, now, old, new, schema, revision) for name in schema[table]}
+        rows[key] = {name: _before(name, now, before, after, schema, revision) for name in schema[table]}
 
 
 def _before(
     name: str,
     now: RawRow | None,
-    old: Mapping[str, object],
-    new: Mapping[str, object] | None,
+    before: Mapping[str, object],
+    after: Mapping[str, object] | None,
     schema: Schema,
     of: RevisionRow,
 ) -> Any:
-    """Return what a column held: exactly, where a row's change left it as it is."""
-    if name in old and not (now is not None and new is not None and _alike(old[name], new.get(name, math.nan))):
-        return old[name]
+    """Return the former value of a column: exactly, where a row's change left it as it is."""
+    unchanged = now is not None and after is not None and _alike(before.get(name), after.get(name, math.nan))
+    if name in before and not unchanged:
+        return before[name]
     if now is not None:
         return now[name]
     try:

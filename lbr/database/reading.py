@@ -99,19 +99,19 @@ class Tables:
         """Return the rows of a table, the bad ones too."""
         if row not in self._read:
             found: list[Problem] = []
-            self._read[row] = [self._one(row, values, found) for values in self._of(row, found)], found
+            self._read[row] = [self._read_row(row, values, found) for values in self._of(row, found)], found
         return self._read[row][0]
 
     def problems(self, row: type[Row]) -> tuple[Problem, ...]:
-        """Return what is wrong with a table's rows, by themselves and among others."""
+        """Return the problems of a table's rows, by themselves and among others."""
         if row not in self._judged:
-            found = list(self._read[row][1]) if self.rows(row) or row in self._read else []
+            problems = list(self._read[row][1]) if self.rows(row) or row in self._read else []
             for check in _checks(row):
-                for one in self.rows(row):
-                    for column, text in _told(check(one.view, self)):
-                        one.wrong.add(column)
-                        found.append(Problem(row.TABLE, one.label, column, text))
-            self._judged[row] = tuple(found)
+                for read in self.rows(row):
+                    for column, text in _until_unread(check(read.view, self)):
+                        read.wrong.add(column)
+                        problems.append(Problem(row.TABLE, read.label, column, text))
+            self._judged[row] = tuple(problems)
         return self._judged[row]
 
     def names(self, table: str) -> frozenset[Any]:
@@ -121,13 +121,13 @@ class Tables:
         return self._names[table]
 
     def index(self, row: type[R], by: Callable[[R], Hashable]) -> Mapping[Hashable, R]:
-        """Return the first row for each value of `by`, of those that it can be told of."""
+        """Return the first row for each value of `by`, of the rows that have one."""
         if (row, by) not in self._indexes:
-            found: dict[Hashable, Any] = {}
-            for one in self.rows(row):
-                for key in _told(iter([one.view]), by):
-                    found.setdefault(key, one.view)
-            self._indexes[row, by] = found
+            first: dict[Hashable, Any] = {}
+            for read in self.rows(row):
+                for key in _until_unread(iter([read.view]), by):
+                    first.setdefault(key, read.view)
+            self._indexes[row, by] = first
         return self._indexes[row, by]
 
     def _of(self, row: type[Row], problems: list[Problem]) -> Sequence[RawRow]:
@@ -151,16 +151,16 @@ class Tables:
                 problems.append(Problem(table, _label(row, values), "robot", text))
         return self._own.get(table, ())
 
-    def _one(self, row: type[Row], values: RawRow, problems: list[Problem]) -> Read:
-        label, unread, found = _label(row, values), set[str](), dict[str, Any]()
+    def _read_row(self, row: type[Row], values: RawRow, problems: list[Problem]) -> Read:
+        label, unread, fields = _label(row, values), set[str](), dict[str, Any]()
         for name, column in columns(row).items():
             try:
-                found[name] = column.read(values.get(name))
+                fields[name] = column.read(values.get(name))
             except WrongError as err:
                 unread.add(name)
-                found[name] = column.stand_in
+                fields[name] = column.stand_in
                 problems.append(Problem(row.TABLE, label, name, str(err)))
-        return Read(label, row(**found), frozenset(unread), set(unread))
+        return Read(label, row(**fields), frozenset(unread), set(unread))
 
 
 def _checks(row: type[Row]) -> tuple[Check, ...]:
@@ -193,10 +193,10 @@ def _label(row: type[Row], values: RawRow) -> str:
     return "/".join(shown(values.get(column)) for column in key)
 
 
-def _told(faults: Iterator[Any], by: Callable[[Any], Any] = lambda one: one) -> Iterator[Any]:
-    """Yield what comes until it asks for what could not be read."""
+def _until_unread(faults: Iterator[Any], by: Callable[[Any], Any] = lambda fault: fault) -> Iterator[Any]:
+    """Yield the items until one asks for an unreadable value."""
     try:
-        for one in faults:
-            yield by(one)
+        for fault in faults:
+            yield by(fault)
     except _UnreadError:
         return

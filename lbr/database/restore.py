@@ -33,30 +33,30 @@ def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
         raise InputError(f"database {path} is in use: shut the robot down (`lbr stop`), close other programs")
     chosen = source or _newest_good(path)
     _check(chosen)
-    new = path.with_name(f"{path.name}.restoring-{os.getpid()}")
+    draft = path.with_name(f"{path.name}.restoring-{os.getpid()}")
     try:
-        copies.copy_whole(chosen, new)
+        copies.copy_whole(chosen, draft)
         aside = _aside(path) if any(file.exists() for file in (path, *log_files(path))) else None
-        _complete(new, path, chosen, aside)
+        _complete(draft, path, chosen, aside)
         if aside is not None:
             _set_aside(path, aside)
-        new.replace(path)
+        draft.replace(path)
         copies.sync(path.parent)
     except OSError as err:
         raise InputError(f"database {path} cannot be restored ({err.strerror}): check the folder") from err
     finally:
-        for name in (new, *log_files(new)):
+        for name in (draft, *log_files(draft)):
             with suppress(OSError):
                 name.unlink()
     return chosen, aside
 
 
 def _newest_good(path: Path) -> Path:
-    found = copies.kept(path)
-    for copy in found:
+    stored = copies.stored(path)
+    for copy in stored:
         if not copy.fault:
             return Path(copy.path)
-    what = "no copy of it is kept" if not found else f"none of its {len(found)} copies is good"
+    what = "no copy of it is kept" if not stored else f"none of its {len(stored)} copies is good"
     raise InputError(f"database {path} cannot be restored, because {what}: name a backup, or `lbr db init` starts over")
 
 
@@ -73,11 +73,11 @@ def _check(source: Path) -> None:
         raise RowError((f"{source} {fault}: `lbr db restore --list` shows the copies that are kept",))
 
 
-def _complete(new: Path, path: Path, source: Path, aside: Path | None) -> None:
-    """Bring the copy up to date, keep revoked what was revoked, and write the restoring down as the newest edit."""
+def _complete(draft: Path, path: Path, source: Path, aside: Path | None) -> None:
+    """Bring the copy up to date, revoke the tokens that were revoked, and note the restoring as the newest edit."""
     revoked, revision = _remains(path)
-    revision = max([revision, *(copy.revision for copy in copies.kept(path))])
-    with Database.open(new) as database:
+    revision = max([revision, *(copy.revision for copy in copies.stored(path))])
+    with Database.open(draft) as database:
         for token in database.tokens():
             if token.name in revoked and token.revoked_at is None:
                 database.revoke_token(token.name)
@@ -85,7 +85,7 @@ def _complete(new: Path, path: Path, source: Path, aside: Path | None) -> None:
         entry = AuditRow(wall_ns=time.time_ns(), kind="restored", subject="database", source="lbr db", text=text)
         database.append_events((), (entry,))
         database.outdo(revision, text)
-    with sentences(new), closing(connect(new)) as connection:
+    with sentences(draft), closing(connect(draft)) as connection:
         settle(connection)
 
 

@@ -45,29 +45,29 @@ class File(Struct, frozen=True, kw_only=True):
 def written(tables: RawTables, schema: Schema, robot: str | None = None) -> tuple[File, ...]:
     """Return the files of all tables, also of empty ones; of one robot alone, without what is every robot's, if so
     asked."""
-    found = []
+    files = []
     for folder in sorted(row["name"] for row in tables.get(ROBOT, ()) if robot in {None, row["name"]}):
         for table in schema:
             owner = _owner(table, schema)
             if owner:
                 rows = [row for row in tables.get(table, ()) if row[owner] == folder]
-                found.append(File(robot=folder, table=table, text=_text(table, rows, schema)))
+                files.append(File(robot=folder, table=table, text=_text(table, rows, schema)))
     if robot is None:
         shared = [table for table in schema if not _owner(table, schema)]
-        found += [File(robot=SHARED, table=one, text=_text(one, tables.get(one, ()), schema)) for one in shared]
-    return tuple(found)
+        files += [File(robot=SHARED, table=table, text=_text(table, tables.get(table, ()), schema)) for table in shared]
+    return tuple(files)
 
 
-def taken(files: tuple[File, ...], tables: RawTables, schema: Schema) -> RawTables:
+def applied(files: tuple[File, ...], tables: RawTables, schema: Schema) -> RawTables:
     """Return the tables as they are with these files; a table without a file stays. RowError names file, row and
     column."""
     after: dict[str, list[RawRow]] = {table: list(rows) for table, rows in tables.items()}
     faults: list[str] = []
     for file in files:
-        rows, found = _rows(file, schema)
-        faults += found
+        rows, wrong = _rows(file, schema)
+        faults += wrong
         owner = _owner(file.table, schema) if file.table in schema else ""
-        if not found:
+        if not wrong:
             rest = [row for row in after[file.table] if owner and row[owner] != file.robot]
             after[file.table] = [*rest, *_with_what_lbr_writes(file.table, rows, tables, schema)]
     if faults:
@@ -92,33 +92,33 @@ def write(folder: Path, files: tuple[File, ...]) -> None:
         if file.name.count("/") != 1 or file.name.startswith("."):
             raise InputError(f"'{shown(file.name)}' would be no file in {folder}: rename the robot or the table")
         path = folder / file.name
-        new = path.with_name(f".{path.name}.new-{os.getpid()}")
+        draft = path.with_name(f".{path.name}.new-{os.getpid()}")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            new.write_text(file.text, encoding="utf-8", errors="surrogateescape")
-            new.replace(path)
+            draft.write_text(file.text, encoding="utf-8", errors="surrogateescape")
+            draft.replace(path)
         except OSError as err:
             raise InputError(f"{path} cannot be written ({err.strerror}): check the folder") from err
         finally:
             with suppress(OSError):
-                new.unlink()
+                draft.unlink()
 
 
 def read(folder: Path, robot: str | None = None) -> tuple[File, ...]:
     """Read the files of a folder, of one robot alone if so asked; InputError names unreadable and foreign files."""
-    found = []
+    files = []
     try:
         for place in sorted(one for one in folder.iterdir() if one.is_dir() and not one.name.startswith(".")):
             if robot in {None, place.name}:
-                found += [_read(place, path) for path in sorted(place.iterdir()) if path.suffix == _SUFFIX]
+                files += [_read(place, path) for path in sorted(place.iterdir()) if path.suffix == _SUFFIX]
     except OSError as err:
         raise InputError(f"{err.filename} cannot be read ({err.strerror})") from err
-    if not found:
+    if not files:
         whose = f"{robot}/" if robot else "lbr/"
         raise InputError(
             f"{folder} has no rows in it: files such as {whose}capability.json, as `lbr db export` writes them"
         )
-    return tuple(found)
+    return tuple(files)
 
 
 def _read(place: Path, path: Path) -> File:
@@ -133,22 +133,22 @@ def _owner(table: str, schema: Schema) -> str:
 
 def _text(table: str, rows: Any, schema: Schema) -> str:
     keys = schema.keys_of[table]
-    told = [
-        {name: _told(value) for name, value in row.items() if name != "robot" and (table, name) not in WRITTEN_BY_LBR}
+    objects = [
+        {name: _json(value) for name, value in row.items() if name != "robot" and (table, name) not in WRITTEN_BY_LBR}
         for row in sorted(rows, key=lambda row: tuple((isinstance(row[name], str), row[name]) for name in keys))
     ]
-    return json.dumps(told, ensure_ascii=False, indent=2) + "\n"
+    return json.dumps(objects, ensure_ascii=False, indent=2) + "\n"
 
 
-def _told(value: Any) -> Any:
+def _json(value: Any) -> Any:
     """Return a value as a file has it: JSON that is an object or a list as such, if nothing is lost by it."""
     if isinstance(value, str) and value[:1] in {"{", "["}:
         try:
-            found = json_strictly(value)
+            parsed = json_strictly(value)
         except (ValueError, RecursionError):
             return value
-        if same(_stored(found), value):
-            return found
+        if same(_stored(parsed), value):
+            return parsed
     return value
 
 
@@ -159,7 +159,7 @@ def _stored(value: object) -> Any:
 
 
 def _rows(file: File, schema: Schema) -> tuple[list[RawRow], list[str]]:
-    """Return the rows of a file, and what is wrong with it."""
+    """Return the rows of a file, and its faults."""
     if file.table not in schema:
         return [], [f"{file.name}: there is no table '{shown(file.table)}': {', '.join(sorted(schema))}"]
     if (file.robot == SHARED) == bool(_owner(file.table, schema)):
@@ -168,13 +168,13 @@ def _rows(file: File, schema: Schema) -> tuple[list[RawRow], list[str]]:
         )
         return [], [f"{file.name}: a row of {file.table} is {whose}"]
     try:
-        found = json_strictly(file.text)
+        parsed = json_strictly(file.text)
     except (RecursionError, ValueError) as err:
         return [], [_no_json(file, err)]
-    if not isinstance(found, list):
+    if not isinstance(parsed, list):
         return [], [f"{file.name}: is not a list of rows"]
     rows, faults, seen = [], [], set()
-    for number, values in enumerate(found, 1):
+    for number, values in enumerate(parsed, 1):
         row, wrong = _row(file, number, values, schema)
         key = tuple(row.get(name) for name in schema.keys_of[file.table])
         if not wrong and key in seen:

@@ -247,7 +247,7 @@ def _allowed(row: "ExternalCommandRow", _: Others) -> Iterator[Fault]:
 
 
 def _no_verb(row: "ExternalCommandRow", others: Others) -> Iterator[Fault]:
-    if builtin.taken(row.name):
+    if builtin.is_builtin(row.name):
         yield "name", f"'{row.name}' {BUILT_IN}"
     elif (row.name,) in others.index(VerbRow, _line):
         yield "name", f"'{row.name}' is a verb already"

@@ -71,14 +71,14 @@ def script(row: type[Row]) -> str:
     return f"{text(table)}\n{revision_triggers(table)}"
 
 
-def rebuilt(table: Table, kept: Sequence[str]) -> str:
-    """Return the SQL that builds a table anew with its values in the columns `kept`. Its triggers go."""
+def rebuilt(table: Table, names: Sequence[str]) -> str:
+    """Return the SQL that builds a table anew with its values in these columns. Its triggers go."""
     known = MetaData()
     replacement, former = (
         table.to_metadata(known, name=f"{table.name}_new"),
-        sql.table(table.name, *map(sql.column, kept)),
+        sql.table(table.name, *map(sql.column, names)),
     )
-    copied = sql.insert(replacement).from_select(list(kept), sql.select(former), include_defaults=False)
+    copied = sql.insert(replacement).from_select(list(names), sql.select(former), include_defaults=False)
     lines = [str(copied.compile(dialect=sqlite.dialect())), str(DropTable(table))]
     moved = f"ALTER TABLE {replacement.name} RENAME TO {table.name}"
     return text(replacement) + "".join(f"{' '.join(line.split())};\n" for line in (*lines, moved))

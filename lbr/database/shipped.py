@@ -34,20 +34,20 @@ def shipped(sql: Path | None = None) -> tuple[RawTables, Schema]:
 def differences(
     database: Database, sql: Path | None = None, *, implied: Callable[[str, RawRow], bool] = lambda _table, _row: False
 ) -> tuple[Difference, ...]:
-    """Compare a database's rows with those that a new one has, or `sql` alone, table by table.
+    """Compare a database's rows with those of a new one, or of `sql` alone, table by table.
 
     Of a robot that is not there at all, only that is told; of a row that is `implied`, which says no more than what
     holds without it, nothing.
     """
-    (before, _), (here, schema) = shipped(sql), database.tables()
-    there = {row["name"] for row in here[ROBOT]}
+    (before, _), (present, schema) = shipped(sql), database.tables()
+    robots = {row["name"] for row in present[ROBOT]}
     before = {
-        table: [row for row in rows if table == ROBOT or row.get("robot") is None or row["robot"] in there]
+        table: [row for row in rows if table == ROBOT or row.get("robot") is None or row["robot"] in robots]
         for table, rows in before.items()
     }
-    found = changes.between(before, here, schema)
+    changed = changes.between(before, present, schema)
     return changes.differences(
-        one for one in found if one.before is not None or not implied(one.table, one.after or {})
+        change for change in changed if change.before is not None or not implied(change.table, change.after or {})
     )
 
 
@@ -56,14 +56,14 @@ def add(database: Database, robot: str, judge: Judge = lambda _rows: ()) -> dict
 
     InputError says which robots there are, RowError what `judge` or the tables have against the rows of a package.
     """
-    found = registry.find(robot)
-    if found is None:
+    installed = registry.find(robot)
+    if installed is None:
         raise InputError(f"no package here brings a robot '{robot}': {', '.join(registry.names())} are there")
-    if found.robot is not None and found.robot.rows is None:
+    if installed.robot is not None and installed.robot.rows is None:
         rows, _ = shipped(robot_db_sql())
         rows = {table: [row for row in of_table if _is_of(table, row, robot)] for table, of_table in rows.items()}
     else:
-        rows = packaged.rows_of(found, judge)
+        rows = packaged.rows_of(installed, judge)
 
     def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
         return tuple(

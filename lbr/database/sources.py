@@ -37,7 +37,7 @@ def wanted(source: Path, database: Path, robot: str | None = None) -> Wanted:
     """
     if source.is_dir():
         files = row_files.read(source, robot)
-        return lambda tables, schema: changes.between(tables, row_files.taken(files, tables, schema), schema, robot)
+        return lambda tables, schema: changes.between(tables, row_files.applied(files, tables, schema), schema, robot)
     try:
         about = source.stat()
         if not stat.S_ISREG(about.st_mode):  # a pipe without a writer would be waited for
@@ -72,14 +72,14 @@ def _of_copy(source: Path) -> tuple[RawTables, Schema]:
             return opened.tables()
 
 
-def _fitting(source: Path, found: RawTables, theirs: Schema, ours: Schema) -> RawTables:
+def _fitting(source: Path, tables: RawTables, theirs: Schema, ours: Schema) -> RawTables:
     """Return another database's rows; InputError if its tables are not those that are here."""
     for table in ours:
         if table not in theirs or set(theirs[table]) != set(ours[table]):
             raise InputError(f"{source} has not the table '{table}' as this database has it: add it there first")
-    if more := [table for table in theirs if table not in ours and found[table]]:
+    if more := [table for table in theirs if table not in ours and tables[table]]:
         raise InputError(f"there is no table '{more[0]}' here, and {source} has rows of it: add it first")
-    return found
+    return tables
 
 
 def _run(source: Path, script: str, database: Path) -> RawTables:

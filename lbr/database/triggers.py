@@ -17,13 +17,13 @@ END;
 
 def revision_triggers(table: str, columns: Sequence[str], key: Sequence[str]) -> str:
     """Return the SQL of the three triggers of a table: `columns` are kept, and `key` tells its rows apart."""
-    old, new = (_whole(row, columns) for row in ("OLD", "NEW"))
+    before, after = (_whole(row, columns) for row in ("OLD", "NEW"))
     changed = f"WHEN {_list('OLD', columns)}\n     IS NOT {_list('NEW', columns)}\n"
     return "\n".join(
         (
-            _trigger(table, "insert", "", _key("NEW", key), "NULL", new),
-            _trigger(table, "update", changed, _key("NEW", key), old, new),
-            _trigger(table, "delete", "", _key("OLD", key), old, "NULL"),
+            _trigger(table, "insert", "", _key("NEW", key), "NULL", after),
+            _trigger(table, "update", changed, _key("NEW", key), before, after),
+            _trigger(table, "delete", "", _key("OLD", key), before, "NULL"),
         )
     )
 

@@ -54,7 +54,7 @@ def test_a_copy_is_whole_private_and_newest_first(path):
     assert copies.keep(path, digest(path)) == path.with_name("robot.db.good-1")
     edit(path, "second")
     copies.keep(path, digest(path))
-    found = copies.kept(path)
+    found = copies.stored(path)
     assert [(copy.number, copy.revision, copy.fault) for copy in found] == [(1, 2, ""), (2, 1, "")]
     assert [owner(Path(copy.path)) for copy in found] == ["second", "first"]
     assert path.with_name("robot.db.good-1").stat().st_mode & 0o777 == 0o600
@@ -66,7 +66,7 @@ def test_two_robots_of_one_database_keep_copies_at_the_same_moment(path):
     with ThreadPoolExecutor(4) as robots:
         found = list(robots.map(lambda _one: copies.keep(path, now), range(8)))
     assert [one for one in found if one] == [path.with_name("robot.db.good-1")]
-    assert [copy.fault for copy in copies.kept(path)] == [""]
+    assert [copy.fault for copy in copies.stored(path)] == [""]
 
 
 def test_the_same_rows_are_copied_once(path):
@@ -84,14 +84,14 @@ def test_a_copy_that_was_damaged_is_not_taken_for_the_rows_that_run(path):
     newest = copies.keep(path, digest(path))
     newest.write_bytes(newest.read_bytes()[:2048])
     assert copies.keep(path, digest(path)) == newest
-    assert copies.kept(path)[0].fault == ""
+    assert copies.stored(path)[0].fault == ""
 
 
 def test_only_a_few_generations_are_kept(path):
     for n in range(6):
         edit(path, str(n))
         copies.keep(path, digest(path))
-    assert [owner(Path(copy.path)) for copy in copies.kept(path)] == ["5", "4", "3"]
+    assert [owner(Path(copy.path)) for copy in copies.stored(path)] == ["5", "4", "3"]
 
 
 def test_what_is_not_what_runs_is_not_copied(path):
@@ -99,7 +99,7 @@ def test_what_is_not_what_runs_is_not_copied(path):
     edit(path, "nobody has tried this yet")
     with pytest.raises(RowError, match="its rows differ"):
         copies.keep(path, before)
-    assert copies.kept(path) == ()
+    assert copies.stored(path) == ()
     assert [file.name for file in path.parent.iterdir()] == ["robot.db"]
 
 
@@ -132,7 +132,7 @@ def test_who_restores_is_told_which_tokens_are_valid_in_it(damaged, capsys, word
 def test_the_newest_copy_that_is_good_is_taken(damaged):
     damaged.with_name("robot.db.good-1").replace(damaged.with_name("robot.db.good-2"))
     damaged.with_name("robot.db.good-1").write_bytes(b"SQLite format 3\0 and nothing else")
-    assert copies.kept(damaged)[0].fault
+    assert copies.stored(damaged)[0].fault
     assert restore(damaged)[0] == damaged.with_name("robot.db.good-2")
     assert owner(damaged) == "somebody"
 
@@ -140,7 +140,7 @@ def test_the_newest_copy_that_is_good_is_taken(damaged):
 def test_a_pipe_in_a_copys_place_keeps_nobody_waiting(damaged):
     damaged.with_name("robot.db.good-1").replace(damaged.with_name("robot.db.good-2"))
     os.mkfifo(damaged.with_name("robot.db.good-1"))
-    assert "is not a file" in copies.kept(damaged)[0].fault
+    assert "is not a file" in copies.stored(damaged)[0].fault
     assert restore(damaged)[0] == damaged.with_name("robot.db.good-2")
 
 

@@ -167,7 +167,7 @@ def test_a_copy_of_somebody_else_is_no_good_copy(path):
     copies.keep(path, digest_of(path))
     good = path.with_name(f"{path.name}.good-1")
     os.chown(good, 4321, 4321)
-    (kept,) = copies.kept(path)
+    (kept,) = copies.stored(path)
     assert "belongs to user 4321" in kept.fault
     with pytest.raises(InputError, match="none of its 1 copies is good"):
         restore(path)

@@ -23,14 +23,14 @@ def changed(table: str, rows: list) -> tuple[File, ...]:
 
 def faults(file: File) -> tuple[str, ...]:
     with pytest.raises(RowError) as caught:
-        row_files.taken((file,), TABLES, SCHEMA)
+        row_files.applied((file,), TABLES, SCHEMA)
     return caught.value.problems
 
 
 def test_what_is_written_is_what_is_taken_in_the_database_and_in_an_empty_one():
     files = row_files.written(TABLES, SCHEMA)
-    assert changes.between(TABLES, row_files.taken(files, TABLES, SCHEMA), SCHEMA) == ()
-    into_nothing = row_files.taken(files, dict.fromkeys(SCHEMA, ()), SCHEMA)
+    assert changes.between(TABLES, row_files.applied(files, TABLES, SCHEMA), SCHEMA) == ()
+    into_nothing = row_files.applied(files, dict.fromkeys(SCHEMA, ()), SCHEMA)
     assert changes.between(TABLES, into_nothing, SCHEMA) == ()
     assert row_files.written(into_nothing, SCHEMA) == files
 
@@ -67,7 +67,7 @@ def test_any_rows_come_back_as_they_were(tmp_path_factory, capabilities, phrases
     row_files.write(folder, files)
     read = row_files.read(folder)
     assert sorted(read, key=lambda file: file.name) == sorted(files, key=lambda file: file.name)
-    assert changes.between(tables, row_files.taken(read, TABLES, SCHEMA), SCHEMA) == ()
+    assert changes.between(tables, row_files.applied(read, TABLES, SCHEMA), SCHEMA) == ()
 
 
 def test_what_else_lies_in_a_folder_of_rows_is_left_out(tmp_path):
@@ -84,7 +84,7 @@ def test_files_of_an_editor_that_marks_utf_8_and_ends_lines_its_own_way_are_read
     row_files.write(tmp_path, files)
     for path in tmp_path.rglob("*.json"):
         path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b"\n", b"\r\n"))
-    assert changes.between(TABLES, row_files.taken(row_files.read(tmp_path), TABLES, SCHEMA), SCHEMA) == ()
+    assert changes.between(TABLES, row_files.applied(row_files.read(tmp_path), TABLES, SCHEMA), SCHEMA) == ()
 
 
 @given(st.sampled_from(row_files.written(TABLES, SCHEMA)), st.data())
@@ -101,7 +101,7 @@ def test_any_json_is_rows_or_told_why_not(table, value):
     if value != []:
         assert all(fault.startswith(f"lbr/{table}.json") for fault in faults(file))
     elif table != "phrase":
-        row_files.taken((file,), TABLES, SCHEMA)
+        row_files.applied((file,), TABLES, SCHEMA)
 
 
 def test_rows_are_sorted_by_their_keys_and_json_stands_as_such():
@@ -120,14 +120,14 @@ def test_what_lbr_itself_writes_and_other_robots_stay_out_of_it():
 
 
 def test_a_table_without_a_file_stays_and_an_empty_one_is_emptied():
-    after = row_files.taken(changed("channel", []), TABLES, SCHEMA)
+    after = row_files.applied(changed("channel", []), TABLES, SCHEMA)
     assert {change.table for change in changes.between(TABLES, after, SCHEMA)} == {"channel"}
     assert {change.robot for change in changes.between(TABLES, after, SCHEMA)} == {"lbr"}
 
 
 def test_a_column_that_is_left_out_has_its_default_and_a_latch_stays():
     latched = {**TABLES, "robot": [{**row, "estop_engaged": 1} for row in TABLES["robot"]]}
-    after = row_files.taken(changed("robot", [{"name": "lbr"}]), latched, SCHEMA)
+    after = row_files.applied(changed("robot", [{"name": "lbr"}]), latched, SCHEMA)
     (row,) = [row for row in after["robot"] if row["name"] == "lbr"]
     assert (row["model"], row["estop_engaged"]) == ("", 1)
 

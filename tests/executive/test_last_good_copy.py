@@ -34,7 +34,7 @@ def test_an_edit_that_comes_just_before_the_copy_is_no_trouble_and_is_copied_lat
     copy.step(RUN_WELL_S, before)
     until(lambda: all(one.name != "keeper" for one in threading.enumerate()), what="it has looked")
     copy.step(RUN_WELL_S, before)
-    assert (told, copies.kept(path)) == ([], ())
+    assert (told, copies.stored(path)) == ([], ())
     copy.step(RUN_WELL_S + AGAIN_AFTER_S, digest(path))
     until(lambda: copy.step(0.0, "") or told == [""], what="it is copied")
-    assert len(copies.kept(path)) == 1
+    assert len(copies.stored(path)) == 1
