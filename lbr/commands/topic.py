@@ -42,7 +42,7 @@ def list_topics(whom: Whom, as_json: bool) -> int:
     """List streams and commands, with message types and rates; listens a second for streams without a description."""
     with _bus(whom) as (bus, name, source):
         found = topics.catalogue(bus, name, source)
-        found = sorted([*found, *topics.heard(bus, name, found, LISTEN_S)], key=lambda topic: topic.name)
+        found = sorted([*found, *topics.undescribed(bus, name, found, LISTEN_S)], key=lambda topic: topic.name)
     if as_json:
         print_json([{"name": t.name, "role": t.role, "message": t.message, "rate_hz": t.rate_hz} for t in found])
         return 0
@@ -63,7 +63,7 @@ def info(topic: str, whom: Whom, as_json: bool) -> int:
         key = topics.key_of(name, topic)
         there, wanted = _known(bus, name, source), key.partition("/")[2]
         if wanted not in {topic.name for topic in there}:
-            there += topics.heard(bus, name, there, LISTEN_S)
+            there += topics.undescribed(bus, name, there, LISTEN_S)
         found = topics.choose(there, wanted)
     if as_json:
         print_json({"key": key, "role": found.role, "rate_hz": found.rate_hz, "schema": found.json_schema})

@@ -1,4 +1,4 @@
-"""Completion from what can be said: words, then the fields with what each may be."""
+"""Completion of lines: words, then the fields with their values."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -45,17 +45,17 @@ class LineCompleter(Completer):
                 yield Completion(entry["word"], -len(text), display_meta="end this external command")
 
     def _arguments(self, text: str) -> Iterator[Completion]:
-        """Yield what may follow the name of an external command, as its row allows it."""
+        """Yield the arguments that the row of an external command allows next."""
         word, *given = text.split(" ")
         index, start = len([one for one in given[:-1] if one]), given[-1]
         for entry in self.entries:
             fields = entry.get("fields") or []
             if entry.get("target") == "external" and entry.get("word") == word and index < len(fields):
-                for said, shown, meta in _allowed(fields[index], fields[index]["choices"], start, entry):
-                    yield Completion(said, -len(start) if said else 0, display=shown, display_meta=meta)
+                for insert, label, meta in _allowed(fields[index], fields[index]["choices"], start, entry):
+                    yield Completion(insert, -len(start) if insert else 0, display=label, display_meta=meta)
             elif str(entry.get("target", "")).startswith(f"{OWN}.") and index == 0 and _bare(entry, word, self.entries):
-                for said, shown, meta in _next(entry, index, start):
-                    yield Completion(said, -len(start) if said else 0, display=shown, display_meta=meta)
+                for insert, label, meta in _next(entry, index, start):
+                    yield Completion(insert, -len(start) if insert else 0, display=label, display_meta=meta)
 
     def _fields(self, text: str) -> Iterator[Completion]:
         word, *parts = text[1:].split("/")

@@ -53,14 +53,14 @@ def _doing(state: JointsState) -> tuple[str, str]:
     if state.moving:
         return DOUBTFUL, "joints moving"
     style, words = _PHASES[state.phase]
-    unknown = sum(1 for one in state.joints.values() if one.torque is None)
+    unknown = sum(1 for joint in state.joints.values() if joint.torque is None)
     if unknown:
         known = "" if state.phase == "released" else f"{words}, "
         words = f"{known}torque of {unknown} of {len(state.joints)} unknown"
-    without = sum(1 for one in state.joints.values() if one.torque == 0.0)
+    without = sum(1 for joint in state.joints.values() if joint.torque == 0.0)
     if state.phase == "following" and 0 < without < len(state.joints):
         words = f"{words}, {without} without torque"
-    doubted = sum(1 for one in state.joints.values() if one.trusted is False)
+    doubted = sum(1 for joint in state.joints.values() if joint.trusted is False)
     if doubted:
         words = f"{words}, {doubted} not believed"
     return style, f"joints {words}"

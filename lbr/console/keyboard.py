@@ -94,7 +94,7 @@ class Overhearing:
 
 
 class Keyboard(PosixStdinReader):
-    """Reads keys for the editor. `heard` gets each stop at once, before the editor does; a flood never gets there.
+    """Reads keys for the editor. `on_stop` gets each stop at once, before the editor does; a flood never gets there.
 
     `typed` says how many characters the editor has of a line.
     """
@@ -104,29 +104,29 @@ class Keyboard(PosixStdinReader):
         fd: int,
         encoding: str,
         *,
-        heard: Callable[[str], None],
+        on_stop: Callable[[str], None],
         flooded: Callable[[], None],
         typed: Callable[[], int],
     ) -> None:
         super().__init__(fd, encoding=encoding)
         self.overhearing = Overhearing(time.monotonic)
-        self._heard = heard
+        self._on_stop = on_stop
         self._flooded = flooded
         self._typed = typed
         self._begun = ""
 
     def read(self, count: int = 1024) -> str:
-        """Return what is there for the editor; a sequence that is cut off waits for its end, so that its rest is not
+        """Return the text for the editor; a sequence that is cut off waits for its end, so that its rest is not
         text."""
         text = super().read(count)
         if not text:
             return text
-        heard = self.overhearing.hear(text, self._typed())
-        for stop in heard.stops:
-            self._heard(stop)
-        if heard.begins:
+        overheard = self.overhearing.hear(text, self._typed())
+        for stop in overheard.stops:
+            self._on_stop(stop)
+        if overheard.begins:
             self._flooded()
-        return self._whole("" if heard.flood else text)
+        return self._whole("" if overheard.flood else text)
 
     def forget(self) -> None:
         """Forget a sequence that was begun and not ended."""
@@ -141,12 +141,12 @@ class Keyboard(PosixStdinReader):
 
 
 def listen(
-    source: Input, *, heard: Callable[[str], None], flooded: Callable[[], None], typed: Callable[[], int]
+    source: Input, *, on_stop: Callable[[str], None], flooded: Callable[[], None], typed: Callable[[], int]
 ) -> None:
-    """Overhear what is read from a terminal."""
+    """Read a terminal's keys for stops, too."""
     if isinstance(source, Vt100Input):
         encoding = source.stdin.encoding or "utf-8"
-        source.stdin_reader = Keyboard(source.fileno(), encoding, heard=heard, flooded=flooded, typed=typed)
+        source.stdin_reader = Keyboard(source.fileno(), encoding, on_stop=on_stop, flooded=flooded, typed=typed)
 
 
 def begin_again(source: Input) -> None:

@@ -184,11 +184,11 @@ class Lines:
         print(text, file=self._err, flush=True)
 
 
-def show(result: ConsoleResult, out: IO[str], err: IO[str]) -> None:
+def show(result: ConsoleResult, output: IO[str], errors: IO[str]) -> None:
     """Print a result where it belongs, without control characters."""
     text = "\n".join(one_line(part) for part in result.text.splitlines())
     if text:
-        print(text, file=err if result.code else out, flush=True)
+        print(text, file=errors if result.code else output, flush=True)
 
 
 Announce = Callable[[ConsoleResult], None]

@@ -84,11 +84,11 @@ def leave() -> None:
         _open.over.wait(LEAVE_S)
 
 
-def run_remote(found: target.Target, *, hold_s: float | None = None) -> int:
+def run_remote(place: target.Target, *, hold_s: float | None = None) -> int:
     """Run a console on a robot, until it is left; the robot runs on."""
-    with target.connected(found) as bus, target.connected(found) as streams:
+    with target.connected(place) as bus, target.connected(place) as streams:
         operator = BusOperator(
-            bus, found.robot, target.source("console"), role=found.role, proof=found.proof, streams=streams
+            bus, place.robot, target.source("console"), role=place.role, proof=place.proof, streams=streams
         )
         return _run(operator, hold_s=hold_s)
 
@@ -103,17 +103,17 @@ def _run(operator: BusOperator, *, greeting: Greeting | None = None, hold_s: flo
 
 
 def _run_lines(operator: BusOperator, *, local: bool, hold_s: float | None) -> int:
-    """Say lines from a pipe; what is not read of their results is left out, and nothing waits for it but the end."""
+    """Run lines from a pipe; unread results are left out, and only the end waits for their reader."""
     outlet = Outlet()
-    out, err = (cast("IO[str]", Stream(outlet, stream.fileno(), strict=True)) for stream in (sys.stdout, sys.stderr))
-    lines = Lines(operator, out, err, hold_s=hold_s)
+    output, err = (cast("IO[str]", Stream(outlet, stream.fileno(), strict=True)) for stream in (sys.stdout, sys.stderr))
+    lines = Lines(operator, output, err, hold_s=hold_s)
     _open.opened(lines.close)
     try:
         if local:
             _wait_ready(operator, lines)
         code = lines.run(lines_of(sys.stdin.fileno()))
         outlet.drain(LAST_OUTPUT_S if local else None)
-        out.flush()
+        output.flush()
         return code
     finally:
         outlet.close()

@@ -298,13 +298,13 @@ class _Latest:
         )
 
     def events(self) -> list[Event]:
-        found = []
+        events = []
         for raw in self._events.take():
             try:
-                found.append(Decoder(Event).decode(raw.payload))
+                events.append(Decoder(Event).decode(raw.payload))
             except MalformedError:
                 continue
-        return found
+        return events
 
     def close(self) -> None:
         self._events.close()

@@ -202,16 +202,16 @@ def settle() -> None:
 
 
 def say(line: str) -> str:
-    """Print a line on standard output, and return why that cannot be; what is not read yet is no reason."""
-    out = sys.stdout
+    """Print a line on standard output, and return the fault of the output, if any; an unread line is not a fault."""
+    stream = sys.stdout
     try:
         print(line, flush=True)
     except OSError as err:
         return str(err.strerror)
-    if not isinstance(out, Stream):
+    if not isinstance(stream, Stream):
         return ""
-    out.outlet.drain(ERROR_S)
-    error = out.outlet.error(out.fileno())
+    stream.outlet.drain(ERROR_S)
+    error = stream.outlet.error(stream.fileno())
     return str(error.strerror) if error is not None else ""
 
 

@@ -78,7 +78,7 @@ class PromptOutput:
         self._left_out = 0
         self._scheduled = False
         self._over = False
-        screen.outlet.taken = self._taken
+        screen.outlet.taken = self._draw_late
 
     @property
     def size(self) -> Size:
@@ -129,8 +129,8 @@ class PromptOutput:
         except RuntimeError:  # it ends just now; `ended` shows the rest
             pass
 
-    def _taken(self) -> None:
-        """Draw what had no room before, now that the terminal has taken something."""
+    def _draw_late(self) -> None:
+        """Draw the part that had no room before, now that the terminal has room."""
         if self._renderer.late and self._screen.free:
             self._app.invalidate()
 
@@ -150,7 +150,7 @@ class PromptOutput:
                 self._schedule(0.0)
 
     def _write(self, most: int) -> None:
-        told = f"{left_out(self._left_out)}\r\n" if self._left_out else ""
+        notice = f"{left_out(self._left_out)}\r\n" if self._left_out else ""
         self._left_out = 0
         lines = []
         while self._waiting and most > 0:
@@ -158,7 +158,7 @@ class PromptOutput:
             self._size -= len(line)
             most -= len(line)
             lines.append(line.replace("\n", "\r\n"))
-        self._screen.write_raw(told + "".join(lines))
+        self._screen.write_raw(notice + "".join(lines))
         self._screen.flush()
 
 

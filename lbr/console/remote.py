@@ -43,21 +43,21 @@ class RefusedError(BusError):
 
 
 def enter(endpoint: str, token_file: Path | None) -> Entry:
-    """Return what lets us in at an endpoint; raise BusError or InputError with one sentence that says why nothing does.
+    """Return the entry to an endpoint; BusError or InputError is the reason, in one sentence, if there is none.
 
     A token that was typed is saved once it has let us in.
     """
     der = certificate_at(endpoint)
     refused = ""
-    for one in token_store.offered(endpoint, token_file):
-        refused = _why_not(endpoint, one, der)
+    for offered in token_store.offered(endpoint, token_file):
+        refused = _why_not(endpoint, offered, der)
         if not refused:
-            if one.typed:
-                token_store.save(endpoint, one.token)
-            return _entry(one.token, der)
-        if one.typed:
+            if offered.typed:
+                token_store.save(endpoint, offered.token)
+            return _entry(offered.token, der)
+        if offered.typed:
             break
-        if one.saved and token_store.can_ask():
+        if offered.saved and token_store.can_ask():
             print(f"lbr: {refused}", file=sys.stderr)
             refused = ""
     raise RefusedError(
@@ -104,16 +104,16 @@ def certificate_at(endpoint: str) -> bytes:
         raise AbsentError(f"nothing listens at {shown(endpoint)} ({err.strerror or err})") from err
 
 
-def _why_not(endpoint: str, one: Offered, der: bytes) -> str:
-    """Return why a token does not let us in, or nothing."""
-    if tokens.fingerprint(der) != one.token.fingerprint:
+def _why_not(endpoint: str, offered: Offered, der: bytes) -> str:
+    """Return the reason why an endpoint refuses a token; empty if it accepts it."""
+    if tokens.fingerprint(der) != offered.token.fingerprint:
         return (
             f"{shown(endpoint)} shows another certificate ({tokens.fingerprint(der)}) than the token is for, "
-            f"{one.origin}: this is another robot, or someone in between"
+            f"{offered.origin}: this is another robot, or someone in between"
         )
     for patience_s in (AGAIN_S, 0.0):
         try:
-            entry = _entry(one.token, der)
+            entry = _entry(offered.token, der)
             session.open_client([endpoint], entry.credentials, certificate=entry.certificate, timeout_s=0.0).close()
         except BusError:
             time.sleep(patience_s)  # a door that just reopens would refuse no client
@@ -126,7 +126,7 @@ def _why_not(endpoint: str, one: Offered, der: bytes) -> str:
             f"{shown(endpoint)} shows a certificate that is valid {valid}, and this machine's clock says {now:%Y-%m-%d}: "
             "set the clock"
         )
-    return f"{shown(endpoint)} refuses the token, {one.origin}: it is unknown, revoked or expired; {HOW}"
+    return f"{shown(endpoint)} refuses the token, {offered.origin}: it is unknown, revoked or expired; {HOW}"
 
 
 def _entry(token: Token, der: bytes) -> Entry:

@@ -45,20 +45,20 @@ def source(what: str) -> str:
 
 def find(robot: str | None, connect: str | None, token_file: Path | None = None) -> Target:
     """Return the robot that is meant: the named one, the one behind `connect`, or the only one that runs here."""
-    here = home.running()
+    running = home.running()
     if connect and connect.startswith(remote.PROTOCOL):
         return _remote_target(connect, robot, remote.enter(connect, token_file))
     if connect:
-        return _behind(connect, robot, here)
-    wanted = [one for one in here if robot in {None, one.robot}]
+        return _behind(connect, robot, running)
+    wanted = [run for run in running if robot in {None, run.robot}]
     if len(wanted) == 1:
-        one = wanted[0]
-        return _local_target(one)
-    names = listed([one.robot for one in here], "and")
+        run = wanted[0]
+        return _local_target(run)
+    names = listed([run.robot for run in running], "and")
     if robot is not None:
-        there = f"{names} {'runs' if len(here) == 1 else 'run'} here" if here else "none runs here"
+        there = f"{names} {'runs' if len(running) == 1 else 'run'} here" if running else "none runs here"
         raise BusError(f"robot '{shown(robot)}' does not run here ({there}); 'lbr run' starts one")
-    if not here:
+    if not running:
         raise BusError("no robot runs here; 'lbr run' starts one, and --connect ENDPOINT reaches one elsewhere")
     raise InputError(f"several robots run here: {names}; say which with --robot NAME")
 

@@ -108,7 +108,7 @@ class Terminal:
         self._stops = 0
         listen(
             self._session.app.input,
-            heard=self._overheard,
+            on_stop=self._overheard,
             flooded=self._flooded,
             typed=lambda: len(self._session.app.current_buffer.text),
         )
@@ -236,11 +236,11 @@ class Terminal:
         end."""
         loop = self._session.app.loop
         if loop is not None:
-            loop.call_soon(self._stop_unless_said, stop, self._stops, context=self._session.app.context)
+            loop.call_soon(self._stop_unless_counted, stop, self._stops, context=self._session.app.context)
 
-    def _stop_unless_said(self, stop: str, said: int) -> None:
+    def _stop_unless_counted(self, stop: str, count: int) -> None:
         app = self._session.app
-        if self._stops != said or not app.is_running or app.is_done:
+        if self._stops != count or not app.is_running or app.is_done:
             return
         begin_again(app.input)
         app.key_processor.reset()
@@ -386,12 +386,12 @@ class Terminal:
         threading.Thread(target=self._operator.release, name="release", daemon=True).start()
 
     def _forget_lines(self) -> list[str]:
-        """Take the lines that wait for their turn."""
-        found = []
+        """Remove and return the lines that wait for their turn."""
+        lines = []
         with contextlib.suppress(queue.Empty):
             while True:
-                found.append(self._lines.get_nowait()[1])
-        return found
+                lines.append(self._lines.get_nowait()[1])
+        return lines
 
 
 def describe(event: Event) -> str:

@@ -75,11 +75,11 @@ def _nearest(ranges: Ranges | None, sees: Mapping[str, float | None]) -> str:
     readings."""
     read = {} if ranges is None else {name: ranges.metres(name) for name in WHERE} | ranges.others_m
     watching = {view.partition(" ")[0] for view in sees}
-    found = {WHERE.get(name, name): metres for name, metres in read.items() if name not in watching}
+    distances = {WHERE.get(name, name): metres for name, metres in read.items() if name not in watching}
     for view, metres in sees.items():
         sensor, _, side = view.partition(" ")
-        found[f"{WHERE.get(side, side)} ({shown(sensor)})"] = metres
-    known = {where: metres for where, metres in found.items() if metres is not None}
+        distances[f"{WHERE.get(side, side)} ({shown(sensor)})"] = metres
+    known = {where: metres for where, metres in distances.items() if metres is not None}
     if not known:
         return "no ranges"
     where = min(known, key=lambda name: known[name])
@@ -87,16 +87,16 @@ def _nearest(ranges: Ranges | None, sees: Mapping[str, float | None]) -> str:
 
 
 def _fitting(pieces: list[Piece], columns: int) -> Fragments:
-    """Leave out what there is no room for; the state is shortened at last."""
+    """Leave out the pieces without room; the state is shortened at last."""
     while len(pieces) > 2 and _width(pieces) > columns:
         rank = max(rank for rank, _, _ in pieces)
         pieces.remove(next(piece for piece in reversed(pieces) if piece[0] == rank))
-    kept = [(style, text) for _, style, text in pieces]
+    fitting = [(style, text) for _, style, text in pieces]
     over = _width(pieces) - columns
     if over > 0:
-        style, text = kept[1]
-        kept[1] = style, text[: max(1, len(text) - over - 1)] + "…"
-    return kept
+        style, text = fitting[1]
+        fitting[1] = style, text[: max(1, len(text) - over - 1)] + "…"
+    return fitting
 
 
 def _width(pieces: list[Piece]) -> int:

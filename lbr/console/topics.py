@@ -33,32 +33,32 @@ class Topic(Struct, frozen=True, kw_only=True):
 
 
 def catalogue(bus: Session, robot: str, source: str) -> list[Topic]:
-    """Return what every running capability offers, by name."""
+    """Return the topics of all running capabilities, by name."""
     schemas = probe.survey(bus, keys.schema(robot, "*", "*"), source=source)
     rates = _rates(wire.ask(bus, keys.status(robot), None, source=source))
-    found = {}
+    topics = {}
     for raw in schemas:
         capability, name = raw.key.split("/")[-2:]
         schema = _decoded(raw.payload)
         topic = f"{capability}/{name}"
-        found[topic] = Topic(
+        topics[topic] = Topic(
             name=topic,
             role="stream" if topic in rates else "command" if "x-role" in schema else "setpoint",
             message=str(schema.get("$ref", "")).rpartition("/")[2] or str(schema.get("title", "?")),
             rate_hz=rates.get(topic),
             json_schema=schema,
         )
-    return _placed([found[name] for name in sorted(found)], bus, robot, source)
+    return _placed([topics[name] for name in sorted(topics)], bus, robot, source)
 
 
-def heard(bus: Session, robot: str, known: Iterable[Topic], seconds: float) -> list[Topic]:
+def undescribed(bus: Session, robot: str, known: Iterable[Topic], seconds: float) -> list[Topic]:
     """Listen for streams without a description, such as those of programs of kind exec."""
     arrivals = probe.Arrivals(bus, f"{robot}/**")
     time.sleep(seconds)
-    taken = arrivals.take()
+    arrived = arrivals.take()
     arrivals.close()
     described = {topic.name for topic in known}
-    counts = Counter(arrival.key.removeprefix(f"{robot}/") for arrival in taken)
+    counts = Counter(arrival.key.removeprefix(f"{robot}/") for arrival in arrived)
     return [
         Topic(name=name, role="stream", message=UNDESCRIBED, rate_hz=round(count / seconds, 1), json_schema={})
         for name, count in sorted(counts.items())
@@ -135,7 +135,7 @@ def _near(name: str, known: dict[str, Topic]) -> str:
 
 
 def _placed(topics: list[Topic], bus: Session, robot: str, source: str) -> list[Topic]:
-    """Show outputs that are sent as setpoints where they really are: on the key of the capability that takes them."""
+    """Move outputs that are sent as setpoints to their real key: that of the capability that receives them."""
     sent = {
         topic.message: topic
         for topic in topics
@@ -143,11 +143,11 @@ def _placed(topics: list[Topic], bus: Session, robot: str, source: str) -> list[
     }
     placed = []
     for topic in topics:
-        here = sent.get(topic.message)
-        if here is None or topic.role == "stream":
+        setpoint = sent.get(topic.message)
+        if setpoint is None or topic.role == "stream":
             placed.append(topic)
         else:
-            placed.append(replace(topic, role="setpoint", rate_hz=here.rate_hz))
+            placed.append(replace(topic, role="setpoint", rate_hz=setpoint.rate_hz))
     elsewhere = {topic.message for topic in placed if topic.role == "setpoint"}
     return [topic for topic in placed if not (topic in sent.values() and topic.message in elsewhere)]
 

@@ -130,15 +130,15 @@ class Vocabulary:
             owner = verb.row.target_end[0]
             if running is None or owner in {OWN, *running}:
                 groups.setdefault("" if owner == OWN else owner, []).append((verb.plain, verb.row.help))
-        lines = [(_said(row), row.help or "An external command") for row in self._external.values()]
-        width = min(max((len(said) for found in (*groups.values(), lines) for said, _ in found), default=0), 44)
+        lines = [(_usage(row), row.help or "An external command") for row in self._external.values()]
+        width = min(max((len(usage) for rows in (*groups.values(), lines) for usage, _ in rows), default=0), 44)
         order = [(name, groups[name]) for name in sorted(groups)] + [("programs beside the robot", lines)]
-        told = [
-            ([f"\n{name}:"] if name else []) + [f"{said:<{width}}  {text}".rstrip() for said, text in found]
-            for name, found in order
-            if found
+        texts = [
+            ([f"\n{name}:"] if name else []) + [f"{usage:<{width}}  {text}".rstrip() for usage, text in rows]
+            for name, rows in order
+            if rows
         ]
-        return "\n".join(line for group in told for line in group)
+        return "\n".join(line for group in texts for line in group)
 
     def tell(self, word: str, entries: Iterable[Mapping[str, Any]]) -> str:
         """Return the fields of a word, as lines for a person, out of its entries; InputError if it is not a word."""
@@ -211,11 +211,11 @@ class Vocabulary:
             return InputError(text, "unknown_command")
         words = {verb.pattern.word if verb.pattern.alias else f"/{verb.pattern.word}" for verb in self._verbs}
         words |= set(self._external)
-        said = {known.lstrip("/"): known for known in sorted(words)}
-        exact = [known for known in said if known.lower() == word.lower().lstrip("/")]
+        by_word = {known.lstrip("/"): known for known in sorted(words)}
+        exact = [known for known in by_word if known.lower() == word.lower().lstrip("/")]
         changes = {verb.pattern.word for verb in self._verbs if verb.row.role == "admin"}
-        close = exact or near(word.lstrip("/"), said.keys() - changes)
-        hint = f"did you mean '{said[close[0]]}'? " if close else ""
+        close = exact or near(word.lstrip("/"), by_word.keys() - changes)
+        hint = f"did you mean '{by_word[close[0]]}'? " if close else ""
         text = f"'{shown(word)}' is not a word of this robot; {hint}'help' lists what can be said"
         return InputError(text, "unknown_command")
 
@@ -297,9 +297,9 @@ def _arguments(row: ExternalCommandRow, text: str) -> tuple[str, ...]:
     return given
 
 
-def _said(row: ExternalCommandRow) -> str:
-    """Return how it is said, for people: each argument by what it may be."""
-    return " ".join((row.name, *(f"[{arguments.described(one)}]" for one in row.arguments or ())))
+def _usage(row: ExternalCommandRow) -> str:
+    """Return the usage of a command for people: its name, and the values of each argument."""
+    return " ".join((row.name, *(f"[{arguments.described(argument)}]" for argument in row.arguments or ())))
 
 
 def _count(number: int) -> str:

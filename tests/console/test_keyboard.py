@@ -128,7 +128,7 @@ def test_a_stop_and_a_terminals_report_cut_anywhere_are_that_stop_and_no_text(wo
     places = [0, *sorted(cut for cut in cuts if cut < len(text)), len(text)]
     reader, writer = os.pipe()
     heard: list[str] = []
-    keyboard = Keyboard(reader, "utf-8", heard=heard.append, flooded=lambda: None, typed=lambda: 0)
+    keyboard = Keyboard(reader, "utf-8", on_stop=heard.append, flooded=lambda: None, typed=lambda: 0)
     now = 100.0
     keyboard.overhearing = Overhearing(lambda: now)
     keys: list[KeyPress] = []
