@@ -12,7 +12,7 @@ from serial.tools import list_ports
 
 from lbr.drivers.gamepad import nodes
 from lbr.errors import InputError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 
 Place = Literal["serial", "i2c", "video", "lirc", "gamepad", "input"]
 DEV, SYS = Path("/dev"), Path("/sys")
@@ -39,7 +39,7 @@ def ends(dev: Path = DEV, sys: Path = SYS) -> list[End]:
 def named(text: str) -> End:
     """Return the end that a person names: a tty's path, `i2c:BUS`, or `unix:PATH` of an i2c bus; else InputError."""
     if not text.startswith(("/", "i2c:", "unix:/")):
-        raise InputError(f"--port '{shown(text)}' is not one of a path (/dev/...), i2c:BUS, unix:/PATH")
+        raise InputError(f"--port '{short(text)}' is not one of a path (/dev/...), i2c:BUS, unix:/PATH")
     if text.startswith(("i2c:", "unix:")):
         return End(place="i2c", address=text, path=text)
     return End(place="serial", address=text, path=os.path.realpath(text), name=Path(text).name)

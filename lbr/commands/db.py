@@ -18,7 +18,7 @@ from lbr.errors import InputError
 from lbr.executive.planning import joining
 from lbr.executive.planning.watch import loaded
 from lbr.messages.plain import one_line
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 
 
 @click.group("db")
@@ -96,12 +96,12 @@ def table(kind: str) -> None:
 def _tell(problems: dict[str, list[str]], hints: dict[str, list[str]]) -> None:
     for name, found in problems.items():
         for problem in found:
-            click.echo(f"{shown(name)}: {problem}", err=True)
+            click.echo(f"{short(name)}: {problem}", err=True)
         if not found:
-            click.echo(f"{shown(name)}: good")
+            click.echo(f"{short(name)}: good")
     for name, odd in hints.items():
         for hint in odd:
-            click.echo(f"{shown(name)}: hint: {hint}")
+            click.echo(f"{short(name)}: hint: {hint}")
 
 
 @command.command("diff")

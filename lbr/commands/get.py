@@ -17,7 +17,7 @@ from lbr.commands.set import meant, parted, refuse_unknown
 from lbr.database.rows import CapabilityRow
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.names import near
 
 
@@ -58,7 +58,7 @@ def command(setting: str, robot: str | None, database: Path | None, as_json: boo
         for one in settings:
             click.echo(one_line(str(one)))
         if not settings:
-            click.echo(f"{shown(part)} has no settings" if part else f"no row of '{shown(whose)}' sets anything")
+            click.echo(f"{short(part)} has no settings" if part else f"no row of '{short(whose)}' sets anything")
 
 
 def _of(row: CapabilityRow) -> Iterator[Setting]:
@@ -81,7 +81,7 @@ def _chosen(part: str, name: str, settings: Iterable[Setting]) -> Setting:
     if name not in there:
         close = near(name, sorted(there))
         hint = f"did you mean '{close[0]}'?" if close else f"'lbr get {part}' lists them"
-        raise InputError(f"{shown(part)} has no setting '{shown(name)}'; {hint}", "unknown_name")
+        raise InputError(f"{short(part)} has no setting '{short(name)}'; {hint}", "unknown_name")
     return there[name]
 
 

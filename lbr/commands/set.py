@@ -16,7 +16,7 @@ from lbr.database.columns import json_strictly
 from lbr.database.reading import RawTables
 from lbr.database.tables import Schema
 from lbr.errors import InputError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.names import near
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def command(
     """
     part, name = parted(setting)
     if not name:
-        raise InputError(f"'{shown(setting)}' names no setting: say PART.SETTING, such as drive.max_power")
+        raise InputError(f"'{short(setting)}' names no setting: say PART.SETTING, such as drive.max_power")
     with opened(database) as rows:
         whose = meant(rows, robot, running_here(rows.path))
 
@@ -55,7 +55,7 @@ def command(
 
         touching = Touching(rows)
         proposed = change_rows(rows, wanted, f"set {part}.{name}", touching, expected, dry_run=dry_run)
-    return tell(proposed, f"{part}.{name} is {shown(value)}", dry_run=dry_run, as_json=as_json, touched=touching.told())
+    return tell(proposed, f"{part}.{name} is {short(value)}", dry_run=dry_run, as_json=as_json, touched=touching.told())
 
 
 def parted(setting: str) -> tuple[str, str]:
@@ -76,7 +76,7 @@ def refuse_unknown(part: str, names: Iterable[object], robot: str) -> None:
     if part not in there:
         close = near(part, there)
         hint = f"did you mean '{close[0]}'?" if close else "'lbr get' lists them"
-        raise InputError(f"'{shown(robot)}' has no part '{shown(part)}'; {hint}", "unknown_name")
+        raise InputError(f"'{short(robot)}' has no part '{short(part)}'; {hint}", "unknown_name")
 
 
 def _read(value: str) -> Any:

@@ -13,7 +13,7 @@ from lbr.bus import keys, wire
 from lbr.commands.options import DEFAULT_PROFILE, FileName, Whom, json_option, print_json, robot_options
 from lbr.commands.rows import opened, planned
 from lbr.console import target
-from lbr.console.printable import clean, shown
+from lbr.console.printable import clean, short
 from lbr.console.target import Target
 from lbr.errors import BusError, InputError
 from lbr.executive.planning import facts, profile
@@ -108,7 +108,7 @@ def _dead(part: str, robot: str | None, path: Path) -> Snapshot:
         raise BusError(f"no robot runs here, and there are no rows in {path}; 'lbr run' makes them and starts one")
     found, usual = _of_rows(path, robot), profile.load(DEFAULT_PROFILE).robot
     if not found:
-        raise InputError(f"there is no robot {shown(robot or '')!r} in {path}", "unknown_name")
+        raise InputError(f"there is no robot {short(robot or '')!r} in {path}", "unknown_name")
     known = [one for one in found if not part or part in chain.names(one)] or found
     return _snapshot(next((one for one in known if one.robot == usual), known[0]), "down", path)
 

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 from msgspec import Struct
 
-from lbr.console.printable import listed, shown
+from lbr.console.printable import listed, short
 from lbr.errors import InputError
 from lbr.messages.in_words import MEANT
 from lbr.messages.units import NAME_OR_NONE_PATTERN, NAME_PATTERN
@@ -102,7 +102,7 @@ class Field(Struct, frozen=True):
         return self._text(text)
 
     def _wrong(self, text: str) -> InputError:
-        quoted = text if _NUMBER.fullmatch(text) and len(text) < 20 else f"'{shown(text)}'"
+        quoted = text if _NUMBER.fullmatch(text) and len(text) < 20 else f"'{short(text)}'"
         return InputError(f"{self.word} is {self.allowed}, not {quoted}")
 
     def _choice(self, text: str) -> Any:
@@ -135,9 +135,9 @@ class Field(Struct, frozen=True):
         if pattern in _NAMES and re.search(pattern, text.lower()):
             return text.lower()
         if pattern is not None and not re.search(pattern, text):
-            meant, asked = MEANT.get(pattern), shown(pattern.replace("$(?!\\n)", "$"))
+            meant, asked = MEANT.get(pattern), short(pattern.replace("$(?!\\n)", "$"))
             why = f"is not {meant}" if meant else f"does not fit the pattern {asked}"
-            raise InputError(f"{self.word} '{shown(text)}' {why}")
+            raise InputError(f"{self.word} '{short(text)}' {why}")
         return text
 
 
@@ -160,7 +160,7 @@ class Message:
             try:
                 msgspec.convert(payload, self._type)
             except msgspec.ValidationError as err:
-                raise InputError(f"this makes no valid message: {shown(err)}") from None
+                raise InputError(f"this makes no valid message: {short(err)}") from None
         missing = [name for name in self._required if name not in payload]
         if missing:
             raise InputError(f"this makes no valid message: {listed(missing, 'and')} is missing in the verb's row")

@@ -1,6 +1,6 @@
 """The status bar of a humanoid: its joints in a few words, and its power."""
 
-from lbr.console.printable import shown
+from lbr.console.printable import short
 from lbr.messages.joints import JointsState, JointState
 from lbr.messages.power import PowerState
 
@@ -24,9 +24,9 @@ def joints(state: JointsState) -> list[Piece]:
     latched = [f"{name} {' and '.join(one.latched)}" for name, one in state.joints.items() if one.latched]
     if latched:
         more = f" and {len(latched) - 1} more" if len(latched) > 1 else ""
-        pieces.append((1, BAD, f"latched: {shown(latched[0])}{more}"))
+        pieces.append((1, BAD, f"latched: {short(latched[0])}{more}"))
     if state.holder:
-        pieces.append((4, "", f"held by {shown(state.holder)}"))
+        pieces.append((4, "", f"held by {short(state.holder)}"))
     return [*pieces, *_hottest(state.joints), *_lowest(state.joints)]
 
 
@@ -37,7 +37,7 @@ def power(state: PowerState) -> list[Piece]:
         return [(1, BAD, f"SHUTDOWN{left}")]
     if state.phase in {"warning", "failed"}:
         return [
-            (1, DOUBTFUL, f"power {state.phase}: {shown(state.reason)}" if state.reason else f"power {state.phase}")
+            (1, DOUBTFUL, f"power {state.phase}: {short(state.reason)}" if state.reason else f"power {state.phase}")
         ]
     ups = state.ups
     volts = ups.external_v if ups is not None and ups.source == "external" else ups.battery_v if ups else None
@@ -72,7 +72,7 @@ def _hottest(of: dict[str, JointState]) -> list[Piece]:
         return []
     name = max(known, key=lambda each: known[each])
     hot = known[name] >= HOT_C
-    return [(2 if hot else 5, DOUBTFUL if hot else "", f"{shown(name)} {known[name]:.0f} °C")]
+    return [(2 if hot else 5, DOUBTFUL if hot else "", f"{short(name)} {known[name]:.0f} °C")]
 
 
 def _lowest(of: dict[str, JointState]) -> list[Piece]:

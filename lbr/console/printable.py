@@ -51,7 +51,7 @@ def _bare(char: str, also: str) -> bool:
     return char.isspace() or char in also or unicodedata.category(char) in {"Cc", "Cf"}
 
 
-def shown(value: object) -> str:
+def short(value: object) -> str:
     """Return a value as one short printable piece of text."""
     text = str(value)
     return "".join(c if c.isprintable() else "?" for c in text[:SHOWN]) + ("…" if len(text) > SHOWN else "")

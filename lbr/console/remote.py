@@ -15,7 +15,7 @@ from lbr.bus.access import Credentials
 from lbr.bus.session import Session
 from lbr.bus.tokens import Token
 from lbr.console import token_store
-from lbr.console.printable import shown
+from lbr.console.printable import short
 from lbr.console.token_store import Offered
 from lbr.errors import BusError, InputError
 from lbr.messages.system import Role
@@ -61,7 +61,7 @@ def enter(endpoint: str, token_file: Path | None) -> Entry:
             print(f"lbr: {refused}", file=sys.stderr)
             refused = ""
     raise RefusedError(
-        refused or f"{shown(endpoint)} wants a token: set {token_store.VARIABLE}, or use --token-file; {HOW}"
+        refused or f"{short(endpoint)} wants a token: set {token_store.VARIABLE}, or use --token-file; {HOW}"
     )
 
 
@@ -77,7 +77,7 @@ def role_at(bus: Session, robot: str, source: str) -> Role:
             time.sleep(0.001)
         if question.replies:
             return role
-    raise BusError(f"robot '{shown(robot)}' lets this token in, but does not answer; 'lbr status' there shows why")
+    raise BusError(f"robot '{short(robot)}' lets this token in, but does not answer; 'lbr status' there shows why")
 
 
 def certificate_at(endpoint: str) -> bytes:
@@ -93,22 +93,22 @@ def certificate_at(endpoint: str) -> bytes:
         ):
             return secure.getpeercert(binary_form=True) or b""
     except ssl.SSLError as err:
-        raise BusError(f"what listens at {shown(endpoint)} does not speak TLS; is it another program's port?") from err
+        raise BusError(f"what listens at {short(endpoint)} does not speak TLS; is it another program's port?") from err
     except TimeoutError as err:
-        raise AbsentError(f"no robot answers at {shown(endpoint)} within {HANDSHAKE_S:g} s") from err
+        raise AbsentError(f"no robot answers at {short(endpoint)} within {HANDSHAKE_S:g} s") from err
     except socket.gaierror as err:
-        raise AbsentError(f"there is no machine '{shown(host)}' ({err.strerror})") from err
+        raise AbsentError(f"there is no machine '{short(host)}' ({err.strerror})") from err
     except UnicodeError as err:  # an empty or too long part between dots, bytes that are no text
-        raise InputError(f"'{shown(host)}' is no name or address of a machine") from err
+        raise InputError(f"'{short(host)}' is no name or address of a machine") from err
     except OSError as err:
-        raise AbsentError(f"nothing listens at {shown(endpoint)} ({err.strerror or err})") from err
+        raise AbsentError(f"nothing listens at {short(endpoint)} ({err.strerror or err})") from err
 
 
 def _why_not(endpoint: str, offered: Offered, der: bytes) -> str:
     """Return the reason why an endpoint refuses a token; empty if it accepts it."""
     if tokens.fingerprint(der) != offered.token.fingerprint:
         return (
-            f"{shown(endpoint)} shows another certificate ({tokens.fingerprint(der)}) than the token is for, "
+            f"{short(endpoint)} shows another certificate ({tokens.fingerprint(der)}) than the token is for, "
             f"{offered.origin}: this is another robot, or someone in between"
         )
     for patience_s in (AGAIN_S, 0.0):
@@ -123,10 +123,10 @@ def _why_not(endpoint: str, offered: Offered, der: bytes) -> str:
     now = datetime.now(UTC)
     if valid := certificates.untimely(der, now):
         return (
-            f"{shown(endpoint)} shows a certificate that is valid {valid}, and this machine's clock says {now:%Y-%m-%d}: "
+            f"{short(endpoint)} shows a certificate that is valid {valid}, and this machine's clock says {now:%Y-%m-%d}: "
             "set the clock"
         )
-    return f"{shown(endpoint)} refuses the token, {offered.origin}: it is unknown, revoked or expired; {HOW}"
+    return f"{short(endpoint)} refuses the token, {offered.origin}: it is unknown, revoked or expired; {HOW}"
 
 
 def _entry(token: Token, der: bytes) -> Entry:
@@ -136,5 +136,5 @@ def _entry(token: Token, der: bytes) -> Entry:
 def _place(endpoint: str) -> tuple[str, int]:
     host, _, port = endpoint.removeprefix(PROTOCOL).rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise InputError(f"'{shown(endpoint)}' is not an endpoint; one looks like tls/192.168.1.7:7447")
+        raise InputError(f"'{short(endpoint)}' is not an endpoint; one looks like tls/192.168.1.7:7447")
     return host.strip("[]"), int(port)

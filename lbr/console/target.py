@@ -14,7 +14,7 @@ from lbr.bus.access import TOOLS, Credentials
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.console import remote
-from lbr.console.printable import listed, shown
+from lbr.console.printable import listed, short
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.system import RANKS, Role, Status
 
@@ -57,7 +57,7 @@ def find(robot: str | None, connect: str | None, token_file: Path | None = None)
     names = listed([run.robot for run in running], "and")
     if robot is not None:
         there = f"{names} {'runs' if len(running) == 1 else 'run'} here" if running else "none runs here"
-        raise BusError(f"robot '{shown(robot)}' does not run here ({there}); 'lbr run' starts one")
+        raise BusError(f"robot '{short(robot)}' does not run here ({there}); 'lbr run' starts one")
     if not running:
         raise BusError("no robot runs here; 'lbr run' starts one, and --connect ENDPOINT reaches one elsewhere")
     raise InputError(f"several robots run here: {names}; say which with --robot NAME")
@@ -99,7 +99,7 @@ def _remote_target(connect: str, robot: str | None, entry: remote.Entry) -> Targ
     with session.open_client([connect], entry.credentials, certificate=entry.certificate) as bus:
         name = _only_robot(bus, connect)
         if robot not in {None, name}:
-            raise InputError(f"the robot at {shown(connect)} is '{name}', not '{shown(robot)}'")
+            raise InputError(f"the robot at {short(connect)} is '{name}', not '{short(robot)}'")
         role = remote.role_at(bus, name, source("lbr"))
     return Target(
         robot=name, endpoints=(connect,), credentials=entry.credentials, certificate=entry.certificate, role=role
@@ -112,8 +112,8 @@ def _only_robot(bus: Session, connect: str) -> str:
     if len(names) == 1:
         return names[0]
     if not names:
-        raise BusError(f"something listens at {shown(connect)}, but no robot answers there")
-    raise InputError(f"several robots are behind {shown(connect)}: {listed(names, 'and')}; say which with --robot NAME")
+        raise BusError(f"something listens at {short(connect)}, but no robot answers there")
+    raise InputError(f"several robots are behind {short(connect)}: {listed(names, 'and')}; say which with --robot NAME")
 
 
 def _local_target(running: home.Running) -> Target:

@@ -6,7 +6,7 @@ from lbr.console import joint_status
 from lbr.console.joint_status import BAD, DOUBTFUL, GOOD, Piece
 from lbr.console.lease_keeper import LeaseKeeper
 from lbr.console.operator import Telemetry
-from lbr.console.printable import shown
+from lbr.console.printable import short
 from lbr.messages.plain import one_line
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import Status
@@ -28,9 +28,9 @@ def toolbar(
         bound = f" of {held.hold.max_run_s:g}" if not held.hold.goal else ""
         pieces.append((1, DOUBTFUL, f"moving {held.elapsed_s:4.1f}{bound} s"))
     if drive is not None and drive.holder:
-        pieces.append((4, "", f"held by {shown(drive.holder)}"))
+        pieces.append((4, "", f"held by {short(drive.holder)}"))
     if drive is not None and drive.limited_by:
-        pieces.append((2, DOUBTFUL, f"slowed by {shown(drive.limited_by)}"))
+        pieces.append((2, DOUBTFUL, f"slowed by {short(drive.limited_by)}"))
     if motors is not None:
         pieces.append((3, "", f"L {motors.left:+.2f} R {motors.right:+.2f}"))
         if motors.voltage_v is not None:
@@ -42,7 +42,7 @@ def toolbar(
         pieces += joint_status.joints(telemetry.joints)
     if telemetry.power is not None:
         pieces += joint_status.power(telemetry.power)
-    pieces += [(7, "", f"{shown(line)} ({age_s:.0f} s)") for line, age_s in under_way.items()]
+    pieces += [(7, "", f"{short(line)} ({age_s:.0f} s)") for line, age_s in under_way.items()]
     return _joined(_fitting(pieces, columns))
 
 
@@ -78,7 +78,7 @@ def _nearest(ranges: Ranges | None, sees: Mapping[str, float | None]) -> str:
     distances = {WHERE.get(name, name): metres for name, metres in read.items() if name not in watching}
     for view, metres in sees.items():
         sensor, _, side = view.partition(" ")
-        distances[f"{WHERE.get(side, side)} ({shown(sensor)})"] = metres
+        distances[f"{WHERE.get(side, side)} ({short(sensor)})"] = metres
     known = {where: metres for where, metres in distances.items() if metres is not None}
     if not known:
         return "no ranges"

@@ -13,7 +13,7 @@ from lbr.bus import keys, probe, wire
 from lbr.bus.codec import Decoder, decode
 from lbr.bus.session import Session
 from lbr.console.fields import Field, properties
-from lbr.console.printable import listed, shown
+from lbr.console.printable import listed, short
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.system import RANKS, EstopRequest, Event, Role, Status
 from lbr.names import near
@@ -86,7 +86,7 @@ def silence(topics: Iterable[Topic], key: str, seconds: float) -> str:
     if "*" in name:
         return nothing
     if name not in known:
-        return f"{nothing}, and there is no '{shown(name)}'; {_near(name, known)}"
+        return f"{nothing}, and there is no '{short(name)}'; {_near(name, known)}"
     if known[name].role == "command":
         return f"{nothing}: it is a command, which says nothing by itself; 'lbr topic info {name}' shows what it takes"
     return nothing
@@ -101,14 +101,14 @@ def why_not_publish(topics: Iterable[Topic], key: str, role: Role) -> str:
     )
     if needed in RANKS:
         return "" if RANKS[role] >= RANKS[needed] else f"this needs the role '{needed}', and you have '{role}'"
-    return f"from another machine one may publish commands and the emergency stop, and '{shown(name)}' is neither"
+    return f"from another machine one may publish commands and the emergency stop, and '{short(name)}' is neither"
 
 
 def choose(topics: Iterable[Topic], name: str) -> Topic:
     """Return the topic of that name; InputError says which may have been meant."""
     known = {topic.name: topic for topic in topics}
     if name not in known:
-        raise InputError(f"there is no '{shown(name)}'; {_near(name, known)}", "unknown_name")
+        raise InputError(f"there is no '{short(name)}'; {_near(name, known)}", "unknown_name")
     return known[name]
 
 
@@ -121,7 +121,7 @@ def key_of(robot: str, name: str) -> str:
             return wire.canonical(key)
     except BusError:
         pass
-    raise InputError(f"'{shown(name)}' is not a topic; topics look like drive/state, and * stands for any one part")
+    raise InputError(f"'{short(name)}' is not a topic; topics look like drive/state, and * stands for any one part")
 
 
 def fields_of(topic: Topic) -> list[Field]:

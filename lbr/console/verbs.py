@@ -8,7 +8,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.console.fields import Field, Message, MessageType
-from lbr.console.printable import clean, listed, shown
+from lbr.console.printable import clean, listed, short
 from lbr.database import arguments, builtin, patterns
 from lbr.database.rows import BUILT_IN_VERBS, ExternalCommandRow, VerbRow
 from lbr.errors import InputError
@@ -170,7 +170,7 @@ class Vocabulary:
             raise self._unknown(f"/{word}")
         if not fitting:
             allowed = listed([verb.plain for verb in known])
-            raise InputError(f"'{shown(line)}' has {_count(len(parts) - 1)} after '/{word}'; say {allowed}")
+            raise InputError(f"'{short(line)}' has {_count(len(parts) - 1)} after '/{word}'; say {allowed}")
         return min(fitting, key=_Verb.looseness).bind(line, parts[1:])
 
     def _words(self, line: str) -> Parsed:
@@ -186,7 +186,7 @@ class Vocabulary:
         if verb and (longer := self._longer(verb)):
             return longer.bind(f"/{word}/{rest}", [rest])
         if verb:
-            raise InputError(f"nothing may follow '{word}', but '{shown(rest)}' does")
+            raise InputError(f"nothing may follow '{word}', but '{short(rest)}' does")
         raise self._unknown(word)
 
     def _longer(self, verb: "_Verb") -> "_Verb | None":
@@ -202,12 +202,12 @@ class Vocabulary:
         if name in self._external:
             return ExternalStop(command=self._external[name])
         there = f"there is {listed(sorted(self._external), 'and')}" if self._external else "there is none"
-        text = f"no external command is called '{shown(name)}' ({there}); 'stop' alone stops the robot"
+        text = f"no external command is called '{short(name)}' ({there}); 'stop' alone stops the robot"
         raise InputError(text, "unknown_name")
 
     def _unknown(self, word: str) -> InputError:
         if word.lower().lstrip("/") in _HINTS:
-            text = f"'{shown(word)}' is not a word of this robot; {_HINTS[word.lower().lstrip('/')]}"
+            text = f"'{short(word)}' is not a word of this robot; {_HINTS[word.lower().lstrip('/')]}"
             return InputError(text, "unknown_command")
         words = {verb.pattern.word if verb.pattern.alias else f"/{verb.pattern.word}" for verb in self._verbs}
         words |= set(self._external)
@@ -216,7 +216,7 @@ class Vocabulary:
         changes = {verb.pattern.word for verb in self._verbs if verb.row.role == "admin"}
         close = exact or near(word.lstrip("/"), by_word.keys() - changes)
         hint = f"did you mean '{by_word[close[0]]}'? " if close else ""
-        text = f"'{shown(word)}' is not a word of this robot; {hint}'help' lists what can be said"
+        text = f"'{short(word)}' is not a word of this robot; {hint}'help' lists what can be said"
         return InputError(text, "unknown_command")
 
 

@@ -13,7 +13,7 @@ from lbr.database.difference import Difference, changed_columns
 from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.tables import WRITTEN_BY_LBR, Schema, read_tables
 from lbr.errors import InputError, RowError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 
 Key = tuple[Any, ...]
 
@@ -35,7 +35,7 @@ class Change(Struct, frozen=True):
     @property
     def row(self) -> str:
         """The key as people read it."""
-        return "/".join(map(shown, self.key))
+        return "/".join(map(short, self.key))
 
     @property
     def difference(self) -> Difference:

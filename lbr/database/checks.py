@@ -14,7 +14,7 @@ from lbr.database.rows import (
     RobotRows,
     VerbRow,
 )
-from lbr.messages.rows import Row, shown
+from lbr.messages.rows import Row, short
 
 
 def check(
@@ -55,8 +55,8 @@ def check(
 def _robot(raw: RawTables, tables: Tables, robot: str, problems: list[Problem]) -> RobotRow:
     robots = [values.get("name") for values in raw.get(ROBOT, ())]
     if robot not in robots:
-        known = ", ".join(sorted(map(shown, robots))) or "none"
-        add = f"; if a package brings it, `lbr db add {shown(robot)}` adds its rows"
+        known = ", ".join(sorted(map(short, robots))) or "none"
+        add = f"; if a package brings it, `lbr db add {short(robot)}` adds its rows"
         problems.append(Problem("robot", robot, "name", f"there is no robot of this name (there is: {known}){add}"))
     problems += tables.problems(RobotRow)
     good = tables.good(RobotRow)

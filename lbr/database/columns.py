@@ -11,7 +11,7 @@ import msgspec
 from msgspec import inspect
 
 from lbr.messages import shapes
-from lbr.messages.rows import Row, shown
+from lbr.messages.rows import Row, short
 
 MAX_TEXT = 100_000
 _HALF = re.compile("[\ud800-\udfff]")
@@ -70,7 +70,7 @@ class Column:
             if self.info.min_length and not value.strip():
                 raise WrongError("is empty")
         if self.is_flag and not (isinstance(value, int) and value in (0, 1)):
-            raise WrongError(f"'{shown(value)}' is neither 0 nor 1")
+            raise WrongError(f"'{short(value)}' is neither 0 nor 1")
         plain = bool(value) if self.is_flag else self._json(value) if self.is_json else value
         try:
             converted = msgspec.convert(plain, self._type)
@@ -122,12 +122,12 @@ class Column:
         """Return the rule that a value breaks, in the words of its annotation or else of msgspec."""
         info = self.info
         if self._meant:
-            return f"'{shown(value)}' is not {self._meant}"
+            return f"'{short(value)}' is not {self._meant}"
         if isinstance(info, inspect.LiteralType):
-            return f"'{shown(value)}' is not one of {', '.join(str(one) or 'an empty text' for one in self.choices())}"
+            return f"'{short(value)}' is not one of {', '.join(str(one) or 'an empty text' for one in self.choices())}"
         if isinstance(info, inspect.IntType):
             bounds = f" from {info.ge} to {info.le}" if info.ge is not None and info.le is not None else ""
-            return f"'{shown(value)}' is not a whole number{bounds}"
+            return f"'{short(value)}' is not a whole number{bounds}"
         if isinstance(info, inspect.FloatType):
             return self._number(value)
         if isinstance(info, inspect.StrType):
@@ -144,9 +144,9 @@ class Column:
         info, zero = self.info, self.extra.get("zero")
         null = " (or NULL)" if self.nullable else ""
         if info.gt is not None and zero is None:
-            return f"'{shown(value)}' is not above {info.gt:g} and at most {info.le:g}{null}"
+            return f"'{short(value)}' is not above {info.gt:g} and at most {info.le:g}{null}"
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            return f"'{shown(value)}' is not a finite number"
+            return f"'{short(value)}' is not a finite number"
         lowest = info.ge if info.ge is not None else info.gt
         return str(zero) if value == info.gt else f"{value:g} is outside {lowest:g} to {info.le:g}"
 
@@ -154,7 +154,7 @@ class Column:
         """Return what is wrong with the entries of an object, as far as their annotation says what is meant."""
         _, extra, _ = _bare(self.info.value_type)
         return "; ".join(
-            f"'{shown(name)}': '{shown(one)}' is not {extra['meant']}"
+            f"'{short(name)}': '{short(one)}' is not {extra['meant']}"
             for name, one in value.items()
             if "meant" in extra and not _fits(one, self._type, name)
         )

@@ -6,7 +6,7 @@ import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
 
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.messages.shapes import SHAPES
 from lbr.resources import robot_db_sql
 
@@ -85,7 +85,7 @@ def _allowed(check: str) -> tuple[str, str]:
 
 
 def _place(table: str, column: str) -> str:
-    place = f"table {shown(table)}" if table else "a row"
+    place = f"table {short(table)}" if table else "a row"
     return f"{place}, {column}:" if column else place
 
 

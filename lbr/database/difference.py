@@ -7,7 +7,7 @@ from msgspec import Struct
 from lbr.database.columns import json_strictly
 from lbr.database.reading import RawRow
 from lbr.database.tables import WRITTEN_BY_LBR
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 
 
 class Difference(Struct, frozen=True, kw_only=True):
@@ -19,7 +19,7 @@ class Difference(Struct, frozen=True, kw_only=True):
     columns: dict[str, tuple[Any, Any]] = {}
 
     def __str__(self) -> str:
-        changes = "; ".join(f"{name}: {shown(old)} -> {shown(new)}" for name, (old, new) in self.columns.items())
+        changes = "; ".join(f"{name}: {short(old)} -> {short(new)}" for name, (old, new) in self.columns.items())
         return f"{self.table} '{self.row}' {self.change}" + (f": {changes}" if changes else "")
 
 

@@ -15,7 +15,7 @@ from lbr.database.store import Database
 from lbr.database.tables import Schema
 from lbr.errors import InputError
 from lbr.messages.faces import EditCommand
-from lbr.messages.rows import Row, shown
+from lbr.messages.rows import Row, short
 from lbr.messages.unreadable import UNREADABLE
 
 Key = tuple[str, ...]
@@ -32,7 +32,7 @@ def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> tuple[Row,
     rows: list[Row] = []
     for table, of_table in command.rows.items():
         if table not in tables:
-            raise InputError(f"rows of '{shown(table)}' are not for it to write; it may {_listed(tables)}", "denied")
+            raise InputError(f"rows of '{short(table)}' are not for it to write; it may {_listed(tables)}", "denied")
         try:
             rows += msgspec.json.decode(of_table, type=list[tables[table]])  # type: ignore[valid-type]
         except UNREADABLE as err:

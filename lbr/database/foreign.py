@@ -9,7 +9,7 @@ from pathlib import Path
 from lbr.database.connection import Connection
 from lbr.database.tables import Schema
 from lbr.database.triggers import revision_triggers
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.resources import robot_db_sql
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -27,15 +27,15 @@ def foreign(connection: Connection, sql: Path | None = None) -> Iterator[str]:
     for kind, name, table in connection.execute(_OBJECTS):
         if (kind, name) in known:
             continue
-        drop = f"unless it is yours, `DROP {kind.upper()} {shown(name)}`"
+        drop = f"unless it is yours, `DROP {kind.upper()} {short(name)}`"
         if kind == "table" and name not in schema and (triggers := _triggers(connection, name)):
             yield (
-                f"table '{shown(name)}' has not the triggers that keep its changes, so nothing of lbr reads it: {drop};"
+                f"table '{short(name)}' has not the triggers that keep its changes, so nothing of lbr reads it: {drop};"
                 f" if a capability of yours is to read it, these make them:\n\n{triggers}"
             )
             continue
-        where = f" on the table '{shown(table)}', which acts by itself at each edit there," if kind == "trigger" else ""
-        yield f"{kind} '{shown(name)}'{where} is not of lbr's schema: {drop}"
+        where = f" on the table '{short(table)}', which acts by itself at each edit there," if kind == "trigger" else ""
+        yield f"{kind} '{short(name)}'{where} is not of lbr's schema: {drop}"
 
 
 def _triggers(connection: Connection, table: str) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 
 from lbr.database import statements
 from lbr.errors import InputError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.robot.old_data import ForeignTables
 
 MOST_ROWS = 100_000
@@ -93,7 +93,7 @@ def _memory(failed: str) -> Iterator[sqlite3.Connection]:
         except InputError:
             raise
         except (sqlite3.Error, ValueError, OverflowError, MemoryError) as err:
-            raise InputError(f"{failed}: {shown(err)}") from err
+            raise InputError(f"{failed}: {short(err)}") from err
 
 
 def _tables(connection: sqlite3.Connection) -> ForeignTables:

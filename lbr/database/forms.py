@@ -14,7 +14,7 @@ from lbr.database.rows import CapabilityRow, ExternalCommandRow
 from lbr.database.tables import WRITTEN_BY_LBR, Schema
 from lbr.errors import InputError
 from lbr.messages.manage import RowChange
-from lbr.messages.rows import Row, shown
+from lbr.messages.rows import Row, short
 
 Classes = Mapping[str, type[Row]]
 NAMES_PROGRAMS = "names a program, and a page changes none: edit it with an SQLite client at the robot"
@@ -77,7 +77,7 @@ def of(table: str, schema: Schema, classes: Classes) -> type[Row]:
     """Return the class of a table's rows. InputError if no such table has revisions."""
     known = sorted(name for name in classes if name in schema)
     if table not in known:
-        raise InputError(f"there is no table '{shown(table)}': {', '.join(known)}", "unknown_name")
+        raise InputError(f"there is no table '{short(table)}': {', '.join(known)}", "unknown_name")
     return classes[table]
 
 
@@ -106,7 +106,7 @@ def _key(row: type[Row], change: RowChange) -> tuple[Any, ...]:
     if missing := [name for name in row.KEY if name not in given]:
         raise InputError(f"a row of {row.TABLE} needs {' and '.join(missing)}")
     if unknown := [name for values in (before, after) for name in values or () if name not in columns(row)]:
-        raise InputError(f"{row.TABLE} has no column '{shown(unknown[0])}'", "unknown_name")
+        raise InputError(f"{row.TABLE} has no column '{short(unknown[0])}'", "unknown_name")
     key = tuple(given[name] for name in row.KEY)
     if any((after or given).get(name, value) != value for name, value in zip(row.KEY, key, strict=True)):
         raise InputError(f"{_named(row, key)} keeps its {' and '.join(row.KEY)}: add another row, and delete this one")
@@ -180,4 +180,4 @@ def _stored(column: Column, value: object) -> Any:
 
 
 def _named(row: type[Row], key: Iterable[object]) -> str:
-    return f"{row.TABLE} '{shown('/'.join(map(str, key)))}'"
+    return f"{row.TABLE} '{short('/'.join(map(str, key)))}'"

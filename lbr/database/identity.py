@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from lbr.database.connection import Connection, damage, pragma
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 
 MAGIC = b"SQLite format 3\0"
 APPLICATION_ID = 0x4C425231
@@ -23,7 +23,7 @@ def fault(connection: Connection) -> str:
     """Return why a file is not a good database of a robot, or nothing."""
     if not is_robots(connection):
         return "is not a robot's database"
-    return f"is damaged ({shown(broken)})" if (broken := damage(connection)) else ""
+    return f"is damaged ({short(broken)})" if (broken := damage(connection)) else ""
 
 
 def number(connection: Connection) -> None:

@@ -18,7 +18,7 @@ from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.rows import RobotRows
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import RowError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.resources import robot_db_sql
 from lbr.robot import registry
 from lbr.robot.registry import Found
@@ -115,7 +115,7 @@ def _faults(name: str, before: RawTables, after: RawTables, schema: Schema) -> I
         for key, row in now.items():
             owner = row["name"] if table == ROBOT else row.get("robot", name)
             if key not in known and owner != name:
-                yield f"{table} '{_row_name(key)}' is of robot '{shown(owner)}': a package brings rows of its own robot"
+                yield f"{table} '{_row_name(key)}' is of robot '{short(owner)}': a package brings rows of its own robot"
     if name not in {row["name"] for row in after[ROBOT]}:
         yield "there is no row of it in the table 'robot'"
 
@@ -130,4 +130,4 @@ def _by_key(table: str, rows: RawTables, schema: Schema) -> dict[tuple[object, .
 
 
 def _row_name(key: tuple[object, ...]) -> str:
-    return "/".join(map(shown, key))
+    return "/".join(map(short, key))

@@ -15,7 +15,7 @@ from lbr.database.reading import RawRow, RawTables
 from lbr.database.rows import RevisionRow
 from lbr.database.tables import Schema
 from lbr.errors import InputError
-from lbr.messages.rows import Row, shown
+from lbr.messages.rows import Row, short
 from lbr.messages.shapes import Shape
 
 TOGETHER = timedelta(seconds=0.5)
@@ -63,7 +63,7 @@ def at(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow]) -> RawTa
     }
     for revision in reversed(newer):
         if revision.table not in by_key:
-            raise _lost(revision, f"there is no table '{shown(revision.table)}' any more")
+            raise _lost(revision, f"there is no table '{short(revision.table)}' any more")
         _undo(by_key[revision.table], schema, revision)
     return {table: [rows[key] for key in sorted(rows)] for table, rows in by_key.items()}
 
@@ -76,7 +76,7 @@ def around(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow], last
 
 def of_revision(revision: RevisionRow) -> Difference:
     """Return one revision as people read it; a row that got another name was changed."""
-    row = "/".join(map(shown, revision.row_key))
+    row = "/".join(map(short, revision.row_key))
     if revision.old is None or revision.new is None:
         what = {"insert": "added", "delete": "removed"}.get(revision.operation, "changed")
         return Difference(table=revision.table, row=row, change=what)  # type: ignore[arg-type]  # of the three
@@ -113,7 +113,7 @@ def _undo(rows: dict[Key, RawRow], schema: Schema, revision: RevisionRow) -> Non
     for values in (before, after):
         for name in values or ():
             if name not in schema[table]:
-                raise _lost(revision, f"an upgrade of lbr has taken the column '{shown(name)}' from {table} since")
+                raise _lost(revision, f"an upgrade of lbr has taken the column '{short(name)}' from {table} since")
         if values is not None and any(name not in values for name in key_of):
             raise _lost(revision, f"an upgrade of lbr has changed what names a row of {table} since")
     now: RawRow | None = None

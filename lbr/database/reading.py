@@ -6,7 +6,7 @@ from typing import Any, TypeVar, cast
 from msgspec import Struct
 
 from lbr.database.columns import WrongError, columns
-from lbr.messages.rows import Check, Fault, Others, Row, shown
+from lbr.messages.rows import Check, Fault, Others, Row, short
 
 R = TypeVar("R", bound=Row)
 RawRow = Mapping[str, Any]
@@ -137,7 +137,7 @@ class Tables:
         if known:
             problems += [Problem(table, "", name, "this column is missing") for name in sorted(wanted - known)]
             problems += [
-                Problem(table, "", shown(name), "lbr knows no column of this name: drop it")
+                Problem(table, "", short(name), "lbr knows no column of this name: drop it")
                 for name in sorted(known - wanted - {"robot"})
             ]
             if wanted - known:
@@ -147,7 +147,7 @@ class Tables:
         robots = [values.get("name") for values in self._raw.get(ROBOT, ())]
         for values in self._raw.get(table, ()):
             if "robot" in values and values["robot"] not in robots:
-                text = f"there is no robot '{shown(values['robot'])}'"
+                text = f"there is no robot '{short(values['robot'])}'"
                 problems.append(Problem(table, _label(row, values), "robot", text))
         return self._own.get(table, ())
 
@@ -171,7 +171,7 @@ def _checks(row: type[Row]) -> tuple[Check, ...]:
 def _of_a_whole(row: Row, others: Others) -> Iterator[Fault]:
     whole = row.whole()
     if whole and (name := getattr(row, row.KEY[0])) not in others.names(whole):
-        yield row.KEY[0], f"there is no {whole} '{shown(name)}'"
+        yield row.KEY[0], f"there is no {whole} '{short(name)}'"
 
 
 def _ascending(row: Row, _: Others) -> Iterator[Fault]:
@@ -190,7 +190,7 @@ def _together(row: Row, _: Others) -> Iterator[Fault]:
 def _label(row: type[Row], values: RawRow) -> str:
     """Return a row's key as people read it."""
     key = ("robot", *row.KEY) if "robot" in values else row.KEY
-    return "/".join(shown(values.get(column)) for column in key)
+    return "/".join(short(values.get(column)) for column in key)
 
 
 def _until_unread(faults: Iterator[Any], by: Callable[[Any], Any] = lambda fault: fault) -> Iterator[Any]:

@@ -20,7 +20,7 @@ from lbr.database.difference import same
 from lbr.database.reading import ROBOT, Problem, RawRow, RawTables
 from lbr.database.tables import WRITTEN_BY_LBR, Schema
 from lbr.errors import InputError, RowError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 
 SHARED = "_shared"
 """The folder of rows that are every robot's; no robot can be called so."""
@@ -90,7 +90,7 @@ def write(folder: Path, files: tuple[File, ...]) -> None:
     be."""
     for file in files:
         if file.name.count("/") != 1 or file.name.startswith("."):
-            raise InputError(f"'{shown(file.name)}' would be no file in {folder}: rename the robot or the table")
+            raise InputError(f"'{short(file.name)}' would be no file in {folder}: rename the robot or the table")
         path = folder / file.name
         draft = path.with_name(f".{path.name}.new-{os.getpid()}")
         try:
@@ -161,7 +161,7 @@ def _stored(value: object) -> Any:
 def _rows(file: File, schema: Schema) -> tuple[list[RawRow], list[str]]:
     """Return the rows of a file, and its faults."""
     if file.table not in schema:
-        return [], [f"{file.name}: there is no table '{shown(file.table)}': {', '.join(sorted(schema))}"]
+        return [], [f"{file.name}: there is no table '{short(file.table)}': {', '.join(sorted(schema))}"]
     if (file.robot == SHARED) == bool(_owner(file.table, schema)):
         whose = (
             "every robot's: it stands in " + SHARED if file.robot != SHARED else "a robot's: it stands in its folder"
@@ -196,7 +196,7 @@ def _row(file: File, number: int, values: object, schema: Schema) -> tuple[RawRo
     if not isinstance(values, dict):
         return {}, [f"{at}: is not an object of columns"]
     columns = {name for name in schema[file.table] if name != "robot" and (file.table, name) not in WRITTEN_BY_LBR}
-    faults = [f"{at}, {shown(name)}: {file.table} has no such column" for name in values if name not in columns]
+    faults = [f"{at}, {short(name)}: {file.table} has no such column" for name in values if name not in columns]
     row: dict[str, Any] = {}
     for name in schema[file.table]:
         if name == "robot":
@@ -209,13 +209,13 @@ def _row(file: File, number: int, values: object, schema: Schema) -> tuple[RawRo
             except LookupError:
                 faults.append(f"{at}, {name}: is missing, and has no default")
     if file.table == ROBOT and row.get("name") != file.robot:
-        faults.append(f"{at}, name: must be '{shown(file.robot)}', as its folder")
+        faults.append(f"{at}, name: must be '{short(file.robot)}', as its folder")
     return row, faults
 
 
 def _at(file: File, number: int, values: object, schema: Schema) -> str:
     keys = [name for name in schema.keys_of[file.table] if name != "robot"]
-    told = "/".join(shown(values.get(name)) for name in keys) if isinstance(values, dict) else ""
+    told = "/".join(short(values.get(name)) for name in keys) if isinstance(values, dict) else ""
     return f"{file.name}, row {number}" + (f" ('{told}')" if told else "")
 
 

@@ -10,7 +10,7 @@ from lbr.database import arguments, builtin, patterns
 from lbr.database.columns import json_strictly
 from lbr.database.reading import Problem, Tables
 from lbr.messages import shapes
-from lbr.messages.rows import COUNTED, NOW, REQUIRED, Fault, Others, Row, shown
+from lbr.messages.rows import COUNTED, NOW, REQUIRED, Fault, Others, Row, short
 from lbr.messages.system import Role, TokenRole
 from lbr.messages.units import Name, NameOrNone
 
@@ -57,7 +57,7 @@ def _not_lbr(row: "CapabilityRow", _: Others) -> Iterator[Fault]:
 def _needs(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
     for needed in row.needs:
         if needed not in others.names("capability"):
-            yield "needs", f"there is no capability '{shown(needed)}'"
+            yield "needs", f"there is no capability '{short(needed)}'"
 
 
 def _needs_of(row: "CapabilityRow") -> Hashable:
@@ -82,7 +82,7 @@ def _ring(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
 def _used_device(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
     device = json_strictly(row.settings).get("device")
     if isinstance(device, str) and device not in others.names("device"):
-        yield "settings", f"device: there is no device '{shown(device)}'"
+        yield "settings", f"device: there is no device '{short(device)}'"
 
 
 class CapabilityRow(Row, frozen=True, kw_only=True):
@@ -170,7 +170,7 @@ def _pattern(row: "VerbRow", _: Others) -> Iterator[Fault]:
     try:
         patterns.parse(row.pattern)
     except ValueError as err:
-        yield "pattern", f"'{shown(row.pattern)}': {err}"
+        yield "pattern", f"'{short(row.pattern)}': {err}"
 
 
 def _parsed(row: "VerbRow") -> patterns.Pattern | None:

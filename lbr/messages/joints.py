@@ -8,7 +8,7 @@ from msgspec import Meta, Struct
 from lbr.messages.codes import Code, ReasonCode
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.leases import LeaseId
-from lbr.messages.rows import Fault, Others, Row, shown
+from lbr.messages.rows import Fault, Others, Row, short
 from lbr.messages.servos import ServoId, ServoPhase, ServoState
 from lbr.messages.units import Name, NameOrNone, StepNumber, TtlS
 
@@ -148,7 +148,7 @@ class MotionRow(Row, frozen=True, kw_only=True):
 def _joints(row: "MotionStep", others: Others) -> Iterator[Fault]:
     for name in row.positions:
         if name not in others.names("joint"):
-            yield "positions", f"there is no joint '{shown(name)}'"
+            yield "positions", f"there is no joint '{short(name)}'"
 
 
 def _range(joint: Joint) -> tuple[str, float, float]:

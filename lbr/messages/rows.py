@@ -169,7 +169,7 @@ def _by_key(rows: RowSet) -> dict[tuple[Any, ...], dict[str, Any]]:
     return {tuple(row[column] for column in rows.key): row for row in decoded}
 
 
-def shown(value: object) -> str:
+def short(value: object) -> str:
     """Return a value as one short printable line."""
     text = value.decode(errors="replace") if isinstance(value, bytes) else str(value)
     if len(text) <= 60 and text.isprintable():  # as nearly all are that rows are called by

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from lbr.capability.context import Call, Context
 from lbr.capability.picture_files import free, name_now
 from lbr.errors import InputError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.simulation.requests import PictureReply
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Painter:
             call.refuse(str(err), err.code)
             return
         if path.suffix != ".png" or not path.is_absolute() or "\0" in wanted:
-            call.refuse(f"a picture's path is absolute and ends in .png; '{shown(str(path))}' is not", "bad_value")
+            call.refuse(f"a picture's path is absolute and ends in .png; '{short(str(path))}' is not", "bad_value")
         elif len(self._calls) >= _WAITING:
             call.refuse(f"{_WAITING} pictures are waiting already", "busy")
         else:

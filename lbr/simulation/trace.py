@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from lbr.errors import InputError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 
 
 class TraceFile:
@@ -68,4 +68,4 @@ def _open(path: str, setting: str) -> int:
         return os.open(file, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
     except (OSError, RuntimeError, ValueError) as err:  # ~ of nobody, a NUL
         why = err.strerror if isinstance(err, OSError) else err
-        raise InputError(f"{setting}: cannot write {shown(path)}: {why}") from err
+        raise InputError(f"{setting}: cannot write {short(path)}: {why}") from err

@@ -47,7 +47,7 @@ from lbr.messages.manage import (
     Touched,
     UndoRows,
 )
-from lbr.messages.rows import Row, shown
+from lbr.messages.rows import Row, short
 from lbr.messages.unreadable import UNREADABLE
 
 LETS_IN = (
@@ -208,7 +208,7 @@ class Pages:
         name, plan = command.name, self._plan()
         file = plan.log(name)
         if not file:
-            raise InputError(f"there is no capability '{shown(name)}'", "unknown_name")
+            raise InputError(f"there is no capability '{short(name)}'", "unknown_name")
         try:
             with (home.directory("logs") / file).open("rb") as log:
                 left_out = max(0, os.fstat(log.fileno()).st_size - LOG_BYTES)
@@ -276,5 +276,5 @@ def _listed(command: ChangeRows) -> str:
         name = before.get("name", after.get("name", ""))
         what = "deleted" if change.after is None else "new" if change.before is None else ""
         columns = ", ".join(key for key, value in after.items() if value != before.get(key))
-        told.append(f"{change.table} '{shown(name)}' ({what or columns})")
+        told.append(f"{change.table} '{short(name)}' ({what or columns})")
     return ", ".join(told)[:300]

@@ -21,7 +21,7 @@ import re
 from typing import Literal, NamedTuple
 
 from lbr.errors import InputError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 
 SERVOS = 26
 MOST_SERVOS = 64
@@ -98,7 +98,7 @@ def parse(content: bytes) -> MtnFile:
         elif key in _HEAD and not pages and key not in head:
             head[key], at[key] = value, lines.number
         else:
-            raise lines.wrong(f"'{shown(key)}' does not belong here; is it a motion file?")
+            raise lines.wrong(f"'{short(key)}' does not belong here; is it a motion file?")
     if head.get("type") != "motion":
         raise InputError("line 1: it does not say type=motion; is it a motion file?")
     if not pages:
@@ -163,7 +163,7 @@ def _page(lines: "_Lines", number: int, width: int) -> Page:
         if key == "page_end":
             return played._replace(name=_printable(fields.get("name", "")), steps=tuple(steps), compliance=compliance)
         if key not in _OF_PAGE or (key in fields and key != "step"):
-            raise lines.wrong(f"'{shown(key)}' does not belong into page {number}, which has no page_end before it")
+            raise lines.wrong(f"'{short(key)}' does not belong into page {number}, which has no page_end before it")
         fields[key] = value
         if key == "step":
             steps.append(_step(lines, value, width))
@@ -209,14 +209,14 @@ def _wholes(lines: "_Lines", text: str, most: int, what: str, at: dict[str, int]
 
 def _whole(lines: "_Lines", text: str, what: str, line: int | None = None) -> int:
     if not _WHOLE.fullmatch(text) or int(text) > MOST_COUNTS:
-        raise lines.wrong(f"{what}: '{shown(text)}' is not a whole number from 0 to {MOST_COUNTS}", line)
+        raise lines.wrong(f"{what}: '{short(text)}' is not a whole number from 0 to {MOST_COUNTS}", line)
     return int(text)
 
 
 def _number(lines: "_Lines", text: str, what: str, most: float) -> float:
     found = float(text.replace(",", ".")) if _NUMBER.fullmatch(text) else math.nan
     if not found <= most:
-        raise lines.wrong(f"'{shown(text)}' is not a number of {what} from 0 to {most:g}")
+        raise lines.wrong(f"'{short(text)}' is not a number of {what} from 0 to {most:g}")
     return found
 
 

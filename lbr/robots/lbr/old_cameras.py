@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from json import loads
 from typing import Any, NamedTuple
 
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want
 
 _CONTROL = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}", re.ASCII)
@@ -58,7 +58,7 @@ def _here(here: Here, mount: str) -> tuple[str, str] | None:
 
 
 def _camera(name: str, camera: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
-    row = shown(name)
+    row = short(name)
     found = _here(here, name)
     if not camera["device"]:
         yield Note("no_place", "cameras", row, "", "it is no camera, but how all were switched off: /camera/off")
@@ -77,9 +77,9 @@ def _camera(name: str, camera: Mapping[str, Any], here: Here) -> Iterator[Want |
         return
     for control, where, value in _controls(controls):
         if not _CONTROL.fullmatch(control):
-            yield Note("no_place", "cameras", row, "settings", f"'{shown(control)}' is no name of a control")
+            yield Note("no_place", "cameras", row, "settings", f"'{short(control)}' is no name of a control")
         elif control in _WRONG or isinstance(value, bool) or not isinstance(value, int | float):
-            text = _WRONG.get(control, f"'{shown(value)}' is not a number")
+            text = _WRONG.get(control, f"'{short(value)}' is not a number")
             yield Note("no_place", "cameras", row, f"settings.{where}", text)
         else:
             yield Want(
@@ -94,6 +94,6 @@ def _controls(controls: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
     """Yield each control: its name, where it stands, and its value; the original keeps them in groups."""
     for name, value in controls.items():
         if name in _GROUPS and isinstance(value, dict):
-            yield from ((inner, f"{name}.{shown(inner)}", one) for inner, one in value.items())
+            yield from ((inner, f"{name}.{short(inner)}", one) for inner, one in value.items())
         else:
-            yield name, shown(name), value
+            yield name, short(name), value

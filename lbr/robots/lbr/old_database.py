@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from lbr.errors import InputError
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.names import name_from
 from lbr.robot.old_data import Choice, ForeignTables, Here, Note, OldData, Source, Want
 
@@ -65,10 +65,10 @@ class OldDatabase(NamedTuple):
                 for row in rows:
                     if row is not robot:
                         yield Note(
-                            "no_place", table, shown(row.get("name")), "", "one robot is taken at a time: --of names it"
+                            "no_place", table, short(row.get("name")), "", "one robot is taken at a time: --of names it"
                         )
             elif table in {"calibration", "move_config", "extcmd"}:
-                others = sorted({shown(row.get("robot_id")) for row in rows if row.get("robot_id") not in names})
+                others = sorted({short(row.get("robot_id")) for row in rows if row.get("robot_id") not in names})
                 if others:
                     text = "rows of a robot that is not there, by which the original switched them off"
                     yield Note("no_place", table, f"robot_id {', '.join(others)}", "", text)
@@ -94,13 +94,13 @@ def _chosen(tables: ForeignTables, here: Here, choice: Choice) -> Mapping[str, A
     wanted = choice.of or (model if len(robots) > 1 else robots[0]["name"])
     found = [row for row in robots if row["name"] == wanted]
     if len(found) != 1:
-        names = ", ".join(shown(row["name"]) for row in robots)
+        names = ", ".join(short(row["name"]) for row in robots)
         raise InputError(f"it has the robots {names}: say which with --of NAME")
     return found[0]
 
 
 def _robot(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
-    name = shown(row["name"])
+    name = short(row["name"])
     told = {column: str(row[column]) for column in ("owner",) if row.get(column)}
     (own,) = (one["name"] for one in here.rows("robot"))
     yield Want("robot", {"name": own}, {"model": str(row["name"]), **told}, f"robot '{name}'")
@@ -117,11 +117,11 @@ def _robot(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
 def _calibration(rows: Sequence[Mapping[str, Any]], here: Here) -> Iterator[Want | Note]:
     values: dict[str, float] = {}
     for row in rows:
-        name, value = shown(row.get("name")), row.get("value")
+        name, value = short(row.get("name")), row.get("value")
         if name not in _NAMES:
             yield Note("no_place", "calibration", name, "value", "the original never read it")
         elif not isinstance(value, int | float) or not math.isfinite(value):
-            yield Note("no_place", "calibration", name, "value", f"'{shown(value)}' is not a finite number")
+            yield Note("no_place", "calibration", name, "value", f"'{short(value)}' is not a finite number")
         else:
             if name in values:
                 yield Note(
@@ -150,7 +150,7 @@ def _calibration(rows: Sequence[Mapping[str, Any]], here: Here) -> Iterator[Want
 
 
 def _wheels(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
-    name = shown(row.get("robot_id"))
+    name = short(row.get("robot_id"))
     odometry = [one["name"] for one in here.rows("capability") if one["kind"] == "odometry"]
     counted = bool(here.rows("wheel"))
     for column, setting, factor, most in (
@@ -160,9 +160,9 @@ def _wheels(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
         value = row.get(column)
         if not isinstance(value, int | float) or not 0 < value <= most:
             text = (
-                f"'{shown(value)}' is none: the original had no such sensor"
+                f"'{short(value)}' is none: the original had no such sensor"
                 if value == 0
-                else f"'{shown(value)}' cannot be"
+                else f"'{short(value)}' cannot be"
             )
             yield Note("no_place", "move_config", name, column, text)
         elif len(odometry) != 1 or (counted and setting == "wheel_diameter_m"):
@@ -182,7 +182,7 @@ def _wheels(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
             text = (
                 "no wheel of this robot is on that channel"
                 if value in {1, -1}
-                else f"'{shown(value)}' is neither 1 nor -1"
+                else f"'{short(value)}' is neither 1 nor -1"
             )
             yield Note("no_place", "move_config", name, column, text)
             continue
@@ -208,13 +208,13 @@ def _wheel(here: Here, channel: int) -> tuple[str, str] | None:
 
 
 def _command(row: Mapping[str, Any], here: Here, folder: str) -> Iterator[Want | Note]:
-    said, target = shown(row.get("cmd_name")), str(row.get("target") or "")
+    said, target = short(row.get("cmd_name")), str(row.get("target") or "")
     if said in _KNOWN and any(one["name"] == _KNOWN[said] for one in here.rows("external_command")):
         yield Note("no_place", "extcmd", said, "target", f"'{_KNOWN[said]}' is here already, as a program of lbr")
         return
     path = Path(target) if os.path.isabs(target) else Path(os.path.abspath(Path(folder) / target))  # noqa: PTH100, PTH117
     if not target or "\0" in target or not (path.is_file() and os.access(path, os.X_OK)):
-        text = f"'{shown(target)}' is no program that is there: a row of external_command names one by its whole path"
+        text = f"'{short(target)}' is no program that is there: a row of external_command names one by its whole path"
         yield Note("no_place", "extcmd", said, "target", text)
         return
     name = name_from(said, "command")

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from lbr.messages.rows import shown
+from lbr.messages.rows import short
 from lbr.names import name_from
 from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want
 
@@ -61,10 +61,10 @@ class OldSettings(NamedTuple):
                 wants.append(Want("capability", {"name": web[0]}, {"settings.port": int(value)}, "PORT"))
             elif name == "PORT":
                 notes.append(
-                    Note("no_place", "settings", name, "", f"'{shown(value)}' is no port, or there is no web server")
+                    Note("no_place", "settings", name, "", f"'{short(value)}' is no port, or there is no web server")
                 )
             else:
-                notes.append(Note("no_place", "settings", shown(name), "", "nothing here is set by it"))
+                notes.append(Note("no_place", "settings", short(name), "", "nothing here is set by it"))
         return wants, notes
 
 
@@ -112,7 +112,7 @@ def _motor(row: Mapping[str, Any]) -> Iterator[Want | Note]:
         yield Note(
             "no_place",
             "motor",
-            shown(number),
+            short(number),
             "min, max",
             "they are no whole numbers, or the first is not below the second",
         )
@@ -126,15 +126,15 @@ def _motor(row: Mapping[str, Any]) -> Iterator[Want | Note]:
         "rest": default,
         "inverted": row.get("inverted", False),
     }
-    yield Want("motor", {"layer": LAYER, "id": number}, columns, f"motor '{shown(number)}'", create=True)
+    yield Want("motor", {"layer": LAYER, "id": number}, columns, f"motor '{short(number)}'", create=True)
     for column in sorted(set(row) - {"id", "name", "description", "position", "min", "max", "default", "inverted"}):
-        yield Note("no_place", "motor", shown(number), shown(column), "the original has no such column")
+        yield Note("no_place", "motor", short(number), short(column), "the original has no such column")
 
 
 def _button(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
     number, name = row["id"], row["name"]
     if not _whole(number) or not isinstance(name, str) or not isinstance(row["button"], str):
-        yield Note("no_place", "motion", shown(number), "", "its number is no number, or its name no text")
+        yield Note("no_place", "motion", short(number), "", "its number is no number, or its name no text")
         return
     known = {one["id"]: one for one in here.rows("button")}
     same = known.get(number)
@@ -144,10 +144,10 @@ def _button(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
         motion = name_from(name, "motion")
     else:
         text = (
-            f"there is no motion '{shown(name)}' here: enter a row of motion with slot {shown(number)} and the time that "
+            f"there is no motion '{short(name)}' here: enter a row of motion with slot {short(number)} and the time that "
             "the main board takes for it, then take this again"
         )
-        yield Note("no_place", "motion", shown(number), "name", text)
+        yield Note("no_place", "motion", short(number), "name", text)
         return
     columns = {"name": name, "button": row["button"], "motion": motion}
-    yield Want("button", {"id": number}, columns, f"motion '{shown(number)}'", create=True)
+    yield Want("button", {"id": number}, columns, f"motion '{short(number)}'", create=True)

@@ -2,7 +2,7 @@
 
 from math import degrees
 
-from lbr.console.printable import shown
+from lbr.console.printable import short
 from lbr.messages.joints import JointsState, JointState
 from lbr.simulation.messages import HumanoidPose
 
@@ -14,8 +14,8 @@ _HEAD = f"{'joint':<22}{'angle':>8}{'goal':>8}{'load':>7}{'°C':>5}{'V':>6}  "
 def lines(state: JointsState, pose: HumanoidPose | None, width: int, height: int) -> list[str]:
     """Return the view, no larger than asked; angles are degrees from each joint's zero."""
     doing = _plays(state) if state.stored is not None else "moving" if state.moving else state.phase
-    by = f", held by {shown(state.holder)}" if state.holder else ""
-    why = f": {shown(state.reason)}" if state.reason and not state.moving else ""
+    by = f", held by {short(state.holder)}" if state.holder else ""
+    why = f": {short(state.reason)}" if state.reason and not state.moving else ""
     table = [_row(name, one) for name, one in state.joints.items()]
     return [line[:width] for line in [*_lies(pose), f"{doing}{by}{why}", _HEAD, *table][:height]]
 
@@ -36,7 +36,7 @@ def _lies(pose: HumanoidPose | None) -> list[str]:
 
 def _row(name: str, one: JointState) -> str:
     numbers = f"{_angle(one.position_rad):>8}{_angle(one.goal_rad):>8}{_percent(one.load):>7}"
-    return f"{shown(name):<22}{numbers}{_number(one.temperature_c, 0):>5}{_number(one.voltage_v, 1):>6}  {_note(one)}"
+    return f"{short(name):<22}{numbers}{_number(one.temperature_c, 0):>5}{_number(one.voltage_v, 1):>6}  {_note(one)}"
 
 
 def _note(joint: JointState) -> str:
@@ -48,7 +48,7 @@ def _note(joint: JointState) -> str:
         (
             *joint.faults,
             *doubted,
-            *([shown(joint.reason)] if joint.reason and not doubted else []),
+            *([short(joint.reason)] if joint.reason and not doubted else []),
             *(["no torque"] if joint.torque == 0.0 else []),
             *(["torque unknown"] if joint.torque is None else []),
             *([f"torque {joint.torque * 100:.0f} %"] if joint.torque and joint.torque < WEAK else []),

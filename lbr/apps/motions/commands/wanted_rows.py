@@ -16,7 +16,7 @@ from lbr.errors import InputError
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
-from lbr.messages.rows import Row, shown
+from lbr.messages.rows import Row, short
 from lbr.robot.old_data import Note, Want
 
 TABLES: Mapping[str, type[Row]] = {
@@ -143,7 +143,7 @@ class _Taking:
         place = want.table, row_name, column
         if place in self._wanted:
             if (first := self._wanted[place]) != value:
-                text = f"{want.source}: {shown(value)}, and before that {shown(first)}, which counts"
+                text = f"{want.source}: {short(value)}, and before that {short(first)}, which counts"
                 self._notes.append(Note("no_place", *place, text))
             return False
         self._wanted[place] = value
@@ -153,13 +153,13 @@ class _Taking:
             return False
         if state.before is not None and not self._replacing and present != _get(state.shipped or {}, column):
             self._conflicts.append(
-                f"{want.table} '{row_name}', {column} is {shown(present)} here, and {shown(value)} there"
+                f"{want.table} '{row_name}', {column} is {short(present)} here, and {short(value)} there"
             )
             return False
         _set(state.after, column.split("."), value)
         if state.before is not None:
             text = (
-                f"{want.source}: {'nothing' if present is None or present == '' else shown(present)} -> {shown(value)}"
+                f"{want.source}: {'nothing' if present is None or present == '' else short(present)} -> {short(value)}"
             )
             self._notes.append(Note("changed", want.table, row_name, column, text))
         return True
@@ -193,7 +193,7 @@ def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables,
 
 
 def _row_name(key: Iterable[object]) -> str:
-    return "/".join(map(shown, key))
+    return "/".join(map(short, key))
 
 
 def _plain(text: str) -> str:
@@ -229,7 +229,7 @@ def _read(kind: type[Row], values: RawRow) -> dict[str, Any]:
             columns_of[name] = msgspec.json.decode(msgspec.json.encode(column.read(values.get(name))))
         except WrongError as err:
             raise InputError(
-                f"{kind.TABLE} '{shown(values.get('name'))}', {name}: {err}; 'lbr db check' tells all"
+                f"{kind.TABLE} '{short(values.get('name'))}', {name}: {err}; 'lbr db check' tells all"
             ) from err
     return columns_of
 
