@@ -56,18 +56,18 @@ def _serial(dev: Path) -> Iterator[End]:
     """Yield USB adapters; a machine's own lines may be its console, and are looked at only if a person names them."""
     links, places = _links(dev / "serial/by-id"), _links(dev / "serial/by-path")
     usb = (
-        {os.path.realpath(one.device): one for one in list_ports.comports() if one.vid is not None}
+        {os.path.realpath(port.device): port for port in list_ports.comports() if port.vid is not None}
         if dev == DEV
         else {}
     )
     nodes = {node for node in (*links, *places, *usb) if node}
-    alike = Counter(f"{one.vid}:{one.pid}:{one.serial_number}:{one.interface}" for one in usb.values())
+    alike = Counter(f"{port.vid}:{port.pid}:{port.serial_number}:{port.interface}" for port in usb.values())
     for node in sorted(nodes):
-        one = usb.get(node)
-        key = f"{one.vid}:{one.pid}:{one.serial_number}:{one.interface}" if one is not None else ""
-        name = " ".join(filter(None, (one.manufacturer, one.product))) if one is not None else ""
+        port = usb.get(node)
+        key = f"{port.vid}:{port.pid}:{port.serial_number}:{port.interface}" if port is not None else ""
+        name = " ".join(filter(None, (port.manufacturer, port.product))) if port is not None else ""
         address = stable(links.get(node, []), alike, key, places.get(node, []), node)
-        serial = (one.serial_number or "") if one is not None else ""
+        serial = (port.serial_number or "") if port is not None else ""
         yield End(place="serial", address=address, path=node, name=name or Path(address).name, serial=serial)
 
 
@@ -113,15 +113,15 @@ def _inputs(dev: Path, sys: Path) -> Iterator[End]:
 
 def _links(folder: Path) -> dict[str, list[Path]]:
     """Return the links of a folder by the nodes that they mean."""
-    found: dict[str, list[Path]] = {}
+    links: dict[str, list[Path]] = {}
     try:
         entries = sorted(folder.iterdir())
     except OSError:
-        return found
-    for one in entries:
-        if one.exists():
-            found.setdefault(os.path.realpath(one), []).append(one)
-    return found
+        return links
+    for link in entries:
+        if link.exists():
+            links.setdefault(os.path.realpath(link), []).append(link)
+    return links
 
 
 def _number(name: str) -> int:

@@ -113,14 +113,14 @@ def _extras() -> Iterator[Finding]:
 def _home() -> Iterator[Finding]:
     place = home.home()
     keys = sorted((place / "credentials").glob("*"))
-    found = [fault for name in (".", "run", "logs", "credentials") for fault in ownership.faults(place / name)]
-    found += [fault for key in keys for fault in home.key_faults(key)]
-    found += ownership.database_faults(home.default_database())
-    for fault in dict.fromkeys(found):
+    faults = [fault for name in (".", "run", "logs", "credentials") for fault in ownership.faults(place / name)]
+    faults += [fault for key in keys for fault in home.key_faults(key)]
+    faults += ownership.database_faults(home.default_database())
+    for fault in dict.fromkeys(faults):
         yield Finding(about="home", level="bad", text=f"{fault.path} {fault.text}", do=fault.do)
     if not os.access(place, os.W_OK | os.X_OK):
         yield Finding(about="home", level="bad", text=f"{place} cannot be written", do=f"chmod u+rwx {place}")
-    elif not found:
+    elif not faults:
         yield Finding(about="home", level="good", text=str(place))
 
 

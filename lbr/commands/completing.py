@@ -33,13 +33,13 @@ def complete_field(context: click.Context, _parameter: click.Parameter, begun: s
     with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
         from lbr.console import topics  # noqa: PLC0415
 
-        streams = [one for one in topics.catalogue(bus, robot, source) if one.role != "command"]
+        streams = [stream for stream in topics.catalogue(bus, robot, source) if stream.role != "command"]
         return items(
             begun,
             (
-                (f"{one.name}.{field.name}", str(field.schema.get("description", "")))
-                for one in streams
-                for field in topics.fields_of(one)
+                (f"{stream.name}.{field.name}", str(field.schema.get("description", "")))
+                for stream in streams
+                for field in topics.fields_of(stream)
             ),
         )
     return []
@@ -54,12 +54,12 @@ def complete_line(context: click.Context, _parameter: click.Parameter, begun: st
         from lbr.console.completion import LineCompleter  # noqa: PLC0415
         from lbr.console.operator import BusOperator  # noqa: PLC0415
 
-        said = " ".join([*(context.params.get("words") or ()), begun])
+        typed = " ".join([*(context.params.get("words") or ()), begun])
         words = BusOperator(bus, robot, source, listen=False).words()
-        found = LineCompleter(words).get_completions(Document(said), CompleteEvent(completion_requested=True))
-        before = len(said) - len(begun)
+        found = LineCompleter(words).get_completions(Document(typed), CompleteEvent(completion_requested=True))
+        before = len(typed) - len(begun)
         lines = (
-            (said[: len(said) + one.start_position] + one.text, one.display_meta_text) for one in found if one.text
+            (typed[: len(typed) + one.start_position] + one.text, one.display_meta_text) for one in found if one.text
         )
         return [CompletionItem(line[before:], help=text) for line, text in lines]
     return []

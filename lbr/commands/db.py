@@ -115,15 +115,15 @@ def diff(first: int | None, second: int | None, database: Path | None, as_json: 
     With revision A, show what has changed since then; with A and B, from one to the other (see 'lbr db history').
     """
     with opened(database) as rows:
-        found = (
+        differing = (
             differences(rows, implied=said_by_kinds(rows)) if first is None else row_past.between(rows, first, second)
         )
     if as_json:
-        print_json(found)
+        print_json(differing)
         return 0
-    for one in found:
-        click.echo(str(one))
-    if not found:
+    for difference in differing:
+        click.echo(str(difference))
+    if not differing:
         click.echo("the rows are as shipped" if first is None else "nothing differs")
     return 0
 
@@ -160,12 +160,12 @@ def restore(source: Path | None, database: Path | None, only_list: bool, as_json
     """
     path = database or home.default_database()
     if only_list:
-        found = copies.stored(path)
+        stored = copies.stored(path)
         if as_json:
-            print_json(found)
-        for copy in () if as_json else found:
+            print_json(stored)
+        for copy in () if as_json else stored:
             click.echo(f"{copy.path}: {copy.kept_at}, {copy.fault or f'revision {copy.revision}'}")
-        if not found and not as_json:
+        if not stored and not as_json:
             click.echo(f"no copy of {path} is kept")
         return 0
     chosen, aside = restoring.restore(path, source)

@@ -12,9 +12,9 @@ MARKS = {"good": ("ok  ", "green"), "hint": ("hint", "yellow"), "bad": ("BAD ", 
 @json_option
 def command(as_json: bool) -> int:
     """Look for what is wrong with this machine, and say what to type. Needs no running robot. Exit code 1 if bad."""
-    found = []
+    findings = []
     for finding in checks.examine():
-        found.append(finding)
+        findings.append(finding)
         if as_json:
             continue
         mark, colour = MARKS[finding.level]
@@ -22,5 +22,5 @@ def command(as_json: bool) -> int:
         if finding.do:
             click.echo(f"      do: {finding.do}")
     if as_json:
-        print_json(found)
-    return 1 if any(finding.level == "bad" for finding in found) else 0
+        print_json(findings)
+    return 1 if any(finding.level == "bad" for finding in findings) else 0

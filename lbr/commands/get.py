@@ -47,7 +47,7 @@ def command(setting: str, robot: str | None, database: Path | None, as_json: boo
         parts = rows.load(whose).capabilities
     if part:
         refuse_unknown(part, (row.name for row in parts), whose)
-    settings = [one for row in parts if part in {"", row.name} for one in _of(row) if part or one.in_row]
+    settings = [entry for row in parts if part in {"", row.name} for entry in _of(row) if part or entry.in_row]
     if name:
         settings = [_chosen(part, name, settings)]
     if as_json:
@@ -55,8 +55,8 @@ def command(setting: str, robot: str | None, database: Path | None, as_json: boo
     elif name:
         click.echo(one_line(_as_typed(settings[0].value)))
     else:
-        for one in settings:
-            click.echo(one_line(str(one)))
+        for entry in settings:
+            click.echo(one_line(str(entry)))
         if not settings:
             click.echo(f"{short(part)} has no settings" if part else f"no row of '{short(whose)}' sets anything")
 
@@ -77,12 +77,12 @@ def _of(row: CapabilityRow) -> Iterator[Setting]:
 
 
 def _chosen(part: str, name: str, settings: Iterable[Setting]) -> Setting:
-    there = {one.setting: one for one in settings}
-    if name not in there:
-        close = near(name, sorted(there))
+    by_name = {entry.setting: entry for entry in settings}
+    if name not in by_name:
+        close = near(name, sorted(by_name))
         hint = f"did you mean '{close[0]}'?" if close else f"'lbr get {part}' lists them"
         raise InputError(f"{short(part)} has no setting '{short(name)}'; {hint}", "unknown_name")
-    return there[name]
+    return by_name[name]
 
 
 def _as_typed(value: object) -> str:

@@ -24,11 +24,11 @@ def command(whom: Whom, database: Path | None, as_dot: bool, as_json: bool) -> i
     """Show who feeds whom, from the rows; with states and rates if the robot runs."""
     if whom.connect and database is not None:
         raise InputError("--db is for rows here, and --connect for a robot elsewhere; leave out one")
-    found = _elsewhere(whom) if whom.connect else _graph_here(whom.robot, database)
+    wires = _elsewhere(whom) if whom.connect else _graph_here(whom.robot, database)
     if as_json:
-        print_json(wiring.plain(found))
+        print_json(wiring.plain(wires))
         return 0
-    for line in wiring.dot(found) if as_dot else wiring.tree(found):
+    for line in wiring.dot(wires) if as_dot else wiring.tree(wires):
         click.echo(line)
     return 0
 

@@ -51,17 +51,17 @@ def install(root: Path, files: dict[str, str], *, overwrite: bool, dry_run: bool
     steps = []
     for name, text in files.items():
         path = root / name
-        found = state(path, text)
-        if found == "current":
+        present = state(path, text)
+        if present == "current":
             steps.append(Step(path, "is as it should be"))
-        elif found == "edited" and not overwrite:
+        elif present == "edited" and not overwrite:
             steps.append(Step(path, "was edited and stays as it is; --overwrite replaces it"))
         else:
-            kept = f"; the edited one is kept as {path.name}{KEPT}" if found == "edited" else ""
-            done = "written" if found == "absent" else "replaced"
-            steps.append(Step(path, f"{'would be ' if dry_run else ''}{done}{kept}"))
+            note = f"; the edited one is kept as {path.name}{KEPT}" if present == "edited" else ""
+            done = "written" if present == "absent" else "replaced"
+            steps.append(Step(path, f"{'would be ' if dry_run else ''}{done}{note}"))
             if not dry_run:
-                _write(path, text, keep=bool(kept))
+                _write(path, text, keep=bool(note))
     return steps
 
 
@@ -84,8 +84,8 @@ def _write(path: Path, text: str, *, keep: bool) -> None:
     path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile("w", dir=path.parent, prefix=".lbr-", delete=False) as file:
         file.write(text)
-    new = Path(file.name)
-    new.chmod(MODE)
+    draft = Path(file.name)
+    draft.chmod(MODE)
     if keep:
         path.replace(path.with_name(path.name + KEPT))
-    new.replace(path)
+    draft.replace(path)

@@ -38,11 +38,11 @@ def _robots() -> list[str]:
 def _rule(root: Path) -> Finding:
     rule = root / unitfiles.POLKIT
     try:
-        there = rule.exists()
+        installed = rule.exists()
     except PermissionError:
         text = "where polkit has its rules only root may look"
         return Finding(about="power-off rule", level="hint", text=text, do="sudo lbr doctor")
-    if there:
+    if installed:
         return Finding(about="power-off rule", level="good", text=f"{rule} lets the robot's user power off")
     text = "no rule lets a service power this computer off"
     do = f"sudo {' '.join(unitfiles.this_site().program)} service install PROFILE --power-off"

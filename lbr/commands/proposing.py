@@ -29,41 +29,41 @@ class Proposal(Struct, frozen=True, kw_only=True):
 def propose(
     rows: RobotRows,
     kinds: Mapping[str, Kind],
-    found: Collection[Attached],
-    there: Collection[str],
+    ends: Collection[Attached],
+    present: Collection[str],
     called: str = "",
 ) -> tuple[list[Attached], list[Proposal]]:
     """Return what was found with the rows that are it already, and a proposal for each that no row is.
 
-    `there` are the nodes that exist now: a device row elsewhere waits for its device. `called` is the device row to
+    `present` are the nodes that exist now: a device row elsewhere waits for its device. `called` is the device row to
     make or to move, where one is asked for.
     """
     nodes = {node_of(row): row for row in rows.devices}
-    known = [msgspec.structs.replace(one, row=_row_at(one, nodes)) for one in found]
+    known = [msgspec.structs.replace(end, row=_row_at(end, nodes)) for end in ends]
     waiting = [
         row
         for row in rows.devices
-        if node_of(row) not in there and row.address.partition(":")[0] not in {"sim", "alsa"}
+        if node_of(row) not in present and row.address.partition(":")[0] not in {"sim", "alsa"}
     ]
     names = set(rows.names("device")), set(rows.names("capability"))
     proposals = []
-    for one in known:
-        if not one.type or one.row or one.held:
+    for end in known:
+        if not end.type or end.row or end.held:
             continue
-        alike = [other for other in known if other.type == one.type and not other.row]
-        mine = [row for row in waiting if row.type == one.type]
+        alike = [twin for twin in known if twin.type == end.type and not twin.row]
+        mine = [row for row in waiting if row.type == end.type]
         if called:
             mine = [row for row in rows.devices if row.name == called]
         if len(mine) == 1 and (len(alike) == 1 or called):
-            proposals.append(_moved(one, mine[0]))
+            proposals.append(_moved(end, mine[0]))
         elif mine and not called:
             rows_of = " and ".join(f"'{row.name}'" for row in mine)
             text = (
-                f"{len(alike)} of type {one.type} are here, and {rows_of} waits for one: say which, by --port and --as"
+                f"{len(alike)} of type {end.type} are here, and {rows_of} waits for one: say which, by --port and --as"
             )
-            proposals.append(Proposal(address=one.address, text=text))
+            proposals.append(Proposal(address=end.address, text=text))
         else:
-            proposals.append(_new(one, rows, kinds, names, called))
+            proposals.append(_added(end, rows, kinds, names, called))
             rows = _wired(rows, proposals[-1].changes)
     return known, proposals
 
@@ -74,55 +74,55 @@ def _row_at(one: Attached, nodes: Mapping[str, DeviceRow]) -> str:
     return row.name if row is not None else ""
 
 
-def _moved(one: Attached, row: DeviceRow) -> Proposal:
+def _moved(end: Attached, row: DeviceRow) -> Proposal:
     before = {"name": row.name, "address": row.address}
-    after = {"name": row.name, "address": one.address}
-    if row.type != one.type:
+    after = {"name": row.name, "address": end.address}
+    if row.type != end.type:
         return Proposal(
-            address=one.address,
-            text=f"device '{row.name}' is of type {row.type}, and this is a {one.type}: say another name",
+            address=end.address,
+            text=f"device '{row.name}' is of type {row.type}, and this is a {end.type}: say another name",
         )
     text = f"device '{row.name}' waits for one at {row.address}: have it here"
-    return Proposal(address=one.address, text=text, changes=[RowChange(table="device", before=before, after=after)])
+    return Proposal(address=end.address, text=text, changes=[RowChange(table="device", before=before, after=after)])
 
 
-def _new(
-    one: Attached, rows: RobotRows, kinds: Mapping[str, Kind], names: tuple[set[str], set[str]], called: str
+def _added(
+    end: Attached, rows: RobotRows, kinds: Mapping[str, Kind], names: tuple[set[str], set[str]], called: str
 ) -> Proposal:
-    name = called or first_free(one.type, names[0].__contains__)
+    name = called or first_free(end.type, names[0].__contains__)
     names[0].add(name)
-    device = RowChange(table="device", after={"name": name, "type": one.type, "address": one.address})
-    kind = next((kind for kind in kinds.values() if kind.device_type == one.type), None)
+    device = RowChange(table="device", after={"name": name, "type": end.type, "address": end.address})
+    kind = next((kind for kind in kinds.values() if kind.device_type == end.type), None)
     if kind is None:
-        return Proposal(address=one.address, text=f"add it as device '{name}'", changes=[device])
+        return Proposal(address=end.address, text=f"add it as device '{name}'", changes=[device])
     capability = first_free(called or kind.name, names[1].__contains__)
     names[1].add(capability)
-    settings = {"device": name, **one.settings}
+    settings = {"device": name, **end.settings}
     row = RowChange(table="capability", after={"name": capability, "kind": kind.name, "settings": settings})
     channels = list(_channels(capability, kind, rows, kinds))
     waiting = list(_waiting(kind, rows, kinds))
     if channels:
         wired = f", wired by {len(channels)} channels"
     else:
-        heard = bool(waiting) or not kind.outputs
-        wired = "" if heard else ", which nothing hears: rows of the table 'channel' say who does"
+        is_read = bool(waiting) or not kind.outputs
+        wired = "" if is_read else ", which nothing hears: rows of the table 'channel' say who does"
     on = f"; switch on {' and '.join(waiting)}, for which it is" if waiting else ""
     return Proposal(
-        address=one.address,
+        address=end.address,
         text=f"add it as device '{name}', with the capability '{capability}' of kind '{kind.name}'{wired}{on}",
-        changes=[*_needed(one, rows, kinds), device, row, *channels, *map(_switched_on, waiting)],
+        changes=[*_needed(end, rows, kinds), device, row, *channels, *map(_switched_on, waiting)],
     )
 
 
 def _waiting(kind: Kind, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[str]:
     """Yield the capabilities that are off and cannot do without this kind: they name it as what feeds them."""
-    for other in rows.capabilities:
-        theirs = kinds.get(other.kind)
-        if theirs is None or other.enabled:
+    for row in rows.capabilities:
+        theirs = kinds.get(row.kind)
+        if theirs is None or row.enabled:
             continue
         needed = (wire.to for port, wire in theirs.wires.items() if port not in theirs.optional)
         if any(to == f"{kind.name}.{output}" for to in needed for output in kind.outputs):
-            yield other.name
+            yield row.name
 
 
 def _switched_on(name: str) -> RowChange:
@@ -149,18 +149,18 @@ def _wired(rows: RobotRows, changes: Collection[RowChange]) -> RobotRows:
 def _channels(name: str, kind: Kind, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[RowChange]:
     """Yield the channels to what the robot has and nothing feeds yet; what kinds wire by themselves needs no row."""
     targets, sources = {row.target for row in rows.channels}, {row.source for row in rows.channels}
-    for other in rows.capabilities:
-        theirs = kinds.get(other.kind)
+    for capability in rows.capabilities:
+        theirs = kinds.get(capability.kind)
         if theirs is None:
             continue
         for output, message in kind.outputs.items():
             for port, taken in theirs.inputs.items():
-                if taken is message and port not in theirs.wires and f"{other.name}.{port}" not in targets:
-                    yield _channel(f"{name}.{output}", f"{other.name}.{port}")
+                if taken is message and port not in theirs.wires and f"{capability.name}.{port}" not in targets:
+                    yield _channel(f"{name}.{output}", f"{capability.name}.{port}")
         for port, message in kind.setpoints.items():
             for output, sent in theirs.outputs.items():
-                if sent is message and f"{other.name}.{output}" not in sources:
-                    yield _channel(f"{other.name}.{output}", f"{name}.{port}")
+                if sent is message and f"{capability.name}.{output}" not in sources:
+                    yield _channel(f"{capability.name}.{output}", f"{name}.{port}")
 
 
 def _channel(source: str, target: str) -> RowChange:

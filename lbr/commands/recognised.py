@@ -51,16 +51,16 @@ class Attached(Struct, frozen=True, kw_only=True):
 def known_kinds(home: Path) -> tuple[dict[str, Kind], Known, list[str]]:
     """Return all installed kinds, the handshakes by type of device, and what is wrong with kinds that cannot be
     used."""
-    kinds, found, wrong = {}, {}, []
+    kinds, asked, wrong = {}, {}, []
     for name in registry.names(home):
         try:
             kind = registry.find(name, home)
             kinds[name] = kind
-            if told := recognition.handshakes(kind):
-                found[kind.device_type] = told
+            if handshake := recognition.handshakes(kind):
+                asked[kind.device_type] = handshake
         except KindError as err:
             wrong.append(str(err))
-    return kinds, found, wrong
+    return kinds, asked, wrong
 
 
 def ask_all(
@@ -68,7 +68,7 @@ def ask_all(
 ) -> list[Attached]:
     """Return what is at each end; `held` says of nodes and i2c addresses by which robot's row they are in use."""
 
-    def one(end: End) -> list[Attached]:
+    def attached(end: End) -> list[Attached]:
         began = time.monotonic()
         found = _asked(end, known, held, wait_s=wait_s, ask=ask)
         took_s = round(time.monotonic() - began, 3)
@@ -77,7 +77,7 @@ def ask_all(
     if not ends:
         return []
     with ThreadPoolExecutor(max_workers=min(AT_ONCE, len(ends))) as pool:
-        return [each for several in pool.map(one, ends) for each in several]
+        return [each for several in pool.map(attached, ends) for each in several]
 
 
 def held_by(robot: str, devices: Collection[DeviceRow]) -> dict[str, str]:
@@ -118,7 +118,7 @@ def _asked(end: End, known: Known, held: Mapping[str, str], *, wait_s: float, as
 
 
 def _by_name(end: Attached, known: Known, held: Mapping[str, str]) -> Attached:
-    told = _told(end, recognising.by_name(end.place, end.name, known), "no driver here takes it")
+    told = _recognised(end, recognising.by_name(end.place, end.name, known), "no driver here takes it")
     if by := held.get(os.path.realpath(end.path)):
         return msgspec.structs.replace(told, held=True, text=by)
     return msgspec.structs.replace(told, text=told.text or _rights(end.path))
@@ -129,7 +129,7 @@ def _line(end: Attached, known: Known, held: Mapping[str, str], wait_s: float, *
         return msgspec.structs.replace(end, held=True, text=f"{by}: not opened")
     if by := holder(end.path):
         return msgspec.structs.replace(end, held=True, text=f"in use{by}: not opened")
-    return _told(end, *recognising.serial(end.path, known, wait_s=wait_s, ask=ask))
+    return _recognised(end, *recognising.serial(end.path, known, wait_s=wait_s, ask=ask))
 
 
 def _bus(end: Attached, known: Known, held: Mapping[str, str], *, ask: bool) -> list[Attached]:
@@ -141,14 +141,16 @@ def _bus(end: Attached, known: Known, held: Mapping[str, str], *, ask: bool) -> 
     if not ask:
         return [*used, msgspec.structs.replace(end, text="not asked: an i2c device says nothing by itself")]
     found = recognising.at_i2c(end.address, known, skip)
-    here = [_told(msgspec.structs.replace(end, address=f"{end.address}:{at:#04x}"), told, "") for at, told in found]
+    here = [
+        _recognised(msgspec.structs.replace(end, address=f"{end.address}:{at:#04x}"), told, "") for at, told in found
+    ]
     return [*used, *here] or [msgspec.structs.replace(end, text="nothing that a driver here knows answers on it")]
 
 
-def _told(end: Attached, found: Found | None, text: str) -> Attached:
-    if found is None:
+def _recognised(end: Attached, recognised: Found | None, text: str) -> Attached:
+    if recognised is None:
         return msgspec.structs.replace(end, text=text)
-    type_, seen = found
+    type_, seen = recognised
     return msgspec.structs.replace(
         end,
         type=type_,

@@ -15,27 +15,27 @@ def command(as_json: bool) -> int:
 
     A robot of a package that cannot be used is told with the reason; the others run. Needs no running robot.
     """
-    found = [(one, joining.fault(one)) for one in registry.every()]
+    robots = [(robot, joining.fault(robot)) for robot in registry.every()]
     if as_json:
         print_json(
             [
                 {
-                    "name": one.name,
-                    "package": one.package,
-                    "summary": one.robot.summary if one.robot is not None else "",
-                    "profiles": profile.of_robot(one),
+                    "name": robot.name,
+                    "package": robot.package,
+                    "summary": robot.robot.summary if robot.robot is not None else "",
+                    "profiles": profile.of_robot(robot),
                     "fault": fault,
                 }
-                for one, fault in found
+                for robot, fault in robots
             ]
         )
         return 0
-    for one, fault in found:
-        if one.robot is not None and not fault:
-            click.echo(f"{one.name}: {one.robot.summary} ({one.package})")
-            click.echo("".join(f"  lbr run {name}\n" for name in profile.of_robot(one)), nl=False)
+    for robot, fault in robots:
+        if robot.robot is not None and not fault:
+            click.echo(f"{robot.name}: {robot.robot.summary} ({robot.package})")
+            click.echo("".join(f"  lbr run {name}\n" for name in profile.of_robot(robot)), nl=False)
         else:
-            click.echo(f"{one.name}: cannot be used: {fault}", err=True)
+            click.echo(f"{robot.name}: cannot be used: {fault}", err=True)
     for why in plugins.broken():
         click.echo(why, err=True)
     return 0

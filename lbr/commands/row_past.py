@@ -78,20 +78,20 @@ def history(
         if table is not None and table not in (known := rows.tables()[1]):
             raise InputError(f"no table '{table}' keeps its changes: {', '.join(sorted(known))}", "unknown_name")
         changes = rows.changes()
-    found = []
+    asked = []
     for change in changes:
-        mine = [one for one in change.rows if _is_asked(one, robot, table, row)]
+        mine = [revision for revision in change.rows if _is_asked(revision, robot, table, row)]
         if mine:
-            found.append((change, [past.of_revision(one) for one in mine]))
-    found = found[-count:]
+            asked.append((change, [past.of_revision(revision) for revision in mine]))
+    asked = asked[-count:]
     if as_json:
-        print_json([{**asdict(change), "rows": lines} for change, lines in found])
+        print_json([{**asdict(change), "rows": lines} for change, lines in asked])
         return 0
-    for change, lines in found:
+    for change, lines in asked:
         click.echo(one_line(f"{_numbers(change)}  {_local(change.at)}  {_author(change)}"))
         for line in lines:
             click.echo(one_line(f"    {line}"))
-    if not found:
+    if not asked:
         click.echo("no such row was changed" if robot or table or row else "no row was changed")
     return 0
 

@@ -71,24 +71,24 @@ class Touching:
     def judge_of(self, changes: Iterable[Change]) -> str:
         """Return the running robot whose rows change, as the judge of a trial; InputError without such a robot."""
         whose = {change.robot for change in changes}
-        found = sorted(name for name in self._running if {name, None} & whose)
-        if not found or (len(found) > 1 and None not in whose):
+        affected = sorted(name for name in self._running if {name, None} & whose)
+        if not affected or (len(affected) > 1 and None not in whose):
             which = (
-                f"of several robots that run ({', '.join(found)}): take one with --robot"
-                if found
+                f"of several robots that run ({', '.join(affected)}): take one with --robot"
+                if affected
                 else "of none that runs"
             )
             raise InputError(f"these rows are {which}; or leave --within out", "not_possible")
-        return found[0]
+        return affected[0]
 
     def told(self) -> tuple[Touched, ...]:
-        """Return what becomes of the processes of every robot whose rows are another."""
-        found = []
+        """Return the effects on the processes of every robot whose rows change."""
+        touched = []
         for name, rows in self._before.items():
             before, after = self._planned(rows)[0], self._after.get(name)
             if before is not None and after is not None:
                 change = plans.difference(before, after)
-                found.append(
+                touched.append(
                     Touched(
                         robot=name,
                         runs=name in self._running,
@@ -98,7 +98,7 @@ class Touching:
                         tell=(*change.plug, *change.follow),
                     )
                 )
-        return tuple(found)
+        return tuple(touched)
 
     def _planned(self, rows: RobotRows, before: RobotRows | None = None) -> "tuple[Plan | None, tuple[Problem, ...]]":
         running = self._running.get(rows.robot.name)

@@ -38,9 +38,9 @@ _OURS = {"lbr", "lbr_client", "tests", "docs", "executive"}
 """Names of lbr itself, and of folders beside a package's own."""
 
 
-def write(what: What, name: str, into: Path) -> Path:
+def write(template: What, name: str, into: Path) -> Path:
     """Write a package into a folder of that name, whole or not at all; InputError says why not, and what would do."""
-    check_name(what, name)
+    check_name(template, name)
     if not into.is_dir():
         raise InputError(f"there is no folder {into}: make it first, or name another with --into")
     folder = into / name
@@ -49,7 +49,7 @@ def write(what: What, name: str, into: Path) -> Path:
     fresh = into / f".{name}.{os.getpid()}"
     try:
         try:
-            for path, text in files(what, name):
+            for path, text in files(template, name):
                 (fresh / path).parent.mkdir(parents=True, exist_ok=True)
                 (fresh / path).write_text(text, encoding="utf-8")
             fresh.rename(folder)
@@ -60,7 +60,7 @@ def write(what: What, name: str, into: Path) -> Path:
     return folder
 
 
-def files(what: What, name: str) -> Iterator[tuple[Path, str]]:
+def files(template: What, name: str) -> Iterator[tuple[Path, str]]:
     """Yield the files of a package: where in it, and what is in them."""
     words = {
         "name": plain(name),
@@ -69,37 +69,37 @@ def files(what: What, name: str) -> Iterator[tuple[Path, str]]:
         "requires": _required(metadata.version("lbr")),
     }
     folder = resources.files("lbr.commands") / "templates" / "new"
-    templates = dict(_templates(folder / BASES[what])) if what in BASES else {}
-    for path, text in (templates | dict(_templates(folder / what))).items():
+    templates = dict(_templates(folder / BASES[template])) if template in BASES else {}
+    for path, text in (templates | dict(_templates(folder / template))).items():
         place = path.replace("NAME", words["name"]).replace("DASH", words["dash"]).removesuffix(".in")
         yield Path(place), string.Template(text).substitute(words)
 
 
-def check_name(what: What, name: str) -> None:
-    """Refuse a name that cannot be one, or that is taken; say what would do."""
+def check_name(template: What, name: str) -> None:
+    """Refuse a name that is invalid or in use; the text proposes another."""
     if not _NAME.fullmatch(name) or len(name) > LONGEST:
         rule = f"small letters, digits and single dashes or underscores, beginning with a letter, {LONGEST} at most"
-        raise InputError(f"'{name}' is not a name of a package: {rule}{_hint(what, _near(name))}")
-    for why in _taken(what, plain(name)):
-        raise InputError(f"'{name}' {why}: choose another name{_hint(what, f'my-{name}')}", "exists")
+        raise InputError(f"'{name}' is not a name of a package: {rule}{_hint(template, _near(name))}")
+    for why in _conflicts(template, plain(name)):
+        raise InputError(f"'{name}' {why}: choose another name{_hint(template, f'my-{name}')}", "exists")
 
 
-def next_steps(what: What, name: str, folder: Path) -> tuple[str, ...]:
+def next_steps(template: What, name: str, folder: Path) -> tuple[str, ...]:
     """Return what to type next, as it works in this shell, and which page to read."""
     tools, extra = _tools(), "" if importlib.util.find_spec("pytest") is not None else "[test]"
-    shown = f"./{folder}" if not folder.is_absolute() and folder.parts[0] != ".." else str(folder)
-    page = {"robot": "robot_packages", "capability": "capabilities"}.get(what, "drivers")
+    typed = f"./{folder}" if not folder.is_absolute() and folder.parts[0] != ".." else str(folder)
+    page = {"robot": "robot_packages", "capability": "capabilities"}.get(template, "drivers")
     return (
-        f"{tools}pip install -e {_quoted(f'{shown}{extra}')}",
+        f"{tools}pip install -e {_quoted(f'{typed}{extra}')}",
         f"{tools}lbr run {name.replace('_', '-')}-sim",
-        f"{tools}pytest {_quoted(shown)}",
-        f"{shown}/README.md says what each file is, docs/{page}.md of lbr all the rest",
+        f"{tools}pytest {_quoted(typed)}",
+        f"{typed}/README.md says what each file is, docs/{page}.md of lbr all the rest",
     )
 
 
 def _hint(what: What, name: str) -> str:
     """Return a name that would do, as a question; empty if that one would not either."""
-    free = _NAME.fullmatch(name) and len(name) <= LONGEST and not any(_taken(what, plain(name)))
+    free = _NAME.fullmatch(name) and len(name) <= LONGEST and not any(_conflicts(what, plain(name)))
     return f"; did you mean '{name}'?" if free else ""
 
 
@@ -109,8 +109,8 @@ def _near(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", apart).lstrip("-0123456789")[:LONGEST].strip("-")
 
 
-def _taken(what: What, name: str) -> Iterator[str]:
-    """Yield whose name it is already."""
+def _conflicts(template: What, name: str) -> Iterator[str]:
+    """Yield each owner that has the name already."""
     if keyword.iskeyword(name):
         yield "is a word of Python itself"
     elif name in sys.stdlib_module_names:
@@ -120,7 +120,7 @@ def _taken(what: What, name: str) -> Iterator[str]:
     yield from _brought(name)
     if (own := registry.user_directory(home.home()) / f"{name}.py").is_file():
         yield f"is a capability of your own already, in {own}"
-    if what == "capability" and (whose := _word_of(name)):
+    if template == "capability" and (whose := _word_of(name)):
         yield f"is a word of the console already, of {whose}"
     with suppress(ImportError, ValueError):
         if (spec := importlib.util.find_spec(name)) is not None:
@@ -153,11 +153,11 @@ def _word_of(name: str) -> str:
 
 
 def _templates(folder: Traversable, at: str = "") -> Iterator[tuple[str, str]]:
-    for one in sorted(folder.iterdir(), key=lambda one: one.name):
-        if one.is_dir():
-            yield from _templates(one, f"{at}{one.name}/")
-        elif one.name.endswith(".in"):
-            yield f"{at}{one.name}", one.read_text(encoding="utf-8")
+    for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
+        if entry.is_dir():
+            yield from _templates(entry, f"{at}{entry.name}/")
+        elif entry.name.endswith(".in"):
+            yield f"{at}{entry.name}", entry.read_text(encoding="utf-8")
 
 
 def _required(version: str) -> str:
@@ -170,12 +170,12 @@ def _required(version: str) -> str:
 def _tools() -> str:
     """Return what to write before `pip`, so that it is that of the Python that runs this; nothing where it is on the
     path."""
-    here = Path(sys.executable).parent
-    if (found := shutil.which("pip")) is not None and Path(found).parent == here:
+    folder = Path(sys.executable).parent
+    if (found := shutil.which("pip")) is not None and Path(found).parent == folder:
         return ""
     with suppress(ValueError):
-        return f"{here.relative_to(Path.cwd())}/"
-    return f"{here}/"
+        return f"{folder.relative_to(Path.cwd())}/"
+    return f"{folder}/"
 
 
 def _quoted(text: str) -> str:

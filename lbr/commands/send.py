@@ -86,29 +86,29 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as
 
 def await_start(robot: str | None, wait_s: float) -> None:
     """Wait for a robot whose start is under way, and report that; return at once for a robot that does not start."""
-    until, told = time.monotonic() + wait_s, False
+    until, reported = time.monotonic() + wait_s, False
     while not any(robot in {None, one.robot} for one in home.running()):
         names = [name or "a robot" for name in home.starting() if not name or robot in {None, name}]
         if not names or time.monotonic() >= until:
             return
-        if not told:
+        if not reported:
             click.echo(f"{', '.join(names)} is starting: waiting for it, {wait_s:g} s at most", err=True)
-            told = True
+            reported = True
         time.sleep(LOOK_S)
 
 
 def _stop_all(robots: list[Target], line: str, as_json: bool) -> int:
-    """Say a stop to each robot, and print what each answers once it has; none waits for another."""
-    said: dict[str, ConsoleResult] = {}
+    """Send a stop to each robot, and print each answer as it comes; no robot waits for another."""
+    results: dict[str, ConsoleResult] = {}
     with ThreadPoolExecutor(len(robots)) as pool:
         asked = {pool.submit(_result, robot, line): robot.robot for robot in robots}
         for answered in as_completed(asked):
-            said[asked[answered]] = result = answered.result()
+            results[asked[answered]] = result = answered.result()
             if not as_json:
                 click.echo(f"{asked[answered]}: {one_line(result.text)}", err=result.code != 0)
     if as_json:
-        print_json({name: {"code": result.code, "text": result.text} for name, result in said.items()})
-    return max(result.code for result in said.values())
+        print_json({name: {"code": result.code, "text": result.text} for name, result in results.items()})
+    return max(result.code for result in results.values())
 
 
 def _result(robot: Target, line: str) -> ConsoleResult:
@@ -121,12 +121,12 @@ def _result(robot: Target, line: str) -> ConsoleResult:
 
 @contextmanager
 def _speaking(robot: Target) -> Iterator[BusOperator]:
-    """Be connected to a robot as somebody who says lines."""
+    """Connect to a robot as an operator that sends lines."""
     with target.connected(robot) as bus:
-        said = BusOperator(
+        speaker = BusOperator(
             bus, robot.robot, target.source("lbr send"), role=robot.role, proof=robot.proof, listen=False
         )
         try:
-            yield said
+            yield speaker
         finally:
-            said.close()
+            speaker.close()

@@ -159,11 +159,13 @@ def _tell(root: Path, commands: Iterable[tuple[str, ...]], *, dry_run: bool) -> 
 
 def _say_next(profile: str, user: str | None, root: Path) -> None:
     name = unitfiles.instance_of(profile)[0]
-    who = _user(user, root)
+    account = _user(user, root)
     if root == MACHINE:
-        closed = unitfiles.unreadable(who)
+        closed = unitfiles.unreadable(account)
         if closed:
-            click.echo(f"user '{who}' may not enter {closed}, where lbr is; install it elsewhere, such as in /opt/lbr")
+            click.echo(
+                f"user '{account}' may not enter {closed}, where lbr is; install it elsewhere, such as in /opt/lbr"
+            )
         click.echo(f"to start it now and with the machine: sudo systemctl enable --now lbr@{name}")
     else:
         click.echo(f"to start it with that system: systemctl --root={root} enable lbr@{name}")

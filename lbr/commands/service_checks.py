@@ -33,24 +33,24 @@ def services(root: Path = MACHINE, booted: Path = BOOTED) -> Iterator[Finding]:
         yield Finding(about="service", level="good", text=text)
 
 
-def judged(shown: dict[str, str], limits: str) -> Finding:
+def judged(properties: dict[str, str], limits: str) -> Finding:
     """Return how it stands with one service, from what `systemctl show` and its limits say."""
-    name, state = shown.get("Id", "?"), shown.get("ActiveState", "")
+    name, state = properties.get("Id", "?"), properties.get("ActiveState", "")
     about = f"service {name.removesuffix('.service')}"
     look = f"journalctl -u {name} -n 50"
     if state != "active":
-        level, text, do = _not_active(name, state, shown.get("Result", "?"))
+        level, text, do = _not_active(name, state, properties.get("Result", "?"))
         return Finding(about=about, level=level, text=text, do=f"{look}{do}")
-    if shown.get("WatchdogUSec", "") in {"", "0", "infinity"}:
+    if properties.get("WatchdogUSec", "") in {"", "0", "infinity"}:
         return Finding(about=about, level="bad", text="runs without a watchdog", do=f"systemctl cat {name}")
-    if shown.get("NRestarts", "0") != "0":
-        text = f"runs, and was restarted {shown['NRestarts']} times"
+    if properties.get("NRestarts", "0") != "0":
+        text = f"runs, and was restarted {properties['NRestarts']} times"
         return Finding(about=about, level="hint", text=text, do=look)
     limit = re.search(r"^Max nice priority\s+(\d+)", limits, re.MULTILINE)
     if limit is not None and int(limit[1]) < LEAST_NICE_LIMIT:
         text = f"its motion processes cannot be raised (nice limit {limit[1]}, {LEAST_NICE_LIMIT} is needed)"
         return Finding(about=about, level="hint", text=text, do=f"systemctl cat {name}, and look for LimitNICE")
-    return Finding(about=about, level="good", text=f"{shown.get('StatusText') or 'runs'}, watchdog on")
+    return Finding(about=about, level="good", text=f"{properties.get('StatusText') or 'runs'}, watchdog on")
 
 
 def _not_active(name: str, state: str, result: str) -> tuple[Level, str, str]:

@@ -100,16 +100,19 @@ def list_tokens(database: Path | None, as_json: bool) -> int:
     Of those that devices got for a code at the console, it is told from which address.
     """
     with _opened(database) as rows:
-        found = rows.tokens()
+        listed_tokens = rows.tokens()
     if as_json:
         fields = ("name", "role", "good_for", "created_at", "expires_at", "revoked_at", "paired_from")
-        print_json([{field: getattr(one, field) for field in fields} | {"state": state_of(one)} for one in found])
+        print_json(
+            [{field: getattr(token, field) for field in fields} | {"state": state_of(token)} for token in listed_tokens]
+        )
         return 0
-    width = max((len(one.name) for one in found), default=0)
-    for one in found:
+    width = max((len(token.name) for token in listed_tokens), default=0)
+    for token in listed_tokens:
         click.echo(
-            f"{one.name:<{width}}  {one.role:<8}{one.good_for:<5}{state_of(one):<9}"
-            f"since {one.created_at}{until_of(one)}" + (f", paired from {one.paired_from}" if one.paired_from else "")
+            f"{token.name:<{width}}  {token.role:<8}{token.good_for:<5}{state_of(token):<9}"
+            f"since {token.created_at}{until_of(token)}"
+            + (f", paired from {token.paired_from}" if token.paired_from else "")
         )
     return 0
 
@@ -130,11 +133,11 @@ def _opened(path: Path | None) -> "Database":
 
 def end_in(text: str) -> dt.datetime:
     """Return the moment that long from now, such as `30d`."""
-    found = re.fullmatch(r"([1-9][0-9]{0,5})([mhdw])", text)
-    if found is None:
+    match = re.fullmatch(r"([1-9][0-9]{0,5})([mhdw])", text)
+    if match is None:
         raise InputError(f"'{text[:40]}' is not a time from now: write 90m, 12h, 30d or 8w")
     try:
-        return dt.datetime.now(dt.UTC) + dt.timedelta(seconds=int(found[1]) * UNITS_S[found[2]])
+        return dt.datetime.now(dt.UTC) + dt.timedelta(seconds=int(match[1]) * UNITS_S[match[2]])
     except OverflowError:
         raise InputError(f"'{text}' from now is beyond the last date there is: leave --expires out") from None
 
@@ -154,27 +157,27 @@ def until_of(token: TokenRow) -> str:
 
 
 def _listens(rows: "Database") -> tuple[str, ...]:
-    """Return where a robot of these rows listens: one that runs here says so, or else the rows do."""
-    for one in home.running():
-        if Path(one.database) == rows.path and one.lan:
-            return one.lan
-    found: list[str] = []
+    """Return the addresses at which a robot of these rows listens: by its run here, or else by its rows."""
+    for run in home.running():
+        if Path(run.database) == rows.path and run.lan:
+            return run.lan
+    endpoints: list[str] = []
     for name in rows.robots():
         for row in rows.load(name).capabilities:
             if row.kind == "lan" and row.enabled:
-                found += json.loads(row.settings).get("listen", [])
-    return tuple(dict.fromkeys(found))
+                endpoints += json.loads(row.settings).get("listen", [])
+    return tuple(dict.fromkeys(endpoints))
 
 
 def endpoints_of(listen: tuple[str, ...]) -> list[str]:
     """Return where others find this machine: its addresses, with the ports it listens at."""
-    found = []
+    endpoints = []
     for endpoint in listen or ("tls/0.0.0.0:7447",):
         protocol, _, place = endpoint.partition("/")
         host, _, port = place.rpartition(":")
         hosts = _addresses() if host in EVERYWHERE else [host]
-        found += [f"{protocol}/{one}:{port}" for one in hosts]
-    return found
+        endpoints += [f"{protocol}/{one}:{port}" for one in hosts]
+    return endpoints
 
 
 def _addresses() -> list[str]:

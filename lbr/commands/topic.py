@@ -41,13 +41,13 @@ def command() -> None:
 def list_topics(whom: Whom, as_json: bool) -> int:
     """List streams and commands, with message types and rates; listens a second for streams without a description."""
     with _bus(whom) as (bus, name, source):
-        found = topics.catalogue(bus, name, source)
-        found = sorted([*found, *topics.undescribed(bus, name, found, LISTEN_S)], key=lambda topic: topic.name)
+        streams = topics.catalogue(bus, name, source)
+        streams = sorted([*streams, *topics.undescribed(bus, name, streams, LISTEN_S)], key=lambda topic: topic.name)
     if as_json:
-        print_json([{"name": t.name, "role": t.role, "message": t.message, "rate_hz": t.rate_hz} for t in found])
+        print_json([{"name": t.name, "role": t.role, "message": t.message, "rate_hz": t.rate_hz} for t in streams])
         return 0
-    width = max((len(topic.name) for topic in found), default=0)
-    for topic in found:
+    width = max((len(topic.name) for topic in streams), default=0)
+    for topic in streams:
         rate = f"{topic.rate_hz:7.1f} Hz" if topic.rate_hz is not None else " " * 10
         click.echo(one_line(f"{topic.name:<{width}}  {topic.role:<8}  {rate}  {topic.message}"))
     return 0
@@ -61,16 +61,16 @@ def info(topic: str, whom: Whom, as_json: bool) -> int:
     """Describe a stream or command: its key, its message and what each field may be."""
     with _bus(whom) as (bus, name, source):
         key = topics.key_of(name, topic)
-        there, wanted = _known(bus, name, source), key.partition("/")[2]
-        if wanted not in {topic.name for topic in there}:
-            there += topics.undescribed(bus, name, there, LISTEN_S)
-        found = topics.choose(there, wanted)
+        known, wanted = _known(bus, name, source), key.partition("/")[2]
+        if wanted not in {topic.name for topic in known}:
+            known += topics.undescribed(bus, name, known, LISTEN_S)
+        chosen = topics.choose(known, wanted)
     if as_json:
-        print_json({"key": key, "role": found.role, "rate_hz": found.rate_hz, "schema": found.json_schema})
+        print_json({"key": key, "role": chosen.role, "rate_hz": chosen.rate_hz, "schema": chosen.json_schema})
         return 0
-    rate = f", {found.rate_hz:.1f} Hz" if found.rate_hz is not None else ""
-    click.echo(one_line(f"{key}  ({found.role} of {found.message}{rate})"))
-    for field in topics.fields_of(found):
+    rate = f", {chosen.rate_hz:.1f} Hz" if chosen.rate_hz is not None else ""
+    click.echo(one_line(f"{key}  ({chosen.role} of {chosen.message}{rate})"))
+    for field in topics.fields_of(chosen):
         about = str(field.schema.get("description", ""))
         click.echo(one_line(f"  {field.name:<20} {about or field.allowed}"))
     return 0
@@ -89,17 +89,17 @@ def echo(topic: str, whom: Whom, once: bool, raw: bool, as_json: bool) -> int:
         feed = wire.Subscription(bus, key, depth=1000)
         messages = _latest(bus, key, _known(bus, name, source), source) if once else []
         started = time.monotonic()
-        heard = False
+        received = False
         while True:
             for message in messages:
-                heard = True
+                received = True
                 print_message(message, as_json=as_json, raw=raw, named="*" in key)
                 if once:
                     return 0
             if once and not time.monotonic() < started + WAIT_S:
                 raise BusError(topics.silence(_known(bus, name, source), key, WAIT_S))
-            if not (once or heard or time.monotonic() < started + SILENT_S):
-                heard = True
+            if not (once or received or time.monotonic() < started + SILENT_S):
+                received = True
                 click.echo(f"lbr: {topics.silence(_known(bus, name, source), key, SILENT_S)}; waiting", err=True)
             time.sleep(POLL_S)
             messages = feed.take()
@@ -117,20 +117,20 @@ def hz(topic: str, whom: Whom, seconds: float, as_json: bool) -> int:
     """
     with _bus(whom) as (bus, name, _source):
         key = topics.key_of(name, topic)
-        heard = probe.Arrivals(bus, key)
+        listener = probe.Arrivals(bus, key)
         started = time.monotonic()
         try:
             time.sleep(seconds)
         except KeyboardInterrupt:
             click.echo(err=True)
-        arrivals = heard.take()
-        found = rates.measure(arrivals, time.monotonic() - started)
+        arrivals = listener.take()
+        measured = rates.measure(arrivals, time.monotonic() - started)
     if as_json:
-        print_json(found)
-        return 0 if found else 1
-    if not found:
+        print_json(measured)
+        return 0 if measured else 1
+    if not measured:
         raise BusError(f"nothing came on {key} within {seconds:g} s")
-    for rate in found:
+    for rate in measured:
         click.echo(rate_text(rate))
     return 0
 
@@ -147,13 +147,13 @@ def pub(topic: str, message: str, whom: Whom, rate: float, count: int) -> int:
         payload = msgspec.json.decode(message)
     except (msgspec.DecodeError, UnicodeError) as err:
         raise InputError(f"the message is not JSON: {err}") from None
-    found = target.find(*whom)
-    name, source = found.robot, target.source("lbr topic")
-    with target.connected(found) as bus:
+    robot = target.find(*whom)
+    name, source = robot.robot, target.source("lbr topic")
+    with target.connected(robot) as bus:
         key = topics.key_of(name, topic)
         if "*" in key:
             raise InputError("a message goes to one topic; leave out the *")
-        if found.certificate and (why_not := topics.why_not_publish(_known(bus, name, source), key, found.role)):
+        if robot.certificate and (why_not := topics.why_not_publish(_known(bus, name, source), key, robot.role)):
             raise BusError(why_not)
         events = wire.Subscription(bus, keys.event(name), depth=256)
         due = time.monotonic()
@@ -218,12 +218,12 @@ def lines_of(value: object, indent: str = "") -> Iterator[str]:
     if not isinstance(value, dict):
         yield indent + one_line(_scalar(value))
         return
-    for name, one in value.items():
-        if isinstance(one, dict) and one and len(indent) < DEEPEST:
+    for name, field in value.items():
+        if isinstance(field, dict) and field and len(indent) < DEEPEST:
             yield f"{indent}{one_line(name)}:"
-            yield from lines_of(one, indent + "  ")
+            yield from lines_of(field, indent + "  ")
         else:
-            yield f"{indent}{one_line(name)}: {one_line(_scalar(one))}"
+            yield f"{indent}{one_line(name)}: {one_line(_scalar(field))}"
 
 
 def _scalar(value: object) -> str:

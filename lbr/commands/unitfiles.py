@@ -72,11 +72,11 @@ def this_site(root: Path = Path("/")) -> Site:
 def program_places() -> tuple[Path, ...]:
     """Return the directories that the service must be able to read."""
     package = Path(__file__).resolve().parent.parent
-    found: list[Path] = []
+    places: list[Path] = []
     for place in sorted({Path(sys.prefix), Path(sys.base_prefix).resolve(), package.parent}):
-        if not any(place.is_relative_to(known) for known in found):
-            found.append(place)
-    return tuple(found)
+        if not any(place.is_relative_to(known) for known in places):
+            places.append(place)
+    return tuple(places)
 
 
 def extras_of(root: Path) -> Extras:
@@ -103,15 +103,15 @@ def files(profile: str, user: str, site: Site, extras: Extras = NO_EXTRAS) -> di
     )
     serial = next((name for name in SERIAL_GROUPS if name in site.groups), "root")
     others = "".join(rule for group, rule in RULES_BY_GROUP.items() if group in site.groups)
-    found = {UNIT: unit, RULES: _filled("lbr.rules", SERIAL_GROUP=serial, OTHERS=others)}
+    texts = {UNIT: unit, RULES: _filled("lbr.rules", SERIAL_GROUP=serial, OTHERS=others)}
     if user == DEFAULT_USER:
-        found[SYSUSERS] = _sysusers(site.groups)
+        texts[SYSUSERS] = _sysusers(site.groups)
     instance, own = instance_of(profile)
     if own is not None:
         words = f"{' '.join(site.program)} run {own} --no-console"
-        found[DROP_IN.format(instance)] = f"[Service]\nExecStart=\nExecStart={words}\n"
-    found |= _extras(instance, user, site, extras)
-    return {name: stamped(text, "//" if name == POLKIT else "#") for name, text in found.items()}
+        texts[DROP_IN.format(instance)] = f"[Service]\nExecStart=\nExecStart={words}\n"
+    texts |= _extras(instance, user, site, extras)
+    return {name: stamped(text, "//" if name == POLKIT else "#") for name, text in texts.items()}
 
 
 def instance_of(profile: str) -> tuple[str, Path | None]:
@@ -164,13 +164,13 @@ def unreadable(user: str) -> str:
 
 
 def _extras(instance: str, user: str, site: Site, extras: Extras) -> dict[str, str]:
-    found = {}
+    texts = {}
     if extras.power_off:
-        found[POLKIT] = _filled("lbr-power-off.rules", USER=user)
+        texts[POLKIT] = _filled("lbr-power-off.rules", USER=user)
     if extras.motor_relay:
         if not _I2C.fullmatch(extras.motor_relay):
             raise InputError(f"motor relay '{extras.motor_relay}': i2c:BUS:ADDRESS is allowed, such as i2c:1:0x69")
-        found[RELAY_UNIT] = _filled(
+        texts[RELAY_UNIT] = _filled(
             "lbr-motor-relay.service",
             PYTHON=_python(site),
             ADDRESS=extras.motor_relay,
@@ -179,8 +179,8 @@ def _extras(instance: str, user: str, site: Site, extras: Extras) -> dict[str, s
             PROTECT_HOME=_protect_home(site.inside_hidden),
         )
         name = Path(RELAY_UNIT).name
-        found[RELAY_DROP_IN.format(instance)] = f"[Unit]\nBindsTo={name}\nAfter={name}\n"
-    return found
+        texts[RELAY_DROP_IN.format(instance)] = f"[Unit]\nBindsTo={name}\nAfter={name}\n"
+    return texts
 
 
 def _python(site: Site) -> str:

@@ -50,11 +50,11 @@ def command(part: str, whom: Whom, database: Path | None, verbose: bool, as_json
     moves. A robot that does not run or does not answer is explained by its rows. Exit code 0: it was answered, 1: there
     are no rows to answer from, 2: bad input.
     """
-    found = ask(part, whom, database)
+    answer = ask(part, whom, database)
     if as_json:
-        print_json(found)
+        print_json(answer)
     else:
-        for line in telling.lines(found, verbose=verbose):
+        for line in telling.lines(answer, verbose=verbose):
             click.echo(one_line(line))
     return 0
 
@@ -62,18 +62,18 @@ def command(part: str, whom: Whom, database: Path | None, verbose: bool, as_json
 def ask(part: str, whom: Whom, database: Path | None) -> Chain:
     """Return why a part stands still: by the robot's own word, or by its rows if it has none."""
     began = time.monotonic()
-    here = [one for one in home.running() if whom.robot in {None, one.robot}]
-    if not here and not whom.connect:
+    runs = [run for run in home.running() if whom.robot in {None, run.robot}]
+    if not runs and not whom.connect:
         return explain(_dead(part, whom.robot, database or home.default_database()), part)
     try:
         if (answer := _answer(target.find(*whom), part)) is not None:
             return answer
     except BusError:
-        if whom.connect or len(here) != 1:
+        if whom.connect or len(runs) != 1:
             raise
     if whom.connect:
         raise BusError(f"the robot at {whom.connect} does not answer")
-    return explain(_silent(here[0], time.monotonic() - began), part)
+    return explain(_silent(runs[0], time.monotonic() - began), part)
 
 
 def _answer(robot: Target, part: str) -> Chain | None:
@@ -140,9 +140,9 @@ def _of_rows(path: Path, robot: str | None, profile: str = "") -> list[Facts]:
     with opened(path) as database:
         names = [name for name in database.robots() if robot in {None, name}]
         all_rows = loaded(database, names)
-    found = []
+    known = []
     for name in names:
         made, problems = planned(all_rows[name])
         of_bad = facts.of_bad_rows(all_rows[name], tuple(str(one) for one in problems), profile)
-        found.append(facts.facts(made, profile) if made is not None else of_bad)
-    return found
+        known.append(facts.facts(made, profile) if made is not None else of_bad)
+    return known
