@@ -90,6 +90,7 @@ export const shell = {
   "refused.latched": ["A joint switched itself off.", "Ein Gelenk hat sich abgeschaltet."],
   "refused.estop": ["Emergency stop is pressed.", "Notstopp ist gedrückt."],
   "refused.fallen": ["It has fallen. Get it up first.", "Er ist gestürzt. Erst aufstehen lassen."],
+  "refused.lapsed": ["The link was too slow.", "Die Verbindung war zu langsam."],
   "refused.rest_first": ["Release first, then move again.", "Erst loslassen, dann neu bewegen."],
   "mend.on": ["Switch on", "Einschalten"],
   "joints.recover": ["Recover", "Zurücksetzen"],
