@@ -210,39 +210,39 @@ class Box(Capability[BoxSettings]):
         ear, tape = self._ear, self._tape
         assert ear is not None
         assert tape is not None
-        tapes = [one for one in (tape, self._made) if one is not None]
-        new = [one.is_due(now) for one in tapes]
-        for one, begins in zip(tapes, new, strict=True):
+        tapes = [each for each in (tape, self._made) if each is not None]
+        begun = [each.is_due(now) for each in tapes]
+        for each, begins in zip(tapes, begun, strict=True):
             if begins:
-                self._say_again(one)
+                self._say_again(each)
         hz = self.ctx.settings.cameras_hz
         if hz > 0 and now >= self._picture_at:
             self._picture_at = now + 1 / hz
             ear.ask_for_pictures()
-        for heard in ear.take():
-            self._put(tapes, heard)
-        for who, text in self._logs.take(self._streams.programs if self._streams is not None else ()):
+        for message in ear.take():
+            self._put(tapes, message)
+        for writer, text in self._logs.take(self._streams.programs if self._streams is not None else ()):
             at_ns = self._clock.dated(self._clock.now_ns)
             number = self._channels.number(LINES)
-            for one in tapes:
-                one.add(number, 0, at_ns, at_ns, line(who, text, at_ns))
+            for each in tapes:
+                each.add(number, 0, at_ns, at_ns, line(writer, text, at_ns))
         schemas = self._channels.schemas
         fresh, self._schemas = schemas[len(self._schemas) :], schemas
-        for one, begins in zip(tapes, new, strict=True):
-            one.flush(self._channels, now, self._about() if begins else None, schemas if begins else fresh)
+        for each, begins in zip(tapes, begun, strict=True):
+            each.flush(self._channels, now, self._about() if begins else None, schemas if begins else fresh)
 
-    def _put(self, tapes: list[Tape], heard: Heard) -> None:
-        if heard.topic == EVENT:
-            self._happened(heard.data)
-        elif heard.topic == STATUS:
-            self._revise(heard.data)
-        if heard.topic == EVENT:
-            self._events.append(heard)
-        elif not heard.picture and not heard.topic.startswith(TAPED):
-            self._latest[heard.topic] = heard
+    def _put(self, tapes: list[Tape], message: Heard) -> None:
+        if message.topic == EVENT:
+            self._happened(message.data)
+        elif message.topic == STATUS:
+            self._revise(message.data)
+        if message.topic == EVENT:
+            self._events.append(message)
+        elif not message.picture and not message.topic.startswith(TAPED):
+            self._latest[message.topic] = message
         for tape in tapes:
-            if tape is self._made or not heard.topic.startswith(TAPED):
-                self._add(tape, heard)
+            if tape is self._made or not message.topic.startswith(TAPED):
+                self._add(tape, message)
 
     def _add(self, tape: Tape, heard: Heard) -> None:
         log_ns = self._clock.dated(heard.mono_ns)
@@ -257,7 +257,7 @@ class Box(Capability[BoxSettings]):
             self._add(tape, heard)
 
     def _about(self) -> dict[str, str]:
-        found = {
+        facts = {
             "robot": self.ctx.robot,
             "lbr": version("lbr"),
             "format": FORMAT,
@@ -266,8 +266,8 @@ class Box(Capability[BoxSettings]):
             "revision": str(self._rows_revision),
         }
         if self._jumped:
-            found["clock_jumped_s"], self._jumped = self._jumped, ""
-        return found
+            facts["clock_jumped_s"], self._jumped = self._jumped, ""
+        return facts
 
     def _happened(self, payload: bytes) -> None:
         try:

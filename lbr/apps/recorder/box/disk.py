@@ -52,11 +52,11 @@ class Bounds(Struct, frozen=True, kw_only=True):
         """Return why others have too little room on a folder's disk, or that it is gone; empty while they have
         enough."""
         try:
-            found = os.statvfs(folder)
+            status = os.statvfs(folder)
         except OSError as err:
             return f"{folder} cannot be looked at ({err.strerror})"
-        free = found.f_bavail * found.f_frsize
-        wanted = min(self.free_bytes, found.f_blocks * found.f_frsize // 20)
+        free = status.f_bavail * status.f_frsize
+        wanted = min(self.free_bytes, status.f_blocks * status.f_frsize // 20)
         return (
             "" if free >= wanted else f"{free // 1_000_000} MB are free, and {wanted // 1_000_000} are left to others"
         )
@@ -186,32 +186,32 @@ class Disk:
         self.kept_bytes = size_of({path for one in kept for path in one.files})
         self.kept_count = len(kept)
 
-    def _keep(self, one: Keep) -> None:
+    def _keep(self, keep: Keep) -> None:
         if self._shelf is None:
             return
-        known = one.name in self._keeps
-        self._keeps[one.name] = one
-        self._link(one, [] if known else self._before(one))
+        known = keep.name in self._keeps
+        self._keeps[keep.name] = keep
+        self._link(keep, [] if known else self._before(keep))
 
-    def _before(self, one: Keep) -> list[Path]:
+    def _before(self, keep: Keep) -> list[Path]:
         """Return the newest files, up to as long ago as what led to an incident; by their numbers, whatever the clock
         says."""
         assert self._shelf is not None
         files, chosen, seconds = self._shelf.files(), [], 0.0
         for path in reversed(files[-MOST_LINKED:]):
             chosen.append(path)
-            if seconds >= one.before_s:
+            if seconds >= keep.before_s:
                 break
             seconds += _length_s(path)
         return chosen
 
-    def _link(self, one: Keep, files: list[Path]) -> None:
+    def _link(self, keep: Keep, files: list[Path]) -> None:
         assert self._shelf is not None
         try:
-            self._shelf.keep(one.name, one.why, files)
+            self._shelf.keep(keep.name, keep.why, files)
             self._count()
         except OSError as err:
-            self.trouble = f"what led to '{one.why.kind}' cannot be kept: {err.strerror}"
+            self.trouble = f"what led to '{keep.why.kind}' cannot be kept: {err.strerror}"
 
     def _fail(self, job: Chunk, why: str, code: int | None) -> None:
         self.lost += job.messages

@@ -110,19 +110,21 @@ class Ear:
 
     def follow(self, streams: Collection[RecordedStream], wanted: Callable[[str], bool], *, pictures: bool) -> None:
         """Hear these streams, and no others; every picture only if so asked."""
-        there = {one.key: one for one in streams if wanted(self._topic(one.key))}
-        self._cameras = {key: one for key, one in there.items() if one.picture}
-        plain = {key: one for key, one in there.items() if pictures or not one.picture}
+        wanted_streams = {stream.key: stream for stream in streams if wanted(self._topic(stream.key))}
+        self._cameras = {key: stream for key, stream in wanted_streams.items() if stream.picture}
+        plain = {key: stream for key, stream in wanted_streams.items() if pictures or not stream.picture}
         system = {keys.event(self._robot), keys.status(self._robot)}
         for key in [key for key in self._feeds if key not in plain and key not in system]:
             self._feeds.pop(key).subscription.close()
-        for key, one in plain.items():
-            channel = self._channel_of(one)
+        for key, stream in plain.items():
+            channel = self._channel_of(stream)
             number = self._channels.number(channel)
             if key in self._feeds:
                 self._feeds[key].number = number
             else:
-                self._hear(key, channel.topic, channel, PICTURES_DEPTH if one.picture else DEPTH, picture=one.picture)
+                self._hear(
+                    key, channel.topic, channel, PICTURES_DEPTH if stream.picture else DEPTH, picture=stream.picture
+                )
 
     def hear_lines(self, *, on: bool) -> None:
         """Hear the bytes of lines, and commands, of every capability, or no longer: only while they are heard they are
@@ -135,13 +137,13 @@ class Ear:
 
     def ask_for_pictures(self) -> None:
         """Ask each camera for its newest picture; it comes with a later round."""
-        for key, one in self._cameras.items():
+        for key, stream in self._cameras.items():
             if key not in self._feeds:
                 try:
                     query = wire.PendingQuery(self._bus, key, b"", timeout_s=PICTURE_S, source=self._source)
                 except BusError:
                     continue
-                self._asked.append((one, query))
+                self._asked.append((stream, query))
 
     def take(self) -> Iterator[Heard]:
         """Yield what came since the last call, stream by stream."""
@@ -151,11 +153,11 @@ class Ear:
                 if feed.counts and 0 < feed.last < stamp.seq - 1:
                     self.lost += stamp.seq - feed.last - 1
                 feed.last = stamp.seq
-                yield self._heard(feed.topic, feed.number, stamp, raw.payload, picture=feed.picture)
+                yield self._dated(feed.topic, feed.number, stamp, raw.payload, picture=feed.picture)
         for raw in self._taped.take() if self._taped is not None else ():
             topic = self._topic(raw.key)
             number = self._channels.number(_channel(topic, Taped))
-            yield self._heard(topic, number, _stamp_of(raw.attachment), raw.payload, picture=False)
+            yield self._dated(topic, number, _stamp_of(raw.attachment), raw.payload, picture=False)
         yield from self._pictures()
 
     def close(self) -> None:
@@ -166,18 +168,18 @@ class Ear:
 
     def _pictures(self) -> Iterator[Heard]:
         waiting = []
-        for one, query in self._asked:
+        for stream, query in self._asked:
             if not query.done:
-                waiting.append((one, query))
+                waiting.append((stream, query))
             for raw in query.replies[:1] if query.done else ():
                 stamp = _stamp_of(raw.attachment)
-                if self._seen.get(one.key) != (stamp.seq, stamp.mono_ns):
-                    self._seen[one.key] = stamp.seq, stamp.mono_ns
-                    channel = self._channel_of(one)
-                    yield self._heard(channel.topic, self._channels.number(channel), stamp, raw.payload, picture=True)
+                if self._seen.get(stream.key) != (stamp.seq, stamp.mono_ns):
+                    self._seen[stream.key] = stamp.seq, stamp.mono_ns
+                    channel = self._channel_of(stream)
+                    yield self._dated(channel.topic, self._channels.number(channel), stamp, raw.payload, picture=True)
         self._asked = waiting
 
-    def _heard(self, topic: str, number: int, stamp: _Stamp, payload: bytes, *, picture: bool) -> Heard:
+    def _dated(self, topic: str, number: int, stamp: _Stamp, payload: bytes, *, picture: bool) -> Heard:
         mono_ns = self._clock.sent_ns(stamp.boot, stamp.mono_ns)
         publish_ns = stamp.wall_ns if 0 < stamp.wall_ns < MOST_NS else self._clock.dated(mono_ns)
         if picture:
@@ -188,14 +190,14 @@ class Ear:
         subscription = wire.PolledSubscription(self._bus, key, depth=depth)
         self._feeds[key] = _Feed(subscription, topic, self._channels.number(channel), picture=picture)
 
-    def _channel_of(self, one: RecordedStream) -> Channel:
-        topic = self._topic(one.key)
-        if one.picture:
+    def _channel_of(self, stream: RecordedStream) -> Channel:
+        topic = self._topic(stream.key)
+        if stream.picture:
             return Channel(topic, "json", "foxglove.CompressedImage", PICTURE_SCHEMA)
-        schema = msgspec.json.decode(one.schema) if bytes(one.schema) else None
+        schema = msgspec.json.decode(stream.schema) if bytes(stream.schema) else None
         if not isinstance(schema, dict) or not schema:
             return Channel(topic, "json")
-        return Channel(topic, "json", one.message, flat_schema(schema))
+        return Channel(topic, "json", stream.message, flat_schema(schema))
 
     def _topic(self, key: str) -> str:
         return key.removeprefix(f"{self._robot}/")
@@ -213,14 +215,14 @@ def image(data: bytes, frame: str, at_ns: int) -> bytes:
     )
 
 
-def line(who: str, text: str, at_ns: int) -> bytes:
+def line(writer: str, text: str, at_ns: int) -> bytes:
     """Return a line of a log as viewers of recordings know one."""
     return msgspec.json.encode(
         {
             "timestamp": {"sec": at_ns // 1_000_000_000, "nsec": at_ns % 1_000_000_000},
             "level": 2,
             "message": text,
-            "name": who,
+            "name": writer,
         }
     )
 

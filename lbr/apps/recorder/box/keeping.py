@@ -55,11 +55,11 @@ class Keeping:
     def incident(self, kind: str, subject: str, text: str, now: float, wall_ns: int) -> Keep | None:
         """Return what is to be kept because of an incident, None if it is one too many of its sort."""
         key = kind, subject
-        found = self._now.get(key)
-        if found is not None and now < found.until + self._before_s:
-            found.why.again += 1
-            found.until = max(found.until, now + self._after_s)
-            return found
+        current = self._now.get(key)
+        if current is not None and now < current.until + self._before_s:
+            current.why.again += 1
+            current.until = max(current.until, now + self._after_s)
+            return current
         times = self._times.setdefault(key, deque(maxlen=MOST_OF_ONE))
         if kind != MARK and len(times) == MOST_OF_ONE and now - times[0] < WITHIN_S:
             return None

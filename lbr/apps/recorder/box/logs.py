@@ -52,9 +52,9 @@ class Logs:
             yield rest
 
     def _sizes(self, programs: Collection[str]) -> Iterator[tuple[str, int]]:
-        with contextlib.suppress(OSError), os.scandir(self._folder) as found:
-            for one in found:
-                own = one.name.startswith(self._prefix) or one.name.removesuffix(".log") in programs
-                if own and one.name.endswith(".log") and not one.name.endswith(".old.log"):
+        with contextlib.suppress(OSError), os.scandir(self._folder) as entries:
+            for entry in entries:
+                own = entry.name.startswith(self._prefix) or entry.name.removesuffix(".log") in programs
+                if own and entry.name.endswith(".log") and not entry.name.endswith(".old.log"):
                     with contextlib.suppress(OSError):
-                        yield one.name, one.stat().st_size
+                        yield entry.name, entry.stat().st_size

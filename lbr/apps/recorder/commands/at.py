@@ -118,13 +118,13 @@ def _tables(at_ns: int, robot: str | None, place: str, database: Path | None) ->
 def _recorded(at_ns: int, robot: str | None, place: str) -> tuple[RecordedRows | None, str | None]:
     """Return the rows of then as they were recorded, if they were, and whose they are."""
     try:
-        found = _moment(at_ns, robot, place)
+        then = _moment(at_ns, robot, place)
     except InputError:
         if place:
             raise
         return None, robot
-    name = found.status.robot if found.status is not None else robot
-    return (found.rows if place or found.late_s <= SILENT_S else None), name
+    name = then.status.robot if then.status is not None else robot
+    return (then.rows if place or then.late_s <= SILENT_S else None), name
 
 
 def _goes_back_to(path: Path, recorded: RecordedRows, robot: str | None) -> bool:

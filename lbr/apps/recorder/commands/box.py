@@ -53,13 +53,13 @@ def list_box(robot: str | None, as_json: bool) -> int:
     name, place = of_robot(robot)
     files, now = place.files(), time.time_ns()
     begin_ns, end_ns = selection.span_ns([*files[:1], *files[-1:]])
-    kept, made = place.kept(), place.recordings()
+    incidents, made = place.kept(), place.recordings()
     if as_json:
         print_json(
             {
                 "robot": name,
                 "box": {"files": len(files), "bytes": shelf.size_of(files), "from_ns": begin_ns, "to_ns": end_ns},
-                "kept": [{"name": one.path.name, "bytes": one.bytes, "why": one.why} for one in kept],
+                "kept": [{"name": each.path.name, "bytes": each.bytes, "why": each.why} for each in incidents],
                 "recordings": [{"name": path.name, "path": str(path), "bytes": shelf.size_of([path])} for path in made],
             }
         )
@@ -69,10 +69,10 @@ def list_box(robot: str | None, as_json: bool) -> int:
         click.echo(f"box of {name}: {span}, {shelf.size_of(files) / MB:.1f} MB in {len(files)} files")
     else:
         click.echo(f"box of {name}: empty")
-    for one in kept:
-        why = "why is not readable" if one.why is None else str(one.why)
-        again = f" (and {one.why.again} more)" if one.why is not None and one.why.again else ""
-        click.echo(_line(f"kept       {one.path.name}  {one.bytes / MB:.1f} MB  {why}{again}"))
+    for incident in incidents:
+        why = "why is not readable" if incident.why is None else str(incident.why)
+        again = f" (and {incident.why.again} more)" if incident.why is not None and incident.why.again else ""
+        click.echo(_line(f"kept       {incident.path.name}  {incident.bytes / MB:.1f} MB  {why}{again}"))
     for path in made:
         click.echo(_line(f"recording  {path.name}  {shelf.size_of([path]) / MB:.1f} MB"))
     return 0
@@ -86,28 +86,28 @@ def list_box(robot: str | None, as_json: bool) -> int:
 def show(what: str, robot: str | None, begin: str | None, end: str | None, around: str | None, as_json: bool) -> int:
     """Show what is in WHAT: topics with how many messages, and what happened. Without WHAT it is the box."""
     chosen, start_ns, end_ns = selected(what, robot, begin, end, around)
-    found = _counted(chosen, start_ns, end_ns)
+    counted = _counted(chosen, start_ns, end_ns)
     if as_json:
-        print_json({"name": chosen.name, "why": chosen.why, **found})
+        print_json({"name": chosen.name, "why": chosen.why, **counted})
         return 0
     now = time.time_ns()
     if chosen.why is not None:
         click.echo(_line(str(chosen.why)))
-    if not found["topics"]:
+    if not counted["topics"]:
         click.echo("nothing was recorded in that time")
-        _tell_damage(found["damage"])
+        _tell_damage(counted["damage"])
         return 1
-    seconds = max(1e-9, (found["to_ns"] - found["from_ns"]) / 1e9)
-    span = f"{times.shown(found['from_ns'], now)} to {times.shown(found['to_ns'], now)}"
+    seconds = max(1e-9, (counted["to_ns"] - counted["from_ns"]) / 1e9)
+    span = f"{times.shown(counted['from_ns'], now)} to {times.shown(counted['to_ns'], now)}"
     click.echo(f"{chosen.name}: {span} ({times.length(seconds)})")
-    width = max(map(len, found["topics"]))
-    for topic, one in sorted(found["topics"].items()):
+    width = max(map(len, counted["topics"]))
+    for topic, one in sorted(counted["topics"].items()):
         click.echo(
             _line(f"{topic:<{width}}  {one['messages']:>8}  {one['messages'] / seconds:7.1f} Hz  {one['message']}")
         )
-    for event in found["events"][-SHOWN_EVENTS:]:
+    for event in counted["events"][-SHOWN_EVENTS:]:
         click.echo(_line(f"{times.shown(event['wall_ns'], now)} {event['subject']}: {event['text']}"))
-    _tell_damage(found["damage"])
+    _tell_damage(counted["damage"])
     return 0
 
 
@@ -171,46 +171,46 @@ def delete(what: tuple[str, ...], robot: str | None) -> int:
     _name, place = of_robot(robot)
     if "" in what:  # as an unset variable of a shell is: it means the box where something is shown
         raise InputError("nothing is named that is to be deleted; 'lbr box list' shows what there is")
-    chosen = [(one, selection.choose(place, one)) for one in what]
-    folders = {one.path.name: one.path for one in place.kept()}
+    chosen = [(recording, selection.choose(place, recording)) for recording in what]
+    folders = {recording.path.name: recording.path for recording in place.kept()}
     code = 0
-    for name, one in chosen:
-        own = [folders[name]] if name in folders else list(one.files)
+    for name, recording in chosen:
+        own = [folders[name]] if name in folders else list(recording.files)
         if any(place.box not in path.parents and place.recordings_folder not in path.parents for path in own):
             raise InputError(f"'{name}' is a file of another; delete it yourself")
-        left = [path for path in own if not place.delete(path)]
-        written = [path for path in left if path.is_file() and in_use(path)]
-        for path in left:
+        undeleted = [path for path in own if not place.delete(path)]
+        written = [path for path in undeleted if path.is_file() and in_use(path)]
+        for path in undeleted:
             why = (
                 "is being written, and stays"
                 if path in written
                 else "cannot be deleted: look at the disk and its rights"
             )
             click.echo(f"{path.name} {why}", err=True)
-        code = code or (1 if left and (one.name != selection.BOX or left != written) else 0)
-        if len(left) < len(own) or not own:
-            click.echo(f"deleted {one.name}")
-        elif left == written:
-            click.echo(f"{one.name}: nothing to delete")
+        code = code or (1 if undeleted and (recording.name != selection.BOX or undeleted != written) else 0)
+        if len(undeleted) < len(own) or not own:
+            click.echo(f"deleted {recording.name}")
+        elif undeleted == written:
+            click.echo(f"{recording.name}: nothing to delete")
     return code
 
 
 def of_robot(robot: str | None) -> tuple[str, Shelf]:
     """Return whose recordings are meant, and where they are; InputError says which there are."""
     place = home.home()
-    there = shelf.robots(place)
+    known = shelf.robots(place)
     if robot is None:
         running = [one.robot for one in home.running()]
-        usual = running if len(running) == 1 else there
+        usual = running if len(running) == 1 else known
         if len(usual) != 1:
-            names = ", ".join(there)
+            names = ", ".join(known)
             raise InputError(
                 f"there are recordings of {names}; say whose with --robot NAME"
-                if there
+                if known
                 else f"nothing was recorded in {place}"
             )
         robot = usual[0]
-    if robot not in there:
+    if robot not in known:
         raise InputError(f"there are no recordings of '{robot}' in {place}", "unknown_name")
     return robot, shelf.Shelf(place, robot)
 

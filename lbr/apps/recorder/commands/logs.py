@@ -49,24 +49,24 @@ def command(name: str, robot: str | None, follow: bool, lines: int, begin: str |
     """
     if begin is not None or end is not None:
         return _recorded(name, robot, begin, end)
-    there = _names(home.home() / "logs", robot)
+    logs = _names(home.home() / "logs", robot)
     if not name:
-        if robot is not None and not any(one.startswith(f"{robot}/") for one in there):
-            owners = {one.partition("/")[0] for one in _names(home.home() / "logs", None) if "/" in one}
+        if robot is not None and not any(log.startswith(f"{robot}/") for log in logs):
+            owners = {log.partition("/")[0] for log in _names(home.home() / "logs", None) if "/" in log}
             raise InputError(f"there is no log of a robot '{robot}'; {did_you_mean(robot, owners)}", "unknown_name")
-        for one, path in sorted(there.items()):
-            click.echo(f"{one:<30}  {path.stat().st_size / 1000:8.1f} kB")
+        for log, path in sorted(logs.items()):
+            click.echo(f"{log:<30}  {path.stat().st_size / 1000:8.1f} kB")
         return 0
-    chosen = _chosen(name, there)
+    chosen = _chosen(name, logs)
     if len(chosen) != 1:
-        known = ", ".join(sorted(there)) or "none"
+        known = ", ".join(sorted(logs)) or "none"
         raise InputError(
             f"several robots have a log '{name}': say which with --robot NAME"
             if chosen
             else f"there is no log '{name}'; there is {known}",
             "unknown_name",
         )
-    path = there[chosen[0]]
+    path = logs[chosen[0]]
     last, size = _tail(path, lines)
     if not size:
         click.echo(f"the log '{chosen[0]}' is empty", err=True)
@@ -80,23 +80,23 @@ def command(name: str, robot: str | None, follow: bool, lines: int, begin: str |
 
 def _names(folder: Path, robot: str | None) -> dict[str, Path]:
     """Return the logs by `robot/capability`, or the name of an external command."""
-    found = {}
+    logs = {}
     for path in sorted(folder.glob("*.log")):
         owner, dash, part = path.stem.rpartition("-")
         if not path.is_file() or path.name.endswith(".old.log") or (robot is not None and dash and owner != robot):
             continue
-        found[f"{owner}/{part}" if dash else part] = path
-    return found
+        logs[f"{owner}/{part}" if dash else part] = path
+    return logs
 
 
-def _chosen(name: str, there: Collection[str]) -> list[str]:
+def _chosen(name: str, logs: Collection[str]) -> list[str]:
     """Return the logs that a name means: of a capability that shares a process that one's; one from before has its
     whole name alone, as the list shows it."""
-    if "/" in name and name in there:
+    if "/" in name and name in logs:
         return [name]
-    shared = {one: log for one, log in _sharing() if log in there}
-    named = {one for one in (*there, *shared) if _means(name, one)}
-    return sorted({shared.get(one, one) for one in named})
+    shared = {part: log for part, log in _sharing() if log in logs}
+    named = {log_name for log_name in (*logs, *shared) if _means(name, log_name)}
+    return sorted({shared.get(log_name, log_name) for log_name in named})
 
 
 def _means(name: str, one: str) -> bool:
@@ -143,15 +143,15 @@ def _followed(path: Path, at: int) -> Iterator[str]:
 
 
 def _recorded(name: str, robot: str | None, begin: str | None, end: str | None) -> int:
-    shared = {log.rpartition("/")[2] for one, log in _sharing() if _means(name, one)}
+    shared = {log.rpartition("/")[2] for part, log in _sharing() if _means(name, part)}
     wanted = {name, *shared}
     chosen, start_ns, end_ns = box.selected("", robot, begin, end, None)
     now, count = time.time_ns(), 0
-    for one in selection.messages(chosen.files, start_ns, end_ns):
-        said = export.decoded(one) if one.topic == "@log" else None
-        if isinstance(said, dict) and (not name or said.get("name") in wanted):
+    for message in selection.messages(chosen.files, start_ns, end_ns):
+        entry = export.decoded(message) if message.topic == "@log" else None
+        if isinstance(entry, dict) and (not name or entry.get("name") in wanted):
             count += 1
-            click.echo(_clean(f"{times.shown(one.log_ns, now)} {said.get('name')}: {said.get('message')}"))
+            click.echo(_clean(f"{times.shown(message.log_ns, now)} {entry.get('name')}: {entry.get('message')}"))
     return 0 if count else 1
 
 

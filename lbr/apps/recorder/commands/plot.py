@@ -69,9 +69,9 @@ def command(
     series = [_series(text) for text in fields]
     if begin is not None or end is not None or what:
         return _recorded(series, whom.robot, begin, end, what)
-    found = target.find(*whom)
-    with target.connected(found) as bus:
-        take = _taker(bus, found.robot, series)
+    robot = target.find(*whom)
+    with target.connected(robot) as bus:
+        take = _taker(bus, robot.robot, series)
         _wait(take, series)
         if once or not sys.stdout.isatty():
             until = time.monotonic() + seconds
@@ -92,7 +92,7 @@ def _series(text: str) -> Series:
 
 def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[str, Any]]:
     """Return what takes in news, and returns the newest message of each topic that was heard."""
-    feeds = {one.topic: wire.Subscription(bus, topics.key_of(robot, one.topic), depth=2000) for one in series}
+    feeds = {each.topic: wire.Subscription(bus, topics.key_of(robot, each.topic), depth=2000) for each in series}
     newest: dict[str, Any] = {}
 
     def take() -> dict[str, Any]:
@@ -102,9 +102,9 @@ def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[
                     newest[topic] = message = decode(raw.payload)
                 except MalformedError:
                     continue
-                for one in series:
-                    if one.topic == topic and (value := value_of(message, one.path)) is not None:
-                        one.points.append((raw.arrived, value))
+                for each in series:
+                    if each.topic == topic and (value := value_of(message, each.path)) is not None:
+                        each.points.append((raw.arrived, value))
         return newest
 
     return take
@@ -113,24 +113,26 @@ def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[
 def _wait(take: Callable[[], dict[str, Any]], series: list[Series]) -> None:
     """Wait for the first message of each topic; InputError for a field that is no number there."""
     until = time.monotonic() + WAIT_S
-    while missing := sorted({one.topic for one in series} - (newest := take()).keys()):
+    while missing := sorted({each.topic for each in series} - (newest := take()).keys()):
         if time.monotonic() > until:
             raise BusError(f"nothing comes on {', '.join(missing)} ('lbr topic list' shows what there is)")
         time.sleep(FRAME_S / 4)
-    for one in series:
-        if not one.points:
-            _refuse(one, newest[one.topic])
+    for each in series:
+        if not each.points:
+            _refuse(each, newest[each.topic])
 
 
-def _refuse(one: Series, message: Any) -> None:
+def _refuse(series: Series, message: Any) -> None:
     """Raise InputError for a field that is not there, or never a number; one that is null now may become one."""
-    there = dict(fields(message))
-    path = ".".join(one.path)
-    if path in there and there[path] is None:
+    known = dict(fields(message))
+    path = ".".join(series.path)
+    if path in known and known[path] is None:
         return
-    numbers = [name for name, value in there.items() if isinstance(value, bool | int | float)]
-    what = "is text" if path in there else "is not there"
-    raise InputError(f"'{path}' {what} in {one.topic}; numbers are {', '.join(numbers[:20]) or 'none'}", "unknown_name")
+    numbers = [name for name, value in known.items() if isinstance(value, bool | int | float)]
+    what = "is text" if path in known else "is not there"
+    raise InputError(
+        f"'{path}' {what} in {series.topic}; numbers are {', '.join(numbers[:20]) or 'none'}", "unknown_name"
+    )
 
 
 def _live(take: Callable[[], Any], series: list[Series], seconds: float) -> int:
@@ -147,18 +149,18 @@ def _recorded(series: list[Series], robot: str | None, begin: str | None, end: s
     chosen, start_ns, end_ns = box.selected(what, robot, begin, end, None)
     last: dict[str, Any] = {}
     for message in selection.messages(chosen.files, start_ns, end_ns):
-        of_topic = [one for one in series if one.topic == message.topic]
+        of_topic = [each for each in series if each.topic == message.topic]
         if of_topic:
             last[message.topic] = value = export.decoded(message)
-            for one in of_topic:
-                if (number := value_of(value, one.path)) is not None:
-                    one.points.append((message.log_ns / 1e9, number))
-    for one in series:
-        if one.topic not in last:
-            raise InputError(f"nothing of {one.topic} was recorded in that time ('lbr box show' shows what was)")
-        if not one.points:
-            _refuse(one, last[one.topic])
-    points = [at for one in series for at, _value in one.points]
+            for each in of_topic:
+                if (number := value_of(value, each.path)) is not None:
+                    each.points.append((message.log_ns / 1e9, number))
+    for each in series:
+        if each.topic not in last:
+            raise InputError(f"nothing of {each.topic} was recorded in that time ('lbr box show' shows what was)")
+        if not each.points:
+            _refuse(each, last[each.topic])
+    points = [at for each in series for at, _value in each.points]
     if not points:
         raise InputError("there was no number in that time")
     now = time.time_ns()
@@ -186,16 +188,16 @@ def _drawn(series: list[Series], now: float, seconds: float, width: int, height:
     figure.x_label, figure.y_label = "s", "value"
     figure.register_label_formatter(float, _label)
     figure.set_x_limits(-seconds, 0)
-    shown = 0
-    for index, one in enumerate(series):
-        points = [(at - now, value) for at, value in one.points if now - at <= seconds]
+    curves = 0
+    for index, each in enumerate(series):
+        points = [(at - now, value) for at, value in each.points if now - at <= seconds]
         points = points[:: 1 + len(points) // MOST_POINTS]
         if points:
-            shown += 1
+            curves += 1
             times, values = [at for at, _ in points], [value for _, value in points]
-            label = f"{one.name}  {values[-1]:.6g}"
+            label = f"{each.name}  {values[-1]:.6g}"
             figure.plot(times, values, lc=COLOURS[index % len(COLOURS)] if colours else None, label=label)
-    if not shown:
+    if not curves:
         return "no number yet: the fields are null"
     return str(figure.show(legend=True))
 

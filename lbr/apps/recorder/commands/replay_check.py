@@ -54,20 +54,20 @@ def _tell(outcome: Outcome, recorded: Recorded) -> None:
     for name, why in sorted(outcome.left_out.items()):
         click.echo(f"  without {name}: {why}", err=True)
     for topic, count in outcome.setpoints.items():
-        found = outcome.differences[topic]
-        some = f" but {len({one.at_ns for one in found})}" if found and not outcome.differs(topic) else ""
+        diffs = outcome.differences[topic]
+        some = f" but {len({diff.at_ns for diff in diffs})}" if diffs and not outcome.differs(topic) else ""
         verdict = (
-            f"all{some} as recorded" if not outcome.differs(topic) else _verdict(len({one.at_ns for one in found}))
+            f"all{some} as recorded" if not outcome.differs(topic) else _verdict(len({diff.at_ns for diff in diffs}))
         )
         click.echo(f"{topic:<28} {count} samples, {verdict}")
-        for one in found[:SHOWN] if outcome.differs(topic) else ():
+        for diff in diffs[:SHOWN] if outcome.differs(topic) else ():
             click.echo(
-                f"    {_at(one.at_ns, recorded)} {one.field}: {_value(one.recorded)} then, {_value(one.now)} now"
+                f"    {_at(diff.at_ns, recorded)} {diff.field}: {_value(diff.recorded)} then, {_value(diff.now)} now"
             )
     click.echo(f"{'commands':<28} {outcome.said}, {_verdict(len(outcome.answered_otherwise))}")
-    for said in outcome.answered_otherwise[:SHOWN]:
-        asked = said.command
-        then, now = _answer(asked.reply), _answer(said.reply) if said.reply is not None else "no answer"
+    for call in outcome.answered_otherwise[:SHOWN]:
+        asked = call.command
+        then, now = _answer(asked.reply), _answer(call.reply) if call.reply is not None else "no answer"
         click.echo(
             f"    {_at(asked.at_ns, recorded)} {asked.to}/{asked.name} by {asked.source}: {then} then, {now} now"
         )
@@ -99,12 +99,12 @@ def _plain(outcome: Outcome, recorded: Recorded, tries: int) -> dict[str, object
                 "samples": count,
                 "differences": [
                     {
-                        "at_s": (one.at_ns - recorded.start_ns) / 1e9,
-                        "field": one.field,
-                        "then": None if math.isnan(one.recorded) else one.recorded,
-                        "now": None if math.isnan(one.now) else one.now,
+                        "at_s": (diff.at_ns - recorded.start_ns) / 1e9,
+                        "field": diff.field,
+                        "then": None if math.isnan(diff.recorded) else diff.recorded,
+                        "now": None if math.isnan(diff.now) else diff.now,
                     }
-                    for one in outcome.differences[topic]
+                    for diff in outcome.differences[topic]
                 ],
             }
             for topic, count in outcome.setpoints.items()
@@ -114,18 +114,18 @@ def _plain(outcome: Outcome, recorded: Recorded, tries: int) -> dict[str, object
             "begun_before": outcome.begun_before,
             "otherwise": [
                 {
-                    "at_s": (said.command.at_ns - recorded.start_ns) / 1e9,
-                    "command": f"{said.command.to}/{said.command.name}",
-                    "then": said.command.reply,
-                    "now": said.reply,
+                    "at_s": (call.command.at_ns - recorded.start_ns) / 1e9,
+                    "command": f"{call.command.to}/{call.command.name}",
+                    "then": call.command.reply,
+                    "now": call.reply,
                 }
-                for said in outcome.answered_otherwise
+                for call in outcome.answered_otherwise
             ],
         },
         "reasons": {
             "told": outcome.reasons,
-            "then_alone": [list(one.what) for one in outcome.missing],
-            "now_alone": [list(one.what) for one in outcome.new],
+            "then_alone": [list(event.what) for event in outcome.missing],
+            "now_alone": [list(event.what) for event in outcome.new],
         },
         "late_s": outcome.late_s,
     }

@@ -67,15 +67,15 @@ class Channels:
 
     def number(self, channel: Channel) -> int:
         """Return the number of a channel, a new one if need be."""
-        found = self._ids.get(channel)
-        if found is None:
-            found = self._ids[channel] = len(self._ids) + 1
+        number = self._ids.get(channel)
+        if number is None:
+            number = self._ids[channel] = len(self._ids) + 1
             schema = self._schema(channel) if channel.schema else 0
             record = records.Channel(
-                id=found, topic=channel.topic, message_encoding=channel.encoding, metadata={}, schema_id=schema
+                id=number, topic=channel.topic, message_encoding=channel.encoding, metadata={}, schema_id=schema
             )
-            self._channel_bytes[found] = _bytes_of(record)
-        return found
+            self._channel_bytes[number] = _bytes_of(record)
+        return number
 
     @property
     def schemas(self) -> bytes:

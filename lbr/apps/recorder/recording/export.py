@@ -24,33 +24,33 @@ LONGEST_LIST = 16
 TIME, SECONDS = "time", "time_s"
 
 
-def to_mcap(path: Path, found: Iterable[Message], library: str) -> int:
+def to_mcap(path: Path, messages: Iterable[Message], library: str) -> int:
     """Write one MCAP file, whole or not at all; return how many messages it has. InputError says why it cannot be."""
-    new = path.with_name(f"{path.name}.new")
+    draft = path.with_name(f"{path.name}.new")
     try:
-        with new.open("wb") as file:
-            written = _write_mcap(file, found, library)
-        new.replace(path)
+        with draft.open("wb") as file:
+            written = _write_mcap(file, messages, library)
+        draft.replace(path)
     except OSError as err:
-        new.unlink(missing_ok=True)
+        draft.unlink(missing_ok=True)
         raise InputError(f"{path} cannot be written: {err.strerror}") from err
     return written
 
 
-def _write_mcap(file: IO[bytes], found: Iterable[Message], library: str) -> int:
+def _write_mcap(file: IO[bytes], messages: Iterable[Message], library: str) -> int:
     writer = Writer(file, compression=CompressionType.ZSTD)
     writer.start(profile="lbr", library=library)
     schemas: dict[tuple[str, bytes], int] = {}
     channels: dict[Channel, int] = {}
     written = 0
-    for one in found:
-        channel = one.channel
+    for message in messages:
+        channel = message.channel
         if channel not in channels:
             key = channel.schema_name, channel.schema
             if channel.schema and key not in schemas:
                 schemas[key] = writer.register_schema(channel.schema_name, "jsonschema", channel.schema)
             channels[channel] = writer.register_channel(channel.topic, channel.encoding, schemas.get(key, 0))
-        writer.add_message(channels[channel], one.log_ns, one.data, one.publish_ns, one.sequence)
+        writer.add_message(channels[channel], message.log_ns, message.data, message.publish_ns, message.sequence)
         written += 1
     writer.finish()
     return written
@@ -63,8 +63,8 @@ def to_csv(folder: Path, again: Again) -> dict[str, int]:
     the recording's, and a message's own of these names `message.time` and `message.time_s`.
     """
     columns: dict[str, dict[str, None]] = {}
-    for one in again():
-        columns.setdefault(one.topic, {}).update(dict.fromkeys(_fields(one)))
+    for message in again():
+        columns.setdefault(message.topic, {}).update(dict.fromkeys(_fields(message)))
     counts: dict[str, int] = {}
     called = file_names(columns)
     files: dict[str, IO[str]] = {}
@@ -75,10 +75,10 @@ def to_csv(folder: Path, again: Again) -> dict[str, int]:
             files[topic] = (folder / f"{called[topic]}.csv").open("w", newline="", encoding="utf-8")
             tables[topic] = csv.DictWriter(files[topic], [TIME, SECONDS, *names], extrasaction="ignore")
             tables[topic].writeheader()
-        for one in again():
-            if one.topic in tables:
-                tables[one.topic].writerow(_row(one, folder, called[one.topic]))
-                counts[one.topic] = counts.get(one.topic, 0) + 1
+        for message in again():
+            if message.topic in tables:
+                tables[message.topic].writerow(_row(message, folder, called[message.topic]))
+                counts[message.topic] = counts.get(message.topic, 0) + 1
         for file in files.values():
             file.flush()
     except OSError as err:
@@ -91,11 +91,11 @@ def to_csv(folder: Path, again: Again) -> dict[str, int]:
 
 def file_names(topics: Iterable[str]) -> dict[str, str]:
     """Return what each topic's file is called; one whose name another has already gets a number."""
-    found: dict[str, str] = {}
+    names: dict[str, str] = {}
     for topic in topics:
         name = re.sub(r"[^A-Za-z0-9_.-]+", "_", topic).strip("_.") or "topic"
-        found[topic] = first_free(name, lambda one: one in found.values(), "-")
-    return found
+        names[topic] = first_free(name, lambda candidate: candidate in names.values(), "-")
+    return names
 
 
 def fields(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -116,12 +116,12 @@ def _nested(values: list[Any]) -> bool:
     return any(isinstance(one, dict | list) for one in values)
 
 
-def decoded(one: Message) -> Any:
+def decoded(message: Message) -> Any:
     """Return a message as plain data; what is no JSON as a text."""
     try:
-        return msgspec.json.decode(one.data)
+        return msgspec.json.decode(message.data)
     except UNREADABLE:
-        return one.data.decode(errors="replace")
+        return message.data.decode(errors="replace")
 
 
 def _fields(one: Message) -> list[str]:
@@ -136,12 +136,12 @@ def _columns(one: Message) -> Iterator[tuple[str, Any]]:
         yield (f"message.{name}" if name in {TIME, SECONDS} else name), value
 
 
-def _row(one: Message, folder: Path, called: str) -> dict[str, Any]:
-    at = datetime.fromtimestamp(one.log_ns / 1e9, UTC)
-    row: dict[str, Any] = {TIME: at.isoformat(timespec="microseconds"), SECONDS: f"{one.log_ns / 1e9:.6f}"}
-    if one.channel.schema_name == PICTURES:
-        return row | {"file": _picture(one, folder, called, at)}
-    return row | {name: _cell(value) for name, value in _columns(one)}
+def _row(message: Message, folder: Path, called: str) -> dict[str, Any]:
+    at = datetime.fromtimestamp(message.log_ns / 1e9, UTC)
+    row: dict[str, Any] = {TIME: at.isoformat(timespec="microseconds"), SECONDS: f"{message.log_ns / 1e9:.6f}"}
+    if message.channel.schema_name == PICTURES:
+        return row | {"file": _picture(message, folder, called, at)}
+    return row | {name: _cell(value) for name, value in _columns(message)}
 
 
 def _cell(value: Any) -> Any:

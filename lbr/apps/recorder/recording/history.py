@@ -37,9 +37,9 @@ def value_of(message: Any, path: Iterable[str]) -> float | None:
 
 def history(files: Iterable[Path], fields: Iterable[str], start_ns: int, end_ns: int, points: int) -> History:
     """Return fields such as `battery/state.voltage_v` between two times, at `points` times at most."""
-    found = History([], {field: [] for field in fields})
+    sampled = History([], {field: [] for field in fields})
     wanted: dict[str, list[str]] = {}
-    for field in found.values:
+    for field in sampled.values:
         wanted.setdefault(field.partition(".")[0], []).append(field)
     step_ns = max(1, (end_ns - start_ns) // points)
     due_ns = start_ns
@@ -48,24 +48,24 @@ def history(files: Iterable[Path], fields: Iterable[str], start_ns: int, end_ns:
             if path.stat().st_mtime_ns < due_ns:
                 continue
             with reader.opened(path) as file:
-                due_ns = _sample(file, found, wanted, due_ns, end_ns, step_ns)
+                due_ns = _sample(file, sampled, wanted, due_ns, end_ns, step_ns)
         if due_ns > end_ns:
             break
-    return found
+    return sampled
 
 
 def _sample(
-    file: reader.Recording, found: History, wanted: dict[str, list[str]], due_ns: int, end_ns: int, step_ns: int
+    file: reader.Recording, sampled: History, wanted: dict[str, list[str]], due_ns: int, end_ns: int, step_ns: int
 ) -> int:
     """Add what a file has from `due_ns` on, and return when the next point is due."""
     for span, messages in file.chunks():
         if due_ns <= span.end_ns <= end_ns:
-            newest = {one.topic: one for one in messages() if one.topic in wanted}
-            found.at_ms.append(span.end_ns // NS_PER_MS)
+            newest = {sample.topic: sample for sample in messages() if sample.topic in wanted}
+            sampled.at_ms.append(span.end_ns // NS_PER_MS)
             for topic, fields in wanted.items():
                 message = _decoded(newest.get(topic))
                 for field in fields:
-                    found.values[field].append(value_of(message, field.partition(".")[2].split(".")))
+                    sampled.values[field].append(value_of(message, field.partition(".")[2].split(".")))
             due_ns = span.end_ns + step_ns
     return due_ns
 

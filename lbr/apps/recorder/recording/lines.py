@@ -99,23 +99,23 @@ class RecordedLine:
 
         A driver that asks often, but not at the same moments as then, gets each answer once: the one after the last.
         """
-        found = self._by_question[sent]
+        exchanges = self._by_question[sent]
         begin_ns, end_ns = self._between(sent, at_ns)
-        first = bisect.bisect_left(found, begin_ns, key=lambda one: one.at_ns)
-        last = bisect.bisect_right(found, end_ns, key=lambda one: one.at_ns)
+        first = bisect.bisect_left(exchanges, begin_ns, key=lambda exchange: exchange.at_ns)
+        last = bisect.bisect_right(exchanges, end_ns, key=lambda exchange: exchange.at_ns)
         if first >= last:
-            first, last = (first if first < len(found) else 0), len(found)
-        at = min(max(bisect.bisect_left(found, at_ns, key=lambda one: one.at_ns), first), last)
-        near = min(range(max(first, at - 1), min(last, at + 1)), key=lambda one: abs(found[one].at_ns - at_ns))
+            first, last = (first if first < len(exchanges) else 0), len(exchanges)
+        at = min(max(bisect.bisect_left(exchanges, at_ns, key=lambda exchange: exchange.at_ns), first), last)
+        near = min(range(max(first, at - 1), min(last, at + 1)), key=lambda index: abs(exchanges[index].at_ns - at_ns))
         following = self._last.get(sent, -2) + 1
         if (
             first <= following < last
             and abs(following - near) == 1
-            and abs(found[following].at_ns - found[near].at_ns) < OFTEN_NS
+            and abs(exchanges[following].at_ns - exchanges[near].at_ns) < OFTEN_NS
         ):
             near = following
         self._last[sent] = near
-        return found[near]
+        return exchanges[near]
 
     def _between(self, sent: bytes, at_ns: int) -> tuple[int, int]:
         """Return from when to when an answer may be: after the last single question that came, and before the next one.
@@ -168,15 +168,15 @@ class RecordedLine:
         sent: LineBytes | None = None
         answers: list[Answer] = []
         now_ns = 0
-        for one in pieces:
-            now_ns = max(now_ns, one.at_ns)  # the messages that brought them may be dated a hair apart
-            if one.sent:
+        for piece in pieces:
+            now_ns = max(now_ns, piece.at_ns)  # the messages that brought them may be dated a hair apart
+            if piece.sent:
                 self._close(sent, answers)
-                sent, answers = LineBytes(now_ns, one.sent, one.data), []
+                sent, answers = LineBytes(now_ns, piece.sent, piece.data), []
             elif sent is not None and now_ns - sent.at_ns <= ANSWER_NS:
-                answers.append(Answer(now_ns - sent.at_ns, one.data))
+                answers.append(Answer(now_ns - sent.at_ns, piece.data))
             else:
-                self.unasked.append((now_ns, one.data))
+                self.unasked.append((now_ns, piece.data))
         self._close(sent, answers)
 
     def _close(self, sent: LineBytes | None, answers: list[Answer]) -> None:
@@ -198,22 +198,22 @@ def taken(messages: Iterable[Message]) -> Taken:
     pieces: dict[str, list[LineBytes]] = {}
     lost: dict[str, int] = {}
     commands = []
-    for one in messages:
-        if not one.topic.startswith(TAPED) or (taped := _decoded(one)) is None:
+    for message in messages:
+        if not message.topic.startswith(TAPED) or (taped := _decoded(message)) is None:
             continue
-        later_ns = one.log_ns - taped.now_ns
+        later_ns = message.log_ns - taped.now_ns
         for line in taped.lines:
             own = pieces.setdefault(line.device, [])
             own += [LineBytes(piece.at_ns + later_ns, piece.sent, piece.data) for piece in line.pieces]
             lost[line.device] = lost.get(line.device, 0) + line.lost
         commands += [
-            found
+            command
             for each in taped.commands
-            if (found := _command(one.topic.removeprefix(TAPED), each, later_ns)) is not None
+            if (command := _command(message.topic.removeprefix(TAPED), each, later_ns)) is not None
         ]
     return Taken(
-        lines={device: RecordedLine(device, found, lost[device]) for device, found in pieces.items()},
-        commands=tuple(sorted(commands, key=lambda one: one.at_ns)),
+        lines={device: RecordedLine(device, exchanged, lost[device]) for device, exchanged in pieces.items()},
+        commands=tuple(sorted(commands, key=lambda command: command.at_ns)),
     )
 
 
@@ -229,26 +229,26 @@ def _decoded(message: Message) -> Taped | None:
         return None
 
 
-def _command(to: str, one: TapedCommand, later_ns: int) -> Command | None:
+def _command(to: str, taped: TapedCommand, later_ns: int) -> Command | None:
     try:
-        reply = msgspec.json.decode(one.reply, type=dict[str, Any])
+        reply = msgspec.json.decode(taped.reply, type=dict[str, Any])
     except UNREADABLE:
         return None
     return Command(
-        at_ns=one.at_ns + later_ns,
-        answered_ns=one.answered_ns + later_ns,
+        at_ns=taped.at_ns + later_ns,
+        answered_ns=taped.answered_ns + later_ns,
         to=to,
-        name=one.name,
-        source=one.source,
-        payload=one.payload,
+        name=taped.name,
+        source=taped.source,
+        payload=taped.payload,
         reply=reply,
-        answerable=one.answerable,
+        answerable=taped.answerable,
     )
 
 
-def _common(one: bytes, other: bytes) -> int:
+def _common(first: bytes, second: bytes) -> int:
     """Return how many bytes two have in common from their beginning."""
-    for at, (left, right) in enumerate(zip(one, other, strict=False)):
+    for at, (left, right) in enumerate(zip(first, second, strict=False)):
         if left != right:
             return at
-    return min(len(one), len(other))
+    return min(len(first), len(second))

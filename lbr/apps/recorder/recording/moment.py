@@ -39,11 +39,11 @@ def moment(files: tuple[Path, ...], at_ns: int) -> Moment:
         raise InputError("nothing was recorded until then ('lbr box list' shows from when on)")
     newest: dict[str, Message] = {}
     events: list[Event] = []
-    for one in selection.messages([path], 0, at_ns):
-        if one.topic == selection.EVENT:
-            events += [event for event in [_decoded(one, Event)] if event is not None]
-        newest[one.topic] = one
-    last_ns = max((one.log_ns for one in newest.values()), default=0)
+    for message in selection.messages([path], 0, at_ns):
+        if message.topic == selection.EVENT:
+            events += [event for event in [_decoded(message, Event)] if event is not None]
+        newest[message.topic] = message
+    last_ns = max((message.log_ns for message in newest.values()), default=0)
     if not last_ns:
         raise InputError("nothing that can be read was recorded until then")
     return Moment(
@@ -52,9 +52,9 @@ def moment(files: tuple[Path, ...], at_ns: int) -> Moment:
         rows=_decoded(newest.get("@rows"), RecordedRows),
         status=_decoded(newest.get("@status"), Status),
         said={
-            topic: (value, max(0.0, (at_ns - one.log_ns) / 1e9))
-            for topic, one in newest.items()
-            if topic not in _SYSTEM and isinstance(value := _decoded(one, Any), dict)
+            topic: (value, max(0.0, (at_ns - message.log_ns) / 1e9))
+            for topic, message in newest.items()
+            if topic not in _SYSTEM and isinstance(value := _decoded(message, Any), dict)
         },
         events=tuple(events[-MOST_EVENTS:]),
     )

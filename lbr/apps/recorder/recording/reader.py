@@ -116,16 +116,16 @@ class Recording:
                 yield span
                 at += span.length
                 continue
-            length = self._other(at) if data[at] != Opcode.CHUNK else 0
+            length = self._record_length(at) if data[at] != Opcode.CHUNK else 0
             if length and self._follows(at + length):
                 self._take(at, length)
                 at += length
                 continue
-            found = self._next(at + 1)
-            self._hurt((found if found is not None else size) - at)
-            if found is None:
+            next_at = self._next(at + 1)
+            self._hurt((next_at if next_at is not None else size) - at)
+            if next_at is None:
                 return
-            at = found
+            at = next_at
 
     def _follows(self, at: int) -> bool:
         """Say whether a record may begin here, or the file ends."""
@@ -136,7 +136,7 @@ class Recording:
             return False
         return 0 < data[at] <= _LAST_OPCODE or bytes(data[at : at + len(MAGIC)]) == MAGIC or data[at] >= 0x80
 
-    def _other(self, at: int) -> int:
+    def _record_length(self, at: int) -> int:
         """Return the length of what is no chunk, 0 if it is nothing."""
         if at + _RECORD.size > self._size:
             return 0
@@ -173,17 +173,17 @@ class Recording:
 
     def _next(self, at: int) -> int | None:
         """Return where the next chunk begins, None after the last."""
-        found = []
+        starts = []
         for sign in _SIGNS[:2]:
             place = self._data.find(sign, at + _BEFORE_SIGN)
             while place >= 0:
                 start = place - _BEFORE_SIGN
                 span = chunks.head(self._data, start, self._size)
                 if span is not None and _opens(self._data, span):
-                    found.append(start)
+                    starts.append(start)
                     break
                 place = self._data.find(sign, place + 1)
-        return min(found, default=None)
+        return min(starts, default=None)
 
     def _hurt(self, length: int) -> None:
         self.damage.places += 1

@@ -60,11 +60,11 @@ class Segment:
                 os.close(fd)
 
     def _append(self, data: bytes) -> None:
-        begun, left = self.size, memoryview(data)
+        begun, rest = self.size, memoryview(data)
         try:
-            while left:
-                left = left[os.pwrite(self._fd, left, self.size) :]
-                self.size = begun + len(data) - len(left)
+            while rest:
+                rest = rest[os.pwrite(self._fd, rest, self.size) :]
+                self.size = begun + len(data) - len(rest)
         except OSError:
             self.size = begun
             with contextlib.suppress(OSError):

@@ -37,17 +37,17 @@ class Damage(Struct):
     bytes: int = 0
 
 
-def choose(shelf: Shelf, what: str) -> Chosen:
+def choose(shelf: Shelf, name: str) -> Chosen:
     """Return what is meant by a name: `box` or nothing for the box itself; InputError says what there is."""
-    if what in {"", BOX}:
+    if name in {"", BOX}:
         return Chosen(name=BOX, files=tuple(shelf.files()))
-    for one in shelf.kept():
-        if what == one.path.name:
-            return Chosen(name=what, files=one.files, why=one.why)
+    for incident in shelf.kept():
+        if name == incident.path.name:
+            return Chosen(name=name, files=incident.files, why=incident.why)
     for path in shelf.recordings():
-        if what in {path.name, path.stem}:
+        if name in {path.name, path.stem}:
             return Chosen(name=path.name, files=(path,))
-    path = Path(what)
+    path = Path(name)
     if path.is_file():
         _refuse_empty(path)
         return Chosen(name=path.name, files=(path,))
@@ -55,7 +55,7 @@ def choose(shelf: Shelf, what: str) -> Chosen:
         return Chosen(name=path.name, files=tuple(files))
     there = [BOX, *(one.path.name for one in shelf.kept()), *(one.stem for one in shelf.recordings())]
     raise InputError(
-        f"there is no recording '{what[:80]}'; there is {', '.join(there)}, or name a file", "unknown_name"
+        f"there is no recording '{name[:80]}'; there is {', '.join(there)}, or name a file", "unknown_name"
     )
 
 
@@ -77,24 +77,24 @@ def messages(
     seen: dict[str, deque[tuple[int, int]]] = {}
     for path in files:
         try:
-            with reader.opened(path) as found:
-                if found.spans and (found.end_ns < start_ns or _begins_ns(found) > end_ns):
+            with reader.opened(path) as file:
+                if file.spans and (file.end_ns < start_ns or _begins_ns(file) > end_ns):
                     continue
-                there = sorted(found.messages(start_ns, end_ns), key=lambda one: one.log_ns)
-                if damage is not None and found.damage.places:
-                    damage.places += found.damage.places
-                    damage.bytes += found.damage.bytes
+                ordered = sorted(file.messages(start_ns, end_ns), key=lambda message: message.log_ns)
+                if damage is not None and file.damage.places:
+                    damage.places += file.damage.places
+                    damage.bytes += file.damage.bytes
         except InputError as err:
             if damage is not None:
                 damage.files.append(str(err))
             continue
-        for one in there:
-            mark = one.sequence, one.publish_ns
-            known = seen.setdefault(one.topic, deque(maxlen=MOST_REPEATED if one.topic == EVENT else 1))
-            if one.sequence and mark in known:
+        for message in ordered:
+            mark = message.sequence, message.publish_ns
+            known = seen.setdefault(message.topic, deque(maxlen=MOST_REPEATED if message.topic == EVENT else 1))
+            if message.sequence and mark in known:
                 continue
             known.append(mark)
-            yield one
+            yield message
 
 
 def file_at(files: Iterable[Path], at_ns: int) -> Path | None:
@@ -112,11 +112,11 @@ def span_ns(files: Iterable[Path]) -> tuple[int, int]:
     ordered = list(files)
     for path in ordered:
         try:
-            with reader.opened(path) as found:
-                if found.spans:
-                    begins = _plays_from_ns(found)
+            with reader.opened(path) as file:
+                if file.spans:
+                    begins = _plays_from_ns(file)
                     first = min(first or begins, begins)
-                    last = max(last, found.end_ns)
+                    last = max(last, file.end_ns)
         except InputError:
             continue
     return first, last
@@ -127,10 +127,10 @@ def _begins_ns(found: reader.Recording) -> int:
     return found.spans[1].start_ns if len(found.spans) > 1 else found.spans[0].end_ns
 
 
-def _plays_from_ns(found: reader.Recording) -> int:
+def _plays_from_ns(file: reader.Recording) -> int:
     """Return from when on there is something to play: of a file that was cut after its first chunk, the last round of
     that."""
-    only = found.spans[0]
-    if len(found.spans) > 1:
-        return _begins_ns(found)
-    return max(only.start_ns, only.end_ns - BEGINS_NS) if found.about else only.start_ns  # others repeat nothing
+    only = file.spans[0]
+    if len(file.spans) > 1:
+        return _begins_ns(file)
+    return max(only.start_ns, only.end_ns - BEGINS_NS) if file.about else only.start_ns  # others repeat nothing

@@ -95,12 +95,12 @@ class Shelf:
         for path in files:
             with contextlib.suppress(FileExistsError, FileNotFoundError):
                 os.link(path, folder / path.name)
-        new = folder / f"{INCIDENT}.new"
-        with new.open("wb") as file:
+        draft = folder / f"{INCIDENT}.new"
+        with draft.open("wb") as file:
             file.write(msgspec.json.encode(why))
             file.flush()
             os.fsync(file.fileno())
-        new.replace(folder / INCIDENT)
+        draft.replace(folder / INCIDENT)
         sync_folder(folder)
         sync_folder(self.kept_folder)
         return folder
@@ -111,16 +111,16 @@ class Shelf:
         The newest stays. `now` is by the wall clock; 0: judge none by its age.
         """
         files = self.files()
-        total, gone = size_of(files), 0
+        total, deleted = size_of(files), 0
         for path in files[:-1]:
             size, changed = _stat(path)
             old = now > 0 and now - changed > oldest_s
             if total <= most_bytes and not old:
                 break
             if _removed(path):
-                gone += 1
+                deleted += 1
             total -= size
-        return gone
+        return deleted
 
     def drop_oldest(self) -> bool:
         """Delete the oldest of the box's own files, for room on the disk; False if none is left."""
@@ -130,16 +130,16 @@ class Shelf:
     def prune_kept(self, most_bytes: int, oldest_s: float, now: float) -> list[str]:
         """Delete what was kept first while it is too much or too old; return the names of what went. The newest
         stays."""
-        gone = []
+        deleted = []
         kept = self.kept()
-        for index, one in enumerate(kept[:-1]):
+        for index, incident in enumerate(kept[:-1]):
             total = size_of({path for later in kept[index:] for path in later.files})
-            at = one.why.wall_ns / 1e9 if one.why is not None else _stat(one.path)[1]
+            at = incident.why.wall_ns / 1e9 if incident.why is not None else _stat(incident.path)[1]
             if total <= most_bytes and not (now > 0 and now - at > oldest_s):
                 break
-            self.delete(one.path)
-            gone.append(one.path.name)
-        return gone
+            self.delete(incident.path)
+            deleted.append(incident.path.name)
+        return deleted
 
     def delete(self, path: Path) -> bool:
         """Delete a file, or what was kept under a name; False if it is being written, or could not be."""

@@ -28,13 +28,13 @@ def moment_ns(text: str, now_ns: int) -> int:
 
     A time of day is the last one that is past: today's or yesterday's, by this machine's time zone.
     """
-    said = text.strip().lower()
-    if said in {"now", ""}:
+    words = text.strip().lower()
+    if words in {"now", ""}:
         return now_ns
-    ago = seconds(said)
+    ago = seconds(words)
     if ago is not None:
         return max(0, now_ns - round(ago * 1e9))
-    found = _CLOCK.fullmatch(said)
+    found = _CLOCK.fullmatch(words)
     try:
         at = _of_clock(found, now_ns) if found else datetime.fromisoformat(text.strip().upper())
         return max(0, round(at.timestamp() * 1e6) * 1000)
@@ -57,12 +57,12 @@ def length(seconds_: float) -> str:
     return f"{seconds_ / 3600:.1f} h" if seconds_ < 172800 else f"{seconds_ / 86400:.1f} days"
 
 
-def _of_clock(found: re.Match[str], now_ns: int) -> datetime:
+def _of_clock(match: re.Match[str], now_ns: int) -> datetime:
     now = datetime.fromtimestamp(now_ns / 1e9).astimezone()
-    second = float(found["second"] or 0)
+    second = float(match["second"] or 0)
     at = now.replace(
-        hour=int(found["hour"]), minute=int(found["minute"]), second=int(second), microsecond=int(second % 1 * 1e6)
+        hour=int(match["hour"]), minute=int(match["minute"]), second=int(second), microsecond=int(second % 1 * 1e6)
     )
-    if found["day"] == "yesterday" or (found["day"] is None and at > now):
+    if match["day"] == "yesterday" or (match["day"] is None and at > now):
         at -= timedelta(days=1)
     return at

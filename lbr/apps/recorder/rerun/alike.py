@@ -44,48 +44,48 @@ def numbers(message: Any, path: str = "") -> dict[str, float]:
     """Return the numbers of a message by their paths; what only counts or names is left out."""
     if isinstance(message, bool | int | float):
         return {path: float(message)}
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     if isinstance(message, Mapping):
         for key, value in message.items():
             if key not in UNTOLD:
-                found |= numbers(value, f"{path}.{key}" if path else str(key))
+                values |= numbers(value, f"{path}.{key}" if path else str(key))
     elif isinstance(message, Sequence) and not isinstance(message, str):
         for place, value in enumerate(message):
-            found |= numbers(value, f"{path}.{_name_of(value, place)}" if path else _name_of(value, place))
-    return found
+            values |= numbers(value, f"{path}.{_name_of(value, place)}" if path else _name_of(value, place))
+    return values
 
 
 def differences(recorded: Series, now: Series, window_ns: int = WINDOW_NS) -> list[Difference]:
     """Return where one run has a number that the other has not about then; both in the order of time."""
     fields = {name for _, values in (*recorded, *now) for name in values}
-    found = []
+    diffs = []
     for name in sorted(fields):
         ours = [(at, values[name]) for at, values in recorded if name in values]
         theirs = [(at, values[name]) for at, values in now if name in values]
         span = [value for _, value in ours if math.isfinite(value)] or [0.0]
         tolerance = max(SMALLEST, TOLERANCE * (max(span) - min(span)))
-        found += [Difference(at, name, value, other) for at, value, other in _unmet(ours, theirs, window_ns, tolerance)]
-        found += [Difference(at, name, other, value) for at, value, other in _unmet(theirs, ours, window_ns, tolerance)]
-    return sorted(found)
+        diffs += [Difference(at, name, value, other) for at, value, other in _unmet(ours, theirs, window_ns, tolerance)]
+        diffs += [Difference(at, name, other, value) for at, value, other in _unmet(theirs, ours, window_ns, tolerance)]
+    return sorted(diffs)
 
 
 def unmatched(
     recorded: Iterable[Happened], now: Iterable[Happened], window_ns: int
 ) -> tuple[list[Happened], list[Happened]]:
     """Return what happened in one run alone: in the recorded one, and in this one."""
-    left = sorted(now)
+    remaining = sorted(now)
     alone = []
-    for one in sorted(recorded):
+    for event in sorted(recorded):
         match = min(
-            (other for other in left if other.what == one.what and abs(other.at_ns - one.at_ns) <= window_ns),
-            key=lambda other: abs(other.at_ns - one.at_ns),
+            (other for other in remaining if other.what == event.what and abs(other.at_ns - event.at_ns) <= window_ns),
+            key=lambda other: abs(other.at_ns - event.at_ns),
             default=None,
         )
         if match is None:
-            alone.append(one)
+            alone.append(event)
         else:
-            left.remove(match)
-    return alone, left
+            remaining.remove(match)
+    return alone, remaining
 
 
 def _unmet(
@@ -98,11 +98,11 @@ def _unmet(
             first += 1
         while last < len(theirs) and theirs[last][0] <= at + window_ns:
             last += 1
-        near = [other for _, other in theirs[first:last]]
+        near = [each for _, each in theirs[first:last]]
         if not near:
             yield at, value, math.nan
         elif not min(near) - tolerance <= value <= max(near) + tolerance:
-            yield at, value, min(near, key=lambda other: abs(other - value))
+            yield at, value, min(near, key=lambda each: abs(each - value))
 
 
 def _name_of(value: Any, place: int) -> str:

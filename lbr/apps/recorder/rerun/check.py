@@ -113,59 +113,59 @@ class _Reader:
         self.events: list[tuple[int, Event]] = []
         self.ended: dict[str, int] = {}
 
-    def take(self, one: Message) -> None:
+    def take(self, item: Message) -> None:
         """Take a message."""
-        if one.topic.startswith(lines.TAPED):
-            self.taped.append(one)
-        elif one.topic == selection.EVENT:
-            event = _decoded(one.data, Event)
+        if item.topic.startswith(lines.TAPED):
+            self.taped.append(item)
+        elif item.topic == selection.EVENT:
+            event = _decoded(item.data, Event)
             if event is not None:
-                self.events.append((one.log_ns, event))
-        elif one.topic == "@rows":
-            found = _decoded(one.data, RecordedRows)
-            self.edited |= self.rows is not None and found is not None and found.revision != self.rows.revision
-            self.rows = found or self.rows
-        elif one.topic == "@status":
-            self.robot = str((_decoded(one.data, dict[str, Any]) or {}).get("robot", self.robot))
-        elif one.topic.endswith(RESULT):
-            message = _decoded(one.data, dict[str, Any])
+                self.events.append((item.log_ns, event))
+        elif item.topic == "@rows":
+            saved = _decoded(item.data, RecordedRows)
+            self.edited |= self.rows is not None and saved is not None and saved.revision != self.rows.revision
+            self.rows = saved or self.rows
+        elif item.topic == "@status":
+            self.robot = str((_decoded(item.data, dict[str, Any]) or {}).get("robot", self.robot))
+        elif item.topic.endswith(RESULT):
+            message = _decoded(item.data, dict[str, Any])
             if message is not None:
-                self.ended.setdefault(str(message.get("goal", "")), one.log_ns)
-        elif one.topic.endswith("/setpoint"):
-            message = _decoded(one.data, dict[str, Any])
+                self.ended.setdefault(str(message.get("goal", "")), item.log_ns)
+        elif item.topic.endswith("/setpoint"):
+            message = _decoded(item.data, dict[str, Any])
             if message is not None:
-                self.streams.setdefault(one.topic, []).append((one.log_ns, message))
+                self.streams.setdefault(item.topic, []).append((item.log_ns, message))
 
 
 def read(files: tuple[Path, ...], start_ns: int, end_ns: int) -> Recorded:
     """Take what is needed out of a recording; InputError says what it lacks."""
-    found, damage = _Reader(), selection.Damage()
-    for one in selection.messages(files, 0, end_ns, damage=damage):
-        found.take(one)
-    if not found.taped:
-        lost = "".join(f"; {one}" for one in damage.files)
+    recording, damage = _Reader(), selection.Damage()
+    for message in selection.messages(files, 0, end_ns, damage=damage):
+        recording.take(message)
+    if not recording.taped:
+        lost = "".join(f"; {fault}" for fault in damage.files)
         if damage.places:
             lost += f", or they were in the {damage.bytes} bytes of it that are damaged or cut"
         raise InputError(
             f"the recording has no bytes of lines: it was made without 'lbr record --lines'{lost}", "bad_value"
         )
-    if found.rows is None or not found.robot:
+    if recording.rows is None or not recording.robot:
         raise InputError("the recording has no rows: it is cut, or was made by another program", "bad_value")
-    if found.edited:
+    if recording.edited:
         raise InputError("rows were edited while it was recorded: say which part with --from and --to", "not_possible")
-    opened_ns = max((one.log_ns for one in found.taped if lines.is_opening(one)), default=0)
-    begin, last_ns = max(opened_ns + SETTLED_NS, start_ns), found.taped[-1].log_ns
+    opened_ns = max((piece.log_ns for piece in recording.taped if lines.is_opening(piece)), default=0)
+    begin, last_ns = max(opened_ns + SETTLED_NS, start_ns), recording.taped[-1].log_ns
     if begin >= last_ns:
         raise InputError("nothing was recorded in that time", "bad_value")
     return Recorded(
-        robot=found.robot,
-        rows=found.rows,
-        taken=lines.taken(found.taped),
+        robot=recording.robot,
+        rows=recording.rows,
+        taken=lines.taken(recording.taped),
         start_ns=begin,
         end_ns=last_ns,
-        streams=found.streams,
-        events=tuple(found.events),
-        ended=found.ended,
+        streams=recording.streams,
+        events=tuple(recording.events),
+        ended=recording.ended,
     )
 
 
@@ -194,13 +194,13 @@ def run(recorded: Recorded, tell: Tell) -> Outcome:
 def _feed(bus: Session, recorded: Recorded, made: rows.Place) -> Feed:
     """Return what was said to the robot from outside, in the recording's time."""
     own = {*made.runs, EXECUTIVE}
-    said = [one for one in recorded.taken.commands if one.source not in own and one.to in made.runs]
+    commands = [command for command in recorded.taken.commands if command.source not in own and command.to in made.runs]
     stops = [(at, event.kind == ESTOP) for at, event in recorded.events if event.kind in {ESTOP, RESET}]
     return Feed(
         bus,
         recorded.robot,
-        [one for one in said if recorded.holds(one.at_ns)],
-        [one for one in stops if recorded.holds(one[0])],
+        [command for command in commands if recorded.holds(command.at_ns)],
+        [stop for stop in stops if recorded.holds(stop[0])],
         recorded.ended,
         [f"{name}{RESULT}" for name, kind in made.runs.items() if RESULT[1:] in kind.outputs],
     )
@@ -234,14 +234,14 @@ class _Witness:
         """Return where it was otherwise than recorded; at both ends there is too little to compare by."""
         recorded, window_ns = self._recorded, alike.WINDOW_NS + feed.late_ns
         counts, differences = {}, {}
-        for topic, heard in self._setpoints.items():
+        for topic, subscription in self._setpoints.items():
             then = [(at, alike.numbers(message)) for at, message in recorded.streams.get(topic, [])]
-            found = alike.differences(then, self._samples(heard), window_ns)
+            diffs = alike.differences(then, self._samples(subscription), window_ns)
             counts[topic] = sum(recorded.holds(at, window_ns) for at, _ in then)
-            differences[topic] = [one for one in found if recorded.holds(one.at_ns, window_ns)]
+            differences[topic] = [diff for diff in diffs if recorded.holds(diff.at_ns, window_ns)]
         reason_ns = REASON_NS + window_ns
         happened = self._coded(recorded.events)
-        missing, new = alike.unmatched(happened, self._coded(self._heard()), reason_ns)
+        missing, added = alike.unmatched(happened, self._coded(self._published_events()), reason_ns)
         return Outcome(
             seconds=(recorded.end_ns - recorded.start_ns) / 1e9,
             runs=tuple(made.runs),
@@ -252,24 +252,24 @@ class _Witness:
             answered_otherwise=feed.otherwise(window_ns + RENEWED_NS),
             begun_before=feed.begun_before,
             reasons=len(happened),
-            missing=[one for one in missing if recorded.holds(one.at_ns, reason_ns)],
-            new=[one for one in new if recorded.holds(one.at_ns, reason_ns)],
+            missing=[event for event in missing if recorded.holds(event.at_ns, reason_ns)],
+            new=[event for event in added if recorded.holds(event.at_ns, reason_ns)],
             late_s=feed.late_ns / 1e9,
         )
 
     def _dated(self, mono_ns: int) -> int:
         return mono_ns - self._clock.began_ns + self._recorded.start_ns
 
-    def _samples(self, heard: wire.Subscription) -> list[tuple[int, dict[str, float]]]:
-        found = []
-        for raw in heard.take():
+    def _samples(self, subscription: wire.Subscription) -> list[tuple[int, dict[str, float]]]:
+        samples = []
+        for raw in subscription.take():
             message, stamp = _decoded(raw.payload, dict[str, Any]), stamps.read(raw.attachment)
             if message is not None:
                 at_ns = stamp.mono_ns if stamp is not None and stamp.mono_ns else int(raw.arrived * 1e9)
-                found.append((self._dated(at_ns), alike.numbers(message)))
-        return sorted(found, key=lambda one: one[0])
+                samples.append((self._dated(at_ns), alike.numbers(message)))
+        return sorted(samples, key=lambda one: one[0])
 
-    def _heard(self) -> Iterator[tuple[int, Event]]:
+    def _published_events(self) -> Iterator[tuple[int, Event]]:
         for raw in self._events.take():
             event = _decoded(raw.payload, Event)
             if event is not None:
@@ -304,20 +304,22 @@ def _running(made: rows.Place, robot: str) -> Iterator[Session]:
                 process.wait()
 
 
-def _up(process: "subprocess.Popen[bytes]", made: rows.Place, robot: str, said: Path) -> home.Running:
+def _up(process: "subprocess.Popen[bytes]", made: rows.Place, robot: str, output: Path) -> home.Running:
     rest = threading.Event()
     until = time.monotonic() + READY_S
     while time.monotonic() < until:
         if process.poll() is not None:
-            raise BusError(f"the robot did not start: {said.read_text(errors='replace').strip()[-800:]}")
-        for line in said.read_bytes().splitlines():
+            raise BusError(f"the robot did not start: {output.read_text(errors='replace').strip()[-800:]}")
+        for line in output.read_bytes().splitlines():
             if line.startswith(b"{"):
-                told = _decoded(line, dict) or {}
-                if not told.get("ready"):
-                    raise BusError(f"the robot did not come up on the recorded bytes: {told.get('reason', told)}")
+                report = _decoded(line, dict) or {}
+                if not report.get("ready"):
+                    raise BusError(f"the robot did not come up on the recorded bytes: {report.get('reason', report)}")
                 return _record(made, robot)
         rest.wait(0.02)
-    raise BusError(f"the robot did not come up within {READY_S:g} s: {said.read_text(errors='replace').strip()[-800:]}")
+    raise BusError(
+        f"the robot did not come up within {READY_S:g} s: {output.read_text(errors='replace').strip()[-800:]}"
+    )
 
 
 def _record(made: rows.Place, robot: str) -> home.Running:

@@ -245,15 +245,15 @@ class Ends:
 
     def close(self) -> dict[str, Asked]:
         """Take all devices away; return what each was asked, by the address of its device."""
-        found: dict[str, Asked] = {}
+        asked: dict[str, Asked] = {}
         with suppress(OSError, EOFError):
             self._ours.send(None)
             if self._ours.poll(UP_S):
-                found = self._ours.recv()
+                asked = self._ours.recv()
         self._process.join(1.0)
         self._process.kill()
         self._process.join()
-        return found
+        return asked
 
 
 def _end(line: RecordedLine, address: str, clock: Clock) -> _End:
@@ -263,23 +263,23 @@ def _end(line: RecordedLine, address: str, clock: Clock) -> _End:
     return _I2cEnd(line, path, clock) if line.exchanges else _TalkingEnd(line, path, clock)
 
 
-def _serve(clock: Clock, lines: Mapping[str, RecordedLine], told: Connection) -> None:
+def _serve(clock: Clock, lines: Mapping[str, RecordedLine], parent: Connection) -> None:
     ends: dict[str, _End] = {}
     try:
         for address, line in lines.items():
             ends[address] = _end(line, address, clock)
     except (DeviceError, OSError) as err:
-        told.send(str(err))
+        parent.send(str(err))
         return
-    told.send("")
+    parent.send("")
     gc.freeze()
     gc.disable()  # for the minutes that a recording lasts
-    waited_for = [told.fileno(), *(end.fileno() for end in ends.values())]
+    waited_for = [parent.fileno(), *(end.fileno() for end in ends.values())]
     try:
         wait_s = 0.0
-        while told.fileno() not in select.select(waited_for, [], [], wait_s)[0]:
+        while parent.fileno() not in select.select(waited_for, [], [], wait_s)[0]:
             wait_s = min((end.service() for end in ends.values()), default=ROUND_S)
-        told.send({address: Asked(end.asked, tuple(end.unlike)) for address, end in ends.items()})
+        parent.send({address: Asked(end.asked, tuple(end.unlike)) for address, end in ends.items()})
     except (OSError, KeyboardInterrupt):
         pass
     finally:

@@ -115,23 +115,23 @@ class Feed:
     def otherwise(self, window_ns: int) -> list[Said]:
         """Return what was answered otherwise than then; of renewals, what none of about that time was answered like."""
         renewals: dict[tuple[str, str, str], list[tuple[int, Any, Any]]] = {}
-        for one in self.said:
-            if one.renews:
-                then, now = judged(one.command.reply), judged(one.reply)
-                renewals.setdefault(_line_of(one.command), []).append((one.command.at_ns, then, now))
-        found = []
-        for one in self.said:
-            then, now = judged(one.command.reply), judged(one.reply)
-            if not one.command.answerable or then == now:
+        for sent in self.said:
+            if sent.renews:
+                then, now = judged(sent.command.reply), judged(sent.reply)
+                renewals.setdefault(_line_of(sent.command), []).append((sent.command.at_ns, then, now))
+        differing = []
+        for sent in self.said:
+            then, now = judged(sent.command.reply), judged(sent.reply)
+            if not sent.command.answerable or then == now:
                 continue
             near = [
                 each
-                for each in renewals.get(_line_of(one.command), ())
-                if abs(each[0] - one.command.at_ns) <= window_ns
+                for each in renewals.get(_line_of(sent.command), ())
+                if abs(each[0] - sent.command.at_ns) <= window_ns
             ]
-            if not (one.renews and (any(each[2] == then for each in near) or any(each[1] == now for each in near))):
-                found.append(one)
-        return found
+            if not (sent.renews and (any(each[2] == then for each in near) or any(each[1] == now for each in near))):
+                differing.append(sent)
+        return differing
 
     def _held(self, command: Command, now_ns: int) -> bool:
         """Say whether who sends this waited for the end of a goal, which is not there yet."""
@@ -152,15 +152,15 @@ class Feed:
         self.said.append(said)
         self._ask(said, payload)
 
-    def _ask(self, said: Said, payload: bytes) -> None:
-        command = said.command
+    def _ask(self, sent: Said, payload: bytes) -> None:
+        command = sent.command
         key = keys.port(self._robot, command.to, command.name)
         with contextlib.suppress(BusError):
             if command.answerable:
                 query = wire.PendingQuery(
                     self._bus, key, payload, timeout_s=ANSWER_S, source=command.source, wake=self._woken.set
                 )
-                self._waiting.append((said, payload, query))
+                self._waiting.append((sent, payload, query))
             else:
                 wire.put(self._bus, key, msgspec.Raw(payload), source=command.source, urgent=True)
 
@@ -180,27 +180,27 @@ class Feed:
                 with contextlib.suppress(*UNREADABLE):
                     self._over.add(msgspec.json.decode(raw.payload, type=_Result).goal)
         waiting = []
-        for said, payload, query in self._waiting:
+        for sent, payload, query in self._waiting:
             if query.replies:
                 with contextlib.suppress(*UNREADABLE):
-                    said.reply = msgspec.json.decode(query.replies[0].payload)
-                self._answered(said, payload, now_ns)
+                    sent.reply = msgspec.json.decode(query.replies[0].payload)
+                self._answered(sent, payload, now_ns)
             elif not query.done:
-                waiting.append((said, payload, query))
+                waiting.append((sent, payload, query))
         self._waiting = waiting
 
-    def _answered(self, said: Said, payload: bytes, now_ns: int) -> None:
-        command, reply = said.command, said.reply or {}
+    def _answered(self, sent: Said, payload: bytes, now_ns: int) -> None:
+        command, reply = sent.command, sent.reply or {}
         if (given := command.reply.get("lease")) and reply.get("lease"):
             self._leases[str(given)] = str(reply["lease"])
-        if self._comes_again(said, reply, now_ns):
-            said.reply = None
-            self._again.append((now_ns + AGAIN_NS, said, payload))
+        if self._comes_again(sent, reply, now_ns):
+            sent.reply = None
+            self._again.append((now_ns + AGAIN_NS, sent, payload))
             return
         then, now = str(command.reply.get("goal", "")), str(reply.get("goal", ""))
-        if then in self._ended and now and not said.renews:
+        if then in self._ended and now and not sent.renews:
             renewal = msgspec.json.encode(msgspec.json.decode(payload) | {"lease": reply.get("lease", "")})
-            self._goals[command.source] = _Goal(now, self._ended[then], said, renewal, now_ns)
+            self._goals[command.source] = _Goal(now, self._ended[then], sent, renewal, now_ns)
 
     def _comes_again(self, said: Said, reply: Mapping[str, Any], now_ns: int) -> bool:
         """Say whether it was only too early: what went on for a moment longer than then is over soon."""
