@@ -139,12 +139,12 @@ class Behaviours(Capability[BehaviourSettings]):
         match call.name:
             case "stop":
                 assert isinstance(message, StopCommand)
-                said = f"stopped by {call.source}" + (f": {message.reason}" if message.reason else "")
+                reason = f"stopped by {call.source}" + (f": {message.reason}" if message.reason else "")
                 idle = "" if message.whole else "no behaviour runs"
                 text = f"{self._run.table} is stopped" if self._run is not None else idle
                 self._stopped_s = max(self._stopped_s, call.arrived)
                 self._halts = self._halts.noted(call.arrived, call.source)
-                self._stop(Reason("stopped", said))
+                self._stop(Reason("stopped", reason))
                 call.reply(CommandReply(accepted=True, reason=text))
             case "run":
                 assert isinstance(message, RunBehaviour)
@@ -157,7 +157,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 call.reply(CommandReply(accepted=True, reason=self._library.listed(self._told)))
             case "show":
                 assert isinstance(message, NamedBehaviour)
-                call.reply(CommandReply(accepted=True, reason=self._shown(message.name)))
+                call.reply(CommandReply(accepted=True, reason=self._drawing(message.name)))
             case "why":
                 call.reply(CommandReply(accepted=True, reason=texts.why(self._state())))
             case "pause" | "resume" | "step":
@@ -236,12 +236,12 @@ class Behaviours(Capability[BehaviourSettings]):
         asker = call.by or call.source
         halts = [self._halts.by_others(asker)]
         for received in (one for stream in WATCHED for one in self._senses.newest(stream)):
-            at, who = received.message.halted_s, received.message.halted_by
-            if at is not None and who not in {"", asker, self.ctx.name}:
-                halts.append((_on_our_clock(received, at), who))
-        at, who = max(halts)
+            at, by = received.message.halted_s, received.message.halted_by
+            if at is not None and by not in {"", asker, self.ctx.name}:
+                halts.append((_on_our_clock(received, at), by))
+        at, by = max(halts)
         if not call.arrived - call.waited_s > at:  # this way round, NaN waited too long
-            raise InputError(f"{STOPPED_SINCE}{f'by {who}' if who else 'behaviours started over'}", "stopped_since")
+            raise InputError(f"{STOPPED_SINCE}{f'by {by}' if by else 'behaviours started over'}", "stopped_since")
 
     def _go_on(self, run: Run) -> None:
         self._senses.listen(self._streams | WATCHED)
@@ -318,26 +318,26 @@ class Behaviours(Capability[BehaviourSettings]):
             state = received.message
             if state.estop and received.arrived > self._began:
                 return Reason("estop", state.reason or "emergency stop")
-            for at, who in ((state.stopped_s, state.stopped_by), (state.halted_s, state.halted_by)):
-                if at is None or who in own:
+            for at, by in ((state.stopped_s, state.stopped_by), (state.halted_s, state.halted_by)):
+                if at is None or by in own:
                     continue
                 if _on_our_clock(received, at) > self._began:
-                    return Reason("stopped", f"stopped by {who}")
+                    return Reason("stopped", f"stopped by {by}")
         return None
 
-    def _ordered(self, what: str, call: Call) -> str:
+    def _ordered(self, order: str, call: Call) -> str:
         run, now = self._run, self.ctx.clock()
         if run is None:
             raise InputError("no behaviour runs: /behaviour/run/NAME begins one", "idle")
-        if what == "pause":
+        if order == "pause":
             run.pause(now)
             self._do(run, now)
             return f"{run.table} is paused in '{run.state}'; /behaviour/resume goes on"
-        if what == "step" and not run.paused:
+        if order == "step" and not run.paused:
             raise InputError("it is not paused: /behaviour/pause first, then one step at a time", "refused")
         self._refuse_late(call)
-        run.resume(now, one_step=what == "step")
-        return f"{run.table} goes on from '{run.state}'" + (" up to the next state" if what == "step" else "")
+        run.resume(now, one_step=order == "step")
+        return f"{run.table} goes on from '{run.state}'" + (" up to the next state" if order == "step" else "")
 
     def woke(self, slept_s: float) -> None:
         """End the run: what it was begun for is over."""
@@ -368,20 +368,20 @@ class Behaviours(Capability[BehaviourSettings]):
         self._library.follow(message)
         if self._run is None:
             return
-        run, kept = self._run, self._library.good()
+        run, tables = self._run, self._library.good()
         for name in {run.table, *run.called} & before.keys():
             if why := self._library.refusal(name):
-                kept[name] = before[name]
+                tables[name] = before[name]
                 self.ctx.event("behaviour_refused", f"it goes on as it was: {why}", level="warning", code="bad_value")
-        run.replace(kept)
-        self._streams |= frozenset(key.stream for one in kept.values() for key in one.keys) & self._senses.there
+        run.replace(tables)
+        self._streams |= frozenset(key.stream for table in tables.values() for key in table.keys) & self._senses.there
 
-    def _shown(self, name: str) -> str:
+    def _drawing(self, name: str) -> str:
         name = name or self._told.table
         if not name:
             raise InputError("no behaviour ran yet: /behaviour/show/NAME shows one", "idle")
         at = self._told.state if self._run is not None and self._told.table == name else ""
-        return self._library.shown(name, at)
+        return self._library.drawing(name, at)
 
     def _state(self, *, over: bool = False) -> BehaviourState:
         run = self._run

@@ -186,12 +186,12 @@ class _Reader:
         if not self.word(word):
             return None
         self.word("than")
-        found = self._number(f"after '{word}' come seconds, such as {word} 2 s")
-        if not found >= 0.0:
-            raise CellError(f"after '{word}' come seconds from 0 on, not {found:g}")
+        value = self._number(f"after '{word}' come seconds, such as {word} 2 s")
+        if not value >= 0.0:
+            raise CellError(f"after '{word}' come seconds from 0 on, not {value:g}")
         self.word("s", "sec", "seconds", "second")
         self.word("old")
-        return found
+        return value
 
     def either(self, depth: int) -> Fits:
         """Return what fits one of several."""
@@ -201,19 +201,19 @@ class _Reader:
         return found
 
     def _both(self, depth: int) -> Fits:
-        found = self._one(depth)
+        found = self._term(depth)
         while self.word("and", "&"):
-            found = found.both(self._one(depth))
+            found = found.both(self._term(depth))
         return found
 
-    def _one(self, depth: int) -> Fits:
+    def _term(self, depth: int) -> Fits:
         if self.word("("):
             if depth >= DEEPEST:
                 raise CellError(f"more than {DEEPEST} brackets are within each other")
-            found = self.either(depth + 1)
+            inner = self.either(depth + 1)
             if not self.word(")"):
                 raise CellError("a bracket is not closed")
-            return found
+            return inner
         token = self.peek()
         if token is None:
             raise CellError("a value is missing at its end, such as < 50, 40 ± 1, 85:100 or charging")
@@ -252,14 +252,14 @@ class _Reader:
         if self._turning and not (0.0 <= low <= FULL_TURN and 0.0 <= high <= FULL_TURN):
             low, high = (low % FULL_TURN, high % FULL_TURN) if high - low < FULL_TURN else (0.0, FULL_TURN)
         if low <= high:
-            found = Fits(((low, high),))
+            fits = Fits(((low, high),))
         elif self._turning:
-            found = Fits(((0.0, high), (low, FULL_TURN)))
+            fits = Fits(((0.0, high), (low, FULL_TURN)))
         else:
             raise CellError(f"{low:g}:{high:g} holds for nothing: the lower number comes first, {high:g}:{low:g}")
-        if self._turning and found.off(0.0) * found.off(FULL_TURN) == 0.0:  # 0 and 360 are one direction
-            found = found.either(Fits(((0.0, 0.0), (FULL_TURN, FULL_TURN))))
-        return found
+        if self._turning and fits.off(0.0) * fits.off(FULL_TURN) == 0.0:  # 0 and 360 are one direction
+            fits = fits.either(Fits(((0.0, 0.0), (FULL_TURN, FULL_TURN))))
+        return fits
 
     def _compared(self, op: str) -> Fits:
         op = _SPELT.get(op, op)
@@ -270,17 +270,17 @@ class _Reader:
             text = self._words()
             if op not in {"==", "!="}:
                 raise CellError(f"'{text}' is no number: texts are compared by == and != alone")
-            return _same(text) if op == "==" else _other(text)
+            return _same(text) if op == "==" else _all_but(text)
         limit = self._number("")
         below, above = (-inf, nextafter(limit, -inf)), (nextafter(limit, inf), inf)
-        found = {
+        by_op = {
             "<": Fits((below,)),
             "<=": Fits(((-inf, limit),)),
             ">": Fits((above,)),
             ">=": Fits(((limit, inf),)),
             "!=": Fits((below, above), EVERY_TEXT),
         }
-        return found.get(op) or self._around(limit, 0.0)
+        return by_op.get(op) or self._around(limit, 0.0)
 
     def _number(self, wanted: str) -> float:
         token = self.peek()
@@ -311,12 +311,12 @@ class _Reader:
 def _tokens(text: str) -> Iterator[_Token]:
     at = 0
     while text[at:].strip():
-        found = _TOKEN.match(text, at)
-        if found is None:
+        match = _TOKEN.match(text, at)
+        if match is None:
             raise CellError(f"'{text[at:].strip()[:40]}' cannot be read; quote a text with such characters")
-        kind = str(found.lastgroup)
-        yield _Token(kind, found.group(kind), found.start(kind))
-        at = found.end()
+        kind = str(match.lastgroup)
+        yield _Token(kind, match.group(kind), match.start(kind))
+        at = match.end()
 
 
 def _same(text: str) -> Fits:
@@ -327,21 +327,21 @@ def _same(text: str) -> Fits:
     return Fits(numbers, Texts(frozenset({text})))
 
 
-def _other(text: str) -> Fits:
+def _all_but(text: str) -> Fits:
     same = _same(text)
     numbers = ((-inf, inf),)
     if same.numbers:
-        one = same.numbers[0][0]
-        numbers = ((-inf, nextafter(one, -inf)), (nextafter(one, inf), inf))  # type: ignore[assignment]
+        number = same.numbers[0][0]
+        numbers = ((-inf, nextafter(number, -inf)), (nextafter(number, inf), inf))  # type: ignore[assignment]
     return Fits(numbers, Texts(same.texts.of, True))
 
 
 def _joined(intervals: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
     """Return intervals in ascending order, those that touch as one."""
-    found: list[tuple[float, float]] = []
+    joined: list[tuple[float, float]] = []
     for low, high in sorted(intervals):
-        if found and low <= nextafter(found[-1][1], inf):
-            found[-1] = (found[-1][0], max(found[-1][1], high))
+        if joined and low <= nextafter(joined[-1][1], inf):
+            joined[-1] = (joined[-1][0], max(joined[-1][1], high))
         else:
-            found.append((low, high))
-    return tuple(found)
+            joined.append((low, high))
+    return tuple(joined)

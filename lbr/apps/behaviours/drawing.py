@@ -87,10 +87,10 @@ def _ways(rows: Iterable[BehaviourRow], places: Mapping[str, _Place], types: Map
             continue
         pair = row.state, row.next_state
         number = drawn[pair] = drawn.get(pair, -1) + 1
-        yield _way(places[row.state], places[row.next_state], number, _said(row))
+        yield _way(places[row.state], places[row.next_state], number, _label(row))
 
 
-def _way(a: _Place, b: _Place, number: int, said: str) -> str:
+def _way(a: _Place, b: _Place, number: int, label: str) -> str:
     """Return an arrow: down a layer nearly straight, up or past one in a bow, and to itself as a loop."""
     half, bow = HIGH / 2, 26 + 30 * number
     if a == b:
@@ -98,16 +98,16 @@ def _way(a: _Place, b: _Place, number: int, said: str) -> str:
         path = (
             f"M{x:.0f} {a.y - 9:.0f} C{x + out:.0f} {a.y - 30:.0f} {x + out:.0f} {a.y + 30:.0f} {x:.0f} {a.y + 9:.0f}"
         )
-        return _drawn(path, x + 30, a.y + 30 + 13 * number, said)
+        return _drawn(path, x + 30, a.y + 30 + 13 * number, label)
     if 0 < b.y - a.y <= HIGH + DOWN:
         shift = 22 * number
         path = f"M{a.x + shift:.0f} {a.y + half:.0f} C{a.x + shift:.0f} {a.y + half + 45:.0f} {b.x + shift:.0f} {b.y - half - 45:.0f} {b.x + shift:.0f} {b.y - half:.0f}"
-        return _drawn(path, a.x + 0.42 * (b.x - a.x) + shift, a.y + half + 40 + 14 * number, said)
+        return _drawn(path, a.x + 0.42 * (b.x - a.x) + shift, a.y + half + 40 + 14 * number, label)
     side = 1 if b.x >= a.x else -1
     x1, x2 = a.x + side * WIDE / 2, b.x + side * WIDE / 2
     far = side * (max(side * x1, side * x2) + bow + 18)
     path = f"M{x1:.0f} {a.y:.0f} C{far:.0f} {a.y:.0f} {far:.0f} {b.y:.0f} {x2:.0f} {b.y:.0f}"
-    return _drawn(path, 0.25 * (x1 + x2) + 0.5 * far, (a.y + b.y) / 2 + 13 * number, said)
+    return _drawn(path, 0.25 * (x1 + x2) + 0.5 * far, (a.y + b.y) / 2 + 13 * number, label)
 
 
 def _drawn(path: str, x: float, y: float, said: str) -> str:
@@ -124,7 +124,7 @@ def _boxes(places: Mapping[str, _Place], types: Mapping[str, str]) -> Iterator[s
         )
 
 
-def _said(row: BehaviourRow) -> str:
+def _label(row: BehaviourRow) -> str:
     return _short(", ".join(f"{column} {text}" for column, text in row.conditions.items() if text.strip()), LONGEST)
 
 

@@ -63,12 +63,12 @@ def to_csv(rows: Iterable[BehaviourRow], delimiter: str = ",") -> str:
     file = io.StringIO()
     writer = csv.writer(file, delimiter=delimiter, lineterminator="\r\n")
     writer.writerow(
-        [TYPE, STATE, *conditions, *(OUTPUT + one for one in results), NEXT, *([DEADLINE] if deadlines else [])]
+        [TYPE, STATE, *conditions, *(OUTPUT + column for column in results), NEXT, *([DEADLINE] if deadlines else [])]
     )
     for row in ordered:
         deadline = [f"{row.deadline_s:g}" if row.deadline_s is not None else ""] if deadlines else []
-        inputs = [row.conditions.get(one, "") for one in conditions]
-        outputs = {OUTPUT + one: row.outputs.get(one, "") for one in results}
+        inputs = [row.conditions.get(column, "") for column in conditions]
+        outputs = {OUTPUT + column: row.outputs.get(column, "") for column in results}
         if delimiter == ";":  # with it go decimal commas
             inputs, deadline = ([_with_mark(",", cell) for cell in cells] for cells in (inputs, deadline))
             outputs = {name: cell if name in _TEXTS else _with_mark(",", cell) for name, cell in outputs.items()}
@@ -78,9 +78,9 @@ def to_csv(rows: Iterable[BehaviourRow], delimiter: str = ",") -> str:
 
 def to_json(rows: Iterable[BehaviourRow]) -> bytes:
     """Return rows as JSON: a state and its rows, in the order of their steps."""
-    found: dict[str, list[dict[str, Any]]] = {}
+    by_state: dict[str, list[dict[str, Any]]] = {}
     for row in sorted(rows, key=lambda row: row.step):
-        one: dict[str, Any] = {
+        entry: dict[str, Any] = {
             "Row": row.step,
             TYPE: row.type,
             STATE: row.state,
@@ -89,9 +89,9 @@ def to_json(rows: Iterable[BehaviourRow]) -> bytes:
             NEXT: row.next_state,
         }
         if row.deadline_s is not None:
-            one[DEADLINE] = row.deadline_s
-        found.setdefault(row.state, []).append(one)
-    return msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n"
+            entry[DEADLINE] = row.deadline_s
+        by_state.setdefault(row.state, []).append(entry)
+    return msgspec.json.format(msgspec.json.encode(by_state), indent=1) + b"\n"
 
 
 def text_of(content: bytes) -> str | None:
@@ -255,13 +255,13 @@ def _deadline(text: str, line: int, faults: list[FileFault]) -> float | None:
     if not text:
         return None
     try:
-        found = float(text)
+        value = float(text)
     except ValueError:
-        found = 0.0
-    if not 0.0 < found <= 86400.0:
+        value = 0.0
+    if not 0.0 < value <= 86400.0:
         faults.append(FileFault(line, DEADLINE, f"'{text[:40]}' is no time: write seconds from 0.1 to 86400"))
         return None
-    return found
+    return value
 
 
 def _delimiter(text: str) -> str:
@@ -274,19 +274,19 @@ def _delimiter(text: str) -> str:
 
 def _of_json(content: bytes, name: str) -> Read:
     try:
-        found = msgspec.json.decode(content[3:] if content[:3] == b"\xef\xbb\xbf" else content)
+        parsed = msgspec.json.decode(content[3:] if content[:3] == b"\xef\xbb\xbf" else content)
     except UNREADABLE as err:
         return _refused(f"it is no JSON: {err}")
     faults: list[FileFault] = []
-    given = list(_json_rows(found, faults))
-    numbers = [one.get("Row") for _, one in given]
-    if given and len(set(map(str, numbers))) == len(given) and all(isinstance(one, int) for one in numbers):
-        given.sort(key=lambda one: one[1]["Row"])
-    typed = any(one.get(TYPE) for _, one in given)
+    given = list(_json_rows(parsed, faults))
+    numbers = [entry.get("Row") for _, entry in given]
+    if given and len(set(map(str, numbers))) == len(given) and all(isinstance(entry, int) for entry in numbers):
+        given.sort(key=lambda entry: entry[1]["Row"])
+    typed = any(entry.get(TYPE) for _, entry in given)
     ends = frozenset[str]() if typed else _leading_nowhere(given)
     rows = []
-    for step, (place, one) in enumerate(given[:MOST_ROWS], start=1):
-        cells = _json_cells(place, one, faults)
+    for step, (place, entry) in enumerate(given[:MOST_ROWS], start=1):
+        cells = _json_cells(place, entry, faults)
         if not typed:
             cells[TYPE] = "end" if cells[STATE] in ends else "start" if step == 1 else ""
         own = len(faults)
@@ -297,12 +297,12 @@ def _of_json(content: bytes, name: str) -> Read:
     return Read(tuple(rows), {}, tuple(faults[:MOST_FAULTS]))
 
 
-def _json_rows(found: Any, faults: list[FileFault]) -> Iterator[tuple[str, dict[str, Any]]]:
+def _json_rows(parsed: Any, faults: list[FileFault]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield each row with where it stands."""
-    if isinstance(found, dict):
-        groups = [(f"state '{str(state)[:40]}'", state, rows) for state, rows in found.items()]
-    elif isinstance(found, list):
-        groups = [("the list", "", found)]
+    if isinstance(parsed, dict):
+        groups = [(f"state '{str(state)[:40]}'", state, rows) for state, rows in parsed.items()]
+    elif isinstance(parsed, list):
+        groups = [("the list", "", parsed)]
     else:
         faults.append(FileFault(0, "", "it is no table: write an object of states, each a list of rows"))
         return
@@ -310,20 +310,20 @@ def _json_rows(found: Any, faults: list[FileFault]) -> Iterator[tuple[str, dict[
         if not isinstance(rows, list):
             faults.append(FileFault(0, place, "it has no list of rows"))
             continue
-        for number, one in enumerate(rows, start=1):
-            if isinstance(one, dict):
-                yield f"{place}, row {number}", {STATE: state, **one}
+        for number, entry in enumerate(rows, start=1):
+            if isinstance(entry, dict):
+                yield f"{place}, row {number}", {STATE: state, **entry}
             else:
                 faults.append(FileFault(0, f"{place}, row {number}", "it is no object"))
 
 
-def _json_cells(place: str, one: Mapping[str, Any], faults: list[FileFault]) -> dict[str, str]:
+def _json_cells(place: str, entry: Mapping[str, Any], faults: list[FileFault]) -> dict[str, str]:
     known = {"Row", TYPE, STATE, NEXT, DEADLINE, "Inputs", "Outputs"}
     cells: dict[str, str] = {}
     for column in (TYPE, STATE, NEXT, DEADLINE):
-        cells[column] = _text(one.get(column), f"{place}, {column}", faults)
+        cells[column] = _text(entry.get(column), f"{place}, {column}", faults)
     for part, prefix in (("Inputs", ""), ("Outputs", OUTPUT)):
-        given = one.get(part)
+        given = entry.get(part)
         if given is None:
             continue
         if not isinstance(given, dict):
@@ -335,7 +335,7 @@ def _json_cells(place: str, one: Mapping[str, Any], faults: list[FileFault]) -> 
             else:
                 cells[prefix + column] = _text(value, f"{place}, {column}", faults)
     there = f"there is no such field: {', '.join(sorted(known))}"
-    faults += [FileFault(0, f"{place}, {column[:80]}", there) for column in sorted(set(one) - known)]
+    faults += [FileFault(0, f"{place}, {column[:80]}", there) for column in sorted(set(entry) - known)]
     return cells
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from lbr.apps.behaviours import outputs
 from lbr.apps.behaviours.cells import Value
 from lbr.apps.behaviours.keys import RUN, VARIABLE, Key, Look
-from lbr.apps.behaviours.outputs import Aside, Assign, CallTable, Order, OutputError, Wait, told
+from lbr.apps.behaviours.outputs import Aside, Assign, CallTable, Order, OutputError, Wait, described
 from lbr.apps.behaviours.table import Condition, Line, State, Table
 from lbr.leases.holder import FINAL, bounded
 from lbr.messages.beacon import SeekCommand
@@ -132,8 +132,8 @@ class Run:
     def doing(self) -> str:
         """Return what it does, for people."""
         if self.order is not None:
-            return told(self.order)
-        return told(self.keeps) if self.keeps is not None else ""
+            return described(self.order)
+        return described(self.keeps) if self.keeps is not None else ""
 
     def times(self, now: float) -> tuple[float, float]:
         """Return for how long it is in its state, and has run; pauses do not count."""
@@ -191,7 +191,7 @@ class Run:
             self.result = outcome.why.code
             self._settled_at = self._at(now) + SETTLE_S
             if not frame.ending:
-                self._missed = "" if outcome.good else f", after {told(order)}: {outcome.why.text}"
+                self._missed = "" if outcome.good else f", after {described(order)}: {outcome.why.text}"
         if outcome.good or frame.ending:
             self.order = None
             if isinstance(order, DriveCommand) and not bounded(order) and outcome.good:
@@ -206,7 +206,7 @@ class Run:
             self.order, self._again_at = None, self._at(now) + RETRY_S
         else:
             self.order = None
-            self._after_failure(outcome.why, told(order))
+            self._after_failure(outcome.why, described(order))
 
     def lost(self, outcome: Outcome) -> None:
         """Take that the motion which was kept up has ended by itself."""
@@ -222,7 +222,7 @@ class Run:
         if outcome.why.code in FINAL:
             self._end(good=False, why=outcome.why)
         elif not frame.ending and not frame.state.asks_for_result:
-            self._fail(Reason(outcome.why.code, f"{told(order)}: {outcome.why.text}"))
+            self._fail(Reason(outcome.why.code, f"{described(order)}: {outcome.why.text}"))
 
     def pause(self, now: float) -> None:
         """Stand still from now on; what is under way is begun again by `resume`."""
@@ -291,12 +291,12 @@ class Run:
     def _orders(self, cells: Mapping[str, str]) -> None:
         frame = self._frames[-1]
         try:
-            found = outputs.make(cells, self._draw, self.variables)
+            made = outputs.make(cells, self._draw, self.variables)
         except OutputError as err:
             self._fail(Reason("bad_value", f"O:{err.column}: {err}"))
             return
-        frame.todo += found.orders
-        frame.retries = frame.left = found.retries
+        frame.todo += made.orders
+        frame.retries = frame.left = made.retries
 
     def _go_on(self, now: float) -> None:
         due = self._at(now) >= self._again_at
@@ -403,14 +403,14 @@ class Run:
         )
         self.ended(outcome, now)
 
-    def _after_failure(self, why: Reason, what: str) -> None:
+    def _after_failure(self, why: Reason, order: str) -> None:
         """Go on after an order that failed, if the next state asks how it ended; else fail."""
         frame = self._frames[-1]
         following = frame.table.states.get(frame.next_state) if frame.next_state else frame.state
         if following is not None and following.asks_for_result:
             frame.todo.clear()
         else:
-            self._fail(Reason(why.code, f"{what}: {why.text}"))
+            self._fail(Reason(why.code, f"{order}: {why.text}"))
 
     def _fail(self, why: Reason) -> None:
         """Go to the failure state; without one, or failing in it, the table is over."""

@@ -133,10 +133,10 @@ EVERY = frozenset(STREAMS)
 
 
 @lru_cache(maxsize=4096)
-def resolve(column: str, there: frozenset[str] = EVERY) -> Key:
+def resolve(column: str, streams: frozenset[str] = EVERY) -> Key:
     """Return what a column reads; CellError if that is nothing, or may be more than one thing.
 
-    `there` are the streams that the robot has: a bare name is one of theirs.
+    `streams` are those that the robot has: a bare name is one of theirs.
     """
     if column in _OF_THE_RUN:
         return _OF_THE_RUN[column]
@@ -146,13 +146,13 @@ def resolve(column: str, there: frozenset[str] = EVERY) -> Key:
         return Key(column, VARIABLE, (column[1:],), "text")
     if column in _OLD:
         path, times = _OLD[column]
-        found = _known()[tuple(path.split("."))]
-        found = found._replace(column=column, times=times, low=found.low * times, high=found.high * times)
+        key = _known()[tuple(path.split("."))]
+        key = key._replace(column=column, times=times, low=key.low * times, high=key.high * times)
     else:
-        found = _anywhere(column, there)
-    if found.stream not in there:
-        raise CellError(f"'{column}' is read from {found.stream}, which this robot does not have")
-    return found
+        key = _anywhere(column, streams)
+    if key.stream not in streams:
+        raise CellError(f"'{column}' is read from {key.stream}, which this robot does not have")
+    return key
 
 
 def all_names() -> tuple[str, ...]:
@@ -160,20 +160,20 @@ def all_names() -> tuple[str, ...]:
     return tuple(".".join(path) for path in _known())
 
 
-def _anywhere(column: str, there: frozenset[str]) -> Key:
+def _anywhere(column: str, streams: frozenset[str]) -> Key:
     parts = tuple(column.strip().split("."))
     if (exact := _at(parts)) is not None:
         return exact._replace(column=column)
     every = [key for path, key in _known().items() if path[-len(parts) :] == parts]
-    found = [key for key in every if key.stream in there] or every[:1]
-    if len(found) > 1:
-        names = ", ".join(key.name for key in found)
+    fitting = [key for key in every if key.stream in streams] or every[:1]
+    if len(fitting) > 1:
+        names = ", ".join(key.name for key in fitting)
         alike = [name for name in COLUMNS if name.lower() == column.lower()]
         also = f", or the column {alike[0]} in its own unit" if alike else ""
         raise CellError(f"'{column}' may be {names}: name one by its whole path{also}")
-    if not found:
+    if not fitting:
         raise CellError(f"there is no '{column}' in the telemetry{_meant(column)}")
-    return found[0]._replace(column=column)
+    return fitting[0]._replace(column=column)
 
 
 def _at(parts: tuple[str, ...]) -> Key | None:
@@ -222,7 +222,7 @@ def _of_type(path: tuple[str, ...], kind: Any, depth: int) -> Iterator[tuple[tup
         yield path, ("switch", (), False, 1.0, 0.0, 1.0)
     elif kind in {int, float}:
         bounds = {
-            name: getattr(one, name) for one in meta for name in ("ge", "le") if getattr(one, name, None) is not None
+            name: getattr(each, name) for each in meta for name in ("ge", "le") if getattr(each, name, None) is not None
         }
         turning = path[-1] == "heading_deg"
         low, high = (0.0, 360.0) if turning else (bounds.get("ge", float("-inf")), bounds.get("le", float("inf")))

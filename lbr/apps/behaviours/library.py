@@ -53,16 +53,16 @@ class Library:
     def compile(self) -> None:
         """Compile all tables, and publish which there are and what is wrong with them."""
         self._compiled = linked(compiled_alone(self._tables.values(), self._rows, self._parts()))
-        told = (
+        summaries = (
             BehaviourSummary(
                 name=name,
                 help=self._tables[name].help,
                 rows=len(self._rows_of(name)),
-                faults=_told(compiled.faults),
+                faults=_report(compiled.faults),
             )
             for name, compiled in self._compiled.items()
         )
-        self._ctx.publish("tables", BehaviourTables(tables=tuple(told)))
+        self._ctx.publish("tables", BehaviourTables(tables=tuple(summaries)))
 
     def good(self) -> dict[str, Table]:
         """Return the tables that can be run, by name."""
@@ -82,14 +82,14 @@ class Library:
 
     def reachable(self, table: Table) -> list[Table]:
         """Return a table and all that it runs."""
-        good, found = self.good(), {table.name: table}
+        good, tables = self.good(), {table.name: table}
         waiting = [table]
         while waiting:
             for name in waiting.pop().calls:
-                if name in good and name not in found:
-                    found[name] = good[name]
+                if name in good and name not in tables:
+                    tables[name] = good[name]
                     waiting.append(good[name])
-        return list(found.values())
+        return list(tables.values())
 
     def faults(
         self, name: str, rows: Iterable[BehaviourRow], lines: Mapping[int, int] | None = None
@@ -97,17 +97,17 @@ class Library:
         """Return what would be wrong with a table of these rows, beside the robot's others."""
         table = self._tables.get(name) or BehaviourTable(name=name)
         mine = [row if row.behaviour == name else replace(row, behaviour=name) for row in rows]
-        return _told(linked({**self._compiled, name: compile_table(table, mine, self._parts())})[name].faults, lines)
+        return _report(linked({**self._compiled, name: compile_table(table, mine, self._parts())})[name].faults, lines)
 
     def read(self, message: ReadBehaviour) -> BehaviourChecked:
         """Return what is in a file; one that cannot all be read has no rows."""
-        found = files.read(message.content, message.name, json=message.file.lower().endswith(".json"))
-        if found.faults:
-            faults = tuple(BehaviourFault(line=one.line, column=one.column, text=one.text) for one in found.faults)
-            more = _told(cell_faults(found.rows, self._parts()), found.lines)
+        file = files.read(message.content, message.name, json=message.file.lower().endswith(".json"))
+        if file.faults:
+            faults = tuple(BehaviourFault(line=each.line, column=each.column, text=each.text) for each in file.faults)
+            more = _report(cell_faults(file.rows, self._parts()), file.lines)
             return BehaviourChecked(accepted=True, faults=(*faults, *more))
-        faults = self.faults(message.name, found.rows, found.lines)
-        return BehaviourChecked(accepted=True, faults=faults, rows=found.rows)
+        faults = self.faults(message.name, file.rows, file.lines)
+        return BehaviourChecked(accepted=True, faults=faults, rows=file.rows)
 
     def written(self, message: WriteBehaviour) -> bytes:
         """Return a table as a file; InputError if it is not there."""
@@ -121,7 +121,7 @@ class Library:
         """Return all tables as text, with the one that runs."""
         return texts.listed(self._tables, self._compiled, now)
 
-    def shown(self, name: str, at: str) -> str:
+    def drawing(self, name: str, at: str) -> str:
         """Draw a table as text, with the state where it is; InputError if it is not there."""
         self._require(name)
         return texts.graph(self._tables[name], self._rows_of(name), at)
@@ -141,7 +141,7 @@ class Library:
             raise InputError(f"there is no behaviour '{name}': there is {there}", "unknown_name")
 
 
-def _told(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> tuple[BehaviourFault, ...]:
+def _report(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> tuple[BehaviourFault, ...]:
     """Return faults as messages have them; the first that people can read."""
     return tuple(
         BehaviourFault(
@@ -154,10 +154,10 @@ def _told(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> tu
 def _edited(row: type[R], before: Iterable[R], message: RowsChanged) -> list[R]:
     """Return the rows of a table as an edit makes them."""
     try:
-        gone = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[Any, ...]]))
+        removed = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[Any, ...]]))
         told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[Any])
-        new = [msgspec.convert(one, row) for one in told]
+        added = [msgspec.convert(each, row) for each in told]
     except (TypeError, *UNREADABLE) as err:
         raise InputError(f"rows of {row.TABLE} cannot be read: {err}", "malformed") from err
-    found = {one.key: one for one in before if one.key not in gone}
-    return list((found | {one.key: one for one in new}).values())
+    found = {each.key: each for each in before if each.key not in removed}
+    return list((found | {each.key: each for each in added}).values())

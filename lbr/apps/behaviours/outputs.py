@@ -111,13 +111,13 @@ def sensors(cells: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(_SENSORS.get(name, name) for name in named)
 
 
-def told(order: Order) -> str:
-    """Return what an order does, for people."""
+def described(order: Order) -> str:
+    """Return the description of an order, for people."""
     if isinstance(order, DriveCommand):
-        return _drive_told(order)
+        return _drive_described(order)
     if isinstance(order, WatchCommand):
         return f"look for a {order.target}" if order.seconds else "look for nothing"
-    said = {
+    patterns = {
         TurnCommand: "turn by {0.angle_deg:g}°",
         HeadingCommand: "turn to {0.heading_deg:g}°",
         PlayCommand: "play {0.motion}",
@@ -128,10 +128,10 @@ def told(order: Order) -> str:
         Assign: "${0.name} {0.how} {0.value}",
         Halt: "stand still",
     }
-    return said[type(order)].format(order)
+    return patterns[type(order)].format(order)
 
 
-def _drive_told(order: DriveCommand) -> str:
+def _drive_described(order: DriveCommand) -> str:
     ends = [
         f"{word} {value:g} {unit}"
         for word, value, unit in (
@@ -166,13 +166,13 @@ def faults(cells: Mapping[str, str]) -> Iterator[tuple[str, str]]:
             yield name, f"it is one of {text.count('|') + 1}, and {MOST_CHOICES} are the most"
             return
     most = max((len(text.split("|")) for text in known.values()), default=1)
-    found: dict[str, str] = {}
+    wrong: dict[str, str] = {}
     for number in range(most):
         try:
             make(known, lambda count, number=number: min(number, count - 1), _Unset())  # type: ignore[misc]
         except OutputError as err:
-            found.setdefault(err.column, str(err))
-    yield from found.items()
+            wrong.setdefault(err.column, str(err))
+    yield from wrong.items()
 
 
 def variables_of(cells: Mapping[str, str]) -> set[str]:
@@ -311,12 +311,12 @@ def _fitting(kind: type[Any]) -> dict[str, Any]:
 
 def _assigned(text: str) -> Iterator[Order]:
     for part in text.split(";") if text.strip() else ():
-        found = _ASSIGNS.match(part)
-        if found is None or not found[1].isidentifier() or not found[3]:
+        match = _ASSIGNS.match(part)
+        if match is None or not match[1].isidentifier() or not match[3]:
             raise OutputError(
                 "set", f"'{part.strip()}' sets nothing: write laps = 0, or laps += 1; several with ; between"
             )
-        name, how, value = found.groups()
+        name, how, value = match.groups()
         try:
             number: Value = float(value)
         except ValueError:
@@ -342,12 +342,12 @@ def _number(name: str, text: str, variables: Mapping[str, Value]) -> float:
             raise OutputError(name, f"the variable {text} is '{value}', which is no number")
         return value
     try:
-        found = float(text)
+        number = float(text)
     except ValueError:
         raise OutputError(name, f"'{text[:40]}' is no number") from None
-    if not abs(found) <= 1e9:
+    if not abs(number) <= 1e9:
         raise OutputError(name, f"{text} is no number that a command takes")
-    return found
+    return number
 
 
 def _whole(numbers: Mapping[str, float]) -> float:

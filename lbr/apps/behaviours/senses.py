@@ -36,10 +36,10 @@ class Senses:
 
     def look(self, key: Key, newest_s: float) -> Value | None:
         """Return the value of a key, None if the newest is older than that."""
-        now, found, arrived = self._ctx.clock(), None, float("-inf")
+        now, newest, arrived = self._ctx.clock(), None, float("-inf")
         for received in self._heard.get(key.stream, {}).values():
             if received.arrived > arrived and now - received.arrived <= newest_s:
                 value = key.read(received.message)
                 if value is not None:
-                    found, arrived = value, received.arrived
-        return found
+                    newest, arrived = value, received.arrived
+        return newest

@@ -89,13 +89,13 @@ class Table(NamedTuple):
     @property
     def keys(self) -> tuple[Key, ...]:
         """Return every key that it reads."""
-        found = {
+        read = {
             condition.key: None
             for state in self.states.values()
             for line in state.lines
             for condition in line.conditions
         }
-        return tuple(found)
+        return tuple(read)
 
     @property
     def calls(self) -> frozenset[str]:
@@ -164,33 +164,33 @@ def cell_faults(rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT) -> tuple
     """Return what keeps cells from being read, each by itself: of rows that are not the whole table no more can be
     said."""
 
-    def told() -> Iterator[Fault]:
+    def errors() -> Iterator[Fault]:
         for row in rows:
-            found: list[Fault] = []
+            faults: list[Fault] = []
             if row.type != "#":
-                _line(row, robot, found)
-            yield from (fault for fault in found if fault.error)
+                _line(row, robot, faults)
+            yield from (fault for fault in faults if fault.error)
 
-    return tuple(islice(told(), MOST_FAULTS))
+    return tuple(islice(errors(), MOST_FAULTS))
 
 
 def linked(compiled: Mapping[str, Compiled]) -> dict[str, Compiled]:
     """Return tables with what is wrong between them: one that another runs is not there, is faulty or runs that
     again."""
-    found = {}
-    for name, one in compiled.items():
-        more = list(_of_calls(name, compiled)) if one.table is not None else []
-        found[name] = Compiled(None, (*one.faults, *more)) if more else one
-    faulty = {name for name, one in found.items() if one.table is None}
+    checked = {}
+    for name, each in compiled.items():
+        more = list(_of_calls(name, compiled)) if each.table is not None else []
+        checked[name] = Compiled(None, (*each.faults, *more)) if more else each
+    faulty = {name for name, each in checked.items() if each.table is None}
     while True:  # what runs a faulty table is faulty itself
-        worse = {name: one for name, one in found.items() if one.table is not None and one.table.calls & faulty}
+        worse = {name: each for name, each in checked.items() if each.table is not None and each.table.calls & faulty}
         if not worse:
-            return found
-        for name, one in worse.items():
-            assert one.table is not None
-            which = min(one.table.calls & faulty)
+            return checked
+        for name, each in worse.items():
+            assert each.table is not None
+            which = min(each.table.calls & faulty)
             fault = Fault(0, "O:run", f"'{which}' has errors of its own: 'lbr behaviour check {which}' names them")
-            found[name] = Compiled(None, (*one.faults, fault))
+            checked[name] = Compiled(None, (*each.faults, fault))
         faulty |= worse.keys()
 
 
@@ -235,12 +235,12 @@ def _states(
     by_state: dict[str, list[tuple[BehaviourRow, Line]]] = {}
     for row, line in zip(rows, lines, strict=True):
         by_state.setdefault(row.state, []).append((row, line))
-    found = {}
+    states = {}
     for name, of_state in by_state.items():
         end = name in ends or name in fails
         first = [row.outputs for row, _ in of_state if row.type == "entry" or end]
         deadlines = [row.deadline_s for row, _ in of_state if row.deadline_s is not None]
-        found[name] = State(
+        states[name] = State(
             name,
             entry=tuple(first[:1] if end else first),
             lines=tuple(line for row, line in of_state if row.type in {"", "start"} and not end),
@@ -248,7 +248,7 @@ def _states(
             end=end,
             good=name not in fails,
         )
-    return found
+    return states
 
 
 def _of_shape(
@@ -310,13 +310,13 @@ def _of_row(row: BehaviourRow, states: Mapping[str, State]) -> Iterator[Fault]:
 
 
 def _reached(start: str, states: Mapping[str, State], fails: Sequence[str]) -> set[str]:
-    found, waiting = {start, *fails[:1]}, deque([start])
+    reached, waiting = {start, *fails[:1]}, deque([start])
     while waiting:
         for line in states[waiting.popleft()].lines:
-            if line.next_state in states and line.next_state not in found:
-                found.add(line.next_state)
+            if line.next_state in states and line.next_state not in reached:
+                reached.add(line.next_state)
                 waiting.append(line.next_state)
-    return found
+    return reached
 
 
 def _of_variables(rows: Sequence[BehaviourRow]) -> Iterator[Fault]:
@@ -383,11 +383,11 @@ _MISSING = Fits(missing=True)
 
 
 def _all_of(line: Line, key: Key) -> Fits:
-    found = ANYTHING.either(_MISSING)
+    fits = ANYTHING.either(_MISSING)
     for condition in line.conditions:
         if condition.key == key:
-            found = found.both(condition.cell.fits)
-    return found
+            fits = fits.both(condition.cell.fits)
+    return fits
 
 
 def _of_calls(name: str, compiled: Mapping[str, Compiled]) -> Iterator[Fault]:
@@ -401,11 +401,11 @@ def _of_calls(name: str, compiled: Mapping[str, Compiled]) -> Iterator[Fault]:
 
 def _called(name: str, compiled: Mapping[str, Compiled]) -> set[str]:
     """Return a table and all that it runs, at any depth."""
-    found, waiting = {name}, [name]
+    tables, waiting = {name}, [name]
     while waiting:
-        one = compiled.get(waiting.pop())
-        for called in one.table.calls if one is not None and one.table is not None else ():
-            if called not in found:
-                found.add(called)
+        each = compiled.get(waiting.pop())
+        for called in each.table.calls if each is not None and each.table is not None else ():
+            if called not in tables:
+                tables.add(called)
                 waiting.append(called)
-    return found
+    return tables

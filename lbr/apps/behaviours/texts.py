@@ -14,11 +14,11 @@ def faults(name: str, found: Sequence[Fault]) -> str:
     return "\n".join([*(f"behaviour '{name}', {fault(one)}" for one in found[:MOST_FAULTS]), *more])
 
 
-def fault(one: Fault) -> str:
+def fault(error: Fault) -> str:
     """Return where a fault is, and what is to be done."""
-    at = [f"row {one.step}"] if one.step else []
-    where = ", ".join([*at, *([one.column] if one.column else [])])
-    return f"{where}: {one.text}" if where else one.text
+    at = [f"row {error.step}"] if error.step else []
+    where = ", ".join([*at, *([error.column] if error.column else [])])
+    return f"{where}: {error.text}" if where else error.text
 
 
 def listed(tables: Mapping[str, BehaviourTable], compiled: Mapping[str, Compiled], now: BehaviourState) -> str:

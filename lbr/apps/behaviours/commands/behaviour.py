@@ -108,11 +108,11 @@ def import_(
         if before is not None and not replacing:
             how = "--replace puts this one in its place, --name gives it another name"
             raise InputError(f"behaviour '{called}' is there already: {how}", "exists")
-        kept = before or BehaviourTable(name=called)
+        former = before or BehaviourTable(name=called)
         table = BehaviourTable(
             name=called,
-            help=kept.help if text is None else text,
-            max_s=kept.max_s if max_s is None else max_s,
+            help=former.help if text is None else text,
+            max_s=former.max_s if max_s is None else max_s,
         )
         read = _read(file, called)
         compiled = _fits(file, table, read, rows)

@@ -68,10 +68,10 @@ def tries(
     as_json: bool,
     **given: Any,
 ) -> int:
-    """Try a table, and say what became of it; return the exit code."""
+    """Try a table, and print the outcome; return the exit code."""
     setup, seed = _setup(rows, table, of_table, given["max_s"], given["begins"]), given["seed"]
     if given["only"] is not None:
-        return _one(setup, given["only"], given["fault"] or "", seed, as_json=as_json)
+        return _try_once(setup, given["only"], given["fault"] or "", seed, as_json=as_json)
     if given["fault"]:
         raise InputError("--fault goes with --only: --faults 1 tries each fault once")
     from rich.console import Console
@@ -84,78 +84,79 @@ def tries(
     trials = [(number, "") for number in range(given["runs"])]
     trials += [(number, name) for name in wrong for number in range(given["faults"])]
     began = time.monotonic()
-    found: list[Outcome] = []
+    outcomes: list[Outcome] = []
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(f"trying '{setup.table}'", total=len(trials))
         for outcome in tried(setup, trials, seed=seed, jobs=given["jobs"] or 0):
-            found.append(outcome)
+            outcomes.append(outcome)
             bar.advance(task)
-    found.sort(key=lambda one: (one.fault, one.number))
+    outcomes.sort(key=lambda outcome: (outcome.fault, outcome.number))
     took_s = time.monotonic() - began
     if as_json:
-        print_json({"table": setup.table, "seed": seed, "took_s": round(took_s, 1), "trials": found})
+        print_json({"table": setup.table, "seed": seed, "took_s": round(took_s, 1), "trials": outcomes})
     else:
-        click.echo(report(what, setup.table, found, took_s, seed))
-    return int(any(one.unsafe or not (one.good or one.fault) for one in found))
+        click.echo(report(what, setup.table, outcomes, took_s, seed))
+    return int(any(outcome.unsafe or not (outcome.good or outcome.fault) for outcome in outcomes))
 
 
-def report(what: str, table: str, found: "list[Outcome]", took_s: float, seed: int) -> str:
-    """Return what became of trials, for people."""
-    plain, faulty = [one for one in found if not one.fault], [one for one in found if one.fault]
-    robot_s = sum(one.took_s for one in found)
+def report(what: str, table: str, outcomes: "list[Outcome]", took_s: float, seed: int) -> str:
+    """Return the outcomes of trials, for people."""
+    plain, faulty = [each for each in outcomes if not each.fault], [each for each in outcomes if each.fault]
+    robot_s = sum(each.took_s for each in outcomes)
     fast = f"{robot_s / max(took_s, 0.001):.0f} times as fast"
-    lines = [f"'{table}', {len(found)} trials: {_span(robot_s)} of the robot's time in {_span(took_s)}, {fast}"]
+    lines = [f"'{table}', {len(outcomes)} trials: {_span(robot_s)} of the robot's time in {_span(took_s)}, {fast}"]
     lines += _endings(plain)
-    good = sorted(one.took_s for one in plain if one.good)
+    good = sorted(each.took_s for each in plain if each.good)
     if good:
         late = good[min(len(good) - 1, int(0.95 * len(good)))]
         lines.append(
             f"  good ones took {median(good):.1f} s, 95 % of them at most {late:.1f}, all at most {good[-1]:.1f}"
         )
-    fastest = max((one.contact_mps for one in found), default=0.0)
-    if any(one.began for one in found):
+    fastest = max((each.contact_mps for each in outcomes), default=0.0)
+    if any(each.began for each in outcomes):
         lines.append(_stances(plain))
     else:
         lines.append(f"  came against nothing at more than {fastest:.2f} m/s" if fastest else "  touched nothing")
-    for name in dict.fromkeys(one.fault for one in faulty):
-        of_fault = [one for one in faulty if one.fault == name]
-        how = Counter(("good: " if one.good else "") + one.text for one in of_fault).most_common(3)
+    for name in dict.fromkeys(each.fault for each in faulty):
+        of_fault = [each for each in faulty if each.fault == name]
+        how = Counter(("good: " if each.good else "") + each.text for each in of_fault).most_common(3)
         lines.append(f"  {name}: " + "; ".join(f"{text} ({count})" if count > 1 else text for text, count in how))
-    for one in found:
-        lines += [f"  NOT SAFE: {_called(one)}: {text}" for text in one.unsafe]
-    bad = next((one for one in plain if not one.good), None)
+    for each in outcomes:
+        lines += [f"  NOT SAFE: {_called(each)}: {text}" for text in each.unsafe]
+    bad = next((each for each in plain if not each.good), None)
     if bad is not None:
         again = f"lbr behaviour try {what} --seed {seed} --only {bad.number}"
         lines.append(f"look at one that failed: {again}")
     return "\n".join(lines)
 
 
-def _endings(found: "list[Outcome]") -> list[str]:
+def _endings(outcomes: "list[Outcome]") -> list[str]:
     """Return a line for each way in which trials ended, the most frequent first."""
     by_how: Counter[tuple[bool, str, str, int, str]] = Counter()
     texts: dict[tuple[bool, str, str, int, str], Outcome] = {}
-    for one in found:
-        how = (one.good, one.table, one.state, 0 if one.good else one.row, one.code)
+    for each in outcomes:
+        how = (each.good, each.table, each.state, 0 if each.good else each.row, each.code)
         by_how[how] += 1
-        texts.setdefault(how, one)
+        texts.setdefault(how, each)
     lines = []
     for how, count in by_how.most_common(MOST_TOLD):
-        one = texts[how]
-        where = f"'{one.state}'" + ("" if one.good else f", row {one.row} of '{one.table}'")
-        said = one.text if one.good else f"FAILED in {where}: {one.text} (such as trial {one.number}, from {one.place})"
-        lines.append(f"  {count:5} {100 * count / len(found):4.0f} %  {said}")
+        each = texts[how]
+        where = f"'{each.state}'" + ("" if each.good else f", row {each.row} of '{each.table}'")
+        example = f"(such as trial {each.number}, from {each.place})"
+        said = each.text if each.good else f"FAILED in {where}: {each.text} {example}"
+        lines.append(f"  {count:5} {100 * count / len(outcomes):4.0f} %  {said}")
     if len(by_how) > MOST_TOLD:
         lines.append(f"         and {len(by_how) - MOST_TOLD} other ways; --json has them all")
     return lines
 
 
-def _stances(found: "list[Outcome]") -> str:
+def _stances(outcomes: "list[Outcome]") -> str:
     """Return how often a humanoid stood at the end, by how it began, and how often it fell."""
     begun: dict[str, list[Outcome]] = {}
-    for one in found:
-        begun.setdefault(one.began, []).append(one)
-    stood = (f"{began}: {sum(one.stands for one in of)} of {len(of)}" for began, of in sorted(begun.items()))
-    return f"  stood at the end, having begun {'; '.join(stood)}; fell in {sum(one.falls > 0 for one in found)}"
+    for each in outcomes:
+        begun.setdefault(each.began, []).append(each)
+    stood = (f"{began}: {sum(each.stands for each in of)} of {len(of)}" for began, of in sorted(begun.items()))
+    return f"  stood at the end, having begun {'; '.join(stood)}; fell in {sum(each.falls > 0 for each in outcomes)}"
 
 
 def _called(one: "Outcome") -> str:
@@ -168,8 +169,8 @@ def _span(seconds: float) -> str:
     return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s" if minutes else f"{seconds:.1f} s"
 
 
-def _one(setup: "Setup", number: int, fault: str, seed: int, *, as_json: bool) -> int:
-    """Try once, and tell all that happened."""
+def _try_once(setup: "Setup", number: int, fault: str, seed: int, *, as_json: bool) -> int:
+    """Try once, and print all events."""
     from lbr.simulation.trials.faults import EVERY  # noqa: PLC0415 - kept out of its `--help`
     from lbr.simulation.trials.trying import made  # noqa: PLC0415
 
@@ -178,13 +179,13 @@ def _one(setup: "Setup", number: int, fault: str, seed: int, *, as_json: bool) -
     trial = made(setup, number, fault, seed)
     outcome = trial.run()
     if as_json:
-        print_json({"trial": outcome, "told": [one._asdict() for one in trial.told]})
+        print_json({"trial": outcome, "told": [event._asdict() for event in trial.told]})
         return int(not outcome.good)
-    began_s = min((one.at_s for one in trial.told if one.kind == "behaviour_began"), default=0.0)
+    began_s = min((event.at_s for event in trial.told if event.kind == "behaviour_began"), default=0.0)
     click.echo(f"{_called(outcome)}:")
-    for one in trial.told:
-        if one.at_s >= began_s:
-            click.echo(f"  {one.at_s - began_s:7.2f} s  {one.subject}: {one.text}")
+    for event in trial.told:
+        if event.at_s >= began_s:
+            click.echo(f"  {event.at_s - began_s:7.2f} s  {event.subject}: {event.text}")
     where = f" in '{outcome.state}', row {outcome.row} of '{outcome.table}'" if not outcome.good else ""
     said = f"{'good' if outcome.good else 'FAILED'}{where} after {outcome.took_s:.1f} s and {outcome.moved_m:.1f} m"
     click.echo(f"{said}: {outcome.text}")
@@ -226,8 +227,8 @@ def setup_of(
         raise InputError(
             f"the rows of {rows.robot.name} make no robot: {problems[0]}; 'lbr db check' says all", "bad_value"
         )
-    units = {name: one.config for name, one in plan.units.items() if one.program is None}
-    by_kind = {one.kind: name for name, one in plan.units.items()}
+    units = {name: unit.config for name, unit in plan.units.items() if unit.program is None}
+    by_kind = {unit.kind: name for name, unit in plan.units.items()}
     walks = HUMANOID in by_kind and {"joints", "motions"} <= by_kind.keys()
     if not walks and (WORLD not in by_kind or "drive" not in by_kind):
         raise InputError(
@@ -237,7 +238,7 @@ def setup_of(
         )
     if RUNS not in by_kind:
         raise InputError(f"{rows.robot.name} runs no tables: it has no capability of kind '{RUNS}'", "not_possible")
-    tables = {one.name: one for one in rows.of(BehaviourTable)} | {table.name: table}
+    tables = {each.name: each for each in rows.of(BehaviourTable)} | {table.name: table}
     lines = [row for row in rows.of(BehaviourRow) if row.behaviour != table.name]
     sets = {
         BehaviourTable.TABLE: row_set(BehaviourTable, tables.values()),
