@@ -6,6 +6,9 @@ from msgspec import Meta, Struct
 
 from lbr.messages.units import Name, SignedPower
 
+RESTS_S = 1.2
+"""The life of messages that come twice a second at rest: two signs of life may be missing."""
+
 
 class MotorSetpoint(Struct, frozen=True, kw_only=True):
     """Power of both sides, forward positive, valid for 0.1 s. `lease`: a mark of its lease, which cannot be quoted.
@@ -34,6 +37,7 @@ class MotorsState(Struct, frozen=True, kw_only=True):
 
     `armed`: a setpoint would be applied. `voltage_v`: the battery. `internal_v`: the controller's own
     supply. Currents and counts are positive forward. `faults`: as the driver lists them. `motors`: those other than `left` and `right`, which the base then derives.
+    `rests`: they stand, and are reported twice a second until they move.
     """
 
     left: float
@@ -53,3 +57,4 @@ class MotorsState(Struct, frozen=True, kw_only=True):
     trips: int = 0
     motors: dict[Name, MotorState] = {}
     heard: bool | None = None
+    rests: bool = False

@@ -8,7 +8,7 @@ class OdometryState(Struct, frozen=True, kw_only=True):
 
     `distance_m`: travelled, backwards negative. `stalled`: the motors push and the wheels stand. `slipping`: wheels and
     body turn differently. `counted_s`: when its counts were read. `aside_mps`: speed to the left, of a base that has
-    one.
+    one. `rests`: its motors do, and it is reported twice a second.
     """
 
     valid: bool
@@ -24,3 +24,4 @@ class OdometryState(Struct, frozen=True, kw_only=True):
     stalled: bool = False
     slipping: bool = False
     aside_mps: float | None = None
+    rests: bool = False

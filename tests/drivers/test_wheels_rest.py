@@ -4,6 +4,7 @@ from math import inf
 from random import Random
 
 import pytest
+from msgspec.structs import replace
 
 from lbr.messages.motors import MotorsState
 from lbr.operations.drive.capability import Drive
@@ -114,7 +115,7 @@ def largest_step(pair: Pair) -> float:
     return max(after - before for before, after in zip(pair.powers, pair.powers[1:], strict=False))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_base_that_rests_moves_when_one_does_that_is_told_zero_all_the_time(seed: int) -> None:
     rests, restless = live(Pair(Drive), history(seed)), live(Pair(Restless), history(seed))
     assert max(rests.powers) > 0.09
@@ -144,6 +145,33 @@ def test_a_drive_that_falls_silent_in_motion_is_zero_in_a_tenth_of_a_second_and_
     rests.silent = True
     rests.pass_time(1.4)
     assert (rests.bench.state.armed, rests.bench.state.trips) == (False, 0)
+
+
+def test_motors_at_rest_tell_their_state_twice_a_second_and_a_motion_at_once() -> None:
+    pair = live(Pair(Drive), [("", 2.0)])
+    published = pair.bench.ctx.published
+    published.clear()
+    pair.pass_time(3.0)
+    assert 5 <= len(published) <= 7
+    assert all(state.rests for _, state in published)
+    pair.order("go")
+    pair.pass_time(0.03)
+    assert not pair.bench.state.rests
+    published.clear()
+    pair.pass_time(0.2)
+    assert len(published) >= 3
+
+
+@pytest.mark.parametrize(("counts", "ends"), [(2, False), (3, True)])
+def test_wheels_that_are_pushed_end_the_rest_and_an_encoder_that_flickers_does_not(counts: int, ends: bool) -> None:
+    pair = live(Pair(Drive), [("", 2.0)])
+    device = pair.bench.line.device
+    device.measured = replace(device.measured, counts=(0, counts))
+    told = len(pair.bench.ctx.published)
+    pair.pass_time(1.2)
+    states = [state for _, state in pair.bench.ctx.published[told:]]
+    assert any(not state.rests for state in states) is ends
+    assert states[-1].counts_right in {counts, -counts}
 
 
 def test_a_drive_whose_process_is_gone_at_rest_is_a_loss_at_once() -> None:

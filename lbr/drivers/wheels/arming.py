@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 
 from lbr.drivers.setpoint_gate import SetpointGate, fresh
+from lbr.messages.motors import RESTS_S
 
 START = "waiting for a zero setpoint"
-RESTS_S = 1.2
-"""The life of a zero that stays in force at rest: two signs of life may be missing."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,10 @@ RATE_HZ, STANDING_HZ = 50.0, 20.0
 RESTING_SHARE = 0.5
 """The period of rounds of armed motors at rest, as a share of the controller's watchdog, which each of them feeds."""
 PUBLISH_PERIOD_S = 0.05
+RESTING_PERIOD_S, RESTS_AFTER_S = 0.45, 0.5
+"""The period of the state of armed motors that have stood for a while."""
+FLICKER = 2
+"""A count that differs by no more does not end their rest: an encoder on an edge flickers."""
 STANDING_PERIOD_S = 0.09
 """The period of the state while the wheels stand: a third of the age at which the drive calls it too old."""
 RESEND_S, IDLE_QUERY_S = 0.015, 0.05
@@ -70,7 +74,8 @@ class Wheels(Capability[S], ABC):
         self._published = -inf
         self._shown: tuple[object, ...] = ()
         self._told: Measured = {}
-        self._stands = False
+        self._stands = self._rests = False
+        self._moved_at = -inf
         self._faults: tuple[str, ...] = ()
         self._lacks: Reason | None = None
         self._unanswered = 0
@@ -326,9 +331,12 @@ class Wheels(Capability[S], ABC):
             self._arming.trips,
             self.ctx.estop.engaged,
             controller.faults,
+            self._arming.moving,
             controller.applied == self._rest,
         )
-        period_s = STANDING_PERIOD_S if self._stands else PUBLISH_PERIOD_S
+        period_s = RESTING_PERIOD_S if self._rests else STANDING_PERIOD_S if self._stands else PUBLISH_PERIOD_S
+        if self._rests and not _near(_counts(controller.measured()), _counts(self._told)):
+            period_s = 0.0
         if shown != self._shown or not self.ctx.clock() - self._published < period_s:
             self._shown = shown
             self._publish()
@@ -340,7 +348,9 @@ class Wheels(Capability[S], ABC):
             self.ctx.publish("state", _at_rest(state, estop=self.ctx.estop.engaged))
             return
         before, self._told = self._told, self._controller.measured()
-        self._stands = not state.moving and _counts(self._told) == _counts(before)
+        self._stands = not state.moving and _near(_counts(self._told), _counts(before))
+        self._moved_at = self._moved_at if self._stands and state.rests else self._published
+        self._rests = self._published - self._moved_at >= RESTS_AFTER_S
         message = MotorsState(
             **self._each(self._controller.applied, self._told),
             armed=state.armed,
@@ -348,6 +358,7 @@ class Wheels(Capability[S], ABC):
             estop=self.ctx.estop.engaged,
             trips=state.trips,
             heard=self.ctx.device.tap.heard if self.ctx.device is not None else None,
+            rests=self._rests,
         )
         self.ctx.publish("state", message)
 
@@ -373,8 +384,17 @@ class Wheels(Capability[S], ABC):
         return left, right
 
 
-def _counts(measured: Measured) -> tuple[object, ...]:
-    return measured.get("counts_left"), measured.get("counts_right"), measured.get("motor_counts")
+def _counts(measured: Measured) -> tuple[int | None, ...]:
+    return measured.get("counts_left"), measured.get("counts_right"), *measured.get("motor_counts", ())
+
+
+def _near(counts: tuple[int | None, ...], before: tuple[int | None, ...]) -> bool:
+    """Return whether no motor has turned by more than a flicker."""
+    pairs = zip(counts, before, strict=False)
+    same = all(
+        one == other or (one is not None and other is not None and abs(one - other) <= FLICKER) for one, other in pairs
+    )
+    return same and len(counts) == len(before)
 
 
 def _said(faults: Sequence[str]) -> str:

@@ -81,9 +81,9 @@ def watch(way: DistanceGoal, odometry: OdometryView, pushing: float, settings: D
     return replace(way, quiet=since if still and pushing == 0.0 else nan)
 
 
-def fault(way: DistanceGoal, now: float) -> Reason | None:
+def fault(way: DistanceGoal, started: float, now: float) -> Reason | None:
     """Return what is wrong with a way, or nothing; comparisons are such that NaN is wrong."""
-    if why := odometry_view.not_known(way.odometry, now):
+    if why := odometry_view.not_known(way.odometry, now, started):
         return Reason("stale_sensor", why)
     if way.odometry.epoch != way.epoch:
         return Reason("stale_sensor", "the odometry started over on the way")

@@ -166,7 +166,7 @@ def _turned(goal: Goal, turn: turn_goal.TurnGoal, settings: DriveSettings, now: 
 
 
 def _travelled(goal: Goal, way: distance_goal.DistanceGoal, now: float) -> tuple[Ending, Reason] | None:
-    if why := distance_goal.fault(way, now):
+    if why := distance_goal.fault(way, goal.started, now):
         return "fault", why
     done = distance_goal.is_over(way)
     return ("reached", Reason("done", distance_goal.ended(way, now - goal.started))) if done else None

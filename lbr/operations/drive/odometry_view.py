@@ -1,10 +1,11 @@
 """The belief about the odometry: how far the base went, how fast it goes, and whether its wheels stall or slip."""
 
-from math import isfinite, nan
+from math import inf, isfinite, nan
 
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr.messages.motors import RESTS_S
 from lbr.messages.odometry import OdometryState
 from lbr.operations.drive.settings import DriveSettings
 
@@ -23,6 +24,7 @@ class OdometryView(Struct, frozen=True, kw_only=True):
     stalled: bool = False
     slipping: bool = False
     seen: float = nan
+    rests: bool = False
 
 
 UNHEARD = OdometryView()
@@ -44,6 +46,7 @@ def see(before: OdometryView, odometry: OdometryState, arrived: float, settings:
         stalled=odometry.stalled,
         slipping=odometry.slipping,
         seen=seen,
+        rests=odometry.rests,
     )
     if found.trouble or before.trouble or found.epoch != before.epoch:
         return found
@@ -53,11 +56,16 @@ def see(before: OdometryView, odometry: OdometryState, arrived: float, settings:
     return found if abs(way_m) <= most_m else replace(found, trouble=jumped)
 
 
-def not_known(odometry: OdometryView, now: float) -> str:
-    """Return why no distance can be driven now, or nothing; comparisons are such that NaN cannot."""
+def not_known(odometry: OdometryView, now: float, since: float = -inf) -> str:
+    """Return why no distance can be driven now, or nothing; comparisons are such that NaN cannot.
+
+    Odometry at rest may be older before a motion, and has the usual time to be renewed `since` its beginning.
+    """
     if odometry.trouble:
         return odometry.trouble
-    return "" if now - odometry.seen <= LATE_S else f"the odometry is older than {LATE_S:g} s"
+    longest_s = RESTS_S if odometry.rests and since == -inf else LATE_S
+    seen = max(odometry.seen, since) if odometry.rests else odometry.seen
+    return "" if now - seen <= longest_s else f"the odometry is older than {longest_s:g} s"
 
 
 def _trouble(odometry: OdometryState, numbers: tuple[float, ...]) -> str:

@@ -96,7 +96,7 @@ def is_over(way: RangeGoal) -> bool:
 def _counted(way: RangeGoal, odometry: OdometryView, ahead_mps: float, elapsed_s: float, now: float) -> RangeGoal:
     """Return the way by the odometry's newest distance, or by the setpoint where that is not known."""
     at_s, gone_m = way.marks[-1]
-    known = not odometry_view.not_known(odometry, now)
+    known = not (odometry.rests or odometry_view.not_known(odometry, now))
     if not known or odometry.epoch != way.epoch:
         way = _marked(way, (now, gone_m + ahead_mps * elapsed_s))
     elif odometry.seen > at_s:

@@ -10,7 +10,7 @@ from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import Reason
 from lbr.messages.drive import CheckVerdict
 from lbr.messages.kinematics import Base
-from lbr.messages.motors import MotorsState
+from lbr.messages.motors import RESTS_S, MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges, Scan
 from lbr.operations.drive import heading_view, odometry_view
@@ -173,7 +173,7 @@ class State(Struct, frozen=True, kw_only=True):
 
     def ahead_mps(self, now: float) -> float:
         """Return how fast the base goes ahead or back: by the odometry, or by the setpoint where that is not known."""
-        if odometry_view.not_known(self.odometry, now):
+        if self.odometry.rests or odometry_view.not_known(self.odometry, now):
             return abs(self.left + self.right) / 2 * self.settings.max_speed_mps
         return abs(self.odometry.speed_mps)
 
@@ -196,8 +196,12 @@ def motors_trouble(state: State, now: float) -> Reason | None:
     """Return why the motors would not follow, or nothing."""
     if state.motors is None:
         return Reason("unreachable", state.motors_gone)
-    longest_s = state.settings.motors_max_age_s
-    if not now - state.motors_at <= longest_s:
+    longest_s, at = state.settings.motors_max_age_s, state.motors_at
+    if state.motors.rests and any(state.sides):
+        at = max(at, state.begun)  # they have been told to move since, and have so long to say that they do
+    elif state.motors.rests:
+        longest_s = max(longest_s, RESTS_S)
+    if not now - at <= longest_s:
         return Reason("unreachable", f"the motor driver has been silent for more than {longest_s:g} s")
     if not state.motors.armed:
         return Reason("not_armed", f"the motors are not armed: {state.motors.reason or 'no reason given'}")

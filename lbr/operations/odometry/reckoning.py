@@ -7,7 +7,7 @@ from math import cos, inf, isfinite, pi, radians, sin
 
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.kinematics import Base, Twist, differential
-from lbr.messages.motors import MotorsState
+from lbr.messages.motors import RESTS_S, MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.operations.odometry import OdometrySettings
 
@@ -60,6 +60,7 @@ class Reckoning:
         self._look: tuple[str, float, float] | None = None
         self._trouble = "the motor driver was not heard yet"
         self._run = self._fresh()
+        self._rests = False
 
     @property
     def epoch(self) -> str:
@@ -78,6 +79,7 @@ class Reckoning:
         if counts is None:
             self._fail(NO_COUNTS if motors.reason == "" or motors.armed else f"{NO_COUNTS} ({motors.reason})")
             return
+        began, self._rests = self._rests and not motors.rests, motors.rests
         before, self._run.counts = self._run.counts, counts
         if self._trouble or before is None:
             self._trouble = ""
@@ -98,12 +100,15 @@ class Reckoning:
             return
         self._run.counted_s = now
         self._move(way_m)
+        while began and len(self._run.marks) > 1:  # speeds count from here, and not from the last report at rest
+            self._run.marks.popleft()
         self._feel(motors, way_m, elapsed_s)
 
     def silence(self, now: float) -> None:
         """Look whether the motors have been silent for too long."""
-        if not self._trouble and not now - self._run.counted_s <= self._settings.silent_s:
-            self._fail(f"the motor driver has been silent for more than {self._settings.silent_s:g} s")
+        silent_s = max(self._settings.silent_s, RESTS_S) if self._rests else self._settings.silent_s
+        if not self._trouble and not now - self._run.counted_s <= silent_s:
+            self._fail(f"the motor driver has been silent for more than {silent_s:g} s")
 
     def state(self) -> OdometryState:
         """Return what is known."""
@@ -123,6 +128,7 @@ class Reckoning:
             stalled=max(self._run.idle_s) >= self._settings.stall_s,
             slipping=self._run.slip_s >= self._settings.slip_s,
             aside_mps=round(twist.vy_mps, 3) if self._base.holonomic else None,
+            rests=self._rests,
         )
 
     def _fail(self, why: str) -> None:

@@ -79,6 +79,25 @@ def test_straight_on_is_distance_and_speed(base, way_m):
     assert (state.stalled, state.slipping) == (False, False)
 
 
+def test_after_a_rest_speeds_count_from_the_beginning_of_the_motion(base):
+    base.roll(0.0, 0.0, 1, rests=True)
+    base.now = round(base.now + 0.45, 6)
+    assert base.tell(rests=True).rests
+    base.now = round(base.now + 0.4, 6)
+    began = base.tell()
+    assert (began.valid, began.rests, began.speed_mps) == (True, False, 0.0)
+    assert base.roll(0.05, 0.05, 1).speed_mps == pytest.approx(0.5, abs=0.05)
+
+
+@pytest.mark.parametrize(("rests", "silent_s"), [(False, 0.3), (True, 1.2)])
+def test_motors_that_rest_may_be_silent_for_longer(base, rests, silent_s):
+    base.roll(0.0, 0.0, 1, rests=rests)
+    base.reckoning.silence(base.now + silent_s - 0.01)
+    assert base.reckoning.state().valid
+    base.reckoning.silence(base.now + silent_s + 0.01)
+    assert base.reckoning.state().reason == f"the motor driver has been silent for more than {silent_s} s"
+
+
 def test_wheels_that_differ_turn_the_base(base):
     quarter_m = pi / 2 * 0.27
     state = base.roll(0.0, quarter_m, rounds=30)

@@ -1,0 +1,69 @@
+"""Motors and odometry at rest are heard twice a second: a motion begins at once, and ends by them as ever."""
+
+import pytest
+from msgspec.structs import replace
+
+from tests.operations.drive.drive_bench import Bench, motors
+from tests.operations.drive.drive_body import Body
+
+STILL = (0.0, 0.0)
+
+
+@pytest.fixture
+def bench():
+    bench = Bench()
+    bench.motors = replace(motors(), rests=True)
+    bench.sense()
+    bench.motors_speak = False
+    return bench
+
+
+def rest(bench, seconds):
+    bench.now += seconds
+    bench.sense()  # ranges alone
+    bench.event_tick()
+
+
+def renewing(bench, reply):
+    return lambda: bench.drive(0.5, lease=reply.lease)
+
+
+@pytest.mark.parametrize(("age_s", "accepted"), [(0.29, True), (0.9, True), (1.19, True), (1.21, False)])
+def test_motors_at_rest_may_be_older_before_a_motion(bench, age_s, accepted):
+    rest(bench, age_s)
+    reply = bench.drive(0.5)
+    assert reply.accepted is accepted
+    if not accepted:
+        assert (reply.code, "1.2 s" in reply.reason) == ("unreachable", True)
+
+
+@pytest.mark.parametrize(("motors_speak", "moves"), [(True, True), (False, False)])
+def test_motors_have_the_usual_time_to_be_heard_once_they_are_to_move(bench, motors_speak, moves):
+    rest(bench, 0.9)
+    reply = bench.drive(0.5)
+    bench.motors = motors()
+    bench.motors_speak = motors_speak
+    bench.run(0.28, renewing(bench, reply))
+    assert bench.wheels != STILL
+    bench.run(0.06, renewing(bench, reply))
+    assert (bench.wheels != STILL) is moves
+    assert moves or "silent for more than 0.3 s" in bench.texts[-1]
+
+
+@pytest.mark.parametrize(("speaks", "ends"), [(True, ""), (False, "the odometry is older than 0.3 s")])
+def test_a_distance_begins_by_odometry_at_rest_and_ends_without_it_as_ever(speaks, ends):
+    body = Body()
+    body.now += 0.01
+    body.count(distance_m=0.0, speed_mps=0.0, rests=True)
+    body.now += 0.9
+    body.sense()
+    reply = body.drive(0.4, distance_cm=100.0)
+    assert reply.accepted, reply.reason
+    body.odometry_speaks = speaks
+    for tick in range(18):
+        if tick % 5 == 0:
+            body.sense()
+            body.drive(0.4, distance_cm=100.0, lease=reply.lease)
+        body.step()
+    assert (body.wheels == STILL) is bool(ends)
+    assert [ends in result.reason for result in body.results] == [True] * bool(ends)
