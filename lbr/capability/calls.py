@@ -38,20 +38,20 @@ class BusCall:
         overtaken: Overtaken | None = None,
         answered: Callable[["BusCall", Struct], None] | None = None,
     ) -> None:
-        found = stamp.read(request.attachment)
+        sent = stamp.read(request.attachment)
         self.name = name
         self.message = message
-        self.source = found.source[:80] if found is not None and found.source else UNSTAMPED
-        self.arrived = stamp.sent_s(found, request.arrived)
+        self.source = sent.source[:80] if sent is not None and sent.source else UNSTAMPED
+        self.arrived = stamp.sent_s(sent, request.arrived)
         if overtaken is not None and name == STOP:
-            overtaken.stopped(found, self.arrived)
+            overtaken.stopped(sent, self.arrived)
         elif overtaken is not None:
-            self.arrived = overtaken.dated(found, self.arrived)
-        boot = found.boot if found is not None else ""
-        self.remote = (found is not None and bool(found.via)) or (away and boot != stamp.boot_id())
-        self.sender_s = found.mono_ns / 1e9 if found is not None and found.boot else nan
-        self.waited_s = found.waited_s if found is not None else 0.0
-        self.by = found.by[:80] if found is not None and not self.remote else ""
+            self.arrived = overtaken.dated(sent, self.arrived)
+        boot = sent.boot if sent is not None else ""
+        self.remote = (sent is not None and bool(sent.via)) or (away and boot != stamp.boot_id())
+        self.sender_s = sent.mono_ns / 1e9 if sent is not None and sent.boot else nan
+        self.waited_s = sent.waited_s if sent is not None else 0.0
+        self.by = sent.by[:80] if sent is not None and not self.remote else ""
         self.answerable = request.answerable
         self.payload = request.payload
         self.open = True

@@ -9,18 +9,18 @@ from lbr.names import did_you_mean
 _NO_CHOICE = re.compile(r"""Invalid enum value (['"])(.*?)\1(?= - at `|\Z)""")
 
 
-def with_choices(said: str, kind: object) -> str:
+def with_choices(text: str, kind: object) -> str:
     """Return msgspec's objection to a value, and the nearest of the type's choices at the place where it is not one of
     them."""
-    found, names = _NO_CHOICE.search(said), tuple(_choices(kind))
-    if found is None or not names:
-        return said
-    return f"{said[: found.end()]}, {did_you_mean(found[2], names)}{said[found.end() :]}"
+    match, names = _NO_CHOICE.search(text), tuple(_choices(kind))
+    if match is None or not names:
+        return text
+    return f"{text[: match.end()]}, {did_you_mean(match[2], names)}{text[match.end() :]}"
 
 
 def _choices(kind: object) -> Iterator[str]:
-    for one in get_args(kind):
+    for choice in get_args(kind):
         if get_origin(kind) is not Literal:
-            yield from _choices(one)
-        elif isinstance(one, str) and one:
-            yield one
+            yield from _choices(choice)
+        elif isinstance(choice, str) and choice:
+            yield choice

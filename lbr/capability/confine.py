@@ -23,12 +23,12 @@ def confine(places: Iterable[str] = ()) -> None:
     a home that is mounted into a container, a device that was given to another user.
     """
     libc = ctypes.CDLL(None, use_errno=True)
-    kept = {CAP_DAC_OVERRIDE} if needs_override(places) else set()
+    rights = {CAP_DAC_OVERRIDE} if needs_override(places) else set()
     for number in range(LAST_CAPABILITY + 1):
-        if number not in kept:
+        if number not in rights:
             libc.prctl(PR_CAPBSET_DROP, number, 0, 0, 0)  # refused to a process that has none anyway
     libc.prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0)
-    _set_capabilities(libc, kept)
+    _set_capabilities(libc, rights)
     _must(libc.prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), "new privileges cannot be refused")
     keep_private()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -38,7 +38,7 @@ class EstopLatch:
         self._release_key = bytes.fromhex(config.release_key)
         self._wake = wake
         self._within_s = within_s
-        self._said: EstopAcknowledgement | None = None
+        self._sent: EstopAcknowledgement | None = None
         self._again = False
         self._noticed = False
         self._lock = threading.Lock()
@@ -51,15 +51,15 @@ class EstopLatch:
         self._release = bus.serve(release, wake, puts=False, source=config.name)
 
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
-        """Say whether the device has acknowledged the stop; sent when that changes or when the stop is repeated."""
+        """Report whether the device has acknowledged the stop, at each change and each repetition of the stop."""
         with self._lock:
             self._noticed = self.engaged
-        said = EstopAcknowledgement(
+        answer = EstopAcknowledgement(
             capability=self._name, engaged=self.engaged, stopped=stopped, reason=reason, within_s=self._within_s
         )
-        if said != self._said or self._again:
-            self._said, self._again = said, False
-            self._bus.put(self._ack_key, said, source=self._name)
+        if answer != self._sent or self._again:
+            self._sent, self._again = answer, False
+            self._bus.put(self._ack_key, answer, source=self._name)
 
     def serve(self) -> None:
         """Answer releases; called by the process's loop."""
@@ -69,7 +69,7 @@ class EstopLatch:
                 why_not = self._why_not(request)
                 if not why_not:
                     self.by, self.follows = _released_by(request.payload), True
-                    self.engaged, self.reason, self._said, self._noticed = False, "", None, False
+                    self.engaged, self.reason, self._sent, self._noticed = False, "", None, False
             if why_not:
                 request.reply(refused(why_not), self._name)
             else:
@@ -98,11 +98,11 @@ class EstopLatch:
 
     def _why_not(self, request: wire.Request) -> Reason | None:
         """Return why a release does not count: it must be the executive's, be new, and come after the last press."""
-        found = stamp.read(request.attachment)
-        if found is None or not stamp.genuine(found, request.payload, self._release_key):
+        sent = stamp.read(request.attachment)
+        if sent is None or not stamp.genuine(sent, request.payload, self._release_key):
             return Reason("denied", "only the executive releases")
-        sent_ns = int(stamp.sent_s(found, request.arrived) * 1e9)
-        if not self._releases.newer(found) or sent_ns <= max(self._released_ns, self._pressed_ns):
+        sent_ns = int(stamp.sent_s(sent, request.arrived) * 1e9)
+        if not self._releases.newer(sent) or sent_ns <= max(self._released_ns, self._pressed_ns):
             return PRESSED_AGAIN
         if self.engaged and not self._noticed:  # a stop is never too short to stop anything
             return Reason("not_ready", "it has not stopped yet")

@@ -15,14 +15,14 @@ class Throttle:
 
     def take(self, kind: str, now: float) -> bool:
         """Return whether an event of this kind may be told now; if not, it is counted."""
-        left, since = self._buckets.get(kind, (BURST, now))
-        left = min(BURST, left + (now - since) * PER_S)
+        room, since = self._buckets.get(kind, (BURST, now))
+        room = min(BURST, room + (now - since) * PER_S)
         if len(self._buckets) > MOST_KINDS:
             self._buckets.clear()
-        if left >= 1.0:
-            self._buckets[kind] = (left - 1.0, now)
+        if room >= 1.0:
+            self._buckets[kind] = (room - 1.0, now)
             return True
-        self._buckets[kind] = (left, now)
+        self._buckets[kind] = (room, now)
         self._missed[kind] = self._missed.get(kind, 0) + 1
         return False
 

@@ -21,14 +21,14 @@ class Overtaken:
     def __init__(self) -> None:
         self._stops: dict[str, tuple[float, float]] = {}
 
-    def stopped(self, found: Stamp | None, arrived: float) -> None:
-        """Take in a stop; `arrived` is when it came, by our monotonic clock."""
-        if found is None or not _elsewhere(found) or not isfinite(arrived):
+    def stopped(self, sent: Stamp | None, arrived: float) -> None:
+        """Note a stop; `arrived` is when it came, by our monotonic clock."""
+        if sent is None or not _elsewhere(sent) or not isfinite(arrived):
             return
-        sent_s, before = found.mono_ns / 1e9, self._stops.pop(found.boot, None)
+        sent_s, before = sent.mono_ns / 1e9, self._stops.pop(sent.boot, None)
         if before is not None and arrived - before[1] <= REMEMBERED_S:
             sent_s = max(sent_s, before[0])
-        self._stops[found.boot] = sent_s, arrived
+        self._stops[sent.boot] = sent_s, arrived
         while len(self._stops) > MOST_MACHINES:
             self._stops.pop(next(iter(self._stops)))
 

@@ -47,22 +47,22 @@ def find(name: str, path: Path) -> Kind:
 
 def trial(name: str, path: Path) -> str:
     """Return why a file cannot be used, or nothing, having imported it in a process that may hang, print and exit."""
-    said = os.memfd_create(f"trial of {name}")
+    report = os.memfd_create(f"trial of {name}")
     try:
         popen = subprocess.Popen(
-            [sys.executable, "-P", "-m", "lbr.capability.own", name, str(path), str(said), str(LIMIT_S)],
+            [sys.executable, "-P", "-m", "lbr.capability.own", name, str(path), str(report), str(LIMIT_S)],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            pass_fds=(said,),
+            pass_fds=(report,),
             start_new_session=True,
         )
         code = _end_of(popen)
-        text = os.pread(said, 1 << 16, 0)
+        text = os.pread(report, 1 << 16, 0)
     except OSError as err:
         return f"{path} cannot be tried: {err}"
     finally:
-        os.close(said)
+        os.close(report)
     if text == GOOD:
         return ""
     kind, _, rest = text.decode(errors="replace").partition("\n")
@@ -186,9 +186,9 @@ def _end_of(popen: "subprocess.Popen[bytes]") -> int | None:
 
 def main() -> None:
     """Try one file, and say what came of it in the file that was handed down."""
-    name, path, said, limit_s = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
-    os.set_inheritable(said, False)
-    faulthandler.dump_traceback_later(limit_s, exit=True, file=said)
+    name, path, report, limit_s = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
+    os.set_inheritable(report, False)
+    faulthandler.dump_traceback_later(limit_s, exit=True, file=report)
     try:
         load(name, path)
         text = GOOD
@@ -197,7 +197,7 @@ def main() -> None:
     except KeyboardInterrupt as err:  # no terminal's: this process has none, so the file raised it
         text = f"fault\n{_unloaded(path, err)}".encode(errors="replace")
     faulthandler.cancel_dump_traceback_later()
-    os.write(said, text)
+    os.write(report, text)
     os._exit(0)  # whatever it has started meanwhile
 
 

@@ -88,15 +88,15 @@ def handshakes(kind: Kind) -> tuple[Handshake, ...]:
     return handshakes
 
 
-def _fault(one: Handshake) -> str:
+def _fault(shake: Handshake) -> str:
     """Return what a handshake says that cannot be: whoever wrote it may check no types."""
-    seen: object = one.seen
+    seen: object = shake.seen
     if not callable(seen):
         return f"'seen' is {seen!r}, and is to be a function"
-    if not isinstance(one, SerialHandshake):
+    if not isinstance(shake, SerialHandshake):
         return ""
-    if type(one.baud) is not int or one.baud <= 0:
-        return f"'baud' is {one.baud!r}, and is to be a whole number above 0"
-    if not isinstance(one.questions, tuple) or not all(isinstance(question, bytes) for question in one.questions):
-        return f"'questions' is {one.questions!r}, and is to be a tuple of bytes, such as (b'?',)"
-    return f"it asks more than {MOST_QUESTIONS} questions" if len(one.questions) > MOST_QUESTIONS else ""
+    if type(shake.baud) is not int or shake.baud <= 0:
+        return f"'baud' is {shake.baud!r}, and is to be a whole number above 0"
+    if not isinstance(shake.questions, tuple) or not all(isinstance(question, bytes) for question in shake.questions):
+        return f"'questions' is {shake.questions!r}, and is to be a tuple of bytes, such as (b'?',)"
+    return f"it asks more than {MOST_QUESTIONS} questions" if len(shake.questions) > MOST_QUESTIONS else ""

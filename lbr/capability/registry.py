@@ -71,11 +71,11 @@ def source(name: str) -> str:
 @cache
 def tables() -> frozenset[type[Row]]:
     """Return the rows that installed kinds read: what is in them is checked for robots that have no such kind, too."""
-    found: set[type[Row]] = set()
+    rows: set[type[Row]] = set()
     for point in plugins.installed("kinds").values():
         with contextlib.suppress(KindError):  # told to those who name it
-            found |= {read.row for read in declared(point).reads}
-    return frozenset(found)
+            rows |= {read.row for read in declared(point).reads}
+    return frozenset(rows)
 
 
 def shadowed(name: str, home: Path) -> Path | None:

@@ -128,14 +128,14 @@ class Port:
 
     def _check(self, feed: InputWire, raw: wire.RawMessage) -> Received | None:
         now = self._bus.clock()
-        found = stamp.read(raw.attachment)
-        source = found.source if found is not None else UNSTAMPED
+        sent = stamp.read(raw.attachment)
+        source = sent.source if sent is not None else UNSTAMPED
         if feed.seal:
-            if not stamp.genuine(found, raw.payload, bytes.fromhex(feed.seal)) or found is None:
+            if not stamp.genuine(sent, raw.payload, bytes.fromhex(feed.seal)) or sent is None:
                 why = f"'{source}' is not wired to {feed.key}; only '{feed.source}' may write it"
                 self._complain(feed.key, why, "denied", source)
                 return None
-            if not self._dates[feed.key].newer(found):
+            if not self._dates[feed.key].newer(sent):
                 self._complain(feed.key, f"a message on {feed.key} came twice or out of order", "repeated", source)
                 return None
         if feed.rate_hz is not None:
@@ -144,7 +144,7 @@ class Port:
             self._next[feed.key] = now + 0.9 / feed.rate_hz
         try:
             message = self._decoder.decode(raw.payload)
-            return Received(message, found, self._dates[feed.key].sent_s(found, raw.arrived), source)
+            return Received(message, sent, self._dates[feed.key].sent_s(sent, raw.arrived), source)
         except MalformedError as err:
             self._complain(
                 feed.key, f"a message on {feed.key} from '{source}' is malformed: {err}", "malformed", source
@@ -400,13 +400,13 @@ class ProcessContext:
         for row in rows:
             if type(row) not in self.kind.learns:
                 raise ValueError(f"'{self.name}' learns no rows of '{row.TABLE}': its kind says so by `learns`")
-        told = _told(rows)
+        told = _plain(rows)
         self._reporter.learnt(changes(self._row_sets, told))
         self._take_over(told)
 
     def adopt(self, rows: Iterable[Row]) -> None:
         """Go on with the rows of an edit that was accepted."""
-        self._take_over(_told(rows))
+        self._take_over(_plain(rows))
 
     def _take_over(self, told: Mapping[str, msgspec.Raw]) -> None:
         self._row_sets = with_rows(self._row_sets, told)
@@ -488,7 +488,7 @@ class ProcessContext:
             self.event("refused", text, level="warning", data={"key": key}, code=code, about=about)
 
 
-def _told(rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
+def _plain(rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
     """Return rows as they are told to others; raise msgspec.ValidationError for what their annotations refuse."""
     return by_table(msgspec.convert(msgspec.to_builtins(row), type(row)) for row in rows)
 

@@ -26,25 +26,25 @@ class SendTimes:
         self._least_s = self._before_s = inf
         self._turn_s = -inf
 
-    def newer(self, found: Stamp) -> bool:
-        """Say whether a sealed message was sent after all before it; a machine that restarted counts from there."""
-        if found.boot != self._boot:
-            if found.boot in self._past:
+    def newer(self, sent: Stamp) -> bool:
+        """Tell whether a sealed message was sent after all before it; a machine that restarted counts from there."""
+        if sent.boot != self._boot:
+            if sent.boot in self._past:
                 return False
             self._past.append(self._boot)
-            self._boot, self._newest_ns = found.boot, -1
-        if found.mono_ns <= self._newest_ns:
+            self._boot, self._newest_ns = sent.boot, -1
+        if sent.mono_ns <= self._newest_ns:
             return False
-        self._newest_ns = found.mono_ns
+        self._newest_ns = sent.mono_ns
         return True
 
-    def sent_s(self, found: Stamp | None, arrived: float) -> float:
+    def sent_s(self, sent: Stamp | None, arrived: float) -> float:
         """Return when a message was sent, on our monotonic clock; at the latest, if it came from another machine."""
-        if found is None or not found.boot or found.boot == stamp.boot_id():
-            return stamp.sent_s(found, arrived)
-        if found.boot != self._clock:
-            self._clock, self._least_s, self._turn_s = found.boot, inf, -inf
+        if sent is None or not sent.boot or sent.boot == stamp.boot_id():
+            return stamp.sent_s(sent, arrived)
+        if sent.boot != self._clock:
+            self._clock, self._least_s, self._turn_s = sent.boot, inf, -inf
         if not arrived < self._turn_s:
             self._before_s, self._least_s, self._turn_s = self._least_s, inf, arrived + WINDOW_S
-        self._least_s = min(self._least_s, arrived - found.mono_ns / 1e9)
-        return min(arrived, found.mono_ns / 1e9 + min(self._least_s, self._before_s))
+        self._least_s = min(self._least_s, arrived - sent.mono_ns / 1e9)
+        return min(arrived, sent.mono_ns / 1e9 + min(self._least_s, self._before_s))

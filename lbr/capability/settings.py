@@ -34,9 +34,9 @@ def _of_fields(kind: type[Struct], settings: dict[str, Any], at: str) -> list[st
     if config.tag is not None or config.array_like:
         return []
     fields = {field.encode_name: field for field in msgspec.structs.fields(kind)}
-    found = []
+    wrong = []
     if config.forbid_unknown_fields:
-        found += [
+        wrong += [
             _placed(f"Object contains unknown field `{name}`{_meant(name, fields)}", at)
             for name in settings
             if name not in fields
@@ -44,10 +44,10 @@ def _of_fields(kind: type[Struct], settings: dict[str, Any], at: str) -> list[st
     for name, field in fields.items():
         if name not in settings:
             if field.required:
-                found.append(_placed(f"Object missing required field `{name}`", at))
+                wrong.append(_placed(f"Object missing required field `{name}`", at))
         else:
-            found += _of_value(field.type, settings[name], f"{at}.{name}")
-    return found
+            wrong += _of_value(field.type, settings[name], f"{at}.{name}")
+    return wrong
 
 
 def _meant(name: str, fields: Iterable[str]) -> str:

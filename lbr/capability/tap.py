@@ -60,11 +60,11 @@ class Tap:
 
     def take(self) -> tuple[tuple[LineBytes, ...], int]:
         """Return what came since the last call, and how many pieces were too many."""
-        live, taken = self._live, []
+        live, pieces = self._live, []
         while live:
-            taken.append(live.popleft())
+            pieces.append(live.popleft())
         lost, self._lost = self._lost, 0
-        return tuple(taken), lost
+        return tuple(pieces), lost
 
     def _take(self, data: bytes, *, sent: bool) -> None:
         piece = LineBytes(time.monotonic_ns(), sent, data)

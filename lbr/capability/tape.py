@@ -53,13 +53,13 @@ class Tape:
                 tap.listen(on=self._on)
             if self._on:
                 openings = {name: tap.opening for name, tap in self._taps.items() if tap.is_line}
-                self._publish([TapedLine(device=one, pieces=found, opening=True) for one, found in openings.items()])
+                self._publish([TapedLine(device=name, pieces=found, opening=True) for name, found in openings.items()])
         if self._on and now >= self._send_at:
             self._send_at = now + SEND_S
             taken = {name: tap.take() for name, tap in self._taps.items()}
             lines = [
-                TapedLine(device=one, pieces=pieces, lost=lost)
-                for one, (pieces, lost) in taken.items()
+                TapedLine(device=name, pieces=pieces, lost=lost)
+                for name, (pieces, lost) in taken.items()
                 if pieces or lost
             ]
             if lines or self._commands:

@@ -47,12 +47,12 @@ class DeviceTwin:
         if isinstance(self.entry, type):
             return self.entry
         try:
-            found = plugins.load(self.entry)
+            twin = plugins.load(self.entry)
         except (Exception, SystemExit) as err:
             raise TwinError(f"the twin of '{self.device}' ({self.entry}) does not load: {told(err)}") from err
-        if not isinstance(found, type):
+        if not isinstance(twin, type):
             raise TwinError(f"the twin of '{self.device}' ({self.entry}) is not a class; name one as module:Class")
-        return found
+        return twin
 
 
 def names() -> tuple[str, ...]:

@@ -37,23 +37,23 @@ def explain(now: Snapshot, part: str = "") -> Chain:
     first = _first(links, len(holding))
     since = _since(edits)
     source: Literal["bus", "rows"] = "bus" if now.executive == "up" else "rows"
-    told = wanted or now.facts.robot
+    name = wanted or now.facts.robot
     to_mend = () if wanted else repairs(now, explain)
     if first is None:
         text = _well(links) + since
         return Chain(
-            robot=now.facts.robot, part=told, state="ok", text=text, source=source, links=links, repairs=to_mend
+            robot=now.facts.robot, part=name, state="ok", text=text, source=source, links=links, repairs=to_mend
         )
-    one = links[first]
+    link = links[first]
     return Chain(
         robot=now.facts.robot,
-        part=told,
-        state=one.state,
-        text=one.text + (since if one.name in UNEXPLAINED else ""),
-        code=one.code,
-        since_s=one.since_s,
-        evidence=one.evidence,
-        do=one.do,
+        part=name,
+        state=link.state,
+        text=link.text + (since if link.name in UNEXPLAINED else ""),
+        code=link.code,
+        since_s=link.since_s,
+        evidence=link.evidence,
+        do=link.do,
         first=first,
         source=source,
         links=links,
@@ -72,14 +72,14 @@ def _first(links: tuple[Link, ...], holding: int) -> int | None:
     Links from `holding` on are beside what moves, and hold none of that.
     """
     ranks = [max(ORDER.index(_sort(one)), 0 if at < holding else ORDER.index("beside")) for at, one in enumerate(links)]
-    told = [
+    ranked = [
         (rank, inf if links[at].since_s is None else links[at].since_s, at)
         if ORDER[rank] == "past"
         else (rank, 0.0, at)
         for at, rank in enumerate(ranks)
         if ORDER[rank] != "ok"
     ]
-    return min(told)[2] if told else None
+    return min(ranked)[2] if ranked else None
 
 
 def _sort(link: Link) -> str:
@@ -104,15 +104,15 @@ def _links(now: Snapshot, walk: Walk, part: str) -> Iterator[Link]:
         yield from (link if docks else _away_from_dock(facts, link) for link in walk.of(part))
     elif f"{CAMERA}{part}" in facts.parts:
         yield from walk.of(f"{CAMERA}{part}")
-    elif any(one.name == part for one in facts.joints):
+    elif any(joint.name == part for joint in facts.joints):
         yield from _joint(now, walk, part)
-    elif owners := [one for one in facts.parts.values() if one.device == part]:
+    elif owners := [owner for owner in facts.parts.values() if owner.device == part]:
         for owner in owners:
             yield from walk.of(owner.name)
     elif part in facts.programs:
         yield _program(facts, part)
-    elif said := [one for one in facts.sayings if one.word == _word(part)]:
-        yield from _saying(walk, facts, said)
+    elif words := [word for word in facts.sayings if word.word == _word(part)]:
+        yield from _saying(walk, facts, words)
     elif now.executive == "up" or facts.parts:
         raise _unknown(part, facts)
 
@@ -178,12 +178,12 @@ def _word(line: str) -> str:
     return line.removeprefix("/").partition("/")[0]
 
 
-def _saying(walk: Walk, facts: Facts, said: list[Saying]) -> Iterator[Link]:
+def _saying(walk: Walk, facts: Facts, sayings: list[Saying]) -> Iterator[Link]:
     """Yield the links of what lines with one word ask."""
-    for owner in dict.fromkeys(one.target_part for one in said):
+    for owner in dict.fromkeys(saying.target_part for saying in sayings):
         asked = "the robot itself" if owner == ITSELF else f"'{owner}'"
-        text, row = f"'{said[0].word}' asks {asked}", f"row verb.{said[0].word}"
-        yield Link("row", said[0].word, "ok", text, evidence=row)
+        text, row = f"'{sayings[0].word}' asks {asked}", f"row verb.{sayings[0].word}"
+        yield Link("row", sayings[0].word, "ok", text, evidence=row)
         if owner in facts.parts:
             yield from walk.asker(facts.parts[owner])
         if owner != ITSELF:

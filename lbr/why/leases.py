@@ -49,12 +49,12 @@ def last(report: Report[DriveState | JointsState]) -> Link:
 def _stopped(now: Snapshot, part: Part, by: str) -> str:
     """Return whose motion another than its sender stopped last, and how often it did of late; empty if that was no
     other."""
-    said = [one for one in now.newest(part.name) if one.kind == "stopped" and one.about]
-    if not by or by == now.asker or not said or said[0].about == by:
+    stops = [stop for stop in now.newest(part.name) if stop.kind == "stopped" and stop.about]
+    if not by or by == now.asker or not stops or stops[0].about == by:
         return ""
-    often = sum((now.ago_s(one) or 0.0) <= REFUSED_S for one in said)
+    often = sum((now.ago_s(stop) or 0.0) <= REFUSED_S for stop in stops)
     again = f", the last of {often} stops within a minute" if often > 1 else ""
-    return f"the motion of {said[0].about} was stopped by {by}{again}"
+    return f"the motion of {stops[0].about} was stopped by {by}{again}"
 
 
 def refusal(now: Snapshot, part: Part) -> Iterator[Link]:

@@ -146,11 +146,11 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     def report(self, part: Part, message: type[T]) -> "Report[T] | None":
         """Return the newest message of this type in a part's streams."""
         for port, name in part.outputs.items():
-            said = self.said.get(f"{part.name}/{port}")
-            if name == message.__name__ and said is not None:
-                fields = {key: value for key, value in said.message.items() if key != "age_s"}
+            newest = self.said.get(f"{part.name}/{port}")
+            if name == message.__name__ and newest is not None:
+                fields = {key: value for key, value in newest.message.items() if key != "age_s"}
                 try:
-                    return Report(self, part, msgspec.convert(fields, message), f"{part.name}/{port}", said.age_s)
+                    return Report(self, part, msgspec.convert(fields, message), f"{part.name}/{port}", newest.age_s)
                 except msgspec.ValidationError:
                     return None
         return None
@@ -215,11 +215,11 @@ class Report(Generic[State_co]):
 
 def _filled(saying: Saying, wanted: dict[str, Any]) -> str:
     """Return the line that says this, empty if the pattern cannot."""
-    line, left = saying.pattern, dict(wanted)
+    line, rest = saying.pattern, dict(wanted)
     for name, value in saying.payload.items():
-        if name not in left or left.pop(name) != value:
+        if name not in rest or rest.pop(name) != value:
             return ""
-    for name, value in left.items():
+    for name, value in rest.items():
         if f"{{{name}}}" not in line:
             return ""
         line = line.replace(f"{{{name}}}", ",".join(value) if isinstance(value, list | tuple) else str(value))

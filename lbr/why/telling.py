@@ -11,13 +11,13 @@ def lines(chain: Chain, *, verbose: bool = False) -> list[str]:
     """Return an answer in lines; the chain of a part that is well only if `verbose`."""
     if chain.state == "ok" and not verbose:
         return [chain.text]
-    told = [chain.text if chain.state == "ok" else f"{chain.part}: {chain.text}"]
+    answer = [chain.text if chain.state == "ok" else f"{chain.part}: {chain.text}"]
     facts = [f"code {chain.code}"] if chain.code else []
     facts += [f"for {ago(chain.since_s)}"] if chain.since_s is not None else []
     facts += [f"by {chain.evidence}"] if chain.evidence else []
-    told += [f"  {'; '.join(facts)}"] if facts else []
-    told += [f"  do: {chain.do}"] if chain.do else []
-    return [*told, *(_link(one, here=index == chain.first) for index, one in enumerate(chain.links))]
+    answer += [f"  {'; '.join(facts)}"] if facts else []
+    answer += [f"  do: {chain.do}"] if chain.do else []
+    return [*answer, *(_link(one, here=index == chain.first) for index, one in enumerate(chain.links))]
 
 
 def ago(seconds: float) -> str:

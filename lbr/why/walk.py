@@ -145,18 +145,18 @@ class Walk:
         if part.family != "operation" or source.family != "driver" or unit is None or unit.phase != "ready":
             return
         topic = end.replace(".", "/")
-        found = self.now.said.get(topic)
-        if found is None:
+        newest = self.now.said.get(topic)
+        if newest is None:
             text = f"nothing is heard on {topic}, which '{part.name}' goes by"
             yield Link("input", source.name, "doubt", text, "stale_sensor", evidence=topic, do=f"lbr topic hz {topic}")
-        elif found.age_s is not None and found.age_s > FRESH_S:
-            age_s, text = found.age_s, f"{topic}, which '{part.name}' goes by, is {found.age_s:.1f} s old"
+        elif newest.age_s is not None and newest.age_s > FRESH_S:
+            age_s, text = newest.age_s, f"{topic}, which '{part.name}' goes by, is {newest.age_s:.1f} s old"
             link = Link(
                 "input", source.name, "held", text, "stale_sensor", evidence=topic, do=f"/restart/{source.name}"
             )
             yield replace(link, since_s=age_s, age_s=age_s)
         else:
-            yield Link("input", source.name, "ok", f"{topic} comes", age_s=found.age_s, evidence=topic)
+            yield Link("input", source.name, "ok", f"{topic} comes", age_s=newest.age_s, evidence=topic)
 
     def _cut(self, wire: Channel, about: str, *, needed: bool = True) -> Link:
         text = f"the channel from {wire.source} to {wire.target} is switched off by its row: enabled is 0"

@@ -205,12 +205,12 @@ def margin(point: Point, corners: Sequence[Point]) -> float:
 
 
 def _half(points: Sequence[Point]) -> list[Point]:
-    found: list[Point] = []
+    corners: list[Point] = []
     for point in points:
-        while len(found) > 1 and _turn(found[-2], found[-1], point) <= 0.0:
-            found.pop()
-        found.append(point)
-    return found
+        while len(corners) > 1 and _turn(corners[-2], corners[-1], point) <= 0.0:
+            corners.pop()
+        corners.append(point)
+    return corners
 
 
 def _turn(a: Point, b: Point, c: Point) -> float:

@@ -75,7 +75,7 @@ def load(path: Path, joints: Iterable[Joint], settings: HumanoidWorldSettings) -
     solid = (model.geom_contype != 0) & (model.geom_bodyid != 0)
     feet = {model.body(at).name: at for at in range(model.nbody) if model.body(at).name.endswith("foot")}
     cameras = tuple(model.camera(at).name for at in range(model.ncam))
-    found = [model.joint(row.name) for row in rows]
+    moved = [model.joint(row.name) for row in rows]
     if stiff := [said for row in rows if (said := _stiff(model, row))]:
         raise InputError(f"body {path}: {'; '.join(stiff)}")
     return Body(
@@ -83,8 +83,8 @@ def load(path: Path, joints: Iterable[Joint], settings: HumanoidWorldSettings) -
         trunk=model.body(trunk.name).id,
         feet=feet,
         solid=solid,
-        positions=[int(joint.qposadr[0]) for joint in found],
-        speeds=[int(joint.dofadr[0]) for joint in found],
+        positions=[int(joint.qposadr[0]) for joint in moved],
+        speeds=[int(joint.dofadr[0]) for joint in moved],
         cameras=cameras,
     )
 

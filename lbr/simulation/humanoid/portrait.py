@@ -64,7 +64,7 @@ def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int])
 def _faces(model: Any, data: Any, trunk: int) -> list[tuple[Floats, Floats, Colour]]:
     """Return every visible face of the robot: its corners, its normal and its colour; what is round is drawn as its
     bounding box."""
-    found = []
+    faces = []
     for geom in range(model.ngeom):
         if model.body_rootid[model.geom_bodyid[geom]] != trunk or model.geom_rgba[geom, 3] == 0.0:
             continue
@@ -75,8 +75,8 @@ def _faces(model: Any, data: Any, trunk: int) -> list[tuple[Floats, Floats, Colo
         for axis in range(3):
             for sign in (-1.0, 1.0):
                 corners = _corners(axis, sign) * half
-                found.append((middle + corners @ turned.T, sign * turned[:, axis], (red, green, blue)))
-    return found
+                faces.append((middle + corners @ turned.T, sign * turned[:, axis], (red, green, blue)))
+    return faces
 
 
 def _corners(axis: int, sign: float) -> Floats:
