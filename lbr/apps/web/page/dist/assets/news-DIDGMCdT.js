@@ -1,1 +1,0 @@
-import{Dt as e,jt as t}from"./parts-Gl0Pj7li.js";import{l as n}from"./index-s1m_enjW.js";function r(r){let[i,a]=t(``);return e(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
