@@ -1,6 +1,6 @@
 // The call of this page: it goes on while the views change.
 import { signal } from "@preact/signals";
-import { canConnect, connect, type Connection, type Hears, type Phase } from "./connection";
+import type { Connection, Hears, Phase } from "./connection";
 import { capabilities } from "./robot";
 import { learn, t } from "./words";
 import { call as callWords } from "./words/call";
@@ -38,13 +38,16 @@ export async function ring(watches = false): Promise<void> {
   if (call.value.stage !== "idle") return;
   const mine = ++turn;
   call.value = { ...IDLE, stage: "asking", watches };
-  if (!canConnect()) return ended(t("call.browser"));
+  if (typeof RTCPeerConnection !== "function") return ended(t("call.browser"));
   const { stream, lacks } = watches ? { stream: null, lacks: "" } : await device();
   if (mine !== turn) return stop(stream);
   ours.value = stream;
   silent.value = unseen.value = false;
   call.value = { ...call.value, stage: "connecting", lacks };
-  connection = connect({
+  const made = await import("./connection").catch(() => null);
+  if (mine !== turn) return stop(stream);
+  if (made === null) return ended(t("call.lost"));
+  connection = made.connect({
     purpose: watches ? "watch" : "talk",
     send: stream,
     onMedia: (media) => {

@@ -23,8 +23,6 @@ const KEEP_MS = 1000;
 const LOST_MS = 8000;
 const SPOKEN = ["video/VP8", "video/rtx"];
 
-export const canConnect = (): boolean => typeof RTCPeerConnection === "function";
-
 /** Begins a connection; everything that comes of it is told by the callbacks. */
 export function connect(wanted: Wanted): Connection {
   const pc = new RTCPeerConnection({ iceServers: [] });
