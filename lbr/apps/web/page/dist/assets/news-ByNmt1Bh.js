@@ -1,1 +1,0 @@
-import{Dt as e,jt as t}from"./parts-CYQCkfKL.js";import{l as n}from"./index-DzKUj5wj.js";function r(r){let[i,a]=t(``);return e(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
