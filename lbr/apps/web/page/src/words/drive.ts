@@ -36,7 +36,6 @@ export const drive = {
   "drive.why.nothing": ["Nothing holds it still", "Nichts hält ihn auf"],
   "drive.ready": ["Ready", "Bereit"],
   "drive.holder": ["{holder} drives", "{holder} fährt"],
-  "part.beacon": ["The way to the dock", "Der Weg zur Ladestation"],
   "drive.takeover": ["Take over", "Übernehmen"],
   "drive.limited": ["Slowed by {by}", "Gebremst durch {by}"],
   "drive.again": ["Release, then push again", "Loslassen, dann neu schieben"],

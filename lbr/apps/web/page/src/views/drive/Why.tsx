@@ -98,7 +98,7 @@ const goalOf = (drive: DriveState | null): string | undefined => (drive?.goal?.s
 
 /** Whether a part of the robot drives, which nobody can ask. */
 const isPart = (holder: string | null | undefined): boolean => robot.value?.capabilities.some((one) => one.name === holder) ?? false;
-const whose = (holder: string): string => (isPart(holder) ? maybe(`part.${holder}`) || plain(holder) : named(holder));
+const whose = (holder: string): string => (isPart(holder) ? plain(holder) : named(holder));
 
 const heldBy = (holder: string | null | undefined): string => (holder ? t("drive.holder", { holder: whose(holder) }) : t("code.held"));
 
