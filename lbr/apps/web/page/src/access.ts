@@ -25,7 +25,7 @@ export function told(answer: Pick<Answer, "code" | "reason">): string {
   const own = maybe(`refused.${answer.code}`);
   if (own) return own;
   const meant = maybe(`code.${answer.code}`);
-  return [meant, answer.reason].filter(Boolean).join(": ") || t("refused.unreachable");
+  return [meant, answer.reason].filter(Boolean).join(": ") || t("away.silent");
 }
 
 async function asked<T>(path: string, { method, body, keepalive, timeoutMs }: Required<Pick<Options, "method" | "keepalive" | "timeoutMs">> & { body?: unknown }): Promise<Answer<T>> {
@@ -46,7 +46,7 @@ async function asked<T>(path: string, { method, body, keepalive, timeoutMs }: Re
     return { ok: !refused, status: answer.status, code, reason: reply?.message ?? reply?.reason ?? reply?.text ?? "", data: data as T };
   } catch (err) {
     const late = err instanceof DOMException && err.name === "TimeoutError";
-    return { ok: false, status: 0, code: late ? "timeout" : "", reason: t("refused.unreachable"), data: null };
+    return { ok: false, status: 0, code: late ? "timeout" : "", reason: t("away.silent"), data: null };
   }
 }
 

@@ -91,5 +91,5 @@ export const shell = {
   "refused.rest_first": ["Release first, then move again.", "Erst loslassen, dann neu bewegen."],
   "mend.on": ["Switch on", "Einschalten"],
   "joints.recover": ["Recover", "Zurücksetzen"],
-  "refused.unreachable": ["The robot does not answer", "Der Roboter antwortet nicht"],
+  "away.silent": ["The robot does not answer", "Der Roboter antwortet nicht"],
 } as const;
