@@ -53,10 +53,12 @@ LISTS = {name: TESTS / f"{name}.txt" for name in ("nightly", "slow")}
 SLOW_S = 2.0
 
 left_over = pytest.StashKey[list[str]]()
+nameless = pytest.StashKey[list[str]]()
+"""The lines of a list that name no test, in a whole run."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.stash[left_over] = []
+    config.stash[left_over], config.stash[nameless] = [], []
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -84,7 +86,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark what the lists name; a whole collection fails on a line that names nothing."""
+    """Mark what the lists name; in a whole run note the lines that name nothing, for a test that fails by them."""
     for mark, path in LISTS.items():
         wanted = _lines(mark)
         named = {line for line in wanted if _is_left_out(TESTS / line, config) and (TESTS / line).exists()}
@@ -92,8 +94,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             if names := wanted.intersection(_names(item.nodeid.removeprefix("tests/"))):
                 item.add_marker(mark)
                 named |= names
-        if named != wanted and _is_whole(config):
-            raise pytest.UsageError(f"{path.name} names what is not there: {', '.join(sorted(wanted - named))}")
+        if _is_whole(config):
+            config.stash[nameless] += [f"{path.name}: {line}" for line in sorted(wanted - named)]
 
 
 def pytest_collection_finish() -> None:
