@@ -143,11 +143,14 @@ from websockets.sync.client import connect
 with connect(f"ws://127.0.0.1:{sys.argv[1]}/api/live") as socket:
     socket.send(json.dumps({"hear": ["drive/state"]}))
     socket.send(json.dumps({"hold": {"to": "drive/command", "message": {"power": 0.3, "angle_deg": 90}, "n": 1}}))
+    silent = False
     while True:
         told = json.loads(socket.recv())
         if not told.get("hold", {}).get("holds", True):
             print(json.dumps(told), flush=True)
-        if sys.argv[2] != "silent" or not told.get("streams", {}).get("drive/state", {}).get("message", {}).get("moving"):
+        moving = told.get("streams", {}).get("drive/state", {}).get("message", {}).get("moving")
+        silent = silent or (sys.argv[2] == "silent" and bool(moving))
+        if not silent:
             socket.send(json.dumps({"keep": 1, "t": told["t"]}))
 """
 
