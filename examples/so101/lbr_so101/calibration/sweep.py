@@ -72,7 +72,7 @@ def beyond(joints: Iterable[Joint], steps: Sequence[MotionStep]) -> str:
     """Return which key frames would not be within the limits any more, or nothing."""
     limits = {joint.name: joint for joint in joints}
     wrong = [
-        f"{step.told} has {name} at {degrees(angle):.0f} degrees"
+        f"{step.full_name} has {name} at {degrees(angle):.0f} degrees"
         for step in steps
         for name, angle in step.positions.items()
         if name in limits and not limits[name].lower_rad <= angle <= limits[name].upper_rad
