@@ -62,6 +62,11 @@ class Arm(DriverBench):
     def seen(self, number):
         return next((one for one in self.state.servos if one.id == number), None) if self.state else None
 
+    def reason(self, number):
+        """Return what is wrong with a servo; empty, too, while its first looks are under way."""
+        seen = self.seen(number)
+        return seen.reason if seen else ""
+
     def each(self, check):
         return self.state is not None and len(self.state.servos) == len(IDS) and all(map(check, self.state.servos))
 

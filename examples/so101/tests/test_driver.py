@@ -97,7 +97,7 @@ def test_a_bad_servo_is_named_and_the_others_go_on(fault, said, arm):
     arm.send(position_rad=0.3)
     others = [number for number in IDS if number != 4]
     arm.until(lambda: all(arm.servos[number].torque for number in others), "the others")
-    arm.until(lambda: said in arm.seen(4).reason, said)
+    arm.until(lambda: said in arm.reason(4), said)
     assert not any(arm.seen(number).reason for number in others)
     assert not arm.servos[4].torque
 
