@@ -63,6 +63,11 @@ class NoMotionError(AssertionError):
     """The motors did not turn in time: a machine that was busy for 0.1 s has disarmed them."""
 
 
+def _is_well(unit: dict[str, Any]) -> bool:
+    """Return whether a capability is ready, or would be but for the emergency stop."""
+    return unit["phase"] == "ready" or unit["code"] == "estop"
+
+
 class Bench:
     """One robot, what is measured on it, and the means to hurt it."""
 
@@ -146,7 +151,7 @@ class Bench:
         """Wait until everything has been ready for a moment, not only on its way through."""
 
         def ready() -> bool:
-            return {unit["phase"] for unit in self.units()} == {"ready"}
+            return all(map(_is_well, self.units()))
 
         for _ in range(2):
             self.until(ready, limit_s, "all ready", every_s=0.02)
@@ -198,7 +203,7 @@ class Bench:
 
         def other() -> bool:
             unit = self.unit(name)
-            return unit["phase"] == "ready" and unit["pid"] not in {None, gone}
+            return _is_well(unit) and unit["pid"] not in {None, gone}
 
         self.until(other, limit_s, f"{name} ready again", every_s=0.015)
         if figure:
