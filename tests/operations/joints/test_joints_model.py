@@ -68,8 +68,8 @@ class Motion(RuleBasedStateMachine):
             return
         position = BODY.joint_rad(name, goal.position_rad)
         assert BODY.beyond_rad(name, position) <= self.outside.get(name, 0.0) + 1e-9
-        if not BODY.beyond_rad(name, position):
-            self.outside.pop(name, None)
+        if not BODY.beyond_rad(name, position) and not BODY.beyond_rad(name, self.bench.measured(name)):
+            self.outside.pop(name, None)  # it is back; until then its next motion begins where it is
         assert goal.speed_rps <= joint.speed_rps
         began = before is None or before.torque == 0.0 or before.position_rad is None
         if began or halted:
