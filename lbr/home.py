@@ -58,7 +58,7 @@ def live_in() -> None:
 
 
 def _is_lived_in(path: Path) -> bool:
-    """Say whether a robot runs from there which this process is, or belongs to."""
+    """Return whether a robot runs from there which this process is, or belongs to."""
     return path == _lived_in or RUN_VARIABLE in os.environ
 
 
@@ -268,7 +268,7 @@ def _locked_within(fd: int, limit_s: float) -> bool:
 
 
 def _is_locked(path: Path, how: int = fcntl.LOCK_SH) -> bool:
-    """Say whether a robot has the lock; two processes that look at the same time share it."""
+    """Return whether a robot has the lock; two processes that look at the same time share it."""
     try:
         fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError:

@@ -166,7 +166,7 @@ def _way(path: Path) -> Iterator[_Step]:
 
 
 def _has_further_names(path: Path) -> bool:
-    """Say whether a file has other names than that under which it was built, which goes by itself."""
+    """Return whether a file has other names than that under which it was built, which goes by itself."""
     try:
         if path.lstat().st_nlink < 2:
             return False
@@ -177,7 +177,7 @@ def _has_further_names(path: Path) -> bool:
 
 
 def _has_others(gid: int) -> bool:
-    """Say whether a group has members besides us and root; one that is ours alone shares nothing."""
+    """Return whether a group has members besides us and root; one that is ours alone shares nothing."""
     try:
         members = set(grp.getgrgid(gid).gr_mem) | {one.pw_name for one in pwd.getpwall() if one.pw_gid == gid}
     except KeyError:
@@ -186,7 +186,7 @@ def _has_others(gid: int) -> bool:
 
 
 def _is_unmapped(uid: int) -> bool:
-    """Say whether an owner is outside of this user namespace, so that no user inside can be it."""
+    """Return whether an owner is outside of this user namespace, so that no user inside can be it."""
     try:
         overflow = int(Path("/proc/sys/kernel/overflowuid").read_text())
         return uid == overflow and " ".join(Path("/proc/self/uid_map").read_text().split()) != WHOLE_MAP

@@ -49,7 +49,7 @@ class Entry:
 
     @property
     def ours(self) -> bool:
-        """Say whether it came with lbr."""
+        """Return whether it came with lbr."""
         return self.package == CORE
 
     @property
@@ -80,7 +80,7 @@ class Plugin:
 
     @property
     def ours(self) -> bool:
-        """Say whether it came with lbr."""
+        """Return whether it came with lbr."""
         return self.entry.ours
 
     @property

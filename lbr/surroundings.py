@@ -120,7 +120,7 @@ def need_a_console() -> None:
 
 
 def can_write(fd: int) -> bool:
-    """Say whether a descriptor is open for writing."""
+    """Return whether a descriptor is open for writing."""
     import fcntl  # noqa: PLC0415 - light commands need none of it
 
     try:
@@ -209,7 +209,7 @@ def _is_open(fd: int) -> bool:
 
 
 def _at_end(fd: int) -> bool:
-    """Say whether reading from a descriptor gives its end at once."""
+    """Return whether reading from a descriptor gives its end at once."""
     try:
         about = os.fstat(fd)
         if stat.S_ISCHR(about.st_mode):

@@ -130,11 +130,10 @@ def _names(test: str) -> Iterator[str]:
 def pytest_xdist_auto_num_workers() -> int:
     """Return how many processes `-n auto` begins: three for two cores, as a test that has a robot waits half of its time.
 
-    Two of them where others keep the cores busy already, and in CI, whose cores are others', too: a robot that is starved
-    stops, as it has to.
+    Two of them in CI, whose cores are others', too: a robot that is starved stops, as it has to.
     """
     cores = len(os.sched_getaffinity(0))
-    return cores if needs.IN_CI or os.getloadavg()[0] > cores else cores * 3 // 2
+    return cores if needs.IN_CI else cores * 3 // 2
 
 
 @pytest.hookimpl(trylast=True)

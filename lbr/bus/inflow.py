@@ -19,7 +19,7 @@ class Inflow:
         self._used_until: dict[str, float] = {}
 
     def admits(self, sender: str, now: float) -> bool:
-        """Say whether one more command of a sender is let in, and count it if so."""
+        """Return whether one more command of a sender is let in, and count it if so."""
         if sender not in self._used_until and len(self._used_until) >= MOST_SENDERS:
             self._used_until = {name: at for name, at in self._used_until.items() if at + REMEMBERED_S > now}
             if len(self._used_until) >= MOST_SENDERS:

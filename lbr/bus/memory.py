@@ -168,7 +168,7 @@ class MemoryRequest(Request):
 
     @property
     def answerable(self) -> bool:
-        """Say whether the sender waits for an answer."""
+        """Return whether the sender waits for an answer."""
         return self._question is not None
 
     def forward_reply(self, payload: bytes, attachment: bytes) -> None:

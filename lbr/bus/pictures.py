@@ -9,7 +9,7 @@ _NO_FRAME_HEADER = {0xC4, 0xC8, 0xCC}
 
 
 def is_whole(data: bytes) -> bool:
-    """Say whether bytes begin and end as a JPEG file does."""
+    """Return whether bytes begin and end as a JPEG file does."""
     return len(data) > 4 and data.startswith(_BEGIN) and data.endswith(_END)
 
 

@@ -95,7 +95,7 @@ def read(attachment: bytes | None) -> Stamp | None:
 
 
 def genuine(stamp: Stamp | None, payload: bytes, key: bytes) -> bool:
-    """Say whether a stamp's seal fits its payload and key; without a key none does, since anybody could make it."""
+    """Return whether a stamp's seal fits its payload and key; without a key none does, since anybody could make it."""
     if stamp is None or not key:
         return False
     expected = _seal(key, payload, stamp.seq, stamp.mono_ns, stamp.boot)

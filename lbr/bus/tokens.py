@@ -42,7 +42,7 @@ def parse(text: str) -> Token:
 
 
 def is_one(text: str) -> bool:
-    """Say whether a text looks like a token."""
+    """Return whether a text looks like a token."""
     return _SHAPE.fullmatch(text.strip()) is not None
 
 

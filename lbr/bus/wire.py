@@ -239,7 +239,7 @@ class Request:
 
     @property
     def answerable(self) -> bool:
-        """Say whether the sender waits for an answer; after a `put` it does not."""
+        """Return whether the sender waits for an answer; after a `put` it does not."""
         return self._query is not None
 
     def reply(self, message: Any, source: str) -> None:

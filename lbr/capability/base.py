@@ -36,7 +36,7 @@ class Capability(Generic[S]):
         """Do one round of work; must not block longer than a few milliseconds."""
 
     def answers(self) -> bool:
-        """Say whether its device has said anything since it was opened; it is not called ready before."""
+        """Return whether its device has said anything since it was opened; it is not called ready before."""
         return True
 
     def lacks(self) -> Reason | None:

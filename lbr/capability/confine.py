@@ -41,7 +41,7 @@ def keep_private() -> None:
 
 
 def needs_override(places: Iterable[str]) -> bool:
-    """Say whether root, to reach all of these, must keep the right to open the files of others."""
+    """Return whether root, to reach all of these, must keep the right to open the files of others."""
     return os.geteuid() == 0 and any(Path(place).exists() and Path(place).stat().st_uid != 0 for place in places)
 
 

@@ -127,7 +127,7 @@ class Context(Protocol[S_co]):
         """Answer no `get` any more with what was published there, until there is something new."""
 
     def watched(self, output: str) -> bool:
-        """Say whether there is a subscriber of an output of pictures; `step` is called when that changes.
+        """Return whether there is a subscriber of an output of pictures; `step` is called when that changes.
 
         Of other outputs that is not known, and they count as watched.
         """
@@ -149,7 +149,7 @@ class Context(Protocol[S_co]):
         """Return the names of the capabilities wired to an input or setpoint."""
 
     def alive(self, capability: str) -> bool:
-        """Say whether another capability's process is on the bus; its death is known within milliseconds."""
+        """Return whether another capability's process is on the bus; its death is known within milliseconds."""
 
     def targets(self, request: str) -> tuple[str, ...]:
         """Return the names of the capabilities wired to a request."""

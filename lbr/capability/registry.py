@@ -96,7 +96,7 @@ def fingerprint(name: str, home: Path) -> str:
 
 
 def same_content(fingerprint: str, other: str) -> bool:
-    """Say whether two files have the same in them, whenever and on whichever machine each was written."""
+    """Return whether two files have the same in them, whenever and on whichever machine each was written."""
     return fingerprint.rpartition("-")[2] == other.rpartition("-")[2]
 
 

@@ -300,7 +300,7 @@ class ProcessContext:
             publisher.forget()
 
     def watched(self, output: str) -> bool:
-        """Say whether there is a subscriber of an output of pictures."""
+        """Return whether there is a subscriber of an output of pictures."""
         return any(publisher.watched for publisher in self._outputs[output])
 
     def wake(self) -> None:
@@ -320,7 +320,7 @@ class ProcessContext:
         return self._ports[port].sources
 
     def alive(self, capability: str) -> bool:
-        """Say whether another capability's process is on the bus."""
+        """Return whether another capability's process is on the bus."""
         return capability in self._presence.names
 
     def targets(self, request: str) -> tuple[str, ...]:

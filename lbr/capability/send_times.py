@@ -27,7 +27,7 @@ class SendTimes:
         self._turn_s = -inf
 
     def newer(self, sent: Stamp) -> bool:
-        """Tell whether a sealed message was sent after all before it; a machine that restarted counts from there."""
+        """Return whether a sealed message was sent after all before it; a machine that restarted counts from there."""
         if sent.boot != self._boot:
             if sent.boot in self._past:
                 return False

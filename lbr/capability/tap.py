@@ -30,7 +30,7 @@ class Tap:
 
     @property
     def wanted(self) -> bool:
-        """Say whether what comes now is kept."""
+        """Return whether what comes now is kept."""
         return self._live is not None or self._opened_ns > 0
 
     def sent(self, data: bytes) -> None:

@@ -100,7 +100,7 @@ class Robot:
 
     @property
     def _has_restarted(self) -> bool:
-        """Tell whether the robot's run of this connection is over: the next one has another password."""
+        """Return whether the robot's run of this connection is over: the next one has another password."""
         return self._running is not None and self._running.pid not in {one.pid for one in home.running()}
 
     def _bus_error(self, why: str) -> BusError:

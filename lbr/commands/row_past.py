@@ -228,7 +228,7 @@ def local_time(seconds: float) -> str:
 
 
 def _is_asked(revision: RevisionRow, robot: str | None, table: str | None, row: str | None) -> bool:
-    """Say whether a revision is of a robot, of a table and of a row; None is any."""
+    """Return whether a revision is of a robot, of a table and of a row; None is any."""
     values = revision.new or revision.old or {}
     mine = robot is None or values.get("name" if revision.table == "robot" else "robot") == robot
     keys = {"/".join(revision.row_key), "/".join(revision.row_key[1:])}

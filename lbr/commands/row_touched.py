@@ -40,7 +40,7 @@ class Touched(Struct, frozen=True, kw_only=True):
 
     @property
     def any(self) -> bool:
-        """Say whether any process is touched."""
+        """Return whether any process is touched."""
         return bool(self.start or self.stop or self.restart or self.tell)
 
 

@@ -135,7 +135,7 @@ def stamped(text: str, comment: str = "#") -> str:
 
 
 def is_pristine(text: str) -> bool:
-    """Say whether a file is as it was written."""
+    """Return whether a file is as it was written."""
     head = _HEAD.match(text)
     return head is not None and hashlib.sha256(text[head.end() :].encode()).hexdigest() == head[2]
 

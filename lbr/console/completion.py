@@ -71,7 +71,7 @@ class LineCompleter(Completer):
 
 
 def _bare(entry: dict[str, Any], word: str, entries: Iterable[dict[str, Any]]) -> bool:
-    """Say whether a word of lbr itself with one field may be said with a space: `why drive`."""
+    """Return whether a word of lbr itself with one field may be said with a space: `why drive`."""
     alone = any(one.get("pattern") == word and one.get("target") == entry["target"] for one in entries)
     return alone and entry.get("word") == word and entry.get("pattern", "").count("/") == 2
 

@@ -46,16 +46,16 @@ class Contact:
 
     @property
     def open(self) -> bool:
-        """Say whether an answer is still to come."""
+        """Return whether an answer is still to come."""
         return self._asked is not None
 
     @property
     def awaited(self) -> bool:
-        """Say whether an answer may well come in a moment."""
+        """Return whether an answer may well come in a moment."""
         return self._asked is not None and self._clock() - self._asked <= ANSWER_S
 
     def due(self, *, held: bool) -> bool:
-        """Say whether to ask now: once at the beginning, and then while something is held."""
+        """Return whether to ask now: once at the beginning, and then while something is held."""
         if not self._begun:
             return True
         return self._answers and held and not self.open and self._clock() - self._asked_last >= ASK_S

@@ -22,14 +22,14 @@ class Greeting:
         self._due = False
 
     def shows(self, event: Event) -> bool:
-        """Say whether an event is shown; while all starts, the greeting tells which parts are degraded."""
+        """Return whether an event is shown; while all starts, the greeting tells which parts are degraded."""
         if event.subject == "executive" and event.kind in {READY, NOT_READY}:
             self._due = event.kind == NOT_READY
             return self._verbose
         return self._ready or self._verbose or (event.level != "info" and event.kind != "degraded")
 
     def is_due(self, status: Status | None) -> bool:
-        """Say whether to show the greeting now; the next time only when there is news."""
+        """Return whether to show the greeting now; the next time only when there is news."""
         due = self._due
         if status is not None and status.ready and not self._ready:
             self._ready = due = True

@@ -91,7 +91,7 @@ class Lines:
         return None if self.closing or line is None else (came, line)
 
     def _peek(self, timeout_s: float) -> bool:
-        """Say whether a next line (or the end) is there, waiting a little for it."""
+        """Return whether a next line (or the end) is there, waiting a little for it."""
         if self._next:
             return True
         try:
@@ -156,7 +156,7 @@ class Lines:
         return held.ending
 
     def _is_stop(self) -> bool:
-        """Say whether the next line is a stop; one that has come since the line under way began is the next."""
+        """Return whether the next line is a stop; one that has come since the line under way began is the next."""
         with contextlib.suppress(queue.Empty):
             while True:
                 self._next.append(self._waiting.get_nowait())

@@ -167,7 +167,7 @@ class Stream:
         return self._fd
 
     def isatty(self) -> bool:
-        """Say whether it is a terminal."""
+        """Return whether it is a terminal."""
         return os.isatty(self._fd)
 
     def _send(self) -> None:

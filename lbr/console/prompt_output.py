@@ -42,7 +42,7 @@ class Screen(Vt100_Output):
 
     @property
     def free(self) -> bool:
-        """Say whether the terminal takes what is written."""
+        """Return whether the terminal takes what is written."""
         return self.outlet.waiting < AHEAD_BYTES
 
     def get_rows_below_cursor_position(self) -> int:

@@ -33,5 +33,5 @@ def stop_in(line: str | bytes) -> str:
 
 
 def is_stop(line: str | bytes) -> bool:
-    """Say whether a line stops the robot."""
+    """Return whether a line stops the robot."""
     return bool(stop_in(line))

@@ -52,7 +52,7 @@ def offered(endpoint: str, token_file: Path | None) -> Iterator[Offered]:
 
 
 def can_ask() -> bool:
-    """Say whether there is a user who could type a token."""
+    """Return whether there is a user who could type a token."""
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 

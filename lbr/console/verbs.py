@@ -240,7 +240,7 @@ class _Verb:
         return self.pattern.rest, len(self.pattern.fields)
 
     def takes(self, parts: list[str]) -> bool:
-        """Say whether the number of parts and the fixed words fit."""
+        """Return whether the number of parts and the fixed words fit."""
         wanted = self.pattern.parts
         enough = len(parts) >= len(wanted) if self.pattern.rest else len(parts) == len(wanted)
         return enough and all(want[0] == "{" or want == part.strip() for want, part in zip(wanted, parts, strict=False))

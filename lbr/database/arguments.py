@@ -54,7 +54,7 @@ def _takes(argument: Argument, word: str) -> bool:
 
 
 def _fits(pattern: str, word: str) -> bool:
-    """Say whether a pattern fits a whole word; one that takes too long does not.
+    """Return whether a pattern fits a whole word; one that takes too long does not.
 
     Python compares with its lock held, and may take for ever over one short word: so another process does it, which the
     kernel ends after a second of computing. It ranks behind all that runs, for what is typed must not slow the robot.

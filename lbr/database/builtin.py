@@ -40,10 +40,10 @@ _WITH_PARTS = frozenset(row.word.lower() for row in WORDS if row.pattern.startsw
 
 
 def is_builtin(word: str) -> bool:
-    """Tell whether a bare word is one of them, in capital letters or small ones."""
+    """Return whether a bare word is one of them, in capital letters or small ones."""
     return word.lower() in _TAKEN
 
 
 def shadowed(pattern: Pattern) -> bool:
-    """Say whether a pattern would take a line that is theirs: `/stop` says what `stop` does."""
+    """Return whether a pattern would take a line that is theirs: `/stop` says what `stop` does."""
     return is_builtin(pattern.word) if not pattern.parts else pattern.word.lower() in _WITH_PARTS

@@ -47,7 +47,7 @@ class Claim:
 
 
 def any_robot(database: Path) -> bool:
-    """Say whether any robot runs from an open database, of this version of lbr or an older one.
+    """Return whether any robot runs from an open database, of this version of lbr or an older one.
 
     The descriptor by which it asks stays open for the reason above.
     """

@@ -58,7 +58,7 @@ class Column:
 
     @property
     def holds_json(self) -> bool:
-        """Say whether it holds JSON, as text."""
+        """Return whether it holds JSON, as text."""
         return self.is_json or self.extra.get("shape") is shapes.OBJECT
 
     def read(self, value: Any) -> Any:

@@ -144,7 +144,7 @@ def _one_at_a_time(folder: Path) -> Iterator[None]:
 
 
 def _same(one: Path, other: Path) -> bool:
-    """Say whether two copies hold the same rows and tokens."""
+    """Return whether two copies hold the same rows and tokens."""
     try:
         return _content(one) == _content(other)
     except LbrError:

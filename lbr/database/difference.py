@@ -33,7 +33,7 @@ def changed_columns(table: str, before: RawRow, after: RawRow) -> dict[str, tupl
 
 
 def same(a: object, b: object) -> bool:
-    """Tell whether two values mean the same; in JSON, spaces and the order of keys do not count."""
+    """Return whether two values mean the same; in JSON, spaces and the order of keys do not count."""
     if a == b or not (isinstance(a, str) and isinstance(b, str) and a[:1] in "{[" and b[:1] in "{["):
         return bool(a == b)
     try:
@@ -43,7 +43,7 @@ def same(a: object, b: object) -> bool:
 
 
 def _alike(a: object, b: object) -> bool:
-    """Tell whether two values of JSON are the same; `true` is not 1."""
+    """Return whether two values of JSON are the same; `true` is not 1."""
     if isinstance(a, bool) or isinstance(b, bool):
         return a is b
     if isinstance(a, dict) and isinstance(b, dict):

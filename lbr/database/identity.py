@@ -14,7 +14,7 @@ _MAKING = tuple(re.compile(rf'CREATE TABLE (IF NOT EXISTS )?"?{name}"?\s*\('.enc
 
 
 def is_robots(connection: Connection) -> bool:
-    """Say whether a database has the tables by which every robot's is known."""
+    """Return whether a database has the tables by which every robot's is known."""
     count = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name IN (?, ?, ?)"
     return bool(connection.scalar(count, _TABLES) == len(_TABLES))
 

@@ -120,7 +120,7 @@ def _aside(path: Path) -> Path:
 
 
 def _in_use(path: Path) -> bool:
-    """Say whether another process has the database open; in WAL mode each keeps SQLite's shared lock."""
+    """Return whether another process has the database open; in WAL mode each keeps SQLite's shared lock."""
     try:
         fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError:

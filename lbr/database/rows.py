@@ -308,11 +308,11 @@ class TokenRow(Row, frozen=True, kw_only=True):
     ) = None
 
     def lets_in(self, door: Literal["bus", "web"]) -> bool:
-        """Say whether it is one for that way in."""
+        """Return whether it is one for that way in."""
         return self.good_for in {"both", door}
 
     def has_expired(self, now: datetime) -> bool:
-        """Say whether its time is over; one whose end cannot be read is over."""
+        """Return whether its time is over; one whose end cannot be read is over."""
         if self.expires_at is None:
             return False
         try:

@@ -87,5 +87,5 @@ def _key(key: tuple[str, ...], row: RawRow) -> tuple[object, ...]:
 
 
 def _is_of(table: str, row: RawRow, robot: str) -> bool:
-    """Say whether a row is of a robot; what no robot owns, such as phrases, is in every new database already."""
+    """Return whether a row is of a robot; what no robot owns, such as phrases, is in every new database already."""
     return row["name"] == robot if table == ROBOT else row.get("robot") == robot

@@ -31,7 +31,7 @@ def code_of(err: BaseException) -> Code:
 
 
 def is_settling(path: str) -> bool:
-    """Say whether a device file appeared or changed its rights so lately that udev may not be through."""
+    """Return whether a device file appeared or changed its rights so lately that udev may not be through."""
     try:
         return abs(time.time() - Path(path).stat().st_ctime) < SETTLED_S
     except OSError:

@@ -64,6 +64,6 @@ class SetpointGate(Generic[S]):
 
 
 def fresh(born: float, now: float, valid_s: float) -> bool:
-    """Say whether something born then is believed now; what comes from the future is not."""
+    """Return whether something born then is believed now; what comes from the future is not."""
     age_s = now - born
     return -valid_s <= age_s < valid_s  # this way round, NaN means late

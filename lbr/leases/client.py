@@ -104,7 +104,7 @@ class LeaseClient:
 
     @property
     def lost(self) -> bool:
-        """Tell whether it may not go on, also while the result with the reason is awaited."""
+        """Return whether it may not go on, also while the result with the reason is awaited."""
         return self._lost is not None
 
     @property

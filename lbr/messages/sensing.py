@@ -43,7 +43,7 @@ class Ranges(Struct, frozen=True, kw_only=True):
         return self.others_m.get(sensor)
 
     def tells_of(self, sensor: str) -> bool:
-        """Say whether the message is about a sensor: what it does not mention is as it was."""
+        """Return whether the message is about a sensor: what it does not mention is as it was."""
         if sensor in RING and not self.others_m:
             return True
         return sensor in self.status or sensor in self.others_m or self.metres(sensor) is not None

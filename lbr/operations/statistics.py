@@ -17,7 +17,7 @@ class Beat:
         self._due = None if after is None else after + self._period_s
 
     def due(self, now: float) -> bool:
-        """Say whether a round is due, and count it as done."""
+        """Return whether a round is due, and count it as done."""
         if self._due is None:
             self._due = now
         if now < self._due - EARLY * self._period_s:

@@ -31,7 +31,7 @@ class MakersMotion(Protocol):
     """The motions out of a file, before it is known for which robot."""
 
     def fits(self, rows: RobotRows) -> bool:
-        """Say whether a robot has what the file speaks of."""
+        """Return whether a robot has what the file speaks of."""
 
     def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
         """Return them in the angles of a robot's joints, and what people should know of them; InputError says why

@@ -80,7 +80,7 @@ class OldData(Protocol):
     """The content of a file, before its robot is known."""
 
     def fits(self, here: Here) -> bool:
-        """Say whether a robot has what the file speaks of."""
+        """Return whether a robot has what the file speaks of."""
 
     def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:
         """Return which rows are wanted, and what has no place; InputError says why it cannot be told."""

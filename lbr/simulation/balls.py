@@ -48,7 +48,7 @@ class Balls:
 
     @property
     def still(self) -> bool:
-        """Say whether none moves, nor is to be put elsewhere."""
+        """Return whether none moves, nor is to be put elsewhere."""
         return not self._changed and all(self._rests(name) for name in self._balls)
 
     @property

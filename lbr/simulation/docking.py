@@ -28,7 +28,7 @@ class DockSense:
         self._groups = np.array([group == STANDING for group in range(6)], dtype=np.uint8)
 
     def charging(self, robot: Place) -> bool:
-        """Say whether both contacts touch their plates."""
+        """Return whether both contacts touch their plates."""
         half = self._dock.contacts_m / 2
         return all(self._touches(robot, aside) for aside in (-half, half))
 

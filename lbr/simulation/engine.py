@@ -102,7 +102,7 @@ class Engine:
 
     @property
     def resting(self) -> bool:
-        """Say whether nothing moves: then time passes without the physics, exactly as far as the next power or
+        """Return whether nothing moves: then time passes without the physics, exactly as far as the next power or
         change."""
         return self._still_steps >= _STILL_STEPS and not self._placed.changed and self.balls.still
 
@@ -196,7 +196,7 @@ class Engine:
         )
 
     def touching(self, *, dock: bool = False) -> bool:
-        """Say whether the robot touches something that stands in the room, its dock too if that counts."""
+        """Return whether the robot touches something that stands in the room, its dock too if that counts."""
         data, things = self._data, self._standing if dock else self._walls
         pairs = (data.contact.geom[index] for index in range(data.ncon))
         return any((a in things and b in self._robot) or (b in things and a in self._robot) for a, b in pairs)

@@ -33,7 +33,7 @@ class Physics(Protocol):
         """Run for a while, moved as its twins do now."""
 
     def resting(self, now: float) -> bool:
-        """Say whether nothing moves, nor is about to: then time needs no steps."""
+        """Return whether nothing moves, nor is about to: then time needs no steps."""
 
     def rest(self, dt_s: float) -> None:
         """Let time pass in which nothing has moved."""
@@ -45,10 +45,10 @@ class Physics(Protocol):
         """Look around: return what devices can measure now, and keep what others ask for."""
 
     def moved_by(self, twin: Twin) -> bool:
-        """Say whether a twin moves what is in the world: such a one is there from the beginning."""
+        """Return whether a twin moves what is in the world: such a one is there from the beginning."""
 
     def at_rest(self, now: float) -> bool:
-        """Say whether nothing moves by power any more."""
+        """Return whether nothing moves by power any more."""
 
 
 class WorldLoop:

@@ -140,7 +140,7 @@ def _caster(name: str, x: float, z: float) -> str:
 
 
 def _stands(wheels: Sequence[Wheel]) -> bool:
-    """Say whether the wheels alone keep the base from tipping over, ahead and back."""
+    """Return whether the wheels alone keep the base from tipping over, ahead and back."""
     return min(wheel.x_m for wheel in wheels) < 0.0 < max(wheel.x_m for wheel in wheels)
 
 

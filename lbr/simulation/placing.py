@@ -30,7 +30,7 @@ class Placed:
 
     @property
     def changed(self) -> bool:
-        """Say whether there is something to `apply`."""
+        """Return whether there is something to `apply`."""
         return self._changed
 
     def place(self, box: WorldBox, robot: tuple[float, float, float]) -> None:

@@ -34,7 +34,7 @@ class PtyPort:
 
     @property
     def plugged(self) -> bool:
-        """Say whether clients can open the path."""
+        """Return whether clients can open the path."""
         return self._master is not None
 
     def fileno(self) -> int:

@@ -33,7 +33,7 @@ class SocketPort:
 
     @property
     def plugged(self) -> bool:
-        """Say whether clients can connect."""
+        """Return whether clients can connect."""
         return self._poll is not None
 
     @property

@@ -18,7 +18,7 @@ class TraceFile:
 
     @property
     def wanted(self) -> bool:
-        """Say whether anything is kept."""
+        """Return whether anything is kept."""
         return self._file is not None
 
     def write(self, now: float, text: str) -> None:

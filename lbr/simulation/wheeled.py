@@ -27,7 +27,7 @@ class WheeledPhysics:
         self._engine.drive(self._powers(now), dt_s)
 
     def resting(self, now: float) -> bool:
-        """Say whether nothing moves, nor is about to."""
+        """Return whether nothing moves, nor is about to."""
         return self._engine.resting and self.at_rest(now)
 
     def rest(self, dt_s: float) -> None:
@@ -47,11 +47,11 @@ class WheeledPhysics:
         return sensed
 
     def moved_by(self, twin: Twin) -> bool:
-        """Say whether a twin turns wheels."""
+        """Return whether a twin turns wheels."""
         return isinstance(twin, WheelDrive | MotorDrive)
 
     def at_rest(self, now: float) -> bool:
-        """Say whether no wheel has power."""
+        """Return whether no wheel has power."""
         return not any(self._powers(now).values())
 
     def _powers(self, now: float) -> dict[str, float]:

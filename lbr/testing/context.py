@@ -238,7 +238,7 @@ class FakeContext(ProcessContext):
         return self.wired.get(request, (request,))
 
     def alive(self, capability: str) -> bool:
-        """Say whether the test lets it live."""
+        """Return whether the test lets it live."""
         return capability not in self.gone
 
     def ask(  # type: ignore[override]

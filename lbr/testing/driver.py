@@ -159,7 +159,7 @@ class DriverBench:
         self.until(lambda: any(map(_valid, self.ctx.published[before:])), "something is published")
 
     def in_trouble(self) -> bool:
-        """Tell whether it has reported a device that is away, at fault, or without a valid reading."""
+        """Return whether it has reported a device that is away, at fault, or without a valid reading."""
         return (
             bool(self.errors)
             or any(phase != "ready" for phase in self.ctx.health)
@@ -315,7 +315,7 @@ def _turns(twin: WheelDrive) -> bool:
 
 
 def _finite(value: object) -> bool:
-    """Say whether all numbers in it are some."""
+    """Return whether all numbers in it are some."""
     if isinstance(value, dict):
         return all(map(_finite, value.values()))
     if isinstance(value, list | tuple):

@@ -56,7 +56,7 @@ class Robot:
         return json.loads(answers[0].payload) if answers else None
 
     def answers(self, timeout_s: float) -> bool:
-        """Say whether the robot answers on each session that this has with it; a link that broke comes back by
+        """Return whether the robot answers on each session that this has with it; a link that broke comes back by
         itself."""
         sessions = [self.bus, *([self._owner] if self._owner is not None else [])]
         key = f"{self.name}/@status"

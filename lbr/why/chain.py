@@ -135,7 +135,7 @@ def _beside(now: Snapshot, walk: Walk) -> Iterator[Link]:
 
 
 def _docks(part: Part) -> bool:
-    """Say whether a part goes by the beams of the dock, or is what sees them."""
+    """Return whether a part goes by the beams of the dock, or is what sees them."""
     goes_by = part.family == "operation" and "DockSignal" in part.inputs.values()
     return goes_by or "DockSignal" in part.outputs.values()
 

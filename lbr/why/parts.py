@@ -109,7 +109,7 @@ def _ready(now: Snapshot, part: Part, unit: CapabilityStatus) -> Link:
 
 
 def _commanded(now: Snapshot, part: Part, within_s: float) -> bool:
-    """Say whether a part, or one that needs it, took a command of late: then nothing is to be said again."""
+    """Return whether a part, or one that needs it, took a command of late: then nothing is to be said again."""
     over = {part.name}
     while more := {one.name for one in now.facts.parts.values() if over.intersection(one.needs)} - over:
         over |= more

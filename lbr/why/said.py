@@ -31,7 +31,7 @@ def links(now: Snapshot, part: Part) -> Iterator[Link]:
 
 
 def works(now: Snapshot, part: Part) -> bool:
-    """Say whether a driver that is degraded moves all the same what it can: the other servos of its bus."""
+    """Return whether a driver that is degraded moves all the same what it can: the other servos of its bus."""
     report = now.report(part, ServosState)
     return report is not None and report.state.armed
 

@@ -193,7 +193,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 self.ctx.event("behaviour_refused", f"the battery is low: {err}", level="warning", code=err.code)
 
     def _moved_by_others(self, now: float) -> bool:
-        """Say whether anyone holds what moves, or has just stopped it; what is not heard of may be held."""
+        """Return whether anyone holds what moves, or has just stopped it; what is not heard of may be held."""
         states = [one for stream in WATCHED for one in self._senses.newest(stream)]
         if not states:
             return True

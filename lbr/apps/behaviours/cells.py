@@ -39,11 +39,11 @@ class Texts(NamedTuple):
     others: bool = False
 
     def has(self, text: str) -> bool:
-        """Say whether a text is one of them."""
+        """Return whether a text is one of them."""
         return (text in self.of) is not self.others
 
     def all_in(self, other: "Texts") -> bool:
-        """Say whether the other has all of them."""
+        """Return whether the other has all of them."""
         if self.others:
             return other.others and other.of <= self.of
         return not self.of & other.of if other.others else self.of <= other.of
@@ -110,7 +110,7 @@ class Fits(NamedTuple):
         return Fits(numbers, self.texts.both(other.texts), self.missing and other.missing)
 
     def within(self, other: "Fits") -> bool:
-        """Say whether the other lets pass all that this one does."""
+        """Return whether the other lets pass all that this one does."""
         numbers = all(any(a <= low and high <= b for a, b in other.numbers) for low, high in self.numbers)
         return numbers and self.texts.all_in(other.texts) and (other.missing or not self.missing)
 
@@ -174,7 +174,7 @@ class _Reader:
         return self._text[token.at :].strip() if token else ""
 
     def word(self, *words: str) -> bool:
-        """Say whether one of these words comes next, and pass it."""
+        """Return whether one of these words comes next, and pass it."""
         token = self.peek()
         if token is None or token.kind not in {"word", "mark", "about"} or token.text.lower() not in words:
             return False

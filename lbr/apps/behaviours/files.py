@@ -196,7 +196,7 @@ def _heading(text: str) -> str:
 
 
 def _has_commas(text: str, delimiter: str) -> bool:
-    """Say whether the numbers of a file have decimal commas: what one cell shows counts for all."""
+    """Return whether the numbers of a file have decimal commas: what one cell shows counts for all."""
     header: list[str] = []
     with contextlib.suppress(csv.Error):
         for cells in csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True):

@@ -152,7 +152,7 @@ class Run:
             self._go_forward(at, now, look)
 
     def _too_long(self, at: float) -> bool:
-        """Say whether the run, or its state, has lasted too long, and end it."""
+        """Return whether the run, or its state, has lasted too long, and end it."""
         frame, max_s = self._frames[-1], self._frames[0].table.max_s
         if at - self._began >= max_s:
             self._end(good=False, why=Reason("time_over", f"it ran for {max_s:g} s, the longest it may"))

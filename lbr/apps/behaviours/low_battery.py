@@ -18,7 +18,7 @@ class LowBattery:
         self._begun = False
 
     def due(self, now: float, *, low: bool | None, charging: bool, busy: bool) -> bool:
-        """Say whether to begin now; `low` null: not known. After it began, only a battery that was well again
+        """Return whether to begin now; `low` null: not known. After it began, only a battery that was well again
         counts."""
         if low is False or charging:
             self._begun = False

@@ -364,5 +364,5 @@ def _within(name: str, value: float, most: float) -> float:
 
 
 def _unknown(value: object) -> bool:
-    """Say whether it is a variable that nothing is known of yet."""
+    """Return whether it is a variable that nothing is known of yet."""
     return isinstance(value, float) and isnan(value)

@@ -371,7 +371,7 @@ def _shadowed(lines: Sequence[Line]) -> Iterator[Fault]:
 
 
 def _passes(earlier: Line, later: Mapping[Key, Fits]) -> bool:
-    """Say whether a row holds whenever all of these do."""
+    """Return whether a row holds whenever all of these do."""
     return all(
         condition.cell.plain
         and (later[condition.key] if condition.key in later else ANYTHING.either(_MISSING)).within(condition.cell.fits)

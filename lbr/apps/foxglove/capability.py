@@ -209,7 +209,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self.api.close()
 
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
-        """Tell whether a client may subscribe to a channel: cameras are for known clients."""
+        """Return whether a client may subscribe to a channel: cameras are for known clients."""
         return not source.picture or (pictures and client.may("view"))
 
     def report(self, kind: str, text: str) -> None:

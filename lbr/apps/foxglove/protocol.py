@@ -10,6 +10,8 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta, Struct
 
+from lbr.errors import MalformedError
+
 PROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """The newest first; their messages are the same here."""
 MOST_LISTED = 256
@@ -97,10 +99,6 @@ class Unknown(Struct, frozen=True):
     op: str
 
 
-class InvalidMessage(Exception):  # noqa: N818 - an answer, not a fault
-    """The bytes are not a message; the text names the place where they do not fit."""
-
-
 class _Op(Struct, frozen=True):
     op: Text
 
@@ -112,13 +110,13 @@ _text = msgspec.json.Decoder(Subscribe | Unsubscribe | Advertise | Unadvertise)
 
 
 def parse(frame: str | bytes) -> Message:
-    """Return the message of a client: text is JSON, bytes are binary messages. Raise InvalidMessage, and nothing else."""
+    """Return the message of a client: text is JSON, bytes are binary messages. Raise MalformedError, and nothing else."""
     try:
         return _binary(frame) if isinstance(frame, bytes) else _json(frame.encode("utf-8", "surrogatepass"))
     except RecursionError:
-        raise InvalidMessage("the JSON is nested too deeply") from None
+        raise MalformedError("the JSON is nested too deeply") from None
     except (msgspec.MsgspecError, ValueError, OverflowError) as err:
-        raise InvalidMessage("".join(one if one.isprintable() else " " for one in str(err))[:200]) from None
+        raise MalformedError("".join(one if one.isprintable() else " " for one in str(err))[:200]) from None
 
 
 def _json(data: bytes) -> Message:
@@ -128,20 +126,20 @@ def _json(data: bytes) -> Message:
 
 def _binary(data: bytes) -> Message:
     if not data:
-        raise InvalidMessage("an empty binary message")
+        raise MalformedError("an empty binary message")
     if data[0] == 1:
         if len(data) < 1 + _PUBLISHED.size:
-            raise InvalidMessage("a published message is too short")
+            raise MalformedError("a published message is too short")
         return MessageData(_PUBLISHED.unpack_from(data, 1)[0], data[1 + _PUBLISHED.size :])
     if data[0] == 2:
         if len(data) < 1 + _CALL.size:
-            raise InvalidMessage("a service request is too short")
+            raise MalformedError("a service request is too short")
         service, call, length = _CALL.unpack_from(data, 1)
         begin = 1 + _CALL.size
         if length > len(data) - begin:
-            raise InvalidMessage("a service request is shorter than it says")
+            raise MalformedError("a service request is shorter than it says")
         return ServiceCall(service, call, data[begin : begin + length].decode(), data[begin + length :])
-    raise InvalidMessage(f"there is no binary message {data[0]}")
+    raise MalformedError(f"there is no binary message {data[0]}")
 
 
 def server_info(name: str, session: str, *, publishes: bool) -> str:

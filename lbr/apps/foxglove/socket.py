@@ -66,7 +66,7 @@ class Served(Protocol):
         """Run the line of a service in the name of a client; raise Refused."""
 
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
-        """Tell whether a client may subscribe to a channel."""
+        """Return whether a client may subscribe to a channel."""
 
     def report(self, kind: str, text: str) -> None:
         """Publish an event."""
@@ -240,7 +240,7 @@ class Viewer:
                 request = protocol.parse(text if text is not None else data or b"")
                 if not self.gone or isinstance(request, protocol.ServiceCall):  # stops count after the end, too
                     self._handle(request)
-            except protocol.InvalidMessage as err:
+            except MalformedError as err:
                 self._hand.release()  # the message may have been a release
                 self._served.api.wake()
                 self._queue(protocol.status(protocol.ERROR, f"a message that is none: {err}", "malformed"))

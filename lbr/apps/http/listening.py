@@ -39,7 +39,7 @@ def listen(host: str, port: int) -> list[socket.socket]:
 
 
 def is_here(address: str) -> bool:
-    """Say whether this machine has an address; a loopback's it lacks without that family of addresses."""
+    """Return whether this machine has an address; a loopback's it lacks without that family of addresses."""
     try:
         with socket.socket(socket.AF_INET6 if ":" in address else socket.AF_INET, socket.SOCK_STREAM) as probe:
             probe.bind((address, 0))
@@ -69,7 +69,7 @@ def _listen(host: str, port: int) -> socket.socket:
 
 
 def is_loopback(listening: socket.socket) -> bool:
-    """Say whether only this machine reaches a socket."""
+    """Return whether only this machine reaches a socket."""
     return names.is_loopback(listening.getsockname()[0])
 
 

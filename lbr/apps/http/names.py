@@ -30,7 +30,7 @@ def parsed(host: str) -> tuple[str, int | None] | None:
 
 
 def is_ours(host: str, names: AbstractSet[str] = frozenset(), *, loopback: bool = False) -> bool:
-    """Say whether a Host header means this machine: an address, its own name, or one of `names`.
+    """Return whether a Host header means this machine: an address, its own name, or one of `names`.
 
     `loopback`: the request comes from this machine. Then only names of the loopback count, besides `names`: what
     browsers say of a page that asks is certain for those alone. A foreign page whose name was made to lead here shows
@@ -55,19 +55,19 @@ def is_ours(host: str, names: AbstractSet[str] = frozenset(), *, loopback: bool 
 
 
 def means_loopback(host: str) -> bool:
-    """Say whether a Host header names the loopback and nothing else."""
+    """Return whether a Host header names the loopback and nothing else."""
     found = parsed(host)
     return found is not None and (found[0] == "localhost" or is_loopback(found[0]))
 
 
 def is_loopback(address: str) -> bool:
-    """Say whether an address is of this machine's loopback; an IPv4 address may be written as IPv6."""
+    """Return whether an address is of this machine's loopback; an IPv4 address may be written as IPv6."""
     ip = plain(address)
     return ip is not None and ip.is_loopback
 
 
 def is_local(host: str) -> bool:
-    """Say whether only this machine reaches who listens at an address."""
+    """Return whether only this machine reaches who listens at an address."""
     return host == "localhost" or is_loopback(host)
 
 
@@ -101,7 +101,7 @@ def _own() -> frozenset[str]:
 
 
 def _is_unspecified(address: ipaddress.IPv4Address | ipaddress.IPv6Address) -> bool:
-    """Say whether an address stands for no machine: browsers on some systems reach their own by it."""
+    """Return whether an address stands for no machine: browsers on some systems reach their own by it."""
     mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None
     return mapped is not None or address.is_unspecified or address in _THIS_NETWORK
 

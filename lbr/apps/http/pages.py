@@ -17,7 +17,7 @@ class Pages:
         self._allowed = frozenset(cors)
 
     def allows(self, origin: str) -> bool:
-        """Say whether an origin is among those of the row."""
+        """Return whether an origin is among those of the row."""
         return ANY in self._allowed or origin in self._allowed
 
     def stranger(self, headers: Mapping[str, str], scheme: str) -> str:
@@ -55,7 +55,7 @@ class Pages:
 
 
 def is_visit(headers: Mapping[str, str]) -> bool:
-    """Say whether a user follows a link to a page, so that the page that has the link learns nothing."""
+    """Return whether a user follows a link to a page, so that the page that has the link learns nothing."""
     return "origin" not in headers and headers.get("sec-fetch-mode", "navigate") == "navigate"
 
 

@@ -59,7 +59,7 @@ themselves send such: what is not here is a proxy that leaves no trace."""
 
 
 def is_relayed(headers: Mapping[str, str], port: int) -> bool:
-    """Say whether a request came by a proxy or a tunnel: by a header of those, or to another port or name than ours.
+    """Return whether a request came by a proxy or a tunnel: by a header of those, or to another port or name than ours.
 
     A relay that leaves no trace of passing requests on counts as the asker.
     """
@@ -76,7 +76,7 @@ def _names_a_relay(header: str) -> bool:
 
 
 def is_owners(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> bool:
-    """Say whether a program of this process's own user holds the other end of a connection; reads files."""
+    """Return whether a program of this process's own user holds the other end of a connection; reads files."""
     uid = os.geteuid()
     return uid != NOBODY and uid_of(client, server, tables) == uid
 
@@ -94,7 +94,7 @@ def whose(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Pat
 
 
 def is_held(connection: socket.socket) -> bool:
-    """Say whether a connection stands: until then no other can have its ports, and what was looked up by them is of
+    """Return whether a connection stands: until then no other can have its ports, and what was looked up by them is of
     it."""
     try:
         connection.getpeername()

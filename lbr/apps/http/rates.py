@@ -31,7 +31,7 @@ class Rates:
         self._buckets: OrderedDict[str, Bucket] = OrderedDict()
 
     def take(self, client: str, now: float) -> bool:
-        """Tell whether a client may send a request now."""
+        """Return whether a client may send a request now."""
         bucket = self._buckets.get(client)
         if bucket is None:
             bucket = self._buckets[client] = Bucket(self._rate_hz, now)

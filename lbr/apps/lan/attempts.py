@@ -58,7 +58,7 @@ class Attempts:
         self._hosts: OrderedDict[str, _Host] = OrderedDict()
 
     def knock(self, address: str, now: float) -> bool:
-        """Tell whether the router may look at a new connection now."""
+        """Return whether the router may look at a new connection now."""
         host = self._hosts.get(host_of(address))
         if host is not None and now < host.until_s:
             return False

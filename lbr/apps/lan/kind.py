@@ -30,7 +30,7 @@ class LanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
 
 def is_loopback(host: str) -> bool:
-    """Say whether only this machine can reach a host's name or address."""
+    """Return whether only this machine can reach a host's name or address."""
     try:
         return ip_address(host.strip("[]")).is_loopback
     except ValueError:

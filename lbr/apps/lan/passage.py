@@ -18,12 +18,12 @@ class Passage(Struct):
 
     @property
     def doubtful(self) -> bool:
-        """Say whether it is time to ask through the door."""
+        """Return whether it is time to ask through the door."""
         return self.missed >= DOUBTED_AFTER
 
     @property
     def broken(self) -> bool:
-        """Say whether nothing passes any more."""
+        """Return whether nothing passes any more."""
         return self.unanswered >= BROKEN_AFTER
 
     def count_statuses(self, *, outside: bool, inside: bool) -> None:

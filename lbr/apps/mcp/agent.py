@@ -73,7 +73,7 @@ class Outcome(Struct, frozen=True, kw_only=True):
 
     @property
     def good(self) -> bool:
-        """Say whether it was done."""
+        """Return whether it was done."""
         return self.code in {"done", "time_over"}
 
     def as_json(self) -> dict[str, Any]:

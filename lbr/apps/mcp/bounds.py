@@ -53,7 +53,7 @@ def checked(schema: Schema, arguments: Mapping[str, object]) -> dict[str, Any]:
 
 
 def fits(schema: Schema, value: Any) -> bool:
-    """Say whether a value is within bounds; NaN and infinity are within none."""
+    """Return whether a value is within bounds; NaN and infinity are within none."""
     if "enum" in schema:
         return isinstance(value, str) and value in schema["enum"]
     if schema.get("type") == "number":

@@ -55,7 +55,7 @@ class Pipe:
             await asyncio.sleep(TICK_S)
 
     def _has_read(self) -> bool:
-        """Say whether the client has read since the last time; one that has read all gets a blank to read."""
+        """Return whether the client has read since the last time; one that has read all gets a blank to read."""
         if not self._lock.acquire(blocking=False):  # a message is being written: it fits in only if it is read
             return False
         try:

@@ -67,7 +67,7 @@ class Tool(Struct, frozen=True, kw_only=True):
     required: tuple[str, ...] = ()
 
     def fits(self, known: Known) -> bool:
-        """Say whether a robot can do it."""
+        """Return whether a robot can do it."""
         if self.name == "look":
             return bool(known.cameras)
         return not self.patterns or known.entry(self.patterns[0]) is not None

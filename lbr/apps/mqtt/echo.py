@@ -60,9 +60,9 @@ class Echo:
             self._late_until = now + CALM_S
 
     def late(self, now: float) -> bool:
-        """Tell whether a message of now may be old."""
+        """Return whether a message of now may be old."""
         return self.stands_still(now) or now < self._late_until
 
     def stands_still(self, now: float) -> bool:
-        """Tell whether none of the latest words has come back."""
+        """Return whether none of the latest words has come back."""
         return not now - self._received_s <= LATE_S + EVERY_S  # this way round, NaN is late

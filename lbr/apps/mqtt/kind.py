@@ -96,7 +96,7 @@ class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 def is_here(host: str) -> bool:
-    """Say whether a host is this machine; no host is nowhere else."""
+    """Return whether a host is this machine; no host is nowhere else."""
     try:
         return ip_address(host).is_loopback
     except ValueError:

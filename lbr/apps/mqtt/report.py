@@ -59,7 +59,7 @@ def merged(before: Report, change: Report) -> Report:
 
 
 def _same(one: object, other: object) -> bool:
-    """Say whether two values are one in JSON, where true is not 1."""
+    """Return whether two values are one in JSON, where true is not 1."""
     return type(one) is type(other) and one == other
 
 

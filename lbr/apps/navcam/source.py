@@ -73,7 +73,7 @@ class Door:
         return feed.close
 
     def knows(self, session: str) -> bool:
-        """Say whether a session goes on."""
+        """Return whether a session goes on."""
         return self._sessions.knows(session)
 
     def on_sign_out(self, then: Callable[[], None]) -> None:

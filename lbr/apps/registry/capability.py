@@ -164,7 +164,7 @@ class Registrar(Capability[RegistrarSettings]):
 
 
 def _is_reached(url: str) -> bool:
-    """Say whether other machines may reach an address."""
+    """Return whether other machines may reach an address."""
     host = urlsplit(url).hostname or ""
     return bool(host) and host != "localhost" and not names.is_loopback(host)
 

@@ -83,7 +83,7 @@ def address(endpoint: str) -> tuple[str, int]:
 
 
 def is_here(host: str) -> bool:
-    """Say whether a host is this machine."""
+    """Return whether a host is this machine."""
     try:
         return ip_address(host).is_loopback
     except ValueError:

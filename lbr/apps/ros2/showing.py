@@ -153,7 +153,7 @@ class Showing:
         return self._wall_ns() - round((self._ctx.clock() - mono_s) * 1e9)
 
     def _due(self, name: str, now: float) -> bool:
-        """Say whether it may be shown again, at the row's rate."""
+        """Return whether it may be shown again, at the row's rate."""
         if now < self._next.get(name, now):
             return False
         self._next[name] = now + 0.9 / self._ctx.settings.rate_hz

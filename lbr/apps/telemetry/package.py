@@ -50,7 +50,7 @@ def package(latest: Latest, now: float, time_s: float) -> Telemetry:
 
 
 def is_complete(latest: Latest, wired: Iterable[str]) -> bool:
-    """Tell whether each of these sources has a value for its part."""
+    """Return whether each of these sources has a value for its part."""
     return all((received := latest(port)) is not None and _has_value(port, received.message) for port in wired)
 
 

@@ -42,12 +42,12 @@ class Hand:
 
     @property
     def dead_man(self) -> bool:
-        """Tell whether the dead-man button is held, as far as is known."""
+        """Return whether the dead-man button is held, as far as is known."""
         return self._pad is not None and self._settings.dead_man in self._pad.pressed
 
     @property
     def has_pad(self) -> bool:
-        """Tell whether there is a gamepad."""
+        """Return whether there is a gamepad."""
         return self._pad is not None
 
     def receive(self, pad: GamepadState, sent_s: float) -> tuple[Button, ...]:

@@ -38,12 +38,12 @@ class Looking:
         return looks
 
     def counts(self, look: Look, now: float) -> bool:
-        """Say whether a picture that was looked at is new enough."""
+        """Return whether a picture that was looked at is new enough."""
         most_s: float = self._ctx.settings.max_age_s
         return now - look.taken_s <= most_s
 
     def has_pictures(self, now: float) -> bool:
-        """Say whether pictures come."""
+        """Return whether pictures come."""
         return now - self._picture_s <= NO_PICTURE_S
 
     def trouble(self, now: float) -> str:

@@ -110,7 +110,7 @@ class Access:
         return Client(address, name=user.name, role="view" if user.role == "host" else user.role)
 
     def _is_proven(self, user: LanUser) -> bool:
-        """Say whether a row's hash is of the secret that belongs to it; takes some 25 ms, once."""
+        """Return whether a row's hash is of the secret that belongs to it; takes some 25 ms, once."""
         if user.name not in self._proven:
             self._proven[user.name] = tokens.fits(user.secret, user.hash)
         return self._proven[user.name]

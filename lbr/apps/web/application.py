@@ -80,7 +80,7 @@ class Gate:
             )
 
     def allows(self, origin: str) -> bool:
-        """Say whether pages of an origin may ask."""
+        """Return whether pages of an origin may ask."""
         return self._pages.allows(origin)
 
     async def client(
@@ -260,7 +260,7 @@ def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Respons
 
 
 async def is_owners(scope: Scope, address: str) -> bool:
-    """Say whether the robot's own user asks; looked up once for a connection, beside the server's thread."""
+    """Return whether the robot's own user asks; looked up once for a connection, beside the server's thread."""
     connection = connection_of(scope)
     if connection is None or not names.is_loopback(address):
         return False

@@ -127,7 +127,7 @@ class Web(Capability[WebSettings]):
             self._tell()
 
     def answers(self) -> bool:
-        """Say whether the faces know what their first clients ask for, or it will not come."""
+        """Return whether the faces know what their first clients ask for, or it will not come."""
         return self._faces.know() or self.ctx.clock() - self._opened >= KNOWS_S
 
     def command(self, call: Call) -> None:

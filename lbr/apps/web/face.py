@@ -99,7 +99,7 @@ class Client:
         return bool(self.name or self.session) or self.role == "admin"
 
     def may(self, role: Role | None) -> bool:
-        """Say whether this client may do what needs a role; None is for everybody."""
+        """Return whether this client may do what needs a role; None is for everybody."""
         return role is None or (self.role is not None and RANKS[self.role] >= RANKS[role])
 
     def __str__(self) -> str:
@@ -281,7 +281,7 @@ class Face:
         """Do one round of work, in the capability's loop; must not block."""
 
     def knows(self) -> bool:
-        """Say whether it has heard what its clients ask for first; for some seconds the server is not called ready
+        """Return whether it has heard what its clients ask for first; for some seconds the server is not called ready
         before."""
         return True
 

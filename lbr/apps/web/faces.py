@@ -36,7 +36,7 @@ class Shown:
         self._run(lambda: self._face.step(now), None)
 
     def knows(self) -> bool:
-        """Say whether it has heard what its clients ask for first."""
+        """Return whether it has heard what its clients ask for first."""
         return bool(self._run(self._face.knows, True))
 
     def stopped(self, reason: str) -> None:
@@ -133,7 +133,7 @@ class Faces:
             one.step(now)
 
     def know(self) -> bool:
-        """Say whether all have heard what their clients ask for first."""
+        """Return whether all have heard what their clients ask for first."""
         return all(one.knows() for one in self.shown)
 
     def stopped(self, reason: str) -> None:

@@ -33,7 +33,7 @@ class Path:
         self._pattern = re.compile(f"{written}/?", re.IGNORECASE)
 
     def fits(self, path: str) -> bool:
-        """Say whether an asked path is this one."""
+        """Return whether an asked path is this one."""
         return self._pattern.fullmatch(path) is not None
 
     def keys(self, path: str) -> dict[str, str]:

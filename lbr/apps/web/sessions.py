@@ -56,7 +56,7 @@ class Sessions:
         return next((mark for name in self._keys if (mark := self._mark(name, whose, cookie)) in living), "")
 
     def knows(self, mark: str) -> bool:
-        """Say whether a mark is of a session that goes on."""
+        """Return whether a mark is of a session that goes on."""
         return name_in(mark) in self._keys and mark in self._living()
 
     def end(self, mark: str) -> None:

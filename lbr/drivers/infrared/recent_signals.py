@@ -18,7 +18,7 @@ class RecentSignals(Generic[K]):
         self._seen[signal] = max(seen_s, self._seen.get(signal, seen_s))
 
     def counts(self, signal: K, now: float) -> bool:
-        """Say whether it was seen within the time to live."""
+        """Return whether it was seen within the time to live."""
         age_s = self.age_s(signal, now)
         return age_s is not None and age_s < self._ttl_s
 

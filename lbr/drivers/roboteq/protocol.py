@@ -72,7 +72,7 @@ def write_setting(name: str, value: int) -> bytes:
 
 
 def is_inertial_unit(identity: str) -> bool:
-    """Say whether a firmware or model is that of a RIOX, which speaks the same language and drives no motor."""
+    """Return whether a firmware or model is that of a RIOX, which speaks the same language and drives no motor."""
     return "riox" in identity.lower()
 
 

@@ -157,7 +157,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         """Answer the commands that waited for the line."""
 
     def known(self) -> bool:
-        """Tell whether it is known which servos have torque."""
+        """Return whether it is known which servos have torque."""
         return True
 
     def admit(self, setpoint: ServoSetpoint, arrived: float, now: float) -> None:

@@ -67,11 +67,11 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         self._heed_estop(session, now)
 
     def answers(self) -> bool:
-        """Say whether any servo was heard."""
+        """Return whether any servo was heard."""
         return self._session is not None and self._session.poller.heard > self._session.opened
 
     def known(self) -> bool:
-        """Tell whether every servo was looked for; before, silence leaves open which of them have torque."""
+        """Return whether every servo was looked for; before, silence leaves open which of them have torque."""
         return self._snapshot.searched
 
     def command(self, call: Call) -> None:

@@ -45,7 +45,7 @@ class GuardPost(Generic[S]):
 
     @property
     def stands(self) -> bool:
-        """Say whether the guard is there and would act, or the row wants none."""
+        """Return whether the guard is there and would act, or the row wants none."""
         return not self._ctx.settings.guard or (self.guard is not None and self.guard.listens)
 
     def close(self, *, to_act: bool) -> None:

@@ -355,7 +355,7 @@ def _switching(servo: int, speed: int, limit: int) -> "Callable[[ServoBus], int 
 
 
 def _confirms(out: TargetState, seen: Seen, *, released: bool) -> bool:
-    """Say whether a servo was read, since it was told, to hold its goal; or to be without torque if `released`."""
+    """Return whether a servo was read, since it was told, to hold its goal; or to be without torque if `released`."""
     slow = seen.slow
     if slow is None or slow.at <= max(out.settled, out.aimed) or seen.reason or out.switching is not None:
         return False

@@ -60,7 +60,7 @@ def stopped(line: int, stop: bytes, acknowledged: bytes) -> bool:
 
 
 def heard(answer: bytes, acknowledged: bytes) -> bool:
-    """Tell whether an answer holds the acknowledgement; a controller that gives none is never believed."""
+    """Return whether an answer holds the acknowledgement; a controller that gives none is never believed."""
     return bool(acknowledged) and acknowledged in answer
 
 

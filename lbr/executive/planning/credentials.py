@@ -59,7 +59,7 @@ def fingerprint_shown() -> str:
 
 
 def is_own_shown() -> bool:
-    """Say whether browsers are shown a certificate that the owner put there."""
+    """Return whether browsers are shown a certificate that the owner put there."""
     return bool(home.given_credentials(*certificates.OWN_FILES))
 
 

@@ -29,7 +29,7 @@ class KindsBeside:
                 self._known[name] = mark, self._found(name)
 
     def ready(self, marks: Mapping[str, str]) -> bool:
-        """Say whether all of them are known as they are now; those that are not are found beside."""
+        """Return whether all of them are known as they are now; those that are not are found beside."""
         new = {name: mark for name, mark in marks.items() if mark and self._known.get(name, ("",))[0] != mark}
         if new and (self._thread is None or not self._thread.is_alive()):
             self._thread = beside.begin(partial(self.try_now, new), "kinds")

@@ -93,7 +93,7 @@ class Trials:
 
     @property
     def on(self) -> bool:
-        """Say whether rows are on trial: they are no good ones yet."""
+        """Return whether rows are on trial: they are no good ones yet."""
         return self._trial is not None
 
     def touching(self, change: Change) -> None:

@@ -142,7 +142,7 @@ def _ports(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], *w
 
 
 def _same(sends: Any, takes: Any) -> bool:
-    """Say whether two ports carry one type; files of the user's own may each declare it."""
+    """Return whether two ports carry one type; files of the user's own may each declare it."""
     if sends is takes or ANY in {sends, takes}:
         return True
     return bool(msgspec.json.schema(sends) == msgspec.json.schema(takes))

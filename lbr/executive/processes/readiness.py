@@ -19,7 +19,7 @@ class Readiness(Struct, frozen=True):
 
     @property
     def ready(self) -> bool:
-        """Say whether the robot is ready."""
+        """Return whether the robot is ready."""
         return not self.failed
 
     def words(self, after_s: float) -> str:

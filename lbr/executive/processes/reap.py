@@ -88,7 +88,7 @@ class Silence:
         self._waiting = False
 
     def hangs(self, now: float, look: Callable[[], Mapping[int, Thread]], main: int) -> bool:
-        """Say whether it hangs; called about twice a second, or what goes by unseen is not counted."""
+        """Return whether it hangs; called about twice a second, or what goes by unseen is not counted."""
         if not self._waiting or now - self._since < SUSPICIOUS_S:
             return False
         threads = look()

@@ -120,7 +120,7 @@ class Supervisor:
         return timeout_s, fds
 
     def settled(self) -> bool:
-        """Say whether everything that should run does, or has given up; what is degraded gets a moment to recover.
+        """Return whether everything that should run does, or has given up; what is degraded gets a moment to recover.
 
         A capability that reports its beginning gets as long as its first troubles are held back.
         """
@@ -132,7 +132,7 @@ class Supervisor:
         return part.phase in HELD | {"ready"} or (part.phase == "degraded" and patience_over) or self._held_up(part)
 
     def _held_up(self, part: Part) -> bool:
-        """Say whether it waits for something that will not come by itself."""
+        """Return whether it waits for something that will not come by itself."""
         needs = [self.parts[need] for need in part.spec.needs if need in self.parts]
         lost = [need for need in needs if need.phase in HELD or (need.phase == "waiting" and self._held_up(need))]
         if part.phase != "waiting" or not lost:
@@ -287,7 +287,7 @@ class Supervisor:
         return missing if self._hangs(part, child, now) else ""
 
     def _hangs(self, part: Part, child: Child, now: float) -> bool:
-        """Say whether a silence is a hang; who is not given the processor does not hang."""
+        """Return whether a silence is a hang; who is not given the processor does not hang."""
         silent_s, patience_s = now - part.beat_at, _patience_s(part)
         if not silent_s > SUSPICIOUS_S or now < part.look_at:
             return False

@@ -75,7 +75,7 @@ class Edits:
         return EditReply(accepted=False, reason=reason, code=code, revision=self._rows.plan.rows.revision)
 
     def _may(self, name: str) -> bool:
-        """Say whether rows wire a capability to this; the bus lets in no other, but a name in a stamp is a claim."""
+        """Return whether rows wire a capability to this; the bus lets in no other, but a name in a stamp is a claim."""
         plan = self._rows.plan
         asked = plan.units[name].config.requests.values() if name in plan.units else ()
         return any(one.get(EXECUTIVE) == keys.edit(plan.robot) for one in asked)

@@ -47,7 +47,7 @@ class Grants:
         self._happened = happened
 
     def pairs(self, name: str) -> bool:
-        """Say whether a capability may show codes; the bus lets in no other, but a name in a stamp is a claim."""
+        """Return whether a capability may show codes; the bus lets in no other, but a name in a stamp is a claim."""
         plan = self._rows.plan
         return name in plan.units and plan.kinds[name].rights.pairs
 

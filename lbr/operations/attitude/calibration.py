@@ -56,17 +56,17 @@ class Collection:
 
     @property
     def complete(self) -> bool:
-        """Say whether there are as many as wanted, from all of a turn."""
+        """Return whether there are as many as wanted, from all of a turn."""
         return len(self.samples) >= self.wanted and (self.samples.coverage >= 1.0 or len(self.samples) >= MOST)
 
     def is_stuck(self, turned_deg: float, now: float) -> bool:
-        """Say whether the body has not turned for a while although it should."""
+        """Return whether the body has not turned for a while although it should."""
         if not self.turns or abs(turned_deg - self._moved_from_deg) > STUCK_DEG:
             self._moved_s, self._moved_from_deg = now, turned_deg
         return now - self._moved_s > STUCK_S
 
     def hears_nothing(self, now: float, every_s: float) -> bool:
-        """Say whether the compass has measured nothing for a while."""
+        """Return whether the compass has measured nothing for a while."""
         if not self.turns or len(self.samples) != self._found:
             self._found, self._found_s = len(self.samples), now
         return now - self._found_s > STUCK_S + every_s

@@ -63,7 +63,7 @@ class Attitude(Capability[AttitudeSettings]):
         self._calibration.step()
 
     def answers(self) -> bool:
-        """Say whether it is known how the body lies, or reported why not."""
+        """Return whether it is known how the body lies, or reported why not."""
         return isfinite(self._known_s) or bool(self._warned)
 
     def command(self, call: Call) -> None:

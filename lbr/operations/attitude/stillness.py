@@ -77,7 +77,7 @@ class Stillness:
 
     @property
     def still(self) -> bool:
-        """Say whether the body turns about no axis."""
+        """Return whether the body turns about no axis."""
         limit = radians(self._settings.still_dps)
         return self.bias_rps is not None and bool(self._streak) and max(map(abs, self._rate_rps)) < limit
 

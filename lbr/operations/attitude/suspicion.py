@@ -59,5 +59,5 @@ class Suspicion:
 
 
 def _within(a: Vector, b: Vector, limit: float) -> bool:
-    """Say whether no part differs by more; what is not a number is left to others."""
+    """Return whether no part differs by more; what is not a number is left to others."""
     return not (abs(a[0] - b[0]) > limit or abs(a[1] - b[1]) > limit or abs(a[2] - b[2]) > limit)

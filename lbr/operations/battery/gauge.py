@@ -159,7 +159,7 @@ def _each(motors: MotorsState) -> tuple[MotorState, ...]:
 
 
 def _moves(motors: MotorsState, before: tuple[int | None, ...]) -> bool:
-    """Tell whether the motors move the base: pushing against something does not count."""
+    """Return whether the motors move the base: pushing against something does not count."""
     each = _each(motors)
     if not any(motor.power for motor in each):
         return False

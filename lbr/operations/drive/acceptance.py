@@ -45,7 +45,7 @@ def _form(state: State, command: Motion) -> Reason | None:
 
 
 def _means(command: DriveCommand) -> bool:
-    """Say whether a command is about its sensor: one that names none goes by a base that has no such sensor, too."""
+    """Return whether a command is about its sensor: one that names none goes by a base that has no such sensor, too."""
     return command.range_cm > 0.0 or command.sensor != "forward"
 
 

@@ -14,7 +14,7 @@ RIGHT_DEG = 90.0
 
 
 def moves(command: Motion) -> bool:
-    """Say whether a command wants anything but standing still; a turn always does, and so does nonsense."""
+    """Return whether a command wants anything but standing still; a turn always does, and so does nonsense."""
     if isinstance(command, TwistCommand):
         return not command.vx_mps == command.vy_mps == command.wz_rps == 0.0
     return not (isinstance(command, DriveCommand) and command.power == 0.0)
@@ -86,7 +86,7 @@ def towards_deg(command: Motion) -> float:
 
 
 def straight(command: DriveCommand) -> bool:
-    """Say whether a command drives straight ahead or straight back."""
+    """Return whether a command drives straight ahead or straight back."""
     return fmod(command.angle_deg, 180.0) == 0.0
 
 

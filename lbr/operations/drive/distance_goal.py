@@ -96,7 +96,7 @@ def fault(way: DistanceGoal, started: float, now: float) -> Reason | None:
 
 
 def is_over(way: DistanceGoal) -> bool:
-    """Say whether the base stands at the end, and has for a while."""
+    """Return whether the base stands at the end, and has for a while."""
     return way.odometry.seen - way.quiet >= SETTLE_S  # this way round, NaN is not over
 
 

@@ -187,7 +187,7 @@ def _known(value: float, digits: int) -> float | None:
 
 
 def _closing(command: DriveCommand, present_m: float, target_m: float, settings: DriveSettings) -> bool:
-    """Say whether the distance shrinks: the sensor at the end that leads, or else by where the target lies."""
+    """Return whether the distance shrinks: the sensor at the end that leads, or else by where the target lies."""
     parts = towards(*mix(command.power, command.angle_deg, settings))
     leads = {"forward": parts["forward"], "back": parts["back"]}.get(command.sensor)
     if leads is not None and parts["forward"] + parts["back"] > 0.0:

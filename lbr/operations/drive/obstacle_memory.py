@@ -200,7 +200,7 @@ def _limit(found: Ahead, speed: float, settings: DriveSettings, blocked: Iterabl
 
 
 def sweeps(wheels: tuple[float, float]) -> bool:
-    """Say whether a motion is an arc or a spin: what is straight ahead or behind is the live rules' matter."""
+    """Return whether a motion is an arc or a spin: what is straight ahead or behind is the live rules' matter."""
     parts = towards(*wheels)
     return parts["left"] > 0.0 or parts["right"] > 0.0
 
@@ -295,7 +295,7 @@ def _seen(spots: list[Spot], view: View, row: RangeSensor, settings: DriveSettin
 
 
 def _passed(spot: Spot, row: RangeSensor, scan: Scan, metres: Sequence[float]) -> bool:
-    """Say whether a scan looks past what it saw before, or sees it again."""
+    """Return whether a scan looks past what it saw before, or sees it again."""
     if spot.scanner != row.name:
         return False
     x_m, y_m, step = spot.x_m - row.x_m, spot.y_m - row.y_m, scan.angle_increment_rad
@@ -309,7 +309,7 @@ def _passed(spot: Spot, row: RangeSensor, scan: Scan, metres: Sequence[float]) -
 
 
 def _past(spot: Spot, row: RangeSensor, along_m: float, across_m: float, clear_m: float) -> bool:
-    """Say whether a sensor sees past a spot: by its cone, and past all that it saw from here if it sees that no
+    """Return whether a sensor sees past a spot: by its cone, and past all that it saw from here if it sees that no
     more."""
     if spot.scanner is not None:
         return False

@@ -89,7 +89,7 @@ def power(way: RangeGoal, asked: float, settings: DriveSettings) -> float:
 
 
 def is_over(way: RangeGoal) -> bool:
-    """Say whether the base stands at the range."""
+    """Return whether the base stands at the range."""
     return way.halts and way.rested >= SETTLED and way.left_m <= NEAR_M
 
 

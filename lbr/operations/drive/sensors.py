@@ -107,7 +107,7 @@ def sensors_of(settings: DriveSettings, rows: Iterable[RangeSensor] | None = Non
 
 
 def sees_along(row: RangeSensor) -> bool:
-    """Say whether what a sensor reads changes when the base drives, rather than when it turns."""
+    """Return whether what a sensor reads changes when the base drives, rather than when it turns."""
     return not row.level or abs(cos(row.yaw_rad)) > abs(sin(row.yaw_rad))
 
 
@@ -131,7 +131,7 @@ def scanned(sensors: Sensors, row: RangeSensor, scan: Scan) -> dict[Direction, S
 
 
 def plausible(scan: Scan) -> bool:
-    """Say whether the angles and limits of a scan can be right: at least two rays, and no more than once around."""
+    """Return whether the angles and limits of a scan can be right: at least two rays, and no more than once around."""
     count, step = len(scan.ranges_m), abs(scan.angle_increment_rad)
     turns = count > 1 and 0.0 < step * (count - 1) <= tau and abs(scan.angle_min_rad) <= tau
     return turns and 0.0 <= scan.range_min_m < scan.range_max_m

@@ -156,7 +156,7 @@ def fault(turn: TurnGoal, settings: DriveSettings, now: float) -> Reason | None:
 
 
 def is_over(turn: TurnGoal, settings: DriveSettings) -> bool:
-    """Say whether the base stands at its target, and has for a while."""
+    """Return whether the base stands at its target, and has for a while."""
     return turn.heading.seen - turn.quiet >= settings.turn_settle_s  # this way round, NaN is not over
 
 
@@ -208,7 +208,7 @@ def _push(turn: TurnGoal, heading: HeadingView, pushing: float, elapsed_s: float
 
 
 def _sticks(push: Push | None) -> bool:
-    """Say whether the base stood although it was pushed for a while."""
+    """Return whether the base stood although it was pushed for a while."""
     return push is not None and push.still_s > PATIENCE_S
 
 

@@ -61,7 +61,7 @@ def setpoint(state: State) -> Outputs:
 
 
 def _unremarkable(ended: Ended[Move]) -> bool:
-    """Say whether joints that joined just arrived: a sender that moves them in small steps would flood people with
+    """Return whether joints that joined just arrived: a sender that moves them in small steps would flood people with
     that."""
     move = ended.lease.motion
     return ended.how == "reached" and move.trajectory is None and move.stored is None and not ended.why.note

@@ -169,7 +169,7 @@ def _rest_s(state: State, name: str, now: float) -> float:
 
 
 def _rests(state: State, name: str, way: Way, now: float) -> bool:
-    """Say whether a joint has come to the end of its way, and to its goal as far as is known."""
+    """Return whether a joint has come to the end of its way, and to its goal as far as is known."""
     if not way.arrived <= now:
         return False
     found = position_rad(state, name)

@@ -34,7 +34,7 @@ def asked(command: JointsCommand, token: str) -> JointsRequest:
 
 
 def empty(command: JointsCommand) -> bool:
-    """Say whether a command has nothing to move; with a lease it renews that."""
+    """Return whether a command has nothing to move; with a lease it renews that."""
     return not (command.positions or command.frames or command.stored)
 
 

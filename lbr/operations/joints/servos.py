@@ -45,7 +45,7 @@ def unlearnt(state: State, now: float) -> State:
 
 
 def _known(state: State, now: float) -> bool:
-    """Say whether the driver does as it is told, or the servos are known to be without torque."""
+    """Return whether the driver does as it is told, or the servos are known to be without torque."""
     servos = state.servos
     if servos is None or not state.seen or not now - state.servos_at <= state.settings.servos_max_age_s:
         return False
@@ -87,7 +87,7 @@ def _found(state: State, now: float) -> State:
 
 
 def _has_torque(state: State, name: str, servo: ServoState) -> bool:
-    """Say whether a servo has torque: as far as is known, where it does not answer."""
+    """Return whether a servo has torque: as far as is known, where it does not answer."""
     return name in state.on if servo.torque is None else servo.torque > 0.0
 
 

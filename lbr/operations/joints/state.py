@@ -163,12 +163,12 @@ def age_s(state: State, name: str, now: float) -> float:
 
 
 def unmeasured(state: State, name: str, now: float) -> bool:
-    """Say whether it is not known from measuring where a joint is."""
+    """Return whether it is not known from measuring where a joint is."""
     return position_rad(state, name) is None or not age_s(state, name, now) <= state.settings.joint_max_age_s
 
 
 def waits(state: State) -> bool:
-    """Say whether the servos' controller does not pass goals on at present; it will, without being asked."""
+    """Return whether the servos' controller does not pass goals on at present; it will, without being asked."""
     return state.servos is not None and state.servos.mode not in PASSES_ON
 
 

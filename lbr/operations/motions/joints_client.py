@@ -29,7 +29,7 @@ class Context(Transport, Protocol):
         """Return what arrived on an input."""
 
     def alive(self, capability: str) -> bool:
-        """Say whether a capability's process is on the bus."""
+        """Return whether a capability's process is on the bus."""
 
     def targets(self, request: str) -> tuple[str, ...]:
         """Return the names of the capabilities wired to a request."""

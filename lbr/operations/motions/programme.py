@@ -167,7 +167,7 @@ def _lasts_s(motion: Motion | None) -> float:
 
 
 def _stable(motion: Motion) -> bool:
-    """Say whether the robot stands where key frames lead."""
+    """Return whether the robot stands where key frames lead."""
     return bool(motion.frames) and motion.frames[-1].stable
 
 

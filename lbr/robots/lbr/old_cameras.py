@@ -25,7 +25,7 @@ class OldCameras(NamedTuple):
     cameras: Mapping[str, Mapping[str, Any]]
 
     def fits(self, here: Here) -> bool:
-        """Say whether a robot has a camera that is mounted where one of these was."""
+        """Return whether a robot has a camera that is mounted where one of these was."""
         return any(_here(here, name) for name in self.cameras)
 
     def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:  # noqa: ARG002

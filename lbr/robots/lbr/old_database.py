@@ -41,7 +41,7 @@ class OldDatabase(NamedTuple):
     folder: str
 
     def fits(self, here: Here) -> bool:
-        """Say whether a robot has the wheels of the original."""
+        """Return whether a robot has the wheels of the original."""
         return any(row["kind"] == "odometry" for row in here.rows("capability"))
 
     def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:

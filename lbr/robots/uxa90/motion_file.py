@@ -28,7 +28,7 @@ class RbmMotion:
     file: RbmFile
 
     def fits(self, rows: RobotRows) -> bool:
-        """Say whether a robot has nominal zeros."""
+        """Return whether a robot has nominal zeros."""
         return any(motor.layer == FACTORY for motor in rows.of(Motor))
 
     def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:

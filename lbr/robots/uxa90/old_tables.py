@@ -23,7 +23,7 @@ class OldTables(NamedTuple):
     motions: Sequence[Mapping[str, Any]]
 
     def fits(self, here: Here) -> bool:
-        """Say whether a robot has motors by number."""
+        """Return whether a robot has motors by number."""
         return bool(here.rows("motor"))
 
     def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:  # noqa: ARG002
@@ -42,7 +42,7 @@ class OldSettings(NamedTuple):
     settings: Mapping[str, str]
 
     def fits(self, here: Here) -> bool:
-        """Say whether a robot has motors by number, and with them the API."""
+        """Return whether a robot has motors by number, and with them the API."""
         return bool(here.rows("motor"))
 
     def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:  # noqa: ARG002

@@ -41,7 +41,7 @@ class CameraHost:
 
     @property
     def running(self) -> bool:
-        """Say whether views are wanted."""
+        """Return whether views are wanted."""
         return self._view is not None
 
     def watch(self, device: str, mount: str, connection: socket.socket) -> None:

@@ -57,7 +57,7 @@ class Viewer:
             self._obey(bytes(line), now)
 
     def busy(self) -> bool:
-        """Say whether it has not read the last picture yet."""
+        """Return whether it has not read the last picture yet."""
         if self._outgoing:
             return True
         unread = bytearray(4)

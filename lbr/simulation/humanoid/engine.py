@@ -70,12 +70,12 @@ class HumanoidEngine:
 
     @property
     def held(self) -> bool:
-        """Say whether a hand or a stand holds it."""
+        """Return whether a hand or a stand holds it."""
         return bool(self._data.eq_active[0])
 
     @property
     def resting(self) -> bool:
-        """Say whether nothing moves, nor is about to: then time passes without the physics."""
+        """Return whether nothing moves, nor is about to: then time passes without the physics."""
         return self._stillness.rests(self.battery.voltage_v) and self.grip.still
 
     def put(self, angles: Sequence[float], foot: str = "") -> None:
@@ -150,7 +150,7 @@ class HumanoidEngine:
             self._step_once()
 
     def driven(self, drives: Mapping[Servo, ServoDrive]) -> bool:
-        """Say whether the servos are driven like this already."""
+        """Return whether the servos are driven like this already."""
         return self._servos.driven(drives)
 
     def rest(self, dt_s: float) -> None:
@@ -230,7 +230,7 @@ class HumanoidEngine:
 
     @property
     def _about_to(self) -> bool:
-        """Say whether servos are on their way, or the hand may open soon."""
+        """Return whether servos are on their way, or the hand may open soon."""
         return self._servos.on_their_way or (self.held and not self.settings.stand and not self._servos.limp.any())
 
     def _stand_still(self) -> None:
@@ -263,7 +263,7 @@ class HumanoidEngine:
         return turned
 
     def _balanced(self) -> bool:
-        """Say whether it stands on all its feet, its weight well above them."""
+        """Return whether it stands on all its feet, its weight well above them."""
         if not set(self.body.feet) <= set(self._on_floor()):
             return False
         soles = np.flatnonzero(np.isin(self._model.geom_bodyid, list(self.body.feet.values())) & self.body.solid)

@@ -25,7 +25,7 @@ class Grip:
 
     @property
     def still(self) -> bool:
-        """Say whether nothing was asked of it that it has not begun."""
+        """Return whether nothing was asked of it that it has not begun."""
         return self._goal is self._followed
 
     def take(self, request: HandRequest) -> str:

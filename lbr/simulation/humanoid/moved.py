@@ -41,7 +41,7 @@ class HumanoidPhysics:
             bus.feel_servos(felt[name], supply_v, now)
 
     def resting(self, now: float) -> bool:
-        """Say whether nothing moves, and the servos' registers want nothing else."""
+        """Return whether nothing moves, and the servos' registers want nothing else."""
         return not self.pick_up and self._engine.resting and self._engine.driven(self._drives(now))
 
     def rest(self, dt_s: float) -> None:
@@ -60,7 +60,7 @@ class HumanoidPhysics:
         return self._engine.sensed()
 
     def moved_by(self, twin: Twin) -> bool:
-        """Say whether a twin moves joints, or gives their servos power."""
+        """Return whether a twin moves joints, or gives their servos power."""
         return isinstance(twin, PowerSwitch | ServoBus)
 
     def at_rest(self, now: float) -> bool:  # noqa: ARG002

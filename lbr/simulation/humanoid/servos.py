@@ -50,7 +50,7 @@ class Servos:
 
     @property
     def on_their_way(self) -> bool:
-        """Say whether the target of any still goes to its goal."""
+        """Return whether the target of any still goes to its goal."""
         return bool((~self.limp & (np.abs(self._target - self._goal) > _THERE_RAD)).any())
 
     def driven(self, drives: Mapping[Servo, ServoDrive]) -> bool:

@@ -26,7 +26,7 @@ class Stillness:
         self._rested_v: float | None = None
 
     def rests(self, supply_v: float) -> bool:
-        """Say whether it has come to rest, and its supply has not changed since."""
+        """Return whether it has come to rest, and its supply has not changed since."""
         return self._rested_v is not None and abs(supply_v - self._rested_v) < SAG_V
 
     def end(self) -> None:

@@ -30,7 +30,7 @@ def starts(world: WorldSettings, count: int, seed: int) -> list[StartPose]:
 
 
 def free(world: WorldSettings, start: StartPose) -> bool:
-    """Say whether the robot can stand there, and turn there without touching anything, its dock neither."""
+    """Return whether the robot can stand there, and turn there without touching anything, its dock neither."""
     engine = Engine(replace(world, start=start))
     for _ in range(TURN_STEPS):
         engine.step(-TURN_POWER, TURN_POWER, STEP_S)

@@ -26,7 +26,7 @@ class Port(Protocol):
 
     @property
     def plugged(self) -> bool:
-        """Say whether it is."""
+        """Return whether it is."""
 
     def fileno(self) -> int:
         """Return the descriptor to select on."""
@@ -128,7 +128,7 @@ class PowerSwitch(Protocol):
 
     @property
     def motors_on(self) -> bool:
-        """Say whether they have power."""
+        """Return whether they have power."""
 
 
 class PortTwin(Generic[P, F]):

@@ -19,7 +19,7 @@ from lbr.apps.foxglove.kind import FoxgloveSettings
 from lbr.apps.foxglove.socket import motion
 from lbr.apps.recorder.box import ear
 from lbr.apps.recorder.recording import chunks, export
-from lbr.errors import InputError
+from lbr.errors import InputError, MalformedError
 from lbr.messages.description import CapabilityDescription, RobotDescription
 from lbr.messages.odometry import OdometryState
 from lbr.messages.schema import flat_schema
@@ -42,7 +42,7 @@ def read(said):
     """Return what comes, and what is called rubbish as something unknown; nothing else is raised."""
     try:
         return protocol.parse(said)
-    except protocol.InvalidMessage as err:
+    except MalformedError as err:
         return protocol.Unknown(str(err)) if str(err).isprintable() else err
 
 

@@ -77,7 +77,7 @@ class Tape:
         self._bytes = self._first_ns = self._last_ns = 0
 
     def is_due(self, now: float) -> bool:
-        """Say whether another file is to begin."""
+        """Return whether another file is to begin."""
         return self.disk.broken or (self._segment_s is not None and now - self._begun >= self._segment_s)
 
     def add(self, number: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> None:

@@ -128,7 +128,7 @@ def _recorded(at_ns: int, robot: str | None, place: str) -> tuple[RecordedRows |
 
 
 def _goes_back_to(path: Path, recorded: RecordedRows, robot: str | None) -> bool:
-    """Say whether a database had these rows: it was not replaced by another one."""
+    """Return whether a database had these rows: it was not replaced by another one."""
     if not path.exists():
         return False
     with opened(path) as rows:

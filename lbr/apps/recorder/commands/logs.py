@@ -100,7 +100,7 @@ def _chosen(name: str, logs: Collection[str]) -> list[str]:
 
 
 def _means(name: str, one: str) -> bool:
-    """Say whether a name means one of `robot/capability`, with or without its robot."""
+    """Return whether a name means one of `robot/capability`, with or without its robot."""
     return name in {one, one.rpartition("/")[2]}
 
 

@@ -75,7 +75,7 @@ class RecordedLine:
         self.longest = max((len(one) for one in self._by_question), default=0)
 
     def known(self, sent: bytes) -> bool:
-        """Say whether exactly this was sent."""
+        """Return whether exactly this was sent."""
         return sent in self._by_question
 
     def question(self, data: bytes) -> tuple[bytes, bool]:
@@ -218,7 +218,7 @@ def taken(messages: Iterable[Message]) -> Taken:
 
 
 def is_opening(message: Message) -> bool:
-    """Say whether a message has how lines were opened, before the recording."""
+    """Return whether a message has how lines were opened, before the recording."""
     return any(line.opening for line in found.lines) if (found := _decoded(message)) is not None else False
 
 

@@ -128,7 +128,7 @@ class Recording:
             at = next_at
 
     def _follows(self, at: int) -> bool:
-        """Say whether a record may begin here, or the file ends."""
+        """Return whether a record may begin here, or the file ends."""
         data, size = self._data, self._size
         if at == size:
             return True

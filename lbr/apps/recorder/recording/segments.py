@@ -82,7 +82,7 @@ def sync_folder(path: Path) -> None:
 
 
 def in_use(path: Path) -> bool:
-    """Say whether a process writes a file at this moment."""
+    """Return whether a process writes a file at this moment."""
     try:
         fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe without a writer would be waited for
     except OSError:

@@ -63,7 +63,7 @@ class Recorded(Struct, kw_only=True):
     """When each goal ended."""
 
     def holds(self, at_ns: int, margin_ns: int = 0) -> bool:
-        """Say whether a time is in it, and not within so much of its ends."""
+        """Return whether a time is in it, and not within so much of its ends."""
         return self.start_ns + margin_ns <= at_ns <= self.end_ns - margin_ns
 
 
@@ -86,18 +86,18 @@ class Outcome(Struct, kw_only=True):
 
     @property
     def late(self) -> bool:
-        """Say whether this machine was too busy to say everything in its time: then nothing is shown."""
+        """Return whether this machine was too busy to say everything in its time: then nothing is shown."""
         return self.late_s > LATE_S
 
     @property
     def same(self) -> bool:
-        """Say whether setpoints, answers and reasons were as recorded."""
+        """Return whether setpoints, answers and reasons were as recorded."""
         return not (
             self.late or any(map(self.differs, self.setpoints)) or self.answered_otherwise or self.missing or self.new
         )
 
     def differs(self, topic: str) -> bool:
-        """Say whether a stream of setpoints was another, but for a sample in `ONE_IN`."""
+        """Return whether a stream of setpoints was another, but for a sample in `ONE_IN`."""
         return len({one.at_ns for one in self.differences[topic]}) * ONE_IN > self.setpoints[topic]
 
 

@@ -134,7 +134,7 @@ class Feed:
         return differing
 
     def _held(self, command: Command, now_ns: int) -> bool:
-        """Say whether who sends this waited for the end of a goal, which is not there yet."""
+        """Return whether who sends this waited for the end of a goal, which is not there yet."""
         goal = self._goals.get(command.source)
         if goal is None or goal.name in self._over:
             return False
@@ -203,7 +203,7 @@ class Feed:
             self._goals[command.source] = _Goal(now, self._ended[then], sent, renewal, now_ns)
 
     def _comes_again(self, said: Said, reply: Mapping[str, Any], now_ns: int) -> bool:
-        """Say whether it was only too early: what went on for a moment longer than then is over soon."""
+        """Return whether it was only too early: what went on for a moment longer than then is over soon."""
         accepted = bool(said.command.reply.get("accepted"))
         return accepted and reply.get("code") in BUSY and now_ns - said.at_ns < LONGER_NS
 

@@ -258,7 +258,7 @@ class Holds:
         )
 
     def _left(self, lease: LeaseClient, why: str, lost: bool) -> bool:
-        """Tell whether an unwanted lease never was, or has been given up."""
+        """Return whether an unwanted lease never was, or has been given up."""
         try:
             lease.step()
             if lease.ended is None and lease.accepted is not None:

@@ -41,5 +41,5 @@ class Stops:
 
 
 def is_stop(line: str) -> bool:
-    """Say whether a console line stops; the executive, which carries it out, knows more ways to write it."""
+    """Return whether a console line stops; the executive, which carries it out, knows more ways to write it."""
     return _STOP.fullmatch(unicodedata.normalize("NFKC", line).strip().lower()) is not None

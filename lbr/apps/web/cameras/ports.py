@@ -55,7 +55,7 @@ class Ports:
         return end
 
     def knows(self, session: str) -> bool:
-        """Say whether a session goes on."""
+        """Return whether a session goes on."""
         return self._robot.sessions.knows(session)
 
     def on_sign_out(self, then: Callable[[], None]) -> None:

@@ -44,7 +44,7 @@ class Source(Protocol):
         """Have pictures come, each to `deal` on the server's thread; return what ends that."""
 
     def knows(self, session: str) -> bool:
-        """Say whether a session goes on."""
+        """Return whether a session goes on."""
 
     def on_sign_out(self, then: Callable[[], None]) -> None:
         """Have something called, on the server's thread, whenever a user signs out."""

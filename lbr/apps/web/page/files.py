@@ -156,7 +156,7 @@ def served(found: File, request: Request) -> Response:
 
 
 def _takes_gzip(said: str) -> bool:
-    """Say whether an `Accept-Encoding` allows gzip."""
+    """Return whether an `Accept-Encoding` allows gzip."""
     for part in said.lower().split(","):
         name, _, weight = part.partition(";")
         if name.strip() in {"gzip", "*"}:

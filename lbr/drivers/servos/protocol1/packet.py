@@ -122,7 +122,7 @@ class StatusParser:
         return at
 
     def _possible(self, at: int) -> bool:
-        """Say whether the bytes there, as many as have come, can be the beginning of a status packet."""
+        """Return whether the bytes there, as many as have come, can be the beginning of a status packet."""
         head = self._held[at : at + 5]
         return all(_FITS[place](byte) for place, byte in enumerate(head))
 

@@ -103,7 +103,7 @@ class _Course:
         return 9.9 if view.back_m is None else view.back_m - self._docked_back_m
 
     def _stands(self, view: View) -> bool:
-        """Say whether it has not come any nearer for a while."""
+        """Return whether it has not come any nearer for a while."""
         if view.back_m is None:
             return False
         self._way.append((view.time_s, view.back_m))

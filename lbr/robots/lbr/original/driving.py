@@ -47,7 +47,7 @@ class Who:
         return cls(names.peer_name(request.client.address), request.client.name, request.headers.get("user-agent", ""))
 
     def is_heard_by(self, asker: "Who") -> bool:
-        """Say whether a request is a sign of life of this client: its own token, or none and the same program."""
+        """Return whether a request is a sign of life of this client: its own token, or none and the same program."""
         if asker.address != self.address:
             return False
         return asker.token == self.token if asker.token else asker.agent == self.agent

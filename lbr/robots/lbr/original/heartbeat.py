@@ -28,7 +28,7 @@ class Heartbeat:
         return now - self._heard
 
     def is_lost(self, now: float) -> bool:
-        """Say whether it was silent for too long; comparisons are such that NaN is."""
+        """Return whether it was silent for too long; comparisons are such that NaN is."""
         if now - self._heard <= self._most_s:
             return False
         return self._in_time >= ATTENDED or not now <= self._alone_until

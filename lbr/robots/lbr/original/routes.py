@@ -79,7 +79,7 @@ class LbrOriginalFace(web.Face):
         self._remember(self._robot.ctx.latest("telemetry"), now)
 
     def knows(self) -> bool:
-        """Say whether every part of the telemetry that the robot has was told."""
+        """Return whether every part of the telemetry that the robot has was told."""
         latest = self._robot.ctx.latest("telemetry")
         return latest is not None and latest.message.complete
 
@@ -249,7 +249,7 @@ class LbrOriginalFace(web.Face):
 
 
 def _may_stop(request: Request) -> bool:
-    """Say whether a request may stop: everybody at this machine may, and every role from elsewhere."""
+    """Return whether a request may stop: everybody at this machine may, and every role from elsewhere."""
     return names.is_loopback(request.client.address) or request.client.role is not None
 
 

@@ -165,7 +165,7 @@ class Bus:
         return None
 
     def quiet(self) -> bool:
-        """Say whether a question may be asked now; takes in what came, and believes the answers before if it may."""
+        """Return whether a question may be asked now; takes in what came, and believes the answers before if it may."""
         self.drain()
         return not self._owed and self._clock() >= max(self._quiet_at, self._framed_at)
 
@@ -210,7 +210,7 @@ class Bus:
 
     @property
     def doubtful(self) -> bool:
-        """Say whether there are answers that may still prove to be another servo's."""
+        """Return whether there are answers that may still prove to be another servo's."""
         return bool(self._doubtful)
 
     def close(self) -> None:
@@ -254,7 +254,7 @@ class Bus:
         return None
 
     def _wanted(self, aside: float) -> bool:
-        """Say whether the line is wanted for a stop, or, from then on, for a write."""
+        """Return whether the line is wanted for a stop, or, from then on, for a write."""
         return bool(self._stop_waits()) or (self._clock() > aside and bool(self._write_waits()))
 
     def _take(self, wait_s: float) -> bytes:

@@ -80,7 +80,7 @@ class Poller:
 
     @property
     def told_apart(self) -> bool:
-        """Say whether every servo that answers is believed, or never is, or is known not to answer."""
+        """Return whether every servo that answers is believed, or never is, or is known not to answer."""
         heard = self._policy == "never"
         return all(seen.trusted or seen.reason or (heard and seen.raw is not None) for seen in self.seen.values())
 

@@ -26,7 +26,7 @@ class StoredMotions:
 
     @property
     def busy(self) -> bool:
-        """Say whether the main board moves, so that nothing else may."""
+        """Return whether the main board moves, so that nothing else may."""
         return self.phase == "playing"
 
     @property

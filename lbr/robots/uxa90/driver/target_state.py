@@ -44,7 +44,7 @@ class TargetState:
     still: tuple[int, float] | None = None
 
     def leads(self, goal: ServoGoal, count: int, here: int | None, round_s: float) -> bool:
-        """Say whether a goal is where the servo is, or leads on from that `round_s` ago; it would jump there
+        """Return whether a goal is where the servo is, or leads on from that `round_s` ago; it would jump there
         otherwise."""
         if here is not None and abs(here - count) <= NEAR:
             return True

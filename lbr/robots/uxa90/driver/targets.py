@@ -68,7 +68,7 @@ class ServoTargets:
 
     @property
     def unknown(self) -> bool:
-        """Say whether it is unknown of any servo if it has torque."""
+        """Return whether it is unknown of any servo if it has torque."""
         return any(not out.known for out in self._all())
 
     @property
@@ -172,7 +172,7 @@ class ServoTargets:
         return seen.position if seen.trusted and fresh else None
 
     def moving(self, servo: int) -> bool:
-        """Say whether a servo may be under way, for the judge of its position; from any thread."""
+        """Return whether a servo may be under way, for the judge of its position; from any thread."""
         out = self.servos[servo]
         return not out.on or out.count is None or self._clock() - out.told_at < MOVING_S
 

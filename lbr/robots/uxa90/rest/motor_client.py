@@ -98,7 +98,7 @@ class MotorClient:
         return None if reply.accepted else reply.why
 
     def _ready(self, *, timed: bool) -> bool:
-        """Say whether what waits can be asked for now; a date must not be before that of our last lease."""
+        """Return whether what waits can be asked for now; a date must not be before that of our last lease."""
         if self._holder.lease is not None and self._holder.asks:
             return self._holder.lease.accepted is not None
         return not timed or self._heard_s() > self._begun

@@ -36,7 +36,7 @@ def of_json(value: float) -> float:
 
 
 def begins_as_integer(text: str) -> bool:
-    """Say whether `parseInt(text)` is a number: it reads only the beginning."""
+    """Return whether `parseInt(text)` is a number: it reads only the beginning."""
     return _INTEGER.match(text.lstrip(WHITESPACE)) is not None
 
 

@@ -109,7 +109,7 @@ class Player:
 
     @property
     def over(self) -> bool:
-        """Say whether nothing is left to play at `next_at` but its end."""
+        """Return whether nothing is left to play at `next_at` but its end."""
         return self._frame is None
 
     def step(self) -> Way:

@@ -105,12 +105,12 @@ class SamServo:
 
     @property
     def powered(self) -> bool:
-        """Say whether it has a supply."""
+        """Return whether it has a supply."""
         return self._powered
 
     @property
     def driven(self) -> bool:
-        """Say whether it heads for a goal or holds one."""
+        """Return whether it heads for a goal or holds one."""
         return self._level is not None
 
     @property

@@ -116,7 +116,7 @@ def status(number: int, error: int, data: bytes = b"") -> bytes:
 
 
 def sound(packet: bytes) -> bool:
-    """Say whether a status packet is whole and its sum is right."""
+    """Return whether a status packet is whole and its sum is right."""
     return len(packet) >= 6 and packet[3] + 4 == len(packet) and checksum(packet[2:-1]) == packet[-1]
 
 

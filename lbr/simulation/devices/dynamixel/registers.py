@@ -97,7 +97,7 @@ def touched(address: int, count: int) -> list[Register] | None:
 
 
 def in_range(table: bytearray, register: Register) -> bool:
-    """Say whether a register holds what it may hold."""
+    """Return whether a register holds what it may hold."""
     value = word(table, register.address) if register.size == 2 else table[register.address]
     return register.least <= value <= register.most
 

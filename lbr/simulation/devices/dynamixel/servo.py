@@ -87,7 +87,7 @@ class AxServo:
 
     @property
     def powered(self) -> bool:
-        """Say whether it has a supply."""
+        """Return whether it has a supply."""
         return self._powered
 
     def power(self, *, on: bool) -> None:

@@ -24,7 +24,7 @@ class PicoTwin(I2cTwin[PicoFaults]):
 
     @property
     def motors_on(self) -> bool:
-        """Say whether the relay gives the servos power."""
+        """Return whether the relay gives the servos power."""
         return self._supply.relay == self._relay_on
 
     def sense(self, sensed: Sensed) -> None:

@@ -58,7 +58,7 @@ class RioxDevice(AsciiDevice[RioxFaults]):
         return self.outbox.next_due()
 
     def present(self, now: float) -> bool:  # noqa: ARG002
-        """Say whether the host sees the port."""
+        """Return whether the host sees the port."""
         return not (self.faults.unplug or self.faults.brown_out)
 
     def execute(self, line: str, now: float) -> None:

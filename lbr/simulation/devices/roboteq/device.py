@@ -93,7 +93,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
         return min((at for at in times if at is not None), default=None)
 
     def present(self, now: float) -> bool:
-        """Say whether the host sees the port: not while unplugged, without power or restarting."""
+        """Return whether the host sees the port: not while unplugged, without power or restarting."""
         gone, back = self._away
         return not (self._faults.unplug or self._faults.brown_out or gone <= now < back)
 

@@ -30,7 +30,7 @@ class PowerStage:
         self._expired = False
 
     def expired(self, now: float) -> bool:
-        """Say whether the watchdog has cut the outputs; it stays so until fed."""
+        """Return whether the watchdog has cut the outputs; it stays so until fed."""
         if (
             self.watchdog_ms and self._works() and not now - self._fed_at < self.watchdog_ms / 1000
         ):  # this way round, NaN means stop

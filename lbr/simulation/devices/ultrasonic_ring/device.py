@@ -93,7 +93,7 @@ class UltrasonicBoard:
             self._ranging = False
 
     def _blocked(self) -> bool:
-        """Say whether the board waits for an echo that never comes; only the Arduino's firmware gives up."""
+        """Return whether the board waits for an echo that never comes; only the Arduino's firmware gives up."""
         return self.board == "parallax" and bool(self.faults.missing)
 
     def _take_turn(self, side: str) -> None:
